@@ -1,0 +1,33 @@
+// How a caller steers a long call: cancellation, progress, threads.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+
+namespace welkin {
+
+/// Passed to every call that can take longer than a frame. The default asks for nothing.
+struct Control {
+  /// Checked before every tile (some 20 to 100 microseconds of work). Once stop is requested the
+  /// call throws `Error` with `ErrorCode::cancelled`; nothing that the call would have returned exists.
+  std::stop_token stop;
+
+  /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
+  /// It comes from whichever thread finished a tile, one call at a time; what it throws ends the call
+  /// and reaches the caller. Left empty, progress costs nothing.
+  std::function<void(double)> progress;
+};
+
+/// Runs `work` in an arena of its own with `threads` threads (0: as many as the process may use).
+///
+/// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
+/// arena keeps its thread budget without this function. It is for programs that have no arena.
+/// The number of threads never changes a result's bits.
+/// Throws `Error` (invalid_argument) if `threads` is negative, and whatever `work` throws.
+void run_with_threads(int threads, const std::function<void()>& work);
+
+/// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where
+/// the control group's CPU quota (cgroup v2 `cpu.max`) grants fewer. At least 1.
+[[nodiscard]] int available_threads();
+
+}  // namespace welkin

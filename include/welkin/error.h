@@ -1,0 +1,32 @@
+// The one exception type that Welkin throws.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace welkin {
+
+/// What kind of thing went wrong; the message says what, where, and what would do instead.
+enum class ErrorCode {
+  invalid_argument,  ///< a view or an option that no call could accept (a null face, zero bands)
+  rejected_pixel,    ///< a texel that the caller's policy rejects; the message names face, row and column
+  file_access,       ///< a file that cannot be opened, read or written
+  corrupt_file,      ///< a file that breaks its own format, or ends too early
+  unsupported_file,  ///< a sound file of a kind that Welkin does not read, or whose layout it cannot tell
+  limit_exceeded,    ///< a file or request that would need more memory than the stated limit
+  cancelled,         ///< the caller's stop token asked for it
+};
+
+/// Thrown by every public entry that can fail. Nothing else leaves the library, except
+/// `std::bad_alloc` and whatever a caller's own callback throws.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+
+  [[nodiscard]] ErrorCode code() const noexcept { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+}  // namespace welkin

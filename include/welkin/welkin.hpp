@@ -1,0 +1,13 @@
+// All of Welkin's C++ interface.
+#pragma once
+
+#include "welkin/analytic_sky.h"
+#include "welkin/babylon.h"
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
+#include "welkin/image_view.h"
+#include "welkin/instruction_set.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
+#include "welkin/version.h"

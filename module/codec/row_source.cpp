@@ -1,0 +1,64 @@
+#include "codec/row_source.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "codec/byte_file.h"
+#include "codec/exr_row_source.h"
+#include "codec/pfm_row_source.h"
+
+namespace welkin::codec {
+namespace {
+
+using namespace std::string_view_literals;
+
+struct Signature {
+  std::string_view bytes;
+  const char* kind;
+};
+
+// What people are likely to hand in instead, so that the refusal can name it.
+constexpr std::array kOtherKinds{
+    Signature{"#?"sv, "a Radiance picture (.hdr)"},
+    Signature{"\x89PNG"sv, "a PNG"},
+    Signature{"\xff\xd8\xff"sv, "a JPEG"},
+    Signature{"II*\0"sv, "a TIFF"},
+    Signature{"MM\0*"sv, "a TIFF"},
+    Signature{"\xabKTX"sv, "a KTX texture"},
+    Signature{"DDS "sv, "a DDS texture"},
+    Signature{"\x86\x16\x87\x96\xf6\xd6\x96\x36"sv, "a Babylon.js .env"},
+};
+
+std::string_view first_bytes(ByteFile& file, std::array<char, 8>& buffer) {
+  const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.size());
+  file.read(buffer.data(), count);
+  file.seek(0);
+  return {buffer.data(), count};
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, std::string_view start) {
+  const auto* known = std::find_if(kOtherKinds.begin(), kOtherKinds.end(),
+                                   [&](const Signature& other) { return start.starts_with(other.bytes); });
+  const std::string found = start.empty()                ? "is empty"
+                            : known != kOtherKinds.end() ? std::string("is ") + known->kind
+                                                         : "is of no kind that is known here";
+  throw file_error(ErrorCode::unsupported_file, path, found + "; OpenEXR (.exr) and PFM (.pfm) are read: convert it");
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options) {
+  ByteFile file(path);
+  std::array<char, 8> buffer{};
+  const std::string_view start = first_bytes(file, buffer);
+  if (start.starts_with("\x76\x2f\x31\x01"sv)) {
+    return open_exr(file, options);
+  }
+  if (start.starts_with("PF"sv) || start.starts_with("Pf"sv)) {
+    return open_pfm(file, options);
+  }
+  refuse(path, start);
+}
+
+}  // namespace welkin::codec

@@ -1,0 +1,22 @@
+// The same floating-point environment for every tile.
+#pragma once
+
+#include <xmmintrin.h>
+
+namespace welkin::jobs {
+
+/// Rounds to nearest, keeps denormals and raises nothing while it lives; then puts back what was there.
+/// Engines like to flush denormals or to unmask exceptions on their threads: either would change our bits.
+class FloatingPointScope {
+ public:
+  FloatingPointScope() noexcept : saved_(_mm_getcsr()) { _mm_setcsr(kDefaultEnvironment); }
+  ~FloatingPointScope() { _mm_setcsr(saved_); }
+  FloatingPointScope(const FloatingPointScope&) = delete;
+  FloatingPointScope& operator=(const FloatingPointScope&) = delete;
+
+ private:
+  static constexpr unsigned kDefaultEnvironment = 0x1F80;  // MXCSR after reset: all exceptions masked
+  unsigned saved_;
+};
+
+}  // namespace welkin::jobs

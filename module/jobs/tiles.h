@@ -1,0 +1,38 @@
+// Work cut by its shape, run by whoever has time.
+//
+// A job is `count` tiles. How many there are and what each covers follows from the problem's shape alone,
+// never from the number of threads; each tile writes to a place of its own; whoever reduces those places
+// does it in one fixed order. That is all that determinism takes, and the scheduler is free.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "welkin/control.h"
+
+namespace welkin::jobs {
+
+/// Where a job runs.
+enum class Placement {
+  calling_thread,  ///< small work: waking a pool would cost more
+  arena,           ///< as TBB tasks in the caller's arena
+};
+
+/// How many workers may be inside a job at once: the length of an array of scratch space, one entry each.
+[[nodiscard]] std::size_t worker_count(Placement placement);
+
+/// Calls `tile(index, worker)` once for every index in [0, count); `worker` is below `worker_count` and
+/// belongs to nobody else while the tile runs.
+///
+/// Tiles run with the default floating-point environment (round to nearest, denormals kept) whatever the
+/// caller's thread has set, and leave that as it was. Before each tile the stop token is checked; after
+/// each one progress is reported. The first exception that a tile throws ends the job and comes out here.
+/// Throws `Error` (cancelled). Allocates nothing of its own between the first tile's start and the last
+/// one's end.
+void run_tiles(std::size_t count, Placement placement, const Control& control,
+               const std::function<void(std::size_t tile, std::size_t worker)>& tile);
+
+/// Whether the calling thread is inside a tile: for tests that watch what tiles do to the heap.
+[[nodiscard]] bool inside_tile() noexcept;
+
+}  // namespace welkin::jobs

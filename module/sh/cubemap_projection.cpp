@@ -1,0 +1,367 @@
+// The projection of a cubemap, from tiles down to rows.
+//
+// A tile is a few chunks of the face's top left quadrant, taken over all six faces: what a position there
+// weighs is looked up or computed once and used for 24 texels. Per chunk and face: rows are folded into
+// symmetry classes (simd::FoldQuadrants), and the planes of sums and differences multiplied with the weights
+// (simd::WeightedSums). Per tile and face the sums turn from the face's frame to the world's.
+//
+// Clean pixels pay nothing for the policies: a NaN or an infinity anywhere makes a tile's sums of that face
+// non-finite, and only then (or when an option wants every texel looked at) are its texels decoded, cleaned
+// and summed again.
+#include "sh/cubemap_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "image/formats.h"
+#include "jobs/tiles.h"
+#include "sh/frame_transform.h"
+#include "sh/pixel_policy.h"
+#include "sh/tile_sums.h"
+#include "simd/kernels.h"
+#include "tables/aligned_buffer.h"
+#include "tables/texel_weights.h"
+
+namespace welkin::sh {
+namespace {
+
+using simd::kChunk;
+using simd::kLanes;
+using tables::QuadrantChunk;
+
+constexpr int kFaces = 6;
+constexpr int kClasses = simd::kMaximumClasses;
+constexpr int kChunksPerTile = 8;  // 49 152 texels: 15 to 30 microseconds, long against a task's microsecond
+constexpr std::int64_t kInlineTexels = 100'000;
+
+/// Stands in for the bottom row where a row is its own mirror image.
+alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
+
+/// What one worker needs; made before the tiles run.
+struct Scratch {
+  Scratch(int functions, std::size_t weight_floats)
+      : weights(weight_floats),
+        planes(std::size_t{3} * kClasses * kChunk),
+        runs(std::size_t{4} * 3 * kChunk),
+        sum_lanes(static_cast<std::size_t>(kFaces * 3 * functions * simd::kSumLanes)),
+        face_sums(static_cast<std::size_t>(3 * functions)),
+        cleaned_sums(face_sums.size()) {}
+
+  tables::AlignedBuffer<float> weights;
+  tables::AlignedBuffer<float> planes;      ///< [3][kClasses][kChunk]
+  tables::AlignedBuffer<float> runs;        ///< four decoded runs of a row
+  tables::AlignedBuffer<double> sum_lanes;  ///< [kFaces][3][functions][simd::kSumLanes]
+  std::vector<double> face_sums;            ///< [3][functions]
+  std::vector<double> cleaned_sums;         ///< [3][functions]
+};
+
+/// One row of a chunk on one face.
+struct RowRun {
+  const std::byte* top;     ///< the row's first texel
+  const std::byte* bottom;  ///< the mirrored row's, or nullptr if it is the same row
+  int face;
+  int row;
+  int mirrored_row;
+  int first_column;
+  int count;     ///< positions
+  int paired;    ///< of which this many have a mirror image in u; at most one has not
+  int position;  ///< of the first one in the chunk's planes
+};
+
+class CubemapProjection {
+ public:
+  CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options)
+      : cubemap_(cubemap),
+        policy_(options),
+        functions_(options.bands * options.bands),
+        bands_(options.bands),
+        texel_bytes_(static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format))),
+        row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
+        kernels_(simd::active_kernels()),
+        direct_fold_(direct_fold(cubemap.format)),
+        fetches_ahead_(6 * row_bytes_ * cubemap.size > (1 << 20)),
+        weights_(tables::TexelWeights::get({cubemap.size, options.bands, options.quadrature == Quadrature::midpoint,
+                                            options.target_size > 0 ? options.target_size : cubemap.size})),
+        tile_count_((weights_->chunk_count() + kChunksPerTile - 1) / kChunksPerTile),
+        sums_(static_cast<std::size_t>(tile_count_), options.bands) {}
+
+  Projection run(const Control& control) {
+    const std::int64_t texels = std::int64_t{kFaces} * cubemap_.size * cubemap_.size;
+    const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
+    std::vector<Scratch> scratch;
+    for (std::size_t worker = jobs::worker_count(placement); worker > 0; --worker) {
+      scratch.emplace_back(functions_, weights_->scratch_size());
+    }
+    // Shared tables are built here, not inside a tile.
+    for (int face = 0; face < kFaces; ++face) static_cast<void>(face_transform(face, bands_));
+    jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, control,
+                    [&](std::size_t tile, std::size_t worker) { project_tile(tile, scratch[worker]); });
+    const CleaningRecord record = sums_.total_record();
+    throw_if_rejected(record, true);
+    Projection projection{sums_.total(), {}};
+    // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
+    projection.diagnostics = diagnostics_of(projection.radiance, record, 2.0 * std::sqrt(std::numbers::pi));
+    projection.diagnostics.texels = static_cast<std::uint64_t>(texels);
+    return projection;
+  }
+
+ private:
+  simd::FoldQuadrants direct_fold(PixelFormat format) const {
+    if (policy_.looks_at_every_texel()) return nullptr;
+    switch (format) {
+      case PixelFormat::rgb_f32: return kernels_.fold_quadrants[simd::fold_rgb_f32];
+      case PixelFormat::rgba_f32: return kernels_.fold_quadrants[simd::fold_rgba_f32];
+      case PixelFormat::rgba_f16: return kernels_.fold_quadrants[simd::fold_rgba_f16];
+      default: return nullptr;
+    }
+  }
+
+  /// A tile's chunks, first to end - 1.
+  struct Chunks {
+    int first;
+    int end;
+  };
+
+  [[nodiscard]] Chunks chunks_of(std::size_t tile) const {
+    const int first = static_cast<int>(tile) * kChunksPerTile;
+    return {first, std::min(first + kChunksPerTile, weights_->chunk_count())};
+  }
+
+  void project_tile(std::size_t tile, Scratch& scratch) {
+    if (direct_fold_ != nullptr) sum_directly(chunks_of(tile), scratch);
+    for (int face = 0; face < kFaces; ++face) {
+      const bool summed = direct_fold_ != nullptr && fold_face(face, scratch);
+      if (!summed) sum_cleaned(chunks_of(tile), face, scratch, sums_.record(tile));
+      face_transform(face, bands_).add(scratch.face_sums.data(), weights_->place().data(), sums_.values(tile));
+    }
+  }
+
+  [[nodiscard]] double* lanes_of(int face, Scratch& scratch) const {
+    return scratch.sum_lanes.data() + static_cast<std::ptrdiff_t>(face) * 3 * functions_ * simd::kSumLanes;
+  }
+
+  void clear_lanes(int face, Scratch& scratch) const {
+    std::fill_n(lanes_of(face, scratch), 3 * functions_ * simd::kSumLanes, 0.0);
+  }
+
+  /// Brings a face's sums from their lanes to scratch.face_sums; false if they are not all finite.
+  [[nodiscard]] bool fold_face(int face, Scratch& scratch) const {
+    const double* lanes = lanes_of(face, scratch);
+    for (double& sum : scratch.face_sums) {
+      sum = simd::fold_sum_lanes(lanes);
+      lanes += simd::kSumLanes;
+    }
+    return all_finite(scratch.face_sums);
+  }
+
+  /// The fast way: all faces of a chunk while its weights are at hand.
+  void sum_directly(const Chunks& chunks, Scratch& scratch) {
+    for (int face = 0; face < kFaces; ++face) clear_lanes(face, scratch);
+    for (int index = chunks.first; index < chunks.end; ++index) {
+      const QuadrantChunk chunk = weights_->chunk(index);
+      const float* const weights = weights_->chunk_weights(index, scratch.weights.data());
+      for (int face = 0; face < kFaces; ++face) {
+        fold_directly(chunk, face, scratch);
+        sum_planes(chunk, face, weights, scratch);
+      }
+    }
+  }
+
+  /// The careful way for one face, chunk by chunk: every texel passes the policies. Leaves scratch.face_sums.
+  void sum_cleaned(const Chunks& chunks, int face, Scratch& scratch, CleaningRecord& record) {
+    std::vector<double>& total = scratch.cleaned_sums;
+    std::fill(total.begin(), total.end(), 0.0);
+    for (int index = chunks.first; index < chunks.end; ++index) {
+      const QuadrantChunk chunk = weights_->chunk(index);
+      const float* const weights = weights_->chunk_weights(index, scratch.weights.data());
+      clear_lanes(face, scratch);
+      for (int row = 0; row < chunk.row_count; ++row) {
+        const RowRun run = row_run(chunk, face, row);
+        decode_and_clean(run, weights + run.position, scratch, record);
+        fold_decoded(run, scratch);
+      }
+      sum_planes(chunk, face, weights, scratch);
+      if (!fold_face(face, scratch)) sum_in_double(chunk, face, weights, scratch);
+      for (std::size_t k = 0; k < total.size(); ++k) total[k] += scratch.face_sums[k];
+    }
+    std::copy(total.begin(), total.end(), scratch.face_sums.begin());
+  }
+
+  void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, Scratch& scratch) {
+    kernels_.weighted_sums(scratch.planes.data(), kClasses, weights, weights_->class_counts(), chunk.groups(),
+                           lanes_of(face, scratch));
+  }
+
+  [[nodiscard]] RowRun row_run(const QuadrantChunk& chunk, int face, int index) const {
+    const int row = chunk.first_row + index;
+    const int mirrored_row = cubemap_.size - 1 - row;
+    const auto* const pixels = static_cast<const std::byte*>(cubemap_.faces[static_cast<std::size_t>(face)]);
+    return {.top = pixels + row * row_bytes_,
+            .bottom = row == mirrored_row ? nullptr : pixels + mirrored_row * row_bytes_,
+            .face = face,
+            .row = row,
+            .mirrored_row = mirrored_row,
+            .first_column = chunk.first_column,
+            .count = chunk.column_count,
+            .paired = std::min(chunk.column_count, cubemap_.size / 2 - chunk.first_column),
+            .position = index * chunk.groups_per_row * kLanes};
+  }
+
+  /// First texel of the run's mirror image in u, `count` texels in memory order.
+  [[nodiscard]] const std::byte* mirrored(const std::byte* row, int first_column, int count) const {
+    return row + (cubemap_.size - first_column - count) * texel_bytes_;
+  }
+
+  /// Where `whole` positions of `rows` rows from `run` on and their mirror images lie.
+  [[nodiscard]] simd::QuadrantRuns runs_in_place(const RowRun& run, int rows, int whole) const {
+    const std::ptrdiff_t skipped = run.first_column * texel_bytes_;
+    const bool has_bottom = run.bottom != nullptr;
+    return {.top_left = run.top + skipped,
+            .top_right = mirrored(run.top, run.first_column, whole),
+            .bottom_left = has_bottom ? run.bottom + skipped : kZeros,
+            .bottom_right = has_bottom ? mirrored(run.bottom, run.first_column, whole) : kZeros,
+            .top_stride = row_bytes_,
+            .bottom_stride = -row_bytes_,
+            .rows = rows};
+  }
+
+  /// Folds a chunk in place: all rows at once where they consist of whole groups and each has a mirror image.
+  void fold_directly(const QuadrantChunk& chunk, int face, Scratch& scratch) {
+    const bool at_once = cubemap_.size % (2 * kLanes) == 0;
+    const int rows_at_once = at_once ? chunk.row_count : 1;
+    for (int row = 0; row < chunk.row_count; row += rows_at_once) {
+      const RowRun run = row_run(chunk, face, row);
+      const int whole = run.paired / kLanes * kLanes;
+      if (whole > 0) {
+        const simd::QuadrantRuns runs = runs_in_place(run, rows_at_once, whole);
+        const simd::QuadrantRuns ahead = runs_in_place(row_run(chunk, (face + 1) % kFaces, row), rows_at_once, whole);
+        direct_fold_(runs, fetches_ahead_ ? &ahead : nullptr, whole / kLanes, scratch.planes.data() + run.position);
+      }
+      if (whole < run.count) fold_rest(run, whole, scratch);
+    }
+  }
+
+  /// The positions from `whole` on: less than a group, or a middle column.
+  void fold_rest(RowRun run, int whole, Scratch& scratch) {
+    run.first_column += whole;
+    run.count -= whole;
+    run.paired -= whole;
+    run.position += whole;
+    decode(run, scratch);
+    fold_decoded(run, scratch);
+  }
+
+  /// Decodes a row's four runs to scratch.runs, each padded with zeros to whole groups so that position k
+  /// meets its mirror image: left runs start at 0, right ones end at the end.
+  void decode(const RowRun& run, Scratch& scratch) const {
+    const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
+    const std::byte* const rows[2] = {run.top, run.bottom};
+    for (int side = 0; side < 2; ++side) {
+      float* const left = run_of(scratch, 2 * side);
+      float* const right = run_of(scratch, 2 * side + 1);
+      std::fill_n(left, 3 * padded, 0.0F);
+      std::fill_n(right, 3 * padded, 0.0F);
+      if (rows[side] == nullptr) continue;
+      image::decode_texels(cubemap_.format, rows[side] + run.first_column * texel_bytes_, run.count, left);
+      image::decode_texels(cubemap_.format, mirrored(rows[side], run.first_column, run.paired), run.paired,
+                           right + 3 * (padded - run.paired));
+    }
+  }
+
+  /// `weights`: of the run's first position, row 0 being the solid angle.
+  void decode_and_clean(const RowRun& run, const float* weights, Scratch& scratch, CleaningRecord& record) const {
+    decode(run, scratch);
+    const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
+    const int right_column = cubemap_.size - run.first_column - run.paired;
+    for (int side = 0; side < 2; ++side) {
+      if (side == 1 && run.bottom == nullptr) break;
+      const int row = side == 0 ? run.row : run.mirrored_row;
+      clean({.rgb = run_of(scratch, 2 * side),
+             .count = run.count,
+             .face = run.face,
+             .row = row,
+             .first_column = run.first_column,
+             .weights = weights,
+             .weight_step = 1,
+             .weight_scale = 1.0},
+            record);
+      clean({.rgb = run_of(scratch, 2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
+             .count = run.paired,
+             .face = run.face,
+             .row = row,
+             .first_column = right_column,
+             .weights = weights + run.paired - 1,
+             .weight_step = -1,
+             .weight_scale = 1.0},
+            record);
+    }
+  }
+
+  void clean(const TexelRun& run, CleaningRecord& record) const {
+    if (!policy_.gamma() && !kernels_.any_outside(run.rgb, 3 * run.count, policy_.low(), policy_.high())) return;
+    policy_.clean(run, record);
+  }
+
+  void fold_decoded(const RowRun& run, Scratch& scratch) {
+    kernels_.fold_quadrants[simd::fold_rgb_f32](
+        {run_of(scratch, 0), run_of(scratch, 1), run_of(scratch, 2), run_of(scratch, 3), 0, 0, 1}, nullptr,
+        (run.count + kLanes - 1) / kLanes, scratch.planes.data() + run.position);
+  }
+
+  /// Leaves a chunk's sums on one face in scratch.face_sums. For finite texels near the largest float, whose
+  /// sums fit a double only: rare, so it may be slow and use the stack.
+  void sum_in_double(const QuadrantChunk& chunk, int face, const float* weights, Scratch& scratch) const {
+    std::fill(scratch.face_sums.begin(), scratch.face_sums.end(), 0.0);
+    double planes[3 * kClasses * kChunk] = {};
+    for (int index = 0; index < chunk.row_count; ++index) {
+      const RowRun run = row_run(chunk, face, index);
+      CleaningRecord counted_before;
+      decode_and_clean(run, weights + run.position, scratch, counted_before);
+      const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
+      for (int k = 0; k < padded; ++k) {
+        for (int c = 0; c < 3; ++c) {
+          const double tl = run_of(scratch, 0)[3 * k + c];
+          const double tr = run_of(scratch, 1)[3 * (padded - 1 - k) + c];
+          const double bl = run_of(scratch, 2)[3 * k + c];
+          const double br = run_of(scratch, 3)[3 * (padded - 1 - k) + c];
+          double* const plane = planes + c * kClasses * kChunk + run.position + k;
+          plane[0] = (tl + tr) + (bl + br);
+          plane[kChunk] = (tr - tl) + (br - bl);
+          plane[2 * kChunk] = (bl + br) - (tl + tr);
+          plane[3 * kChunk] = (br - bl) - (tr - tl);
+        }
+      }
+    }
+    weighted_sums_in_double(planes, kClasses, weights, weights_->class_counts(), chunk.groups() * kLanes,
+                            scratch.face_sums.data());
+  }
+
+  static float* run_of(Scratch& scratch, int index) {
+    return scratch.runs.data() + static_cast<std::ptrdiff_t>(index) * 3 * kChunk;
+  }
+
+  const CubemapView& cubemap_;
+  PixelPolicy policy_;
+  int functions_;
+  int bands_;
+  std::ptrdiff_t texel_bytes_;
+  std::ptrdiff_t row_bytes_;
+  const simd::Kernels& kernels_;
+  simd::FoldQuadrants direct_fold_;
+  bool fetches_ahead_;
+  std::shared_ptr<const tables::TexelWeights> weights_;
+  int tile_count_;
+  TileSums sums_;
+};
+
+}  // namespace
+
+Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  return CubemapProjection(cubemap, options).run(control);
+}
+
+}  // namespace welkin::sh

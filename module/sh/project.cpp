@@ -1,0 +1,165 @@
+// The public calls: arguments checked, the size chosen, the passes recorded.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "jobs/tiles.h"
+#include "sh/box_reduction.h"
+#include "sh/check_arguments.h"
+#include "sh/cubemap_projection.h"
+#include "sh/error_estimate.h"
+#include "sh/lat_long_projector.h"
+#include "welkin/error.h"
+#include "welkin/projection.h"
+
+namespace welkin {
+namespace {
+
+constexpr std::int64_t kInlineTexels = 100'000;
+
+class Stopwatch {
+ public:
+  [[nodiscard]] double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Babylon.js rounds targets down to a power of two.
+int power_of_two_at_most(int value) {
+  int power = 1;
+  while (power <= value / 2) power *= 2;
+  return power;
+}
+
+/// The target as the quadrature understands it; 0 if there is none or the source is no larger.
+int effective_target(int size, const ProjectionOptions& options) {
+  if (options.target_size == 0) return 0;
+  const int target =
+      options.quadrature == Quadrature::midpoint ? power_of_two_at_most(options.target_size) : options.target_size;
+  return target < size ? target : 0;
+}
+
+void check_chain(std::span<const CubemapView> mips) {
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
+  for (std::size_t level = 0; level < mips.size(); ++level) {
+    sh::check_view(mips[level]);
+    if (level == 0) continue;
+    const int expected = std::max(1, mips[level - 1].size / 2);
+    if (mips[level].size != expected || mips[level].format != mips[0].format || mips[level - 1].size == 1) {
+      throw Error(ErrorCode::invalid_argument,
+                  "mip level " + std::to_string(level) + " has size " + std::to_string(mips[level].size) +
+                      "; after a level of size " + std::to_string(mips[level - 1].size) + " it must be half that (" +
+                      std::to_string(expected) + "), of the same format, and 1 is the last");
+    }
+  }
+}
+
+/// The level nearest to the target in log2. Sizes fall, and of neighbours a > t > b the first is nearer if
+/// a / t < t / b.
+std::size_t nearest_level(std::span<const CubemapView> mips, int target) {
+  std::size_t level = 0;
+  while (level + 1 < mips.size() && mips[level].size > target) {
+    const std::int64_t a = mips[level].size;
+    const std::int64_t b = mips[level + 1].size;
+    const std::int64_t t = target;
+    if (b <= t && a * b < t * t) break;
+    ++level;
+  }
+  return level;
+}
+
+PassRecord cubemap_pass(int size) {
+  return {"project", "run", "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"};
+}
+
+Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
+  const int target = effective_target(cubemap.size, options);
+  const bool midpoint = options.quadrature == Quadrature::midpoint;
+  options.target_size = midpoint ? 0 : target;
+  if (target > 0 && midpoint) {
+    const Stopwatch reducing;
+    const sh::ReducedCubemap reduced = sh::reduce_by_box(cubemap, target, control);
+    const double milliseconds = reducing.milliseconds();
+    Projection projection = project_level(reduced.view, options, control);
+    projection.diagnostics.texels =
+        std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
+    projection.diagnostics.error_estimate =
+        sh::estimate_error(projection.radiance, {static_cast<double>(target), static_cast<double>(target)});
+    projection.diagnostics.passes.insert(
+        projection.diagnostics.passes.begin(),
+        {"reduce", "run", "plain box to " + std::to_string(target) + ", before gamma and clamp", milliseconds});
+    return projection;
+  }
+  const Stopwatch projecting;
+  Projection projection = sh::project_cubemap(cubemap, options, control);
+  ProjectionDiagnostics& diagnostics = projection.diagnostics;
+  diagnostics.error_estimate = sh::estimate_error(
+      projection.radiance, {midpoint ? static_cast<double>(cubemap.size) : 0.0, static_cast<double>(target)});
+  if (target > 0) {
+    diagnostics.passes.push_back(
+        {"reduce", "skip", "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
+  }
+  diagnostics.passes.push_back(cubemap_pass(cubemap.size));
+  diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  return projection;
+}
+
+}  // namespace
+
+Projection project(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  sh::check_view(cubemap);
+  sh::check_options(options);
+  return project_level(cubemap, options, control);
+}
+
+Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options, const Control& control) {
+  check_chain(mips);
+  sh::check_options(options);
+  const int target = effective_target(mips[0].size, options);
+  if (target == 0 || mips.size() == 1) return project_level(mips[0], options, control);
+  const CubemapView& level = mips[nearest_level(mips, target)];
+  ProjectionOptions at_level = options;
+  at_level.target_size = 0;
+  Projection projection = project_level(level, at_level, control);
+  projection.diagnostics.error_estimate = sh::estimate_error(
+      projection.radiance, {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
+                            level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
+  projection.diagnostics.passes.insert(
+      projection.diagnostics.passes.begin(),
+      {"reduce", "reuse", "the mip chain has a level of size " + std::to_string(level.size)});
+  return projection;
+}
+
+Projection project(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
+  sh::check_view(lat_long);
+  sh::check_options(options);
+  const Stopwatch projecting;
+  const std::int64_t texels = std::int64_t{lat_long.width} * lat_long.height;
+  const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  sh::LatLongProjector projector(lat_long.width, lat_long.height, options, jobs::worker_count(placement));
+  const std::ptrdiff_t row_bytes = lat_long.row_stride_bytes != 0
+                                       ? lat_long.row_stride_bytes
+                                       : static_cast<std::ptrdiff_t>(bytes_per_texel(lat_long.format)) * lat_long.width;
+  jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int block = static_cast<int>(tile);
+                    const int first_row = block * projector.rows_per_block();
+                    LatLongView rows = lat_long;
+                    rows.pixels = static_cast<const std::byte*>(lat_long.pixels) + first_row * row_bytes;
+                    rows.height = std::min(projector.rows_per_block(), lat_long.height - first_row);
+                    projector.project_block(block, rows, worker);
+                  });
+  Projection projection = projector.finish();
+  projection.diagnostics.passes.push_back({"cubemap", "skip", "a lat-long is projected row by row as it is"});
+  projection.diagnostics.passes.push_back(
+      {"project", "run", std::to_string(lat_long.width) + " x " + std::to_string(lat_long.height) + " texels",
+       projecting.milliseconds()});
+  return projection;
+}
+
+}  // namespace welkin

@@ -1,0 +1,104 @@
+// Planes times weights, summed: the one loop that all projections share.
+#include "simd/kernel_functions.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+/// sums[k] += lanes[k] + lanes[k + 8], in double. (Spelled out in registers: left to itself GCC 12 takes the
+/// lanes apart one by one, which cost a third of the whole kernel.)
+WELKIN_INLINE void add_to_double_lanes(const float* lanes, double* sums) {
+  for (int k = 0; k < kSumLanes; k += kDoubleWidth) {
+    const DoubleLanes sum = load_widened(lanes + k) + load_widened(lanes + k + kSumLanes);
+    (DoubleLanes::load_aligned(sums + k) + sum).store_aligned(sums + k);
+  }
+}
+
+/// The running sums of one class: `count` registers, named apart by recursion. (An array indexed in a loop
+/// stays in memory with GCC 12: measured, the loop then takes twice as long.)
+template <int count>
+struct Sums {
+  Lanes here = Lanes(0.0F);  // braces would ask xsimd 8.1 for a list of lanes
+  Sums<count - 1> next;
+
+  WELKIN_INLINE void add(const float* plane, const float* weights) { add_value(Lanes::load_aligned(plane), weights); }
+  WELKIN_INLINE void add_value(Lanes value, const float* weights) {
+    here = here + value * Lanes::load_aligned(weights);
+    next.add_value(value, weights + kChunk);
+  }
+  WELKIN_INLINE void store(float* lanes) const {
+    here.store_aligned(lanes);
+    next.store(lanes + kLanes);
+  }
+};
+
+template <>
+struct Sums<0> {
+  WELKIN_INLINE void add(const float*, const float*) {}
+  WELKIN_INLINE void add_value(Lanes, const float*) {}
+  WELKIN_INLINE void store(float*) const {}
+};
+
+/// One channel; n0 to n3 weights for classes 0 to 3, all kept in registers while the loop runs: nine for
+/// three bands, which leaves AVX2's sixteen registers room for the planes. Narrow registers walk the whole
+/// chunk once for each part of the group.
+template <int n0, int n1, int n2, int n3>
+WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int groups, double* sums) {
+  constexpr int total = n0 + n1 + n2 + n3;
+  alignas(64) float lanes[total * kLanes];
+  for (int part = 0; part < kLanes; part += kWidth) {
+    Sums<n0> class0;
+    Sums<n1> class1;
+    Sums<n2> class2;
+    Sums<n3> class3;
+    const int end = groups * kLanes + part;
+    for (int k = part; k < end; k += kLanes) {
+      class0.add(planes + k, weights + k);
+      class1.add(planes + kChunk + k, weights + n0 * kChunk + k);
+      class2.add(planes + 2 * kChunk + k, weights + (n0 + n1) * kChunk + k);
+      class3.add(planes + 3 * kChunk + k, weights + (n0 + n1 + n2) * kChunk + k);
+    }
+    class0.store(lanes + part);
+    class1.store(lanes + n0 * kLanes + part);
+    class2.store(lanes + (n0 + n1) * kLanes + part);
+    class3.store(lanes + (n0 + n1 + n2) * kLanes + part);
+  }
+  for (int w = 0; w < total; ++w) add_to_double_lanes(lanes + w * kLanes, sums + w * kSumLanes);
+}
+
+/// Any number of weights: class by class, four at a time.
+WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
+                           int groups, double* sums) {
+  int w = 0;
+  for (int c = 0; c < class_count; ++c) {
+    const float* const plane = planes + c * kChunk;
+    int left = counts.count[c];
+    for (; left >= 4; left -= 4, w += 4)
+      sum_classes<4, 0, 0, 0>(plane, weights + w * kChunk, groups, sums + w * kSumLanes);
+    for (; left > 0; --left, ++w) sum_classes<1, 0, 0, 0>(plane, weights + w * kChunk, groups, sums + w * kSumLanes);
+  }
+}
+
+constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
+  return counts.count[0] == n0 && counts.count[1] == n1 && counts.count[2] == n2 && counts.count[3] == n3;
+}
+
+}  // namespace
+
+void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
+                   double* sums) {
+  const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
+  for (int channel = 0; channel < 3; ++channel) {
+    const float* const channel_planes = planes + channel * class_count * kChunk;
+    double* const channel_sums = sums + channel * total * kSumLanes;
+    if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
+      sum_classes<4, 2, 2, 1>(channel_planes, weights, groups, channel_sums);
+    } else if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
+      sum_classes<3, 2, 0, 0>(channel_planes, weights, groups, channel_sums);
+    } else {
+      sum_any(channel_planes, class_count, weights, counts, groups, channel_sums);
+    }
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

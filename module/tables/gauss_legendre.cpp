@@ -1,0 +1,70 @@
+#include "tables/gauss_legendre.h"
+
+#include <array>
+#include <cstddef>
+
+#include "tables/trigonometry.h"
+
+namespace welkin::tables {
+namespace {
+
+struct Rule {
+  std::array<double, kMaximumGaussOrder> nodes{};
+  std::array<double, kMaximumGaussOrder> weights{};
+};
+
+struct Legendre {
+  double value;
+  double derivative;
+};
+
+/// P_n(x) and its derivative by Bonnet's recurrence, |x| < 1.
+Legendre legendre(int n, double x) {
+  double before = 1.0;
+  double here = x;
+  for (int k = 2; k <= n; ++k) {
+    const double next = ((2.0 * k - 1.0) * x * here - (k - 1.0) * before) / k;
+    before = here;
+    here = next;
+  }
+  return {here, n * (x * here - before) / (x * x - 1.0)};
+}
+
+Rule make_rule(int order) {
+  Rule rule;
+  const auto n = static_cast<std::size_t>(order);
+  for (std::size_t i = 0; i < (n + 1) / 2; ++i) {
+    // Tricomi's start, then Newton; five steps are more than double precision needs.
+    double x = sine_cosine_of_turns((static_cast<double>(i) + 0.75) / (2.0 * order + 1.0)).cosine;
+    if (2 * i + 1 == n) x = 0.0;
+    for (int step = 0; step < 6 && x != 0.0; ++step) {
+      const Legendre p = legendre(order, x);
+      x -= p.value / p.derivative;
+    }
+    const double derivative = legendre(order, x).derivative;
+    const double weight = 2.0 / ((1.0 - x * x) * derivative * derivative);
+    rule.nodes[i] = -x;
+    rule.nodes[n - 1 - i] = x;
+    rule.weights[i] = rule.weights[n - 1 - i] = weight;
+  }
+  return rule;
+}
+
+using Rules = std::array<Rule, kMaximumGaussOrder + 1>;
+
+Rules make_rules() {
+  Rules rules;
+  rules[1].weights[0] = 2.0;  // Newton's recurrence starts at two points
+  for (int order = 2; order <= kMaximumGaussOrder; ++order) rules[static_cast<std::size_t>(order)] = make_rule(order);
+  return rules;
+}
+
+}  // namespace
+
+simd::GaussRule gauss_legendre(int order) {
+  static const Rules rules = make_rules();
+  const Rule& rule = rules[static_cast<std::size_t>(order)];
+  return {order, rule.nodes.data(), rule.weights.data()};
+}
+
+}  // namespace welkin::tables

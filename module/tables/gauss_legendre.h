@@ -1,0 +1,14 @@
+// Gauss-Legendre quadrature on [-1, 1].
+#pragma once
+
+#include "simd/kernels.h"
+
+namespace welkin::tables {
+
+inline constexpr int kMaximumGaussOrder = 32;
+
+/// The rule with `order` points, 1 to kMaximumGaussOrder: exact for polynomials of degree 2 order - 1, nodes
+/// ascending and symmetric, to 2e-16. Built once for all orders; the pointers stay valid.
+[[nodiscard]] simd::GaussRule gauss_legendre(int order);
+
+}  // namespace welkin::tables

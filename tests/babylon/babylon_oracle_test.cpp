@@ -1,0 +1,241 @@
+// The same promise as babylon_recorded_test.cpp, held against answers that someone else recorded, on content that
+// someone else chose: the 18 cubemaps of ../shared/oracles/web, remade here by the formulas of its gen_cases.mjs.
+// Where that folder is not (it is no part of the repository), there is nothing to compare and the test says so.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "babylon/recorded_cases.h"
+#include "support/catch.h"
+
+namespace {
+
+using namespace welkin;
+using namespace welkin::test;
+using nlohmann::json;
+
+using Vector = std::array<double, 3>;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// cubes.mjs's generator: [0, 1) in 32 bits.
+class Generator {
+ public:
+  explicit Generator(std::uint32_t seed) : state_(seed) {}
+  double operator()() {
+    state_ += 0x9e3779b9U;
+    std::uint32_t z = state_;
+    z = (z ^ (z >> 16)) * 0x21f0aaadU;
+    z = (z ^ (z >> 15)) * 0x735a2d97U;
+    return static_cast<double>(z ^ (z >> 15)) / 4294967296.0;
+  }
+
+ private:
+  std::uint32_t state_;
+};
+
+struct Texel {
+  Vector direction;
+  int face, column, row;
+};
+
+using Formula = std::function<Vector(const Texel&)>;
+
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Formula noise(
+    std::uint32_t seed, std::function<double(double)> shape = [](double r) { return r; }) {
+  return [generator = Generator(seed), shape = std::move(shape)](const Texel&) mutable {
+    const double r = shape(generator());
+    const double g = shape(generator());
+    return Vector{r, g, shape(generator())};
+  };
+}
+
+Formula sky(double sun, double width) {
+  const Vector towards{0.4, 0.7, -0.6};
+  const double length = std::sqrt(dot(towards, towards));
+  return [=](const Texel& at) {
+    const double up = std::max(at.direction[1], 0.0);
+    const double t = 1.0 - up;
+    const double glow = t * t * t * t;
+    const double below = at.direction[1];
+    Vector colour = below > 0.0 ? Vector{0.25 + 0.9 * glow, 0.45 + 0.7 * glow, 0.95 + 0.3 * glow}
+                                : Vector{0.22 + 0.1 * below, 0.18 + 0.09 * below, 0.12 + 0.06 * below};
+    const double cosine = dot(at.direction, {towards[0] / length, towards[1] / length, towards[2] / length});
+    const double k = std::max(0.0, 1.0 - (1.0 - cosine) / width);
+    return Vector{colour[0] + sun * k, colour[1] + 0.92 * sun * k, colour[2] + 0.8 * sun * k};
+  };
+}
+
+Formula special(std::uint32_t seed, std::vector<double> list) {
+  return [generator = Generator(seed), list = std::move(list)](const Texel&) mutable {
+    const auto pick = [&] {
+      const double value = generator();
+      if (value >= 0.15) return value;
+      return list[static_cast<std::size_t>(generator() * static_cast<double>(list.size()))];
+    };
+    const double r = pick();
+    const double g = pick();
+    return Vector{r, g, pick()};
+  };
+}
+
+/// One face one colour, and a little of column and row in units of `step`.
+Formula faces(int size, double step) {
+  static constexpr std::array<Vector, 6> kColours{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}}};
+  return [=](const Texel& at) {
+    Vector colour{};
+    for (int k = 0; k < 3; ++k) {
+      const auto channel = static_cast<std::size_t>(k);
+      colour[channel] = kColours[static_cast<std::size_t>(at.face)][channel] * (at.face + 1) +
+                        (at.row * size + at.column) * (k + 1) * step;
+    }
+    return colour;
+  };
+}
+
+Formula formula_of(const std::string& name) {
+  if (name == "uniform_8") return [](const Texel&) { return Vector{0.5, 1, 2}; };
+  if (name == "linear_64") {
+    return [](const Texel& t) { return Vector{1 + t.direction[0], 1 + t.direction[1], 1 + t.direction[2]}; };
+  }
+  if (name == "quad_off_64") {
+    return [](const Texel& t) {
+      const auto& [x, y, z] = t.direction;
+      return Vector{1 + x * y, 1 + y * z, 1 + z * x};
+    };
+  }
+  if (name == "quad_diag_64") {
+    return [](const Texel& t) {
+      const auto& [x, y, z] = t.direction;
+      return Vector{x * x, y * y, z * z};
+    };
+  }
+  if (name == "faces_1") return faces(1, 0.0);
+  if (name == "faces_2") return faces(2, 0.125);
+  if (name == "faces_3") return faces(3, 0.0625);
+  if (name == "orient_16") {
+    return [](const Texel& t) { return Vector{t.face + 1.0, static_cast<double>(t.column), 2.0 * t.row}; };
+  }
+  if (name == "delta_64") {
+    return [](const Texel& t) {
+      return t.face == 2 && t.column == 40 && t.row == 11 ? Vector{4000, 3000, 2000} : Vector{0.1, 0.1, 0.1};
+    };
+  }
+  if (name == "noise_64") return noise(1);
+  if (name == "hdrnoise_256") return noise(2, [](double r) { return 0.02 / (1.0001 - r); });
+  if (name == "sky_256") return sky(2000, 0.002);
+  if (name == "sunclamp_256") return sky(60000, 0.0004);
+  if (name == "special_8") {
+    return special(3, {kNan, kInfinity, -kInfinity, -1, -0.0, 1e-42, 4096, 4096.0005, 1e30, 3.4e38, -1e30, 0.5});
+  }
+  if (name == "special_finite_8") return special(4, {-1, -0.0, 1e-42, 4096, 4096.0005, 1e30, 3.4e38, -1e30, 0.5});
+  if (name == "gammafloat_16") return noise(5, [](double r) { return r * 1.5 - 0.2; });
+  if (name == "ldr_64") return noise(6, [](double r) { return std::floor(r * 256); });
+  if (name == "npot_100") return sky(50, 0.02);
+  return nullptr;
+}
+
+/// Six packed RGB faces of `size`, filled in the order of cubes.mjs.
+template <class Channel>
+BasicTestCubemap<Channel> filled(int size, const Formula& formula) {
+  static constexpr std::array<std::array<Vector, 3>, 6> kFrames{{
+      {{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}}},
+      {{{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}}},
+      {{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}},
+      {{{0, -1, 0}, {1, 0, 0}, {0, 0, -1}}},
+      {{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}},
+      {{{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}},
+  }};
+  BasicTestCubemap<Channel> map{size, 3, {}};
+  for (int face = 0; face < 6; ++face) {
+    const auto& [normal, along, down] = kFrames[static_cast<std::size_t>(face)];
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const double u = (column + 0.5) * 2.0 / size - 1.0;
+        const double v = (row + 0.5) * 2.0 / size - 1.0;
+        Vector direction{};
+        for (std::size_t i = 0; i < 3; ++i) direction[i] = normal[i] + u * along[i] + v * down[i];
+        const double inverse = 1.0 / std::sqrt(dot(direction, direction));
+        for (double& component : direction) component *= inverse;
+        for (const double value : formula({direction, face, column, row})) {
+          map.pixels.push_back(static_cast<Channel>(value));
+        }
+      }
+    }
+  }
+  return map;
+}
+
+ProjectionOptions options_from(const json& recorded) {
+  float maximum = RadianceClamp{}.maximum;
+  if (const auto given = recorded.find("max"); given != recorded.end()) {
+    maximum = given->is_string() ? std::numeric_limits<float>::infinity() : given->get<float>();
+  }
+  return babylon_options(maximum, recorded.value("preserve", false), recorded.value("gamma", false),
+                         recorded.value("target", 0));
+}
+
+/// The recorded polynomial; nothing where Babylon.js's answer is no number (JSON has it as a string).
+std::optional<PolynomialTerms> polynomial_from(const json& recorded) {
+  static constexpr std::array<const char*, 9> kKeys{"x", "y", "z", "xx", "yy", "zz", "yz", "zx", "xy"};
+  PolynomialTerms list{};
+  for (std::size_t term = 0; term < kKeys.size(); ++term) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const json& value = recorded.at(kKeys[term]).at(static_cast<std::size_t>(channel));
+      if (!value.is_number()) return std::nullopt;
+      list[term][channel] = value.get<double>();
+    }
+  }
+  return list;
+}
+
+int check_runs(const json& file, const CubemapView& view) {
+  int checked = 0;
+  for (const auto& [run, recorded] : file.at("runs").items()) {
+    const std::optional<PolynomialTerms> expected = polynomial_from(recorded.at("polynomial"));
+    if (!expected) continue;
+    INFO(file.at("name") << ", run " << run);
+    const Projection projection = project(view, options_from(recorded.at("options")));
+    const double deviation = relative_deviation(terms(babylon_polynomial(projection.radiance)), *expected);
+    CHECK(deviation <= 1e-6);
+    ++checked;
+  }
+  return checked;
+}
+
+}  // namespace
+
+TEST_CASE("Babylon.js's polynomials of the shared oracle's cubemaps", "[babylon]") {
+  const std::filesystem::path folder = WELKIN_SHARED "/oracles/web/expected";
+  if (!std::filesystem::is_directory(folder)) {
+    WARN("nothing to compare with: " << folder << " is not there");
+    return;
+  }
+  int checked = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream stream(entry.path());
+    const json file = json::parse(stream);
+    const Formula formula = formula_of(file.at("name"));
+    if (formula == nullptr) continue;
+    const int size = file.at("size");
+    if (file.at("type") == "u8") {
+      checked += check_runs(file, filled<std::uint8_t>(size, formula).view());
+    } else {
+      checked += check_runs(file, filled<float>(size, formula).view());
+    }
+  }
+  CHECK(checked >= 40);
+}

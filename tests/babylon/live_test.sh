@@ -1,0 +1,41 @@
+#!/bin/sh
+# Asks the real Babylon.js again and compares with what is recorded in tests/data/babylon.json.
+#   live_test.sh WORK_DIR      installs the pinned package into WORK_DIR (once), about 10 seconds
+# Exit code 77, for ctest to call it skipped, where Node.js or the package cannot be had.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+work=$1
+
+skip() {
+  echo "SKIPPED: $1"
+  exit 77
+}
+
+command -v node >/dev/null || skip "node is not installed"
+command -v npm >/dev/null || skip "npm is not installed"
+
+mkdir -p "$work"
+cp "$here/package.json" "$here/.npmrc" "$work/"
+# npm writes .package-lock.json last, so that an interrupted install does not pass for one.
+if ! cmp -s "$here/package-lock.json" "$work/package-lock.json" || ! [ -e "$work/node_modules/.package-lock.json" ]; then
+  cp "$here/package-lock.json" "$work/"
+  installed=no
+  for _ in first second; do
+    if (cd "$work" && timeout 20 npm ci --prefer-offline --fetch-retries=1 --fetch-timeout=15000 >npm.log 2>&1); then
+      installed=yes
+      break
+    fi
+    # A package that is not the one that was locked is a failure; a registry out of reach is not ours.
+    if grep -Eq 'EINTEGRITY|EUSAGE' "$work/npm.log"; then
+      cat "$work/npm.log"
+      exit 1
+    fi
+  done
+  if [ "$installed" = no ]; then
+    cat "$work/npm.log"
+    rm -f "$work/package-lock.json"
+    skip "npm could not install @babylonjs/core (its words are above)"
+  fi
+fi
+
+node "$here/record.mjs" --modules "$work" --check "$here/../data/babylon.json"

@@ -1,0 +1,140 @@
+#include "jobs/tiles.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <atomic>
+#include <memory>
+#include <stdexcept>
+#include <stop_token>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/thrown_error.h"
+
+namespace welkin::test {
+namespace {
+
+using jobs::Placement;
+
+constexpr Placement kBoth[] = {Placement::calling_thread, Placement::arena};
+
+}  // namespace
+
+TEST_CASE("Every tile runs once", "[jobs]") {
+  for (const Placement placement : kBoth) {
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{2}, std::size_t{1000}}) {
+      std::vector<std::atomic<int>> runs(count);
+      jobs::run_tiles(count, placement, {}, [&](std::size_t tile, std::size_t) { ++runs[tile]; });
+      for (const auto& run : runs) CHECK(run == 1);
+    }
+  }
+}
+
+TEST_CASE("A worker's number is its own while its tile runs", "[jobs]") {
+  run_with_threads(8, [] {
+    const std::size_t workers = jobs::worker_count(Placement::arena);
+    CHECK(workers == 8);
+    std::vector<std::atomic<int>> inside(workers);
+    std::atomic<bool> shared{false};
+    jobs::run_tiles(2000, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
+      if (worker >= workers || inside[worker].fetch_add(1) != 0) shared = true;
+      for (int k = 0; k < 100; ++k) std::atomic_signal_fence(std::memory_order_seq_cst);
+      if (worker < workers) inside[worker].fetch_sub(1);
+    });
+    CHECK_FALSE(shared);
+  });
+}
+
+TEST_CASE("Jobs started inside each other keep their workers apart", "[jobs]") {
+  run_with_threads(4, [] {
+    std::atomic<bool> shared{false};
+    tbb::parallel_for(0, 20, [&](int) {
+      std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
+      jobs::run_tiles(50, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
+        if (inside[worker].fetch_add(1) != 0) shared = true;
+        inside[worker].fetch_sub(1);
+      });
+    });
+    CHECK_FALSE(shared);
+  });
+}
+
+TEST_CASE("Progress rises to one and never falls", "[jobs]") {
+  for (const Placement placement : kBoth) {
+    std::vector<double> seen;
+    Control control;
+    control.progress = [&](double share) { seen.push_back(share); };
+    jobs::run_tiles(100, placement, control, [](std::size_t, std::size_t) {});
+    REQUIRE_FALSE(seen.empty());
+    for (std::size_t k = 1; k < seen.size(); ++k) CHECK(seen[k] > seen[k - 1]);
+    CHECK(seen.back() == 1.0);
+  }
+}
+
+TEST_CASE("A stop request ends a job between tiles", "[jobs]") {
+  for (const Placement placement : kBoth) {
+    for (const double share : {0.0, 0.1, 0.5}) {
+      std::stop_source source;
+      Control control{source.get_token(), {}};
+      std::atomic<int> tiles{0};
+      if (share == 0.0) source.request_stop();
+      const ThrownError error = thrown_by([&] {
+        jobs::run_tiles(1000, placement, control, [&](std::size_t, std::size_t) {
+          if (++tiles >= static_cast<int>(share * 1000.0)) source.request_stop();
+        });
+      });
+      CHECK(error.code == ErrorCode::cancelled);
+      CHECK(tiles <= static_cast<int>(share * 1000.0) + 8);  // one more a worker at most
+    }
+  }
+}
+
+TEST_CASE("What a tile throws comes out, and the next job runs", "[jobs]") {
+  for (const Placement placement : kBoth) {
+    CHECK_THROWS_AS(jobs::run_tiles(100, placement, {},
+                                    [](std::size_t tile, std::size_t) {
+                                      if (tile == 57) throw std::runtime_error("tile 57");
+                                    }),
+                    std::runtime_error);
+    std::atomic<int> tiles{0};
+    jobs::run_tiles(10, placement, {}, [&](std::size_t, std::size_t) { ++tiles; });
+    CHECK(tiles == 10);
+  }
+}
+
+TEST_CASE("What a progress callback throws comes out", "[jobs]") {
+  Control control;
+  control.progress = [](double) { throw std::runtime_error("enough"); };
+  for (const Placement placement : kBoth) {
+    CHECK_THROWS_AS(jobs::run_tiles(10, placement, control, [](std::size_t, std::size_t) {}), std::runtime_error);
+  }
+}
+
+TEST_CASE("Tiles see the default floating-point environment and leave the caller's alone", "[jobs]") {
+  const unsigned before = _mm_getcsr();
+  const unsigned flush_and_round_up = before | 0x8040U | 0x4000U;  // flush to zero, denormals are zero, round up
+  _mm_setcsr(flush_and_round_up);
+  std::atomic<bool> all_default{true};
+  for (const Placement placement : kBoth) {
+    jobs::run_tiles(64, placement, {}, [&](std::size_t, std::size_t) {
+      if ((_mm_getcsr() & 0xFFC0U) != 0x1F80U) all_default = false;
+    });
+  }
+  const unsigned after = _mm_getcsr();
+  _mm_setcsr(before);
+  CHECK(all_default);
+  CHECK((after & 0xFFC0U) == (flush_and_round_up & 0xFFC0U));
+}
+
+TEST_CASE("The number of threads is checked", "[jobs]") {
+  CHECK(available_threads() >= 1);
+  const ThrownError error = thrown_by([] { run_with_threads(-1, [] {}); });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  CHECK(error.says("threads is -1"));
+  bool ran = false;
+  run_with_threads(0, [&] { ran = true; });
+  CHECK(ran);
+}
+
+}  // namespace welkin::test

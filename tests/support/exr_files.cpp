@@ -1,0 +1,152 @@
+#include "support/exr_files.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <ImfTiledOutputFile.h>
+#include <half.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace welkin::test {
+namespace {
+
+Imf::Header make_header(const ExrRecipe& recipe) {
+  const Imath::Box2i window({recipe.first_column, recipe.first_row},
+                            {recipe.first_column + recipe.width - 1, recipe.first_row + recipe.height - 1});
+  Imf::Header header(window, window);
+  header.compression() = recipe.compression;
+  header.lineOrder() = recipe.line_order;
+  for (const ExrChannel& channel : recipe.channels) {
+    header.channels().insert(channel.name, Imf::Channel(channel.type, channel.sampling, channel.sampling));
+  }
+  if (recipe.tiles) {
+    header.setTileDescription(*recipe.tiles);
+  }
+  if (recipe.envmap) {
+    Imf::addEnvmap(header, *recipe.envmap);
+  }
+  return header;
+}
+
+// One plane for each channel, in its type, over the data window.
+class Planes {
+ public:
+  Planes(const ExrRecipe& recipe, const std::vector<float>& rgb) : recipe_(recipe) {
+    for (const ExrChannel& channel : recipe.channels) {
+      add(channel, rgb);
+    }
+  }
+
+  [[nodiscard]] Imf::FrameBuffer frame_buffer() {
+    Imf::FrameBuffer buffer;
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+      const ExrChannel& channel = recipe_.channels[i];
+      const Imath::V2i origin(recipe_.first_column, recipe_.first_row);
+      const std::int64_t columns = recipe_.width / channel.sampling;
+      const std::int64_t rows = recipe_.height / channel.sampling;
+      const std::size_t bytes = channel.type == Imf::HALF ? 2 : 4;
+      buffer.insert(channel.name,
+                    Imf::Slice::Make(channel.type, static_cast<const void*>(planes_[i].data()), origin, columns, rows,
+                                     bytes, std::size_t{0}, channel.sampling, channel.sampling));
+    }
+    return buffer;
+  }
+
+ private:
+  void add(const ExrChannel& channel, const std::vector<float>& rgb) {
+    const std::size_t bytes = channel.type == Imf::HALF ? 2 : 4;
+    std::vector<char> plane;
+    for (int row = 0; row < recipe_.height; row += channel.sampling) {
+      for (int column = 0; column < recipe_.width; column += channel.sampling) {
+        const auto texel =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(recipe_.width) + static_cast<std::size_t>(column);
+        const float value = rgb[3 * texel + static_cast<std::size_t>(channel.component)];
+        const half narrow(value);
+        const auto whole = static_cast<unsigned>(value);
+        const void* source = channel.type == Imf::HALF    ? static_cast<const void*>(&narrow)
+                             : channel.type == Imf::FLOAT ? static_cast<const void*>(&value)
+                                                          : static_cast<const void*>(&whole);
+        plane.insert(plane.end(), static_cast<const char*>(source), static_cast<const char*>(source) + bytes);
+      }
+    }
+    planes_.push_back(std::move(plane));
+  }
+
+  const ExrRecipe& recipe_;
+  std::vector<std::vector<char>> planes_;
+};
+
+void write_tiles(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb) {
+  Imf::TiledOutputFile file(path.c_str(), make_header(recipe), 0);
+  const std::vector<float> marker(rgb.size(), -99.0F);
+  Planes full(recipe, rgb);
+  Planes smaller(recipe, marker);
+  for (int ly = 0; ly < file.numYLevels(); ++ly) {
+    for (int lx = 0; lx < file.numXLevels(); ++lx) {
+      if (file.isValidLevel(lx, ly)) {
+        file.setFrameBuffer(lx == 0 && ly == 0 ? full.frame_buffer() : smaller.frame_buffer());
+        file.writeTiles(0, file.numXTiles(lx) - 1, 0, file.numYTiles(ly) - 1, lx, ly);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<ExrChannel> rgb_channels(Imf::PixelType type) {
+  return {{"R", type, 1, 0}, {"G", type, 1, 1}, {"B", type, 1, 2}};
+}
+
+void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb) {
+  if (recipe.tiles) {
+    write_tiles(path, recipe, rgb);
+    return;
+  }
+  Imf::OutputFile file(path.c_str(), make_header(recipe), 0);
+  Planes planes(recipe, rgb);
+  file.setFrameBuffer(planes.frame_buffer());
+  file.writePixels(recipe.height);
+}
+
+std::vector<float> read_exr_with_library(const std::filesystem::path& path) {
+  Imf::InputFile file(path.c_str(), 0);
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t columns = window.max.x - window.min.x + 1;
+  const std::int64_t rows = window.max.y - window.min.y + 1;
+  std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  Imf::FrameBuffer buffer;
+  std::size_t component = 0;
+  for (const char* name : {"R", "G", "B"}) {
+    buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, static_cast<const void*>(rgb.data() + component++), window.min,
+                                         columns, rows, 3 * sizeof(float)));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+  return rgb;
+}
+
+std::vector<float> some_pixels(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<float> rgb;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      for (int component = 0; component < 3; ++component) {
+        const auto noise = static_cast<float>(random() % 1024) / 1024.0F;
+        const float wave = std::exp(
+            3.0F * std::sin(0.07F * static_cast<float>(column + 3 * component) + 0.11F * static_cast<float>(row)));
+        rgb.push_back(wave * (0.75F + 0.5F * noise));
+      }
+    }
+  }
+  return rgb;
+}
+
+float as_half(float value) { return half(value); }
+
+}  // namespace welkin::test

@@ -1,0 +1,30 @@
+// The welkin::Error that a call throws.
+#pragma once
+
+#include <string>
+
+#include "support/catch.h"
+#include "welkin/error.h"
+
+namespace welkin::test {
+
+struct ThrownError {
+  ErrorCode code{};
+  std::string message;
+
+  [[nodiscard]] bool says(const std::string& words) const { return message.find(words) != std::string::npos; }
+};
+
+/// Fails the test if the call throws nothing or something else.
+template <typename Call>
+ThrownError thrown_by(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  }
+  FAIL("no error was thrown");
+  return {};
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,43 @@
+# Every dependency, found in one place. Debian 12's packages are enough; scripts/install-dependencies
+# installs them. Newer versions work too.
+
+# Threads and task scheduling: tiles run as oneTBB tasks in the caller's arena. (libtbb-dev)
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+
+# The public interface's vectors. (libglm-dev)
+find_package(glm REQUIRED)
+if(NOT TARGET glm::glm)
+  add_library(glm::glm INTERFACE IMPORTED)
+  target_include_directories(glm::glm INTERFACE ${GLM_INCLUDE_DIRS})
+endif()
+
+# SIMD registers with operators, one source for every instruction set. Headers only. (libxsimd-dev)
+# Debian's package names xtl as a dependency that it neither needs nor brings: an empty target satisfies it.
+if(NOT TARGET xtl)
+  add_library(xtl INTERFACE IMPORTED)
+endif()
+find_package(xsimd REQUIRED)
+
+# Reading OpenEXR files; Imath comes with it. (libopenexr-dev)
+find_package(OpenEXR REQUIRED)
+
+if(WELKIN_TOOLS)
+  # The command line. Headers only. (libcli11-dev)
+  find_package(CLI11 REQUIRED)
+endif()
+
+if(WELKIN_TOOLS OR WELKIN_TESTS OR WELKIN_PERF)
+  # JSON in the command's output, in recorded test values and in reports. Headers only. (nlohmann-json3-dev)
+  find_package(nlohmann_json REQUIRED)
+endif()
+
+if(WELKIN_TESTS)
+  # The test framework, version 2 (Debian 12) or 3. (catch2)
+  find_package(Catch2 REQUIRED)
+endif()
+
+if(WELKIN_PERF)
+  # The benchmark framework. (libbenchmark-dev)
+  find_package(benchmark REQUIRED)
+endif()
