@@ -1,0 +1,38 @@
+// --help teaches: what the command does, examples that run, units and exit codes.
+#include "support/catch.h"
+#include "tools/command.h"
+#include "welkin/instruction_set.h"
+#include "welkin/version.h"
+
+using namespace welkin::test;
+
+TEST_CASE("command: --help teaches", "[tools]") {
+  for (const char* arguments : {"--help", "sh --help", "info --help", "-h"}) {
+    const CommandResult result = run_welkin(arguments);
+    INFO("welkin " << arguments);
+    CHECK(result.exit_code == 0);
+    CHECK(result.errors.empty());
+    CHECK(contains(result.output, "Usage: welkin"));
+    CHECK(contains(result.output, "Examples:"));
+    CHECK(contains(result.output, "Units:"));
+    CHECK(contains(result.output, "Exit codes:"));
+  }
+}
+
+TEST_CASE("command: sh --help names every option", "[tools]") {
+  const CommandResult result = run_welkin("sh --help");
+  for (const char* option : {"INPUT", "--json", "--bands", "--quadrature exact|midpoint", "--target-size", "--layout",
+                             "vertical-strip", "--clamp", "--preserve-clamped", "--gamma", "--nan", "--infinity",
+                             "--negative keep|replace|reject", "--threads", "--memory-limit"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: --version tells version and instruction sets", "[tools]") {
+  const CommandResult result = run_welkin("--version");
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.output, "welkin " WELKIN_VERSION_STRING));
+  for (const auto set : welkin::available_instruction_sets()) CHECK(contains(result.output, welkin::name(set)));
+  CHECK(contains(run_welkin("--version", "WELKIN_ISA=sse2").output, "in use: sse2"));
+}

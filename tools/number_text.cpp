@@ -1,0 +1,85 @@
+#include "tools/number_text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace welkin::tool {
+namespace {
+
+std::string formatted(double value, std::chars_format format, int precision) {
+  std::array<char, 512> text{};  // DBL_MAX in fixed point takes 309 digits
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, format, precision);
+  return {text.data(), result.ptr};
+}
+
+}  // namespace
+
+std::string significant(double value, int digits) {
+  return formatted(value + 0.0, std::chars_format::general, digits);  // + 0.0: no "-0"
+}
+
+std::string significant(const glm::dvec3& rgb, int digits) {
+  return significant(rgb.x, digits) + "  " + significant(rgb.y, digits) + "  " + significant(rgb.z, digits);
+}
+
+std::string grouped(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');
+  return text;
+}
+
+std::string counted(std::uint64_t count, std::string_view noun) {
+  return grouped(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
+}
+
+std::string counted(std::initializer_list<Count> counts) {
+  std::string text;
+  for (const Count& count : counts) {
+    if (count.number == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += counted(count.number, count.noun);
+  }
+  return text;
+}
+
+std::string duration(double milliseconds) {
+  if (milliseconds < 1000.0) return significant(milliseconds, 3) + " ms";
+  return significant(milliseconds / 1000.0, 3) + " s";
+}
+
+std::string pad_left(std::string_view text, std::size_t width) {
+  return std::string(width - std::min(width, text.size()), ' ') + std::string(text);
+}
+
+std::string pad_right(std::string_view text, std::size_t width) {
+  return std::string(text) + std::string(width - std::min(width, text.size()), ' ');
+}
+
+NumberColumn::NumberColumn(double largest_magnitude) {
+  constexpr int kDigits = 6;
+  if (largest_magnitude == 0.0) return;
+  scientific_ = !(largest_magnitude >= 1e-3 && largest_magnitude < 1e8);
+  const int digits_before_point = scientific_ ? 1 : static_cast<int>(std::floor(std::log10(largest_magnitude))) + 1;
+  decimals_ = std::max(0, kDigits - digits_before_point);
+}
+
+std::string NumberColumn::cell(double value, std::size_t width) const {
+  const auto format = scientific_ ? std::chars_format::scientific : std::chars_format::fixed;
+  const std::string text = formatted(value, format, decimals_);
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  // A rounded-away negative would print as "-0.0000", which reads as a claim about its sign.
+  const std::string unsigned_zero = is_zero && text.front() == '-' ? text.substr(1) : text;
+  return ' ' + pad_left(unsigned_zero, width - 1);
+}
+
+std::string NumberColumn::cells(const glm::dvec3& rgb, std::size_t width) const {
+  return cell(rgb.x, width) + cell(rgb.y, width) + cell(rgb.z, width);
+}
+
+double largest_magnitude(const glm::dvec3& rgb) {
+  return std::max({std::abs(rgb.x), std::abs(rgb.y), std::abs(rgb.z)});
+}
+
+}  // namespace welkin::tool
