@@ -10,12 +10,12 @@ namespace welkin {
 struct Control {
   /// Checked before every tile (some 20 to 100 microseconds of work). Once stop is requested the
   /// call throws `Error` with `ErrorCode::cancelled`; nothing that the call would have returned exists.
-  std::stop_token stop;
+  std::stop_token stop{};
 
   /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
   /// It comes from whichever thread finished a tile, one call at a time; what it throws ends the call
   /// and reaches the caller. Left empty, progress costs nothing.
-  std::function<void(double)> progress;
+  std::function<void(double)> progress{};
 };
 
 /// Runs `work` in an arena of its own with `threads` threads (0: as many as the process may use).

@@ -51,7 +51,7 @@ struct ProjectionOptions {
   int target_size = 0;
 
   /// Off by default. What a clamp takes away is reported in the diagnostics.
-  std::optional<RadianceClamp> clamp;
+  std::optional<RadianceClamp> clamp{};
 
   /// The pixels are gamma encoded: each channel is clamped to [0, 1] and raised to 2.2 (Babylon.js's
   /// gammaSpace). Not for srgb8 formats, which say so themselves.

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "image/formats.h"
@@ -38,25 +39,48 @@ constexpr int kClasses = simd::kMaximumClasses;
 constexpr int kChunksPerTile = 8;  // 49 152 texels: 15 to 30 microseconds, long against a task's microsecond
 constexpr std::int64_t kInlineTexels = 100'000;
 
+constexpr std::ptrdiff_t kCacheLine = 64;
+
+/// What fits here stays there between calls, and fetching it would only take time.
+constexpr std::ptrdiff_t kSecondLevelCache = std::ptrdiff_t{1} << 20U;
+
 /// Stands in for the bottom row where a row is its own mirror image.
 alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
 
-/// What one worker needs; made before the tiles run.
-struct Scratch {
+/// What one worker needs; made before the tiles run, in two pieces (a small cubemap takes ten microseconds,
+/// and every allocation a tenth of one).
+class Scratch {
+ public:
   Scratch(int functions, std::size_t weight_floats)
-      : weights(weight_floats),
-        planes(std::size_t{3} * kClasses * kChunk),
-        runs(std::size_t{4} * 3 * kChunk),
-        sum_lanes(static_cast<std::size_t>(kFaces * 3 * functions * simd::kSumLanes)),
-        face_sums(static_cast<std::size_t>(3 * functions)),
-        cleaned_sums(face_sums.size()) {}
+      : floats_(kPlaneFloats + kRunFloats + weight_floats),
+        doubles_(static_cast<std::size_t>(kFaces * 3 * functions) * simd::kSumLanes + 2 * sums_of(functions)),
+        functions_(functions) {}
 
-  tables::AlignedBuffer<float> weights;
-  tables::AlignedBuffer<float> planes;      ///< [3][kClasses][kChunk]
-  tables::AlignedBuffer<float> runs;        ///< four decoded runs of a row
-  tables::AlignedBuffer<double> sum_lanes;  ///< [kFaces][3][functions][simd::kSumLanes]
-  std::vector<double> face_sums;            ///< [3][functions]
-  std::vector<double> cleaned_sums;         ///< [3][functions]
+  [[nodiscard]] float* planes() noexcept { return floats_.data(); }  ///< [3][kClasses][kChunk]
+  /// Decoded runs of a row: top left, top right, bottom left, bottom right.
+  [[nodiscard]] float* run(int index) noexcept { return planes() + kPlaneFloats + std::ptrdiff_t{3} * kChunk * index; }
+  [[nodiscard]] float* weights() noexcept { return planes() + kPlaneFloats + kRunFloats; }
+
+  /// A face's sums, spread over lanes: [3][functions][simd::kSumLanes].
+  [[nodiscard]] double* lanes(int face) noexcept {
+    return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * simd::kSumLanes;
+  }
+  [[nodiscard]] std::span<double> face_sums() noexcept {
+    return {lanes(kFaces), sums_of(functions_)};
+  }  ///< [3][functions]
+  [[nodiscard]] std::span<double> cleaned_sums() noexcept {
+    return {lanes(kFaces) + sums_of(functions_), sums_of(functions_)};
+  }  ///< [3][functions]
+
+ private:
+  static constexpr std::size_t kPlaneFloats = std::size_t{3} * kClasses * kChunk;
+  static constexpr std::size_t kRunFloats = std::size_t{4} * 3 * kChunk;
+
+  static std::size_t sums_of(int functions) { return static_cast<std::size_t>(3 * functions); }
+
+  tables::AlignedBuffer<float> floats_;
+  tables::AlignedBuffer<double> doubles_;
+  int functions_;
 };
 
 /// One row of a chunk on one face.
@@ -83,7 +107,7 @@ class CubemapProjection {
         row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
         kernels_(simd::active_kernels()),
         direct_fold_(direct_fold(cubemap.format)),
-        fetches_ahead_(6 * row_bytes_ * cubemap.size > (1 << 20)),
+        fetches_ahead_(options.bands == 3 && row_bytes_ * cubemap.size * kFaces > kSecondLevelCache),
         weights_(tables::TexelWeights::get({cubemap.size, options.bands, options.quadrature == Quadrature::midpoint,
                                             options.target_size > 0 ? options.target_size : cubemap.size})),
         tile_count_((weights_->chunk_count() + kChunksPerTile - 1) / kChunksPerTile),
@@ -93,6 +117,7 @@ class CubemapProjection {
     const std::int64_t texels = std::int64_t{kFaces} * cubemap_.size * cubemap_.size;
     const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
     std::vector<Scratch> scratch;
+    scratch.reserve(jobs::worker_count(placement));
     for (std::size_t worker = jobs::worker_count(placement); worker > 0; --worker) {
       scratch.emplace_back(functions_, weights_->scratch_size());
     }
@@ -136,26 +161,18 @@ class CubemapProjection {
     for (int face = 0; face < kFaces; ++face) {
       const bool summed = direct_fold_ != nullptr && fold_face(face, scratch);
       if (!summed) sum_cleaned(chunks_of(tile), face, scratch, sums_.record(tile));
-      face_transform(face, bands_).add(scratch.face_sums.data(), weights_->place().data(), sums_.values(tile));
+      face_transform(face, bands_).add(scratch.face_sums().data(), weights_->place().data(), sums_.values(tile));
     }
-  }
-
-  [[nodiscard]] double* lanes_of(int face, Scratch& scratch) const {
-    return scratch.sum_lanes.data() + static_cast<std::ptrdiff_t>(face) * 3 * functions_ * simd::kSumLanes;
   }
 
   void clear_lanes(int face, Scratch& scratch) const {
-    std::fill_n(lanes_of(face, scratch), 3 * functions_ * simd::kSumLanes, 0.0);
+    std::fill_n(scratch.lanes(face), 3 * functions_ * simd::kSumLanes, 0.0);
   }
 
-  /// Brings a face's sums from their lanes to scratch.face_sums; false if they are not all finite.
+  /// Brings a face's sums from their lanes to scratch.face_sums(); false if they are not all finite.
   [[nodiscard]] bool fold_face(int face, Scratch& scratch) const {
-    const double* lanes = lanes_of(face, scratch);
-    for (double& sum : scratch.face_sums) {
-      sum = simd::fold_sum_lanes(lanes);
-      lanes += simd::kSumLanes;
-    }
-    return all_finite(scratch.face_sums);
+    kernels_.fold_sum_lanes(scratch.lanes(face), 3 * functions_, scratch.face_sums().data());
+    return all_finite(scratch.face_sums());
   }
 
   /// The fast way: all faces of a chunk while its weights are at hand.
@@ -163,37 +180,63 @@ class CubemapProjection {
     for (int face = 0; face < kFaces; ++face) clear_lanes(face, scratch);
     for (int index = chunks.first; index < chunks.end; ++index) {
       const QuadrantChunk chunk = weights_->chunk(index);
-      const float* const weights = weights_->chunk_weights(index, scratch.weights.data());
+      const float* const weights = weights_->chunk_weights(index, scratch.weights());
       for (int face = 0; face < kFaces; ++face) {
-        fold_directly(chunk, face, scratch);
-        sum_planes(chunk, face, weights, scratch);
+        const simd::FetchAhead ahead = read_next(index, face, chunks.end);
+        fold_directly(chunk, face, ahead, scratch);
+        sum_planes(chunk, face, weights, ahead, scratch);
       }
     }
   }
 
-  /// The careful way for one face, chunk by chunk: every texel passes the policies. Leaves scratch.face_sums.
+  /// The careful way for one face, chunk by chunk: every texel passes the policies. Leaves scratch.face_sums().
   void sum_cleaned(const Chunks& chunks, int face, Scratch& scratch, CleaningRecord& record) {
-    std::vector<double>& total = scratch.cleaned_sums;
+    const std::span<double> total = scratch.cleaned_sums();
+    const std::span<double> face_sums = scratch.face_sums();
     std::fill(total.begin(), total.end(), 0.0);
     for (int index = chunks.first; index < chunks.end; ++index) {
       const QuadrantChunk chunk = weights_->chunk(index);
-      const float* const weights = weights_->chunk_weights(index, scratch.weights.data());
+      const float* const weights = weights_->chunk_weights(index, scratch.weights());
       clear_lanes(face, scratch);
       for (int row = 0; row < chunk.row_count; ++row) {
         const RowRun run = row_run(chunk, face, row);
         decode_and_clean(run, weights + run.position, scratch, record);
         fold_decoded(run, scratch);
       }
-      sum_planes(chunk, face, weights, scratch);
+      sum_planes(chunk, face, weights, {}, scratch);
       if (!fold_face(face, scratch)) sum_in_double(chunk, face, weights, scratch);
-      for (std::size_t k = 0; k < total.size(); ++k) total[k] += scratch.face_sums[k];
+      for (std::size_t k = 0; k < total.size(); ++k) total[k] += face_sums[k];
     }
-    std::copy(total.begin(), total.end(), scratch.face_sums.begin());
+    std::copy(total.begin(), total.end(), face_sums.begin());
   }
 
-  void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, Scratch& scratch) {
-    kernels_.weighted_sums(scratch.planes.data(), kClasses, weights, weights_->class_counts(), chunk.groups(),
-                           lanes_of(face, scratch));
+  void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, const simd::FetchAhead& ahead,
+                  Scratch& scratch) {
+    kernels_.weighted_sums(scratch.planes(), kClasses, weights, weights_->class_counts(), chunk.groups(), ahead,
+                           scratch.lanes(face));
+  }
+
+  /// What is read after a chunk on a face: the same chunk on the next face, or the next chunk on the first.
+  /// Several short rows count as one stretch each at the top and at the bottom, as if rows were packed.
+  [[nodiscard]] simd::FetchAhead read_next(int index, int face, int end) const {
+    if (!fetches_ahead_) return {};
+    const bool last_face = face + 1 == kFaces;
+    if (last_face && index + 1 == end) return {};
+    const QuadrantChunk chunk = weights_->chunk(last_face ? index + 1 : index);
+    const int next_face = (face + 1) % kFaces;
+    const RowRun first = row_run(chunk, next_face, 0);
+    const RowRun last = row_run(chunk, next_face, chunk.row_count - 1);
+    const std::byte* const bottom = last.bottom != nullptr ? last.bottom : last.top;
+    const auto address = [](const std::byte* p) { return reinterpret_cast<const char*>(p); };
+    const std::ptrdiff_t bytes = chunk.column_count * texel_bytes_ * chunk.row_count;
+    const int lines = static_cast<int>(bytes / kCacheLine);
+    if (chunk.row_count > 1) {  // whole rows: their left and right runs are one stretch, here cut in two
+      return {{address(first.top), address(first.top) + bytes, address(bottom), address(bottom) + bytes}, lines};
+    }
+    const std::ptrdiff_t skipped = first.first_column * texel_bytes_;
+    return {{address(first.top + skipped), address(mirrored(first.top, first.first_column, chunk.column_count)),
+             address(bottom + skipped), address(mirrored(bottom, first.first_column, chunk.column_count))},
+            lines};
   }
 
   [[nodiscard]] RowRun row_run(const QuadrantChunk& chunk, int face, int index) const {
@@ -230,16 +273,14 @@ class CubemapProjection {
   }
 
   /// Folds a chunk in place: all rows at once where they consist of whole groups and each has a mirror image.
-  void fold_directly(const QuadrantChunk& chunk, int face, Scratch& scratch) {
+  void fold_directly(const QuadrantChunk& chunk, int face, const simd::FetchAhead& ahead, Scratch& scratch) {
     const bool at_once = cubemap_.size % (2 * kLanes) == 0;
     const int rows_at_once = at_once ? chunk.row_count : 1;
     for (int row = 0; row < chunk.row_count; row += rows_at_once) {
       const RowRun run = row_run(chunk, face, row);
       const int whole = run.paired / kLanes * kLanes;
       if (whole > 0) {
-        const simd::QuadrantRuns runs = runs_in_place(run, rows_at_once, whole);
-        const simd::QuadrantRuns ahead = runs_in_place(row_run(chunk, (face + 1) % kFaces, row), rows_at_once, whole);
-        direct_fold_(runs, fetches_ahead_ ? &ahead : nullptr, whole / kLanes, scratch.planes.data() + run.position);
+        direct_fold_(runs_in_place(run, rows_at_once, whole), ahead, whole / kLanes, scratch.planes() + run.position);
       }
       if (whole < run.count) fold_rest(run, whole, scratch);
     }
@@ -261,8 +302,8 @@ class CubemapProjection {
     const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
     const std::byte* const rows[2] = {run.top, run.bottom};
     for (int side = 0; side < 2; ++side) {
-      float* const left = run_of(scratch, 2 * side);
-      float* const right = run_of(scratch, 2 * side + 1);
+      float* const left = scratch.run(2 * side);
+      float* const right = scratch.run(2 * side + 1);
       std::fill_n(left, 3 * padded, 0.0F);
       std::fill_n(right, 3 * padded, 0.0F);
       if (rows[side] == nullptr) continue;
@@ -280,7 +321,7 @@ class CubemapProjection {
     for (int side = 0; side < 2; ++side) {
       if (side == 1 && run.bottom == nullptr) break;
       const int row = side == 0 ? run.row : run.mirrored_row;
-      clean({.rgb = run_of(scratch, 2 * side),
+      clean({.rgb = scratch.run(2 * side),
              .count = run.count,
              .face = run.face,
              .row = row,
@@ -289,7 +330,7 @@ class CubemapProjection {
              .weight_step = 1,
              .weight_scale = 1.0},
             record);
-      clean({.rgb = run_of(scratch, 2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
+      clean({.rgb = scratch.run(2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
              .count = run.paired,
              .face = run.face,
              .row = row,
@@ -308,14 +349,14 @@ class CubemapProjection {
 
   void fold_decoded(const RowRun& run, Scratch& scratch) {
     kernels_.fold_quadrants[simd::fold_rgb_f32](
-        {run_of(scratch, 0), run_of(scratch, 1), run_of(scratch, 2), run_of(scratch, 3), 0, 0, 1}, nullptr,
-        (run.count + kLanes - 1) / kLanes, scratch.planes.data() + run.position);
+        {scratch.run(0), scratch.run(1), scratch.run(2), scratch.run(3), 0, 0, 1}, {},
+        (run.count + kLanes - 1) / kLanes, scratch.planes() + run.position);
   }
 
-  /// Leaves a chunk's sums on one face in scratch.face_sums. For finite texels near the largest float, whose
+  /// Leaves a chunk's sums on one face in scratch.face_sums(). For finite texels near the largest float, whose
   /// sums fit a double only: rare, so it may be slow and use the stack.
   void sum_in_double(const QuadrantChunk& chunk, int face, const float* weights, Scratch& scratch) const {
-    std::fill(scratch.face_sums.begin(), scratch.face_sums.end(), 0.0);
+    std::fill_n(scratch.face_sums().data(), 3 * functions_, 0.0);
     double planes[3 * kClasses * kChunk] = {};
     for (int index = 0; index < chunk.row_count; ++index) {
       const RowRun run = row_run(chunk, face, index);
@@ -324,10 +365,10 @@ class CubemapProjection {
       const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
       for (int k = 0; k < padded; ++k) {
         for (int c = 0; c < 3; ++c) {
-          const double tl = run_of(scratch, 0)[3 * k + c];
-          const double tr = run_of(scratch, 1)[3 * (padded - 1 - k) + c];
-          const double bl = run_of(scratch, 2)[3 * k + c];
-          const double br = run_of(scratch, 3)[3 * (padded - 1 - k) + c];
+          const double tl = scratch.run(0)[3 * k + c];
+          const double tr = scratch.run(1)[3 * (padded - 1 - k) + c];
+          const double bl = scratch.run(2)[3 * k + c];
+          const double br = scratch.run(3)[3 * (padded - 1 - k) + c];
           double* const plane = planes + c * kClasses * kChunk + run.position + k;
           plane[0] = (tl + tr) + (bl + br);
           plane[kChunk] = (tr - tl) + (br - bl);
@@ -337,11 +378,7 @@ class CubemapProjection {
       }
     }
     weighted_sums_in_double(planes, kClasses, weights, weights_->class_counts(), chunk.groups() * kLanes,
-                            scratch.face_sums.data());
-  }
-
-  static float* run_of(Scratch& scratch, int index) {
-    return scratch.runs.data() + static_cast<std::ptrdiff_t>(index) * 3 * kChunk;
+                            scratch.face_sums().data());
   }
 
   const CubemapView& cubemap_;

@@ -102,7 +102,7 @@ struct LatLongProjector::State {
   void sum_row(const std::byte* texels, PixelFormat format, int row, Scratch& room, CleaningRecord& record) noexcept;
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
   static void clear_lanes(Scratch& room) noexcept;
-  static bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) noexcept;
+  bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
   void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, Scratch& room) noexcept;
   void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
   void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
@@ -187,12 +187,8 @@ void LatLongProjector::State::clear_lanes(Scratch& room) noexcept {
 }
 
 /// False if the sums are not all finite.
-bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) noexcept {
-  const double* lanes = room.sum_lanes.data();
-  for (double& sum : sums_of_orders) {
-    sum = simd::fold_sum_lanes(lanes);
-    lanes += simd::kSumLanes;
-  }
+bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept {
+  kernels.fold_sum_lanes(room.sum_lanes.data(), 3 * orders, sums_of_orders.data());
   return all_finite(sums_of_orders);
 }
 
@@ -243,7 +239,7 @@ void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, S
 
 void LatLongProjector::State::sum_planes(const ColumnRun& run, Scratch& room) noexcept {
   kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(),
-                        (run.count + kLanes - 1) / kLanes, room.sum_lanes.data());
+                        (run.count + kLanes - 1) / kLanes, {}, room.sum_lanes.data());
 }
 
 /// Leaves a run's sums in room.chunk_sums. Its decoded texels are finite, but their sums fit a double only.

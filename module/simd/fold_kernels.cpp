@@ -33,54 +33,45 @@ WELKIN_INLINE Rgb load_texels(const Channel* run, int texel) {
   }
 }
 
-/// Asks for the cache lines of `bytes` bytes from `address` on; fewer than a line still ask for one.
-template <int bytes, class Channel>
-WELKIN_INLINE void fetch(const Channel* address) {
-  for (int line = 0; line < bytes; line += 64) {
-    _mm_prefetch(reinterpret_cast<const char*>(address) + line, _MM_HINT_T0);
-  }
-}
-
+/// One row of four mirrored runs.
 template <class Channel>
-WELKIN_INLINE const Channel* row_of(const void* first, std::ptrdiff_t stride, int row) {
-  return reinterpret_cast<const Channel*>(static_cast<const char*>(first) + row * stride);
-}
+struct RowPointers {
+  WELKIN_INLINE RowPointers(const QuadrantRuns& runs, int row)
+      : top_left(at(runs.top_left, row * runs.top_stride)),
+        top_right(at(runs.top_right, row * runs.top_stride)),
+        bottom_left(at(runs.bottom_left, row * runs.bottom_stride)),
+        bottom_right(at(runs.bottom_right, row * runs.bottom_stride)) {}
 
-template <class Channel, int channels, bool fetching>
-WELKIN_INLINE void fold_rows(const QuadrantRuns& runs, const QuadrantRuns& ahead, int groups, float* planes) {
+  static WELKIN_INLINE const Channel* at(const void* first, std::ptrdiff_t offset) {
+    return reinterpret_cast<const Channel*>(static_cast<const char*>(first) + offset);
+  }
+
+  const Channel* top_left;
+  const Channel* top_right;
+  const Channel* bottom_left;
+  const Channel* bottom_right;
+};
+
+template <class Channel, int channels>
+WELKIN_INLINE void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   const int count = groups * kLanes;
   for (int row = 0; row < runs.rows; ++row, planes += count) {
-    const auto* const top_left = row_of<Channel>(runs.top_left, runs.top_stride, row);
-    const auto* const top_right = row_of<Channel>(runs.top_right, runs.top_stride, row);
-    const auto* const bottom_left = row_of<Channel>(runs.bottom_left, runs.bottom_stride, row);
-    const auto* const bottom_right = row_of<Channel>(runs.bottom_right, runs.bottom_stride, row);
+    const RowPointers<Channel> here(runs, row);
     for (int k = 0; k < count; k += kWidth) {
       const int mirrored = count - kWidth - k;
-      if constexpr (fetching) {
-        constexpr int bytes = kWidth * channels * static_cast<int>(sizeof(Channel));
-        fetch<bytes>(row_of<Channel>(ahead.top_left, ahead.top_stride, row) + channels * k);
-        fetch<bytes>(row_of<Channel>(ahead.top_right, ahead.top_stride, row) + channels * mirrored);
-        fetch<bytes>(row_of<Channel>(ahead.bottom_left, ahead.bottom_stride, row) + channels * k);
-        fetch<bytes>(row_of<Channel>(ahead.bottom_right, ahead.bottom_stride, row) + channels * mirrored);
+      if (ahead.lines > 0 && k % kLanes == 0) {
+        const int line = row * groups + k / kLanes;
+        for (const char* stretch : ahead.stretches) fetch_line(stretch, line);
       }
-      const Rgb tl = load_texels<Channel, channels, false>(top_left, k);
-      const Rgb tr = load_texels<Channel, channels, true>(top_right, mirrored);
-      const Rgb bl = load_texels<Channel, channels, false>(bottom_left, k);
-      const Rgb br = load_texels<Channel, channels, true>(bottom_right, mirrored);
+      const Rgb tl = load_texels<Channel, channels, false>(here.top_left, k);
+      const Rgb tr = load_texels<Channel, channels, true>(here.top_right, mirrored);
+      const Rgb bl = load_texels<Channel, channels, false>(here.bottom_left, k);
+      const Rgb br = load_texels<Channel, channels, true>(here.bottom_right, mirrored);
       constexpr int channel_stride = kClassesOfQuadrants * kChunk;
       store_quadrant_classes(tl.red, tr.red, bl.red, br.red, planes + k);
       store_quadrant_classes(tl.green, tr.green, bl.green, br.green, planes + channel_stride + k);
       store_quadrant_classes(tl.blue, tr.blue, bl.blue, br.blue, planes + 2 * channel_stride + k);
     }
-  }
-}
-
-template <class Channel, int channels>
-WELKIN_INLINE void fold_quadrants(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes) {
-  if (ahead != nullptr) {
-    fold_rows<Channel, channels, true>(runs, *ahead, groups, planes);
-  } else {
-    fold_rows<Channel, channels, false>(runs, {}, groups, planes);
   }
 }
 
@@ -103,15 +94,15 @@ WELKIN_INLINE void fold_halves(const void* first, const void* second, int groups
 
 }  // namespace
 
-void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes) {
+void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   fold_quadrants<float, 3>(runs, ahead, groups, planes);
 }
 
-void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes) {
+void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   fold_quadrants<float, 4>(runs, ahead, groups, planes);
 }
 
-void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes) {
+void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   fold_quadrants<std::uint16_t, 4>(runs, ahead, groups, planes);
 }
 

@@ -5,16 +5,18 @@
 
 namespace welkin::simd::WELKIN_ISA {
 
-void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes);
-void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes);
-void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const QuadrantRuns* ahead, int groups, float* planes);
+void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
+void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
+void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
 
 void fold_halves_rgb_f32(const void* first, const void* second, int groups, float* planes);
 void fold_halves_rgba_f32(const void* first, const void* second, int groups, float* planes);
 void fold_halves_rgba_f16(const void* first, const void* second, int groups, float* planes);
 
 void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
-                   double* sums);
+                   const FetchAhead& ahead, double* sums);
+
+void fold_sum_lanes(const double* lanes, int count, double* sums);
 
 void integrate_texels(const TexelRun& run, const BasisRecurrence& recurrence, const GaussRule& rule, const int* place,
                       float* weights, int stride);

@@ -5,12 +5,18 @@
 namespace welkin::simd::WELKIN_ISA {
 namespace {
 
-/// sums[k] += lanes[k] + lanes[k + 8], in double. (Spelled out in registers: left to itself GCC 12 takes the
-/// lanes apart one by one, which cost a third of the whole kernel.)
+/// sums[k] += lanes[k] + lanes[k + 8]: that sum in float, the addition to `sums` in double.
 WELKIN_INLINE void add_to_double_lanes(const float* lanes, double* sums) {
+  alignas(64) float halves[kSumLanes];
+#if defined(__AVX512F__)
+  _mm256_store_ps(halves, _mm256_add_ps(_mm256_load_ps(lanes), _mm256_load_ps(lanes + kSumLanes)));
+#else
+  for (int k = 0; k < kSumLanes; k += kWidth) {
+    (Lanes::load_aligned(lanes + k) + Lanes::load_aligned(lanes + k + kSumLanes)).store_aligned(halves + k);
+  }
+#endif
   for (int k = 0; k < kSumLanes; k += kDoubleWidth) {
-    const DoubleLanes sum = load_widened(lanes + k) + load_widened(lanes + k + kSumLanes);
-    (DoubleLanes::load_aligned(sums + k) + sum).store_aligned(sums + k);
+    (DoubleLanes::load_aligned(sums + k) + load_widened(halves + k)).store_aligned(sums + k);
   }
 }
 
@@ -39,11 +45,20 @@ struct Sums<0> {
   WELKIN_INLINE void store(float*) const {}
 };
 
+/// Lines of the stretches ahead that one channel's loop asks for: `an_iteration` in each of its iterations.
+struct FetchPlan {
+  const FetchAhead* ahead;
+  int first_line;
+};
+
 /// One channel; n0 to n3 weights for classes 0 to 3, all kept in registers while the loop runs: nine for
 /// three bands, which leaves AVX2's sixteen registers room for the planes. Narrow registers walk the whole
 /// chunk once for each part of the group.
-template <int n0, int n1, int n2, int n3>
-WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int groups, double* sums) {
+///
+/// Each of the iterations asks for `fetched` more cache lines of each of the four stretches.
+template <int n0, int n1, int n2, int n3, int fetched>
+WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int groups, const FetchPlan& plan,
+                               double* sums) {
   constexpr int total = n0 + n1 + n2 + n3;
   alignas(64) float lanes[total * kLanes];
   for (int part = 0; part < kLanes; part += kWidth) {
@@ -53,6 +68,13 @@ WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int gr
     Sums<n3> class3;
     const int end = groups * kLanes + part;
     for (int k = part; k < end; k += kLanes) {
+      if constexpr (fetched > 0) {
+        // Narrow registers come by several times, and ask once.
+        const int first_line = plan.first_line + k / kLanes * fetched;
+        for (int line = 0; line < fetched && part == 0; ++line) {
+          for (const char* stretch : plan.ahead->stretches) fetch_line(stretch, first_line + line);
+        }
+      }
       class0.add(planes + k, weights + k);
       class1.add(planes + kChunk + k, weights + n0 * kChunk + k);
       class2.add(planes + 2 * kChunk + k, weights + (n0 + n1) * kChunk + k);
@@ -73,9 +95,35 @@ WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* we
   for (int c = 0; c < class_count; ++c) {
     const float* const plane = planes + c * kChunk;
     int left = counts.count[c];
-    for (; left >= 4; left -= 4, w += 4)
-      sum_classes<4, 0, 0, 0>(plane, weights + w * kChunk, groups, sums + w * kSumLanes);
-    for (; left > 0; --left, ++w) sum_classes<1, 0, 0, 0>(plane, weights + w * kChunk, groups, sums + w * kSumLanes);
+    for (; left >= 4; left -= 4, w += 4) {
+      sum_classes<4, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
+    }
+    for (; left > 0; --left, ++w) {
+      sum_classes<1, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
+    }
+  }
+}
+
+/// Three channels with their sums in registers. The first two ask for the lines ahead, so that those have the
+/// third's time to arrive.
+template <int n0, int n1, int n2, int n3>
+WELKIN_INLINE void sum_three(const float* planes, int class_count, const float* weights, int groups,
+                             const FetchAhead& ahead, double* sums) {
+  constexpr int total = n0 + n1 + n2 + n3;
+  const int lines = ahead.lines - groups;
+  const int an_iteration = (lines + 2 * groups - 1) / (2 * groups);
+  for (int channel = 0; channel < 3; ++channel) {
+    const float* const channel_planes = planes + channel * class_count * kChunk;
+    double* const channel_sums = sums + channel * total * kSumLanes;
+    const int lines_before = channel * groups * an_iteration;
+    const FetchPlan plan{&ahead, groups + lines_before};
+    if (lines_before >= lines) {
+      sum_classes<n0, n1, n2, n3, 0>(channel_planes, weights, groups, plan, channel_sums);
+    } else if (an_iteration == 1) {
+      sum_classes<n0, n1, n2, n3, 1>(channel_planes, weights, groups, plan, channel_sums);
+    } else {
+      sum_classes<n0, n1, n2, n3, 2>(channel_planes, weights, groups, plan, channel_sums);
+    }
   }
 }
 
@@ -86,18 +134,27 @@ constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
 }  // namespace
 
 void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
-                   double* sums) {
-  const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
-  for (int channel = 0; channel < 3; ++channel) {
-    const float* const channel_planes = planes + channel * class_count * kChunk;
-    double* const channel_sums = sums + channel * total * kSumLanes;
-    if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
-      sum_classes<4, 2, 2, 1>(channel_planes, weights, groups, channel_sums);
-    } else if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
-      sum_classes<3, 2, 0, 0>(channel_planes, weights, groups, channel_sums);
-    } else {
-      sum_any(channel_planes, class_count, weights, counts, groups, channel_sums);
+                   const FetchAhead& ahead, double* sums) {
+  if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
+    sum_three<4, 2, 2, 1>(planes, class_count, weights, groups, ahead, sums);
+  } else if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
+    sum_three<3, 2, 0, 0>(planes, class_count, weights, groups, ahead, sums);
+  } else {
+    const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
+    for (int channel = 0; channel < 3; ++channel) {
+      sum_any(planes + channel * class_count * kChunk, class_count, weights, counts, groups,
+              sums + channel * total * kSumLanes);
     }
+  }
+}
+
+void fold_sum_lanes(const double* lanes, int count, double* sums) {
+  // Two lanes at a time is all that is left to do side by side; every build does it in these registers.
+  for (int i = 0; i < count; ++i, lanes += kSumLanes) {
+    const __m128d even = _mm_add_pd(_mm_loadu_pd(lanes), _mm_loadu_pd(lanes + 4));
+    const __m128d odd = _mm_add_pd(_mm_loadu_pd(lanes + 2), _mm_loadu_pd(lanes + 6));
+    const __m128d both = _mm_add_pd(even, odd);
+    sums[i] = _mm_cvtsd_f64(_mm_add_sd(both, _mm_unpackhi_pd(both, both)));
   }
 }
 

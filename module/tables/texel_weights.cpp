@@ -71,7 +71,7 @@ TexelWeights::TexelWeights(const TexelWeightsKey& key)
   const auto chunk_floats = static_cast<std::size_t>(key.bands * key.bands * kChunk);
   const auto total_floats = static_cast<std::size_t>(chunk_count_) * chunk_floats;
   if ((expandable() && !target_) || total_floats * sizeof(float) > kLargestTableBytes) return;
-  AlignedBuffer<float> scratch(scratch_size());
+  AlignedBuffer<float> scratch(fill_scratch_size());
   AlignedBuffer<float> table(total_floats);
   for (int index = 0; index < chunk_count_; ++index) {
     fill_chunk(index, table.data() + static_cast<std::size_t>(index) * chunk_floats, scratch.data());
@@ -87,7 +87,9 @@ QuadrantChunk TexelWeights::chunk(int index) const noexcept {
           (columns + kLanes - 1) / kLanes};
 }
 
-std::size_t TexelWeights::scratch_size() const noexcept {
+std::size_t TexelWeights::scratch_size() const noexcept { return table_.size() > 0 ? 0 : fill_scratch_size(); }
+
+std::size_t TexelWeights::fill_scratch_size() const noexcept {
   // A chunk's weights; and, for a reduced face, a row of the target's weights and one of solid angles.
   const auto functions = static_cast<std::size_t>(key_.bands * key_.bands);
   return functions * kChunk + (target_ ? (functions + 1) * (kChunk + kLanes) : 0);

@@ -52,7 +52,8 @@ class TexelWeights {
   [[nodiscard]] QuadrantChunk chunk(int index) const noexcept;
 
   /// Weights of a chunk, [bands^2][simd::kChunk] in class order, padding zero. `scratch`: room for
-  /// `scratch_size()` floats on a cache line; what is returned points there or into the table.
+  /// `scratch_size()` floats on a cache line, none if all is stored; what is returned points there or into
+  /// the table.
   [[nodiscard]] const float* chunk_weights(int index, float* scratch) const;
   [[nodiscard]] std::size_t scratch_size() const noexcept;
 
@@ -65,6 +66,7 @@ class TexelWeights {
   [[nodiscard]] std::size_t bytes() const noexcept { return table_.bytes() + sizeof(*this); }
 
  private:
+  [[nodiscard]] std::size_t fill_scratch_size() const noexcept;
   void fill_chunk(int index, float* weights, float* scratch) const;
   void fill_row(int row, int first_column, int count, float* weights, int stride) const;
   [[nodiscard]] bool expandable() const noexcept;

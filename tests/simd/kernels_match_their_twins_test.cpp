@@ -61,7 +61,8 @@ void require_quadrants_folded(simd::FoldQuadrants fold, const std::vector<Channe
   const int right = count * channels;
   const simd::QuadrantRuns runs{top, top + right, bottom, bottom + right, stride, -stride, rows};
   tables::AlignedBuffer<float> planes(3 * 4 * kChunk);
-  fold(runs, &runs, groups, planes.data());
+  const char* const anywhere = reinterpret_cast<const char*>(texels.data());
+  fold(runs, {{anywhere, nullptr, anywhere, anywhere}, 100}, groups, planes.data());
   for (int row = 0; row < rows; ++row) {
     for (int k = 0; k < count; ++k) {
       for (int c = 0; c < 3; ++c) {
@@ -124,7 +125,7 @@ TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
       std::vector<std::uint16_t> texels(16 * 4);
       for (std::uint32_t k = 0; k < 16; ++k) texels[4 * k] = static_cast<std::uint16_t>(first + k);
       simd::kernels(set).fold_quadrants[simd::fold_rgba_f16](
-          {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, nullptr, 1, planes.data());
+          {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, {}, 1, planes.data());
       for (std::uint32_t k = 0; k < 16; ++k) {
         const auto half = static_cast<std::uint16_t>(first + k);
         const float expected = image::float_from_half(half);
@@ -165,9 +166,12 @@ TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
         CAPTURE(name(set), total, groups);
         tables::AlignedBuffer<double> sums(static_cast<std::size_t>(3 * total * simd::kSumLanes));
         std::fill_n(sums.data(), sums.size(), 0.0);
-        simd::kernels(set).weighted_sums(planes.data(), 4, weights.data(), counts, groups, sums.data());
-        std::vector<double> folded;
-        for (int w = 0; w < 3 * total; ++w) folded.push_back(simd::fold_sum_lanes(sums.data() + w * simd::kSumLanes));
+        // What is fetched must not matter, wherever it lies.
+        const char* const anywhere = reinterpret_cast<const char*>(planes.data());
+        const simd::FetchAhead ahead{{anywhere, anywhere, nullptr, anywhere}, groups * 4};
+        simd::kernels(set).weighted_sums(planes.data(), 4, weights.data(), counts, groups, ahead, sums.data());
+        std::vector<double> folded(static_cast<std::size_t>(3 * total));
+        simd::kernels(set).fold_sum_lanes(sums.data(), 3 * total, folded.data());
         for (std::size_t w = 0; w < folded.size(); ++w) {
           // 256 products of up to 9, each rounded to 6e-8 of a partial sum of up to 144.
           REQUIRE(std::abs(folded[w] - expected[w]) < 1e-4);
