@@ -18,8 +18,11 @@ inline constexpr int kMaximumBands = 16;
 /// Whether they are radiance or irradiance is said by whoever hands them out.
 class SphericalHarmonics {
  public:
+  /// One band.
+  SphericalHarmonics() : SphericalHarmonics(1) {}
+
   /// Throws `Error` (invalid_argument) unless 1 <= bands <= kMaximumBands.
-  explicit SphericalHarmonics(int bands = 1);
+  explicit SphericalHarmonics(int bands);
 
   [[nodiscard]] int bands() const noexcept { return bands_; }
 

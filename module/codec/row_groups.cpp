@@ -40,14 +40,14 @@ int comfortable_group_rows(const RowSource& source) {
   return static_cast<int>(std::min<std::int64_t>(rows, source.info().height));
 }
 
-void for_each_row_group(const RowSource& source, const RowGroups& asked_for, const Control& control,
+void for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
                         const std::function<void(RowWorker&, int, int)>& work) {
   const int height = source.info().height;
-  RowGroups groups = asked_for;
-  groups.rows = std::min(asked_for.rows, height);
-  const int count = (height + groups.rows - 1) / groups.rows;
-  const std::uint64_t floats = groups.buffered ? rgb_bytes(source.info().width, groups.rows) / sizeof(float) : 0;
-  const jobs::Placement where = placement(source, groups);
+  RowGroups fitting = groups;
+  fitting.rows = std::min(groups.rows, height);
+  const int count = (height + fitting.rows - 1) / fitting.rows;
+  const std::uint64_t floats = fitting.buffered ? rgb_bytes(source.info().width, fitting.rows) / sizeof(float) : 0;
+  const jobs::Placement where = placement(source, fitting);
   std::vector<RowWorker> workers(jobs::worker_count(where));
   jobs::run_tiles(static_cast<std::size_t>(count), where, control, [&](std::size_t group, std::size_t index) {
     RowWorker& worker = workers[index];
@@ -56,8 +56,8 @@ void for_each_row_group(const RowSource& source, const RowGroups& asked_for, con
       worker.reader = source.open_reader();
       worker.rows.resize(floats);
     }
-    const int first_row = static_cast<int>(group) * groups.rows;
-    work(worker, first_row, std::min(groups.rows, height - first_row));
+    const int first_row = static_cast<int>(group) * fitting.rows;
+    work(worker, first_row, std::min(fitting.rows, height - first_row));
   });
 }
 

@@ -12,8 +12,8 @@ namespace {
 /// other last bits on other machines.
 double fifth_root(double x) noexcept {
   // The bits of a double are close to its logarithm; 4/5 of the bits of 1.0 puts the exponent's bias back.
-  constexpr std::uint64_t bits_of_one = std::bit_cast<std::uint64_t>(1.0);
-  double root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
+  constexpr auto bits_of_one = std::bit_cast<std::uint64_t>(1.0);
+  auto root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
   for (int step = 0; step < 5; ++step) {  // from 6 % off, quadratically: 1e-2, 2e-4, 1e-7, 1e-14, rounding
     const double squared = root * root;
     root -= 0.2 * (root - x / (squared * squared));
