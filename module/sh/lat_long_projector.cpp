@@ -104,7 +104,7 @@ struct LatLongProjector::State {
   static void clear_lanes(Scratch& room) noexcept;
   bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
   void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, Scratch& room) noexcept;
-  void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
+  static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
   void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
   void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
   void sum_planes(const ColumnRun& run, Scratch& room) noexcept;

@@ -41,7 +41,7 @@ enum FoldFormat { fold_rgb_f32, fold_rgba_f32, fold_rgba_f16, fold_format_count 
 /// The runs of a face are too short for a processor to see by itself where the next one begins, so the
 /// kernels ask for it. They ask for a few lines an iteration all through the work: a core has some sixteen
 /// misses in flight at once, a burst only fills those and stalls, and a pause leaves memory idle. (Measured
-/// at 1024 texels on two threads, as a share of read bandwidth: no fetching 55 %, all of it while folding
+/// at 1024 texels on two threads, as a share of read bandwidth: no fetching 60 %, all of it while folding
 /// 67 %, all of it while summing 72 %, spread over both 80 %.)
 struct FetchAhead {
   const char* stretches[4];
