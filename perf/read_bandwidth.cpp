@@ -18,13 +18,13 @@ constexpr std::int64_t kGroupBytes = 64;
 
 /// Reads `bytes` bytes in tiles, inline or as tasks just like the projection does.
 std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_t texels) {
-  const auto placement = texels <= 100'000 ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  const jobs::Placement placement = jobs::placement_for(texels);
   const std::int64_t groups = bytes / kGroupBytes;
   const std::int64_t tile_groups = kTileBytes / kGroupBytes;
   const auto tiles = static_cast<std::size_t>((groups + tile_groups - 1) / tile_groups);
   return [=] {
     std::vector<float> sums(tiles);
-    jobs::run_tiles(tiles, placement, {}, [&](std::size_t tile, std::size_t) {
+    jobs::run_tiles(tiles, placement, jobs::worker_count(placement), {}, [&](std::size_t tile, std::size_t) {
       const std::int64_t first = static_cast<std::int64_t>(tile) * tile_groups;
       sums[tile] = simd::active_kernels().read_all(static_cast<const float*>(pixels) + first * 16,
                                                    std::min(tile_groups, groups - first));

@@ -13,8 +13,8 @@ struct Control {
   std::stop_token stop{};
 
   /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
-  /// It comes from whichever thread finished a tile, one call at a time; what it throws ends the call
-  /// and reaches the caller. Left empty, progress costs nothing.
+  /// It comes from whichever thread finished a tile, one call at a time, and may use TBB itself; what it
+  /// throws ends the call and reaches the caller. Left empty, progress costs nothing.
   std::function<void(double)> progress{};
 };
 
@@ -23,7 +23,7 @@ struct Control {
 /// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
 /// arena keeps its thread budget without this function. It is for programs that have no arena.
 /// The number of threads never changes a result's bits.
-/// Throws `Error` (invalid_argument) if `threads` is negative, and whatever `work` throws.
+/// Throws `Error` (invalid_argument) unless 0 <= threads <= 1024, and whatever `work` throws.
 void run_with_threads(int threads, const std::function<void()>& work);
 
 /// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where

@@ -45,16 +45,20 @@ struct ProjectionOptions {
 
   /// Edge of the cubemap face to which the environment is reduced first; 0, the default: none. A lat-long
   /// is reduced to 4 x target by 2 x target. With a mip chain, the level nearest to the target in log2 is
-  /// read instead. Else: exact quadrature averages by solid angle, and does so after gamma, clamp and
-  /// policies; midpoint averages as Babylon.js does (target rounded down to a power of two, a plain box,
-  /// before gamma and clamp). A source that is no larger than the target is taken whole.
+  /// read instead. A source that is no larger than the target is taken whole. Else
+  /// - exact quadrature averages by solid angle, after gamma, clamp and policies;
+  /// - midpoint averages a cubemap as Babylon.js does: target rounded down to a power of two, a plain box of
+  ///   the raw values, before gamma, clamp and replacements. These then act on cells, and the counts in the
+  ///   diagnostics are of cells; only `reject` looks at the texels;
+  /// - midpoint averages a lat-long by plain area of pixels, target as it is, after gamma, clamp and policies.
   int target_size = 0;
 
   /// Off by default. What a clamp takes away is reported in the diagnostics.
   std::optional<RadianceClamp> clamp{};
 
   /// The pixels are gamma encoded: each channel is clamped to [0, 1] and raised to 2.2 (Babylon.js's
-  /// gammaSpace). Not for srgb8 formats, which say so themselves.
+  /// gammaSpace). Not for srgb8 formats, which say so themselves. What that range cuts off is part of the
+  /// decoding and is not reported as clamped.
   bool gamma = false;
 
   /// A replaced NaN becomes 0; a replaced +infinity the clamp's maximum or else 65504 (the largest half);

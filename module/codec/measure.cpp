@@ -7,6 +7,8 @@
 
 #include "codec/row_groups.h"
 #include "codec/solid_angle.h"
+#include "sh/frame_transform.h"
+#include "tables/trigonometry.h"
 #include "welkin/environment_file.h"
 
 namespace welkin {
@@ -73,25 +75,14 @@ void fill_solid_angles(const EnvironmentInfo& info, int row, std::span<double> a
 }
 
 glm::dvec3 lat_long_direction(const EnvironmentInfo& info, int column, int row) {
-  constexpr double kPi = std::numbers::pi;
-  const double latitude = kPi / 2.0 - kPi * (row + 0.5) / info.height;
-  const double longitude = kPi - 2.0 * kPi * (column + 0.5) / info.width;
-  return {std::sin(longitude) * std::cos(latitude), std::sin(latitude), std::cos(longitude) * std::cos(latitude)};
+  const tables::SineCosine latitude = tables::sine_cosine_of_turns(0.25 - (row + 0.5) / (2.0 * info.height));
+  const tables::SineCosine longitude = tables::sine_cosine_of_turns(0.5 - (column + 0.5) / info.width);
+  return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
 }
 
-// The faces' frames are those of `CubemapView`.
 glm::dvec3 strip_direction(const EnvironmentInfo& info, int column, int row) {
-  struct Frame {
-    glm::dvec3 normal, u, v;
-  };
-  static const std::array<Frame, 6> kFrames{{{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
-                                             {{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
-                                             {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
-                                             {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}},
-                                             {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
-                                             {{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}};
   const int size = info.width;
-  const Frame& frame = kFrames[static_cast<std::size_t>(row / size)];
+  const sh::Frame& frame = sh::face_frame(row / size);
   const double u = (2.0 * column + 1.0) / size - 1.0;
   const double v = (2.0 * (row % size) + 1.0) / size - 1.0;
   const glm::dvec3 point = frame.normal + u * frame.u + v * frame.v;

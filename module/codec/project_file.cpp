@@ -38,24 +38,14 @@ Projection naming_file(const std::filesystem::path& path, const Work& work) {
   }
 }
 
-// The part [from, to] of a call's progress.
-Control part_of(const Control& control, double from, double to) {
-  Control part;
-  part.stop = control.stop;
-  if (control.progress) {
-    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
-  }
-  return part;
-}
-
 Projection project_strip(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
                          const Control& control) {
   constexpr double kReadingShare = 0.8;  // decoding is most of the work, whatever the compression
   const Clock::time_point start = Clock::now();
-  const Environment environment = read_whole(source, read_options, part_of(control, 0.0, kReadingShare));
+  const Environment environment = read_whole(source, read_options, jobs::part_of(control, 0.0, kReadingShare));
   const double reading = milliseconds(Clock::now() - start);
   Projection projection = naming_file(source.info().path, [&] {
-    return project(environment.cubemap(), options, part_of(control, kReadingShare, 1.0));
+    return project(environment.cubemap(), options, jobs::part_of(control, kReadingShare, 1.0));
   });
   put_first(projection, {{"read", "run", kind_of(source.info()) + "; a cubemap is held whole", reading}});
   return projection;

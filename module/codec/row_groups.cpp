@@ -49,16 +49,17 @@ void for_each_row_group(const RowSource& source, const RowGroups& groups, const 
   const std::uint64_t floats = fitting.buffered ? rgb_bytes(source.info().width, fitting.rows) / sizeof(float) : 0;
   const jobs::Placement where = placement(source, fitting);
   std::vector<RowWorker> workers(jobs::worker_count(where));
-  jobs::run_tiles(static_cast<std::size_t>(count), where, control, [&](std::size_t group, std::size_t index) {
-    RowWorker& worker = workers[index];
-    if (!worker.reader) {
-      worker.index = index;
-      worker.reader = source.open_reader();
-      worker.rows.resize(floats);
-    }
-    const int first_row = static_cast<int>(group) * fitting.rows;
-    work(worker, first_row, std::min(fitting.rows, height - first_row));
-  });
+  jobs::run_tiles(static_cast<std::size_t>(count), where, workers.size(), control,
+                  [&](std::size_t group, std::size_t index) {
+                    RowWorker& worker = workers[index];
+                    if (!worker.reader) {
+                      worker.index = index;
+                      worker.reader = source.open_reader();
+                      worker.rows.resize(floats);
+                    }
+                    const int first_row = static_cast<int>(group) * fitting.rows;
+                    work(worker, first_row, std::min(fitting.rows, height - first_row));
+                  });
 }
 
 }  // namespace welkin::codec

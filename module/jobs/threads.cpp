@@ -14,6 +14,8 @@
 namespace welkin {
 namespace {
 
+constexpr int kMostThreads = 1024;  // oneTBB makes room for each, and has no bound of its own
+
 /// Processors that the control group's quota grants (cgroup v2: "QUOTA PERIOD" in microseconds, or "max"),
 /// or 0 where there is none. oneTBB counts processors by affinity and knows nothing of quotas.
 int quota_processors() {
@@ -37,8 +39,9 @@ int available_threads() {
 }
 
 void run_with_threads(int threads, const std::function<void()>& work) {
-  if (threads < 0) {
-    throw Error(ErrorCode::invalid_argument, "threads is " + std::to_string(threads) + "; it must be 0 or more");
+  if (threads < 0 || threads > kMostThreads) {
+    throw Error(ErrorCode::invalid_argument,
+                "threads is " + std::to_string(threads) + "; it must be from 0 to " + std::to_string(kMostThreads));
   }
   const int count = threads == 0 ? available_threads() : threads;
   // Without this, oneTBB never runs more threads than there are processors, and a test on a small machine

@@ -3,15 +3,21 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
+#include <algorithm>
 #include <atomic>
+#include <memory>
 #include <mutex>
+#include <thread>
 
 #include "jobs/floating_point_scope.h"
 #include "welkin/error.h"
 
 namespace welkin::jobs {
 namespace {
+
+constexpr std::int64_t kInlineTexels = 100'000;
 
 thread_local int tiles_on_this_thread = 0;
 
@@ -38,62 +44,121 @@ class Progress {
     done_.store(0, std::memory_order_release);
   }
 
-  /// oneTBB orders a tile after its spawn and its end before the join. Saying so through `done_` as well lets
-  /// the thread sanitizer see it, which knows nothing of the inside of an uninstrumented library.
-  void synchronize() const { static_cast<void>(done_.load(std::memory_order_acquire)); }
+  /// How many tiles are done. oneTBB orders a tile after its spawn and its end before the join; saying so
+  /// through `done_` as well lets the thread sanitizer see it, which cannot look into the library.
+  [[nodiscard]] std::size_t done() const { return done_.load(std::memory_order_acquire); }
 
   void tile_done() {
-    const std::size_t done = done_.fetch_add(1, std::memory_order_acq_rel) + 1;
+    done_.fetch_add(1, std::memory_order_acq_rel);
     if (!control_.progress) return;
-    const std::scoped_lock lock(mutex_);
-    if (done <= reported_) return;
-    reported_ = done;
-    control_.progress(static_cast<double>(done) / static_cast<double>(total_));
+    // Whoever holds the lock reports for the others too, and looks once more after letting go of it.
+    while (reported_.load(std::memory_order_acquire) < done()) {
+      const std::unique_lock lock(mutex_, std::try_to_lock);
+      if (!lock) return;
+      const std::size_t now = done();
+      if (now <= reported_.load(std::memory_order_relaxed)) continue;
+      reported_.store(now, std::memory_order_release);
+      // The callback may use TBB: isolated, its waiting cannot pick up one of our tiles, which would come
+      // back here.
+      tbb::this_task_arena::isolate([&] { control_.progress(static_cast<double>(now) / static_cast<double>(total_)); });
+    }
   }
 
  private:
   const Control& control_;
   std::size_t total_;
   std::atomic<std::size_t> done_;
+  std::atomic<std::size_t> reported_{0};
   std::mutex mutex_;
-  std::size_t reported_ = 0;
+};
+
+/// Numbers for the threads inside a job, each held by one at a time. (TBB's own thread index does not do:
+/// two threads that enter an arena for one have indices 0 and 1.)
+class WorkerNumbers {
+ public:
+  explicit WorkerNumbers(std::size_t count) : count_(count), taken_(std::make_unique<std::atomic<bool>[]>(count)) {}
+
+  /// A number that is free; waits if more threads came than there are numbers, which other threads give back.
+  [[nodiscard]] std::size_t take() noexcept {
+    for (;; std::this_thread::yield()) {
+      for (std::size_t number = 0; number < count_; ++number) {
+        if (!taken_[number].exchange(true, std::memory_order_acquire)) return number;
+      }
+    }
+  }
+  void give_back(std::size_t number) noexcept { taken_[number].store(false, std::memory_order_release); }
+
+ private:
+  std::size_t count_;
+  std::unique_ptr<std::atomic<bool>[]> taken_;
+};
+
+class WorkerScope {
+ public:
+  explicit WorkerScope(WorkerNumbers& numbers) noexcept : numbers_(numbers), number_(numbers.take()) {}
+  ~WorkerScope() { numbers_.give_back(number_); }
+  WorkerScope(const WorkerScope&) = delete;
+  WorkerScope& operator=(const WorkerScope&) = delete;
+
+  [[nodiscard]] std::size_t number() const noexcept { return number_; }
+
+ private:
+  WorkerNumbers& numbers_;
+  std::size_t number_;
 };
 
 }  // namespace
 
 bool inside_tile() noexcept { return tiles_on_this_thread > 0; }
 
-std::size_t worker_count(Placement placement) {
-  if (placement == Placement::calling_thread) return 1;
-  return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+Placement placement_for(std::int64_t texels) noexcept {
+  return texels <= kInlineTexels ? Placement::calling_thread : Placement::arena;
 }
 
-void run_tiles(std::size_t count, Placement placement, const Control& control,
+std::size_t worker_count(Placement placement) {
+  if (placement == Placement::calling_thread) return 1;
+  return static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
+}
+
+Control part_of(const Control& control, double from, double to) {
+  Control part{control.stop, {}};
+  if (control.progress) {
+    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
+  }
+  return part;
+}
+
+void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,
                const std::function<void(std::size_t, std::size_t)>& tile) {
   throw_if_stopped(control);
   Progress progress(control, count);
-  const auto run_one = [&](std::size_t index, std::size_t worker) {
+  WorkerNumbers numbers(workers);
+  const auto run_one = [&](std::size_t index) {
     throw_if_stopped(control);
-    progress.synchronize();
+    static_cast<void>(progress.done());
     {
+      const WorkerScope worker(numbers);
       const TileScope scope;
-      tile(index, worker);
+      tile(index, worker.number());
     }
     progress.tile_done();
   };
   if (placement == Placement::calling_thread || count <= 1) {
-    for (std::size_t index = 0; index < count; ++index) run_one(index, 0);
+    for (std::size_t index = 0; index < count; ++index) run_one(index);
     return;
   }
-  // An engine's arena may have a worker that waits for something else inside one of our tiles' callers;
-  // isolation keeps that worker from starting a second tile on the same scratch space.
+  // A group of our own: if the caller's is cancelled, its tasks are dropped and ours are not. Isolated: a
+  // thread that waits here does not pick up a stranger's task and keep us waiting for it.
+  tbb::task_group_context own_group(tbb::task_group_context::isolated);
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
-      const auto worker = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
-      for (std::size_t index = range.begin(); index != range.end(); ++index) run_one(index, worker);
-    });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t index = range.begin(); index != range.end(); ++index) run_one(index);
+        },
+        own_group);
   });
-  progress.synchronize();
+  if (progress.done() != count) throw Error(ErrorCode::cancelled, "oneTBB dropped some of the work");
 }
 
 }  // namespace welkin::jobs

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "image/formats.h"
 #include "jobs/tiles.h"
+#include "sh/pixel_policy.h"
 
 namespace welkin::sh {
 namespace {
-
-constexpr std::int64_t kInlineTexels = 100'000;
 
 bool is_eight_bit(PixelFormat format) {
   return format == PixelFormat::rgb_u8 || format == PixelFormat::rgba_u8 || format == PixelFormat::rgb_srgb8 ||
@@ -34,7 +35,7 @@ void decode_row(const CubemapView& cubemap, const std::byte* row, float* rgb) {
 /// Back from an averaged channel to what the cubemap's format makes of it.
 float finish_channel(float average, PixelFormat format) {
   if (!is_eight_bit(format)) return average;
-  const auto encoded = static_cast<std::uint8_t>(average + 0.5F);
+  const auto encoded = static_cast<std::uint8_t>(static_cast<int>(average + 0.5F) & 0xFF);
   const std::uint8_t texel[3] = {encoded, encoded, encoded};
   float rgb[3];
   const bool srgb = format == PixelFormat::rgb_srgb8 || format == PixelFormat::rgba_srgb8;
@@ -42,18 +43,55 @@ float finish_channel(float average, PixelFormat format) {
   return rgb[0];
 }
 
+/// The policies that refuse a texel; what they would do otherwise is done to the cells.
+std::optional<PixelPolicy> rejecting_policy(const ProjectionOptions& options) {
+  const bool rejects = options.nan == NonFinitePolicy::reject || options.infinity == NonFinitePolicy::reject ||
+                       options.negative == NegativePolicy::reject;
+  if (!rejects) return std::nullopt;
+  ProjectionOptions strict;
+  strict.nan = options.nan;
+  strict.infinity = options.infinity;
+  strict.negative = options.negative;
+  return PixelPolicy(strict);
+}
+
+/// One worker's room.
+struct Scratch {
+  std::vector<float> decoded;  ///< a row of the source
+  std::vector<float> checked;  ///< a copy of it
+  std::vector<double> sums;    ///< of a row of cells
+};
+
+/// Remembers the first texel of a decoded row that the policy rejects.
+void check_row(const PixelPolicy& policy, int face, int row, int size, Scratch& scratch, CleaningRecord& record) {
+  scratch.checked = scratch.decoded;
+  const float no_weight = 0.0F;
+  policy.clean({.rgb = scratch.checked.data(),
+                .count = size,
+                .face = face,
+                .row = row,
+                .first_column = 0,
+                .weights = &no_weight,
+                .weight_step = 0,
+                .weight_scale = 0.0},
+               record);
+}
+
 /// Reduces one row of cells of one face.
-void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, float* decoded, double* sums,
-                float* cells) {
+void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row,
+                const std::optional<PixelPolicy>& policy, Scratch& scratch, CleaningRecord& record, float* cells) {
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format));
   const std::ptrdiff_t row_bytes =
       cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes * cubemap.size;
   const auto* const pixels = static_cast<const std::byte*>(cubemap.faces[static_cast<std::size_t>(face)]);
   const double ratio = static_cast<double>(cubemap.size) / target;
   const auto edge = [ratio](int cell) { return static_cast<int>(std::floor(cell * ratio)); };
+  float* const decoded = scratch.decoded.data();
+  double* const sums = scratch.sums.data();
   std::fill_n(sums, 3 * target, 0.0);
   for (int row = edge(cell_row); row < edge(cell_row + 1); ++row) {
     decode_row(cubemap, pixels + row * row_bytes, decoded);
+    if (policy) check_row(*policy, face, row, cubemap.size, scratch, record);
     for (int cell = 0; cell < target; ++cell) {
       for (int column = edge(cell); column < edge(cell + 1); ++column) {
         for (int c = 0; c < 3; ++c) sums[3 * cell + c] += static_cast<double>(decoded[3 * column + c]);
@@ -68,7 +106,8 @@ void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, 
 
 }  // namespace
 
-ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Control& control) {
+ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
+                             const Control& control) {
   const auto face_floats = static_cast<std::size_t>(target) * static_cast<std::size_t>(target) * 3;
   ReducedCubemap reduced{{}, std::vector<float>(6 * face_floats)};
   reduced.view.size = target;
@@ -76,18 +115,24 @@ ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Contr
   for (std::size_t face = 0; face < 6; ++face) reduced.view.faces[face] = reduced.pixels.data() + face * face_floats;
 
   const std::int64_t texels = std::int64_t{6} * cubemap.size * cubemap.size;
-  const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  const jobs::Placement placement = jobs::placement_for(texels);
   const auto row_floats = static_cast<std::size_t>(3 * cubemap.size);
   const auto cell_floats = static_cast<std::size_t>(3 * target);
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<float> decoded(workers * row_floats);
-  std::vector<double> sums(workers * cell_floats);
-  jobs::run_tiles(static_cast<std::size_t>(6 * target), placement, control, [&](std::size_t tile, std::size_t worker) {
+  std::vector<Scratch> scratch(
+      workers, {std::vector<float>(row_floats), std::vector<float>(row_floats), std::vector<double>(cell_floats)});
+  const std::optional<PixelPolicy> policy = rejecting_policy(options);
+  const auto tiles = static_cast<std::size_t>(6 * target);
+  std::vector<CleaningRecord> records(tiles);
+  jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     const int face = static_cast<int>(tile) / target;
     const int row = static_cast<int>(tile) % target;
-    reduce_row(cubemap, target, face, row, decoded.data() + worker * row_floats, sums.data() + worker * cell_floats,
+    reduce_row(cubemap, target, face, row, policy, scratch[worker], records[tile],
                reduced.pixels.data() + tile * cell_floats);
   });
+  CleaningRecord total;
+  for (const CleaningRecord& record : records) total.add(record);
+  throw_if_rejected(total, true);
   return reduced;
 }
 

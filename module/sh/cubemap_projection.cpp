@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -37,7 +38,6 @@ using tables::QuadrantChunk;
 constexpr int kFaces = 6;
 constexpr int kClasses = simd::kMaximumClasses;
 constexpr int kChunksPerTile = 8;  // 49 152 texels: 15 to 30 microseconds, long against a task's microsecond
-constexpr std::int64_t kInlineTexels = 100'000;
 
 constexpr std::ptrdiff_t kCacheLine = 64;
 
@@ -107,7 +107,7 @@ class CubemapProjection {
         row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
         kernels_(simd::active_kernels()),
         direct_fold_(direct_fold(cubemap.format)),
-        fetches_ahead_(options.bands == 3 && row_bytes_ * cubemap.size * kFaces > kSecondLevelCache),
+        fetches_ahead_(options.bands == 3 && std::abs(row_bytes_) * cubemap.size * kFaces > kSecondLevelCache),
         weights_(tables::TexelWeights::get({cubemap.size, options.bands, options.quadrature == Quadrature::midpoint,
                                             options.target_size > 0 ? options.target_size : cubemap.size})),
         tile_count_((weights_->chunk_count() + kChunksPerTile - 1) / kChunksPerTile),
@@ -115,15 +115,16 @@ class CubemapProjection {
 
   Projection run(const Control& control) {
     const std::int64_t texels = std::int64_t{kFaces} * cubemap_.size * cubemap_.size;
-    const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
+    const jobs::Placement placement = jobs::placement_for(texels);
     std::vector<Scratch> scratch;
-    scratch.reserve(jobs::worker_count(placement));
-    for (std::size_t worker = jobs::worker_count(placement); worker > 0; --worker) {
+    const std::size_t workers = jobs::worker_count(placement);
+    scratch.reserve(workers);
+    for (std::size_t worker = 0; worker < workers; ++worker) {
       scratch.emplace_back(functions_, weights_->scratch_size());
     }
     // Shared tables are built here, not inside a tile.
     for (int face = 0; face < kFaces; ++face) static_cast<void>(face_transform(face, bands_));
-    jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, control,
+    jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, workers, control,
                     [&](std::size_t tile, std::size_t worker) { project_tile(tile, scratch[worker]); });
     const CleaningRecord record = sums_.total_record();
     throw_if_rejected(record, true);
@@ -227,11 +228,15 @@ class CubemapProjection {
     const RowRun first = row_run(chunk, next_face, 0);
     const RowRun last = row_run(chunk, next_face, chunk.row_count - 1);
     const std::byte* const bottom = last.bottom != nullptr ? last.bottom : last.top;
+    const std::byte* const lowest_top = std::min(first.top, last.top);
+    const std::byte* const lowest_bottom = std::min(bottom, first.bottom != nullptr ? first.bottom : bottom);
     const auto address = [](const std::byte* p) { return reinterpret_cast<const char*>(p); };
     const std::ptrdiff_t bytes = chunk.column_count * texel_bytes_ * chunk.row_count;
     const int lines = static_cast<int>(bytes / kCacheLine);
     if (chunk.row_count > 1) {  // whole rows: their left and right runs are one stretch, here cut in two
-      return {{address(first.top), address(first.top) + bytes, address(bottom), address(bottom) + bytes}, lines};
+      return {
+          {address(lowest_top), address(lowest_top) + bytes, address(lowest_bottom), address(lowest_bottom) + bytes},
+          lines};
     }
     const std::ptrdiff_t skipped = first.first_column * texel_bytes_;
     return {{address(first.top + skipped), address(mirrored(first.top, first.first_column, chunk.column_count)),
@@ -280,7 +285,8 @@ class CubemapProjection {
       const RowRun run = row_run(chunk, face, row);
       const int whole = run.paired / kLanes * kLanes;
       if (whole > 0) {
-        direct_fold_(runs_in_place(run, rows_at_once, whole), ahead, whole / kLanes, scratch.planes() + run.position);
+        direct_fold_(runs_in_place(run, rows_at_once, whole), row == 0 ? ahead : simd::FetchAhead{}, whole / kLanes,
+                     scratch.planes() + run.position);
       }
       if (whole < run.count) fold_rest(run, whole, scratch);
     }

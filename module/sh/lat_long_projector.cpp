@@ -99,15 +99,19 @@ struct LatLongProjector::State {
   }
 
   void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
-  void sum_row(const std::byte* texels, PixelFormat format, int row, Scratch& room, CleaningRecord& record) noexcept;
+  void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& room,
+               CleaningRecord& record) noexcept;
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
   static void clear_lanes(Scratch& room) noexcept;
   bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
-  void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, Scratch& room) noexcept;
+  [[nodiscard]] simd::FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
+                                           int chunk) const noexcept;
+  void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, const simd::FetchAhead& ahead,
+                     Scratch& room) noexcept;
   static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
   void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
   void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
-  void sum_planes(const ColumnRun& run, Scratch& room) noexcept;
+  void sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept;
   void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
   void add_row(int row, Scratch& room) noexcept;
 
@@ -134,7 +138,9 @@ void LatLongProjector::State::project_block(int block, const LatLongView& rows, 
   CleaningRecord& record = sums.record(static_cast<std::size_t>(block));
   for (int index = 0; index < rows.height; ++index) {
     const int row = block * rows_per_block + index;
-    sum_row(pixels + index * row_bytes, rows.format, row, room, record);
+    const std::byte* const texels = pixels + index * row_bytes;
+    const std::byte* const next_row = index + 1 < rows.height ? texels + row_bytes : nullptr;
+    sum_row(texels, next_row, rows.format, row, room, record);
     add_row(row, room);
   }
   lat_long_transform(options.bands)
@@ -157,15 +163,16 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
 
 /// Leaves the row's sums over longitude in room.row_sums: the fast way, if the format allows it and the sums
 /// come out finite, else with every texel passing the policies.
-void LatLongProjector::State::sum_row(const std::byte* texels, PixelFormat format, int row, Scratch& room,
-                                      CleaningRecord& record) noexcept {
+void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
+                                      Scratch& room, CleaningRecord& record) noexcept {
   const simd::FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
   if (fold != nullptr) {
     clear_lanes(room);
     for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
       const ColumnRun run = column_run(texels, format, row, chunk);
-      fold_directly(run, format, fold, room);
-      sum_planes(run, room);
+      const simd::FetchAhead ahead = read_next(texels, next_row, format, chunk);
+      fold_directly(run, format, fold, ahead, room);
+      sum_planes(run, ahead, room);
     }
     if (fold_lanes(room, room.row_sums)) return;
   }
@@ -176,7 +183,7 @@ void LatLongProjector::State::sum_row(const std::byte* texels, PixelFormat forma
     decode(run, format, room);
     clean(run, room, record);
     fold_decoded(run, 0, room);
-    sum_planes(run, room);
+    sum_planes(run, {}, room);
     if (!fold_lanes(room, room.chunk_sums)) sum_in_double(run, room);
     for (std::size_t k = 0; k < room.row_sums.size(); ++k) room.row_sums[k] += room.chunk_sums[k];
   }
@@ -192,10 +199,26 @@ bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sum
   return all_finite(sums_of_orders);
 }
 
+/// What is read after a run: the next chunk of the row, or the next row's first, if there is one; each of its
+/// halves as two stretches.
+simd::FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std::byte* next_row,
+                                                    PixelFormat format, int chunk) const noexcept {
+  const bool row_ends = chunk + 1 == weights->chunk_count();
+  if (!weights->paired() || (row_ends && next_row == nullptr)) return {};
+  const ColumnRun next = row_ends ? column_run(next_row, format, 0, 0) : column_run(texels, format, 0, chunk + 1);
+  constexpr std::ptrdiff_t cache_line = 64;
+  const std::ptrdiff_t half = next.count * static_cast<std::ptrdiff_t>(bytes_per_texel(format)) / 2;
+  const auto address = [](const std::byte* p) { return reinterpret_cast<const char*>(p); };
+  return {{address(next.first), address(next.first) + half, address(next.second), address(next.second) + half},
+          static_cast<int>(half / cache_line)};
+}
+
 void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold,
-                                            Scratch& room) noexcept {
+                                            const simd::FetchAhead& ahead, Scratch& room) noexcept {
   const int whole = run.count / kLanes * kLanes;
-  if (whole > 0) fold(run.first, run.second != nullptr ? run.second : kZeros, whole / kLanes, room.planes.data());
+  if (whole > 0) {
+    fold(run.first, run.second != nullptr ? run.second : kZeros, ahead, whole / kLanes, room.planes.data());
+  }
   if (whole == run.count) return;
   const auto skipped = whole * static_cast<std::ptrdiff_t>(bytes_per_texel(format));
   ColumnRun rest = run;
@@ -233,13 +256,13 @@ void LatLongProjector::State::clean(const ColumnRun& run, Scratch& room, Cleanin
 
 void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept {
   const float* const runs = room.runs.data();
-  kernels.fold_halves[simd::fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, (run.count + kLanes - 1) / kLanes,
-                                          room.planes.data() + position);
+  kernels.fold_halves[simd::fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, {},
+                                          (run.count + kLanes - 1) / kLanes, room.planes.data() + position);
 }
 
-void LatLongProjector::State::sum_planes(const ColumnRun& run, Scratch& room) noexcept {
+void LatLongProjector::State::sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept {
   kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(),
-                        (run.count + kLanes - 1) / kLanes, {}, room.sum_lanes.data());
+                        (run.count + kLanes - 1) / kLanes, ahead, room.sum_lanes.data());
 }
 
 /// Leaves a run's sums in room.chunk_sums. Its decoded texels are finite, but their sums fit a double only.

@@ -17,8 +17,6 @@
 namespace welkin {
 namespace {
 
-constexpr std::int64_t kInlineTexels = 100'000;
-
 class Stopwatch {
  public:
   [[nodiscard]] double milliseconds() const {
@@ -83,9 +81,11 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
   options.target_size = midpoint ? 0 : target;
   if (target > 0 && midpoint) {
     const Stopwatch reducing;
-    const sh::ReducedCubemap reduced = sh::reduce_by_box(cubemap, target, control);
+    constexpr double reading_share = 0.9;
+    const sh::ReducedCubemap reduced =
+        sh::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, reading_share));
     const double milliseconds = reducing.milliseconds();
-    Projection projection = project_level(reduced.view, options, control);
+    Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
     projection.diagnostics.texels =
         std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
     projection.diagnostics.error_estimate =
@@ -140,12 +140,13 @@ Projection project(const LatLongView& lat_long, const ProjectionOptions& options
   sh::check_options(options);
   const Stopwatch projecting;
   const std::int64_t texels = std::int64_t{lat_long.width} * lat_long.height;
-  const auto placement = texels <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
-  sh::LatLongProjector projector(lat_long.width, lat_long.height, options, jobs::worker_count(placement));
+  const jobs::Placement placement = jobs::placement_for(texels);
+  const std::size_t workers = jobs::worker_count(placement);
+  sh::LatLongProjector projector(lat_long.width, lat_long.height, options, workers);
   const std::ptrdiff_t row_bytes = lat_long.row_stride_bytes != 0
                                        ? lat_long.row_stride_bytes
                                        : static_cast<std::ptrdiff_t>(bytes_per_texel(lat_long.format)) * lat_long.width;
-  jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, control,
+  jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const int block = static_cast<int>(tile);
                     const int first_row = block * projector.rows_per_block();

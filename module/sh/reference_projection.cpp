@@ -163,7 +163,7 @@ SphericalHarmonics reference_projection(const CubemapView& cubemap, const Projec
     ProjectionOptions unreduced = options;
     unreduced.target_size = 0;
     if (target >= cubemap.size) return reference_projection(cubemap, unreduced);
-    return reference_projection(sh::reduce_by_box(cubemap, target, {}).view, unreduced);
+    return reference_projection(sh::reduce_by_box(cubemap, target, options, {}).view, unreduced);
   }
   const sh::PixelPolicy policy(options);
   SphericalHarmonics sum(options.bands);

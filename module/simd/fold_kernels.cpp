@@ -81,8 +81,12 @@ WELKIN_INLINE void store_half_classes(Lanes first, Lanes second, float* plane) {
 }
 
 template <class Channel, int channels>
-WELKIN_INLINE void fold_halves(const void* first, const void* second, int groups, float* planes) {
+WELKIN_INLINE void fold_halves(const void* first, const void* second, const FetchAhead& ahead, int groups,
+                               float* planes) {
   for (int k = 0; k < groups * kLanes; k += kWidth) {
+    if (ahead.lines > 0 && k % kLanes == 0) {
+      for (const char* stretch : ahead.stretches) fetch_line(stretch, k / kLanes);
+    }
     const Rgb a = load_texels<Channel, channels, false>(static_cast<const Channel*>(first), k);
     const Rgb b = load_texels<Channel, channels, false>(static_cast<const Channel*>(second), k);
     constexpr int channel_stride = kClassesOfHalves * kChunk;
@@ -106,16 +110,16 @@ void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, 
   fold_quadrants<std::uint16_t, 4>(runs, ahead, groups, planes);
 }
 
-void fold_halves_rgb_f32(const void* first, const void* second, int groups, float* planes) {
-  fold_halves<float, 3>(first, second, groups, planes);
+void fold_halves_rgb_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<float, 3>(first, second, ahead, groups, planes);
 }
 
-void fold_halves_rgba_f32(const void* first, const void* second, int groups, float* planes) {
-  fold_halves<float, 4>(first, second, groups, planes);
+void fold_halves_rgba_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<float, 4>(first, second, ahead, groups, planes);
 }
 
-void fold_halves_rgba_f16(const void* first, const void* second, int groups, float* planes) {
-  fold_halves<std::uint16_t, 4>(first, second, groups, planes);
+void fold_halves_rgba_f16(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<std::uint16_t, 4>(first, second, ahead, groups, planes);
 }
 
 }  // namespace welkin::simd::WELKIN_ISA

@@ -9,9 +9,9 @@ void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const FetchAhead& ahead, i
 void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
 void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
 
-void fold_halves_rgb_f32(const void* first, const void* second, int groups, float* planes);
-void fold_halves_rgba_f32(const void* first, const void* second, int groups, float* planes);
-void fold_halves_rgba_f16(const void* first, const void* second, int groups, float* planes);
+void fold_halves_rgb_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
+void fold_halves_rgba_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
+void fold_halves_rgba_f16(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
 
 void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
                    const FetchAhead& ahead, double* sums);

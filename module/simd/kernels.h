@@ -73,7 +73,8 @@ using FoldQuadrants = void (*)(const QuadrantRuns& runs, const FetchAhead& ahead
 
 /// Reads two runs of 16 `groups` texels, the second half a turn on: planes[channel][class][kChunk],
 ///   class 0: first + second    class 1: first - second
-using FoldHalves = void (*)(const void* first, const void* second, int groups, float* planes);
+/// Each group asks for one more line of each of the stretches ahead.
+using FoldHalves = void (*)(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
 
 /// For each channel and each weight w of class c, with lane k of 16 groups adding up its products in float:
 ///   sums[channel][w][k] += lane k + lane k + 8, k < 8: that sum in float, its addition in double.

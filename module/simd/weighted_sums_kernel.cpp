@@ -71,7 +71,7 @@ WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int gr
       if constexpr (fetched > 0) {
         // Narrow registers come by several times, and ask once.
         const int first_line = plan.first_line + k / kLanes * fetched;
-        for (int line = 0; line < fetched && part == 0; ++line) {
+        for (int line = 0; line < fetched && part == 0 && first_line + line < plan.ahead->lines; ++line) {
           for (const char* stretch : plan.ahead->stretches) fetch_line(stretch, first_line + line);
         }
       }

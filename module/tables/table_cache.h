@@ -34,13 +34,6 @@ class TableCache {
     return entry->table;
   }
 
-  /// Forgets all tables that nobody is building.
-  void clear() {
-    const std::scoped_lock lock(mutex_);
-    entries_.remove_if([](const auto& entry) { return entry->bytes > 0; });
-    bytes_ = 0;
-  }
-
   /// Bytes of all tables held.
   [[nodiscard]] std::size_t bytes() const {
     const std::scoped_lock lock(mutex_);

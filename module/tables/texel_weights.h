@@ -63,7 +63,9 @@ class TexelWeights {
   /// place()[l(l+1)+m]: the row of the weights that belongs to Y(l, m). Row 0 is Y(0, 0).
   [[nodiscard]] const std::vector<int>& place() const noexcept { return place_; }
 
-  [[nodiscard]] std::size_t bytes() const noexcept { return table_.bytes() + sizeof(*this); }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return table_.bytes() + sizeof(*this) + (target_ ? target_->bytes() : 0);
+  }
 
  private:
   [[nodiscard]] std::size_t fill_scratch_size() const noexcept;

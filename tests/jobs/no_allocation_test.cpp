@@ -71,12 +71,13 @@ long allocations_during(const Work& work) {
 TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {
   run_with_threads(3, [] {
     CHECK(allocations_during([] {
-            jobs::run_tiles(10, jobs::Placement::arena, {}, [](std::size_t, std::size_t) {
-              int* volatile one = new int(1);  // volatile, or the compiler leaves both pairs out
-              delete one;
-              void* volatile other = std::malloc(100);
-              std::free(other);
-            });
+            jobs::run_tiles(10, jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
+                            [](std::size_t, std::size_t) {
+                              int* volatile one = new int(1);  // volatile, or the compiler leaves both pairs out
+                              delete one;
+                              void* volatile other = std::malloc(100);
+                              std::free(other);
+                            });
           }) == 20);
   });
 }

@@ -1,12 +1,17 @@
 #include "jobs/tiles.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <stop_token>
+#include <thread>
 #include <vector>
 
 #include "support/catch.h"
@@ -17,6 +22,11 @@ namespace {
 
 using jobs::Placement;
 
+void run(std::size_t count, Placement placement, const Control& control,
+         const std::function<void(std::size_t, std::size_t)>& tile) {
+  jobs::run_tiles(count, placement, jobs::worker_count(placement), control, tile);
+}
+
 constexpr Placement kBoth[] = {Placement::calling_thread, Placement::arena};
 
 }  // namespace
@@ -25,7 +35,7 @@ TEST_CASE("Every tile runs once", "[jobs]") {
   for (const Placement placement : kBoth) {
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{2}, std::size_t{1000}}) {
       std::vector<std::atomic<int>> runs(count);
-      jobs::run_tiles(count, placement, {}, [&](std::size_t tile, std::size_t) { ++runs[tile]; });
+      run(count, placement, {}, [&](std::size_t tile, std::size_t) { ++runs[tile]; });
       for (const auto& run : runs) CHECK(run == 1);
     }
   }
@@ -37,7 +47,7 @@ TEST_CASE("A worker's number is its own while its tile runs", "[jobs]") {
     CHECK(workers == 8);
     std::vector<std::atomic<int>> inside(workers);
     std::atomic<bool> shared{false};
-    jobs::run_tiles(2000, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
+    run(2000, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
       if (worker >= workers || inside[worker].fetch_add(1) != 0) shared = true;
       for (int k = 0; k < 100; ++k) std::atomic_signal_fence(std::memory_order_seq_cst);
       if (worker < workers) inside[worker].fetch_sub(1);
@@ -51,7 +61,7 @@ TEST_CASE("Jobs started inside each other keep their workers apart", "[jobs]") {
     std::atomic<bool> shared{false};
     tbb::parallel_for(0, 20, [&](int) {
       std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
-      jobs::run_tiles(50, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
+      run(50, Placement::arena, {}, [&](std::size_t, std::size_t worker) {
         if (inside[worker].fetch_add(1) != 0) shared = true;
         inside[worker].fetch_sub(1);
       });
@@ -65,7 +75,7 @@ TEST_CASE("Progress rises to one and never falls", "[jobs]") {
     std::vector<double> seen;
     Control control;
     control.progress = [&](double share) { seen.push_back(share); };
-    jobs::run_tiles(100, placement, control, [](std::size_t, std::size_t) {});
+    run(100, placement, control, [](std::size_t, std::size_t) {});
     REQUIRE_FALSE(seen.empty());
     for (std::size_t k = 1; k < seen.size(); ++k) CHECK(seen[k] > seen[k - 1]);
     CHECK(seen.back() == 1.0);
@@ -80,7 +90,7 @@ TEST_CASE("A stop request ends a job between tiles", "[jobs]") {
       std::atomic<int> tiles{0};
       if (share == 0.0) source.request_stop();
       const ThrownError error = thrown_by([&] {
-        jobs::run_tiles(1000, placement, control, [&](std::size_t, std::size_t) {
+        run(1000, placement, control, [&](std::size_t, std::size_t) {
           if (++tiles >= static_cast<int>(share * 1000.0)) source.request_stop();
         });
       });
@@ -92,22 +102,72 @@ TEST_CASE("A stop request ends a job between tiles", "[jobs]") {
 
 TEST_CASE("What a tile throws comes out, and the next job runs", "[jobs]") {
   for (const Placement placement : kBoth) {
-    CHECK_THROWS_AS(jobs::run_tiles(100, placement, {},
-                                    [](std::size_t tile, std::size_t) {
-                                      if (tile == 57) throw std::runtime_error("tile 57");
-                                    }),
+    CHECK_THROWS_AS(run(100, placement, {},
+                        [](std::size_t tile, std::size_t) {
+                          if (tile == 57) throw std::runtime_error("tile 57");
+                        }),
                     std::runtime_error);
     std::atomic<int> tiles{0};
-    jobs::run_tiles(10, placement, {}, [&](std::size_t, std::size_t) { ++tiles; });
+    run(10, placement, {}, [&](std::size_t, std::size_t) { ++tiles; });
     CHECK(tiles == 10);
   }
+}
+
+TEST_CASE("Threads that share an arena for one keep their workers apart", "[jobs]") {
+  tbb::task_arena arena(1);
+  std::atomic<bool> shared{false};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 3; ++k) {
+    threads.emplace_back([&] {
+      arena.execute([&] {
+        std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
+        jobs::run_tiles(300, Placement::arena, inside.size(), {}, [&](std::size_t, std::size_t worker) {
+          if (worker >= inside.size() || inside[worker].fetch_add(1) != 0) shared = true;
+          std::this_thread::yield();
+          if (worker < inside.size()) inside[worker].fetch_sub(1);
+        });
+      });
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK_FALSE(shared);
+}
+
+TEST_CASE("A cancelled group around a job does not make it skip tiles", "[jobs]") {
+  std::atomic<int> tiles{0};
+  tbb::task_group_context context;
+  tbb::parallel_for(
+      0, 1,
+      [&](int) {
+        context.cancel_group_execution();
+        run(500, Placement::arena, {}, [&](std::size_t, std::size_t) { ++tiles; });
+      },
+      context);
+  CHECK(tiles == 500);
+}
+
+TEST_CASE("A progress callback may use TBB", "[jobs]") {
+  run_with_threads(4, [] {
+    for (int repetition = 0; repetition < 20; ++repetition) {
+      std::atomic<int> work{0};
+      std::vector<double> seen;
+      Control control;
+      control.progress = [&](double share) {
+        seen.push_back(share);
+        tbb::parallel_for(0, 50, [&](int) { ++work; });
+      };
+      run(200, Placement::arena, control, [](std::size_t, std::size_t) {});
+      CHECK(std::is_sorted(seen.begin(), seen.end()));
+      CHECK(seen.back() == 1.0);
+    }
+  });
 }
 
 TEST_CASE("What a progress callback throws comes out", "[jobs]") {
   Control control;
   control.progress = [](double) { throw std::runtime_error("enough"); };
   for (const Placement placement : kBoth) {
-    CHECK_THROWS_AS(jobs::run_tiles(10, placement, control, [](std::size_t, std::size_t) {}), std::runtime_error);
+    CHECK_THROWS_AS(run(10, placement, control, [](std::size_t, std::size_t) {}), std::runtime_error);
   }
 }
 
@@ -117,7 +177,7 @@ TEST_CASE("Tiles see the default floating-point environment and leave the caller
   _mm_setcsr(flush_and_round_up);
   std::atomic<bool> all_default{true};
   for (const Placement placement : kBoth) {
-    jobs::run_tiles(64, placement, {}, [&](std::size_t, std::size_t) {
+    run(64, placement, {}, [&](std::size_t, std::size_t) {
       if ((_mm_getcsr() & 0xFFC0U) != 0x1F80U) all_default = false;
     });
   }
@@ -132,6 +192,7 @@ TEST_CASE("The number of threads is checked", "[jobs]") {
   const ThrownError error = thrown_by([] { run_with_threads(-1, [] {}); });
   CHECK(error.code == ErrorCode::invalid_argument);
   CHECK(error.says("threads is -1"));
+  CHECK(thrown_by([] { run_with_threads(1025, [] {}); }).says("threads is 1025"));
   bool ran = false;
   run_with_threads(0, [&] { ran = true; });
   CHECK(ran);

@@ -1,4 +1,5 @@
 // A target size per call: from the mip chain, or by averaging while reading.
+#include <algorithm>
 #include <vector>
 
 #include "support/catch.h"
@@ -108,6 +109,26 @@ TEST_CASE("Passes say where the smaller size came from", "[sh][target]") {
   CHECK(project(chain.views[0], with_target(16)).diagnostics.passes[0].action == "skip");
   CHECK(project(chain.views[0], with_target(16, Quadrature::midpoint)).diagnostics.passes[0].action == "run");
   CHECK(project(chain.views[0]).diagnostics.passes.size() == 1);
+}
+
+TEST_CASE("A box reduction rejects texels by their own place", "[sh][target][policy]") {
+  TestCubemap cubemap = make_cubemap(Content::random, 128, 3, 1);
+  cubemap.pixels[static_cast<std::size_t>((3 * 128 + 70) * 128 + 90) * 3 + 1] = -1.0F;
+  ProjectionOptions options = with_target(16, Quadrature::midpoint);
+  CHECK(project(cubemap.view(), options).diagnostics.texels == 6 * 128 * 128);
+  options.negative = NegativePolicy::reject;
+  const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
+  CHECK(error.says("face -Y, row 70, column 90 is negative"));
+}
+
+TEST_CASE("Progress over several passes rises once", "[sh][target]") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 1);
+  std::vector<double> seen;
+  Control control;
+  control.progress = [&](double share) { seen.push_back(share); };
+  static_cast<void>(project(cubemap.view(), with_target(128, Quadrature::midpoint), control));
+  CHECK(std::is_sorted(seen.begin(), seen.end()));
+  CHECK(seen.back() == 1.0);
 }
 
 TEST_CASE("An uneven chain is refused", "[sh][target]") {

@@ -82,7 +82,7 @@ void require_halves_folded(simd::FoldHalves fold, const std::vector<Channel>& te
   const Channel* const first = texels.data();
   const Channel* const second = texels.data() + static_cast<std::ptrdiff_t>(count) * channels + channels;
   tables::AlignedBuffer<float> planes(3 * 2 * kChunk);
-  fold(first, second, groups, planes.data());
+  fold(first, second, {}, groups, planes.data());
   for (int k = 0; k < count; ++k) {
     for (int c = 0; c < 3; ++c) {
       const float a = as_float(first[k * channels + c]);
