@@ -1,9 +1,9 @@
 #include "codec/solid_angle.h"
 
-#include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "tables/solid_angle.h"
 #include "tables/texel_weights.h"
 #include "tables/trigonometry.h"
 
@@ -23,16 +23,8 @@ void cubemap_row_solid_angles(int row, std::span<double> row_angles) {
   const double v = (2.0 * row + 1.0) * half_edge - 1.0;
   for (std::size_t column = 0; column < (size + 1) / 2; ++column) {
     const double u = (2.0 * static_cast<double>(column) + 1.0) * half_edge - 1.0;
-    double sum = 0.0;
-    for (int j = 0; j < rule.order; ++j) {
-      const double v_node = v + half_edge * rule.nodes[j];
-      for (int i = 0; i < rule.order; ++i) {
-        const double u_node = u + half_edge * rule.nodes[i];
-        const double q = 1.0 / (1.0 + u_node * u_node + v_node * v_node);
-        sum += rule.weights[i] * rule.weights[j] * q * std::sqrt(q);
-      }
-    }
-    row_angles[column] = row_angles[size - 1 - column] = sum * half_edge * half_edge;
+    row_angles[column] = row_angles[size - 1 - column] =
+        tables::rectangle_solid_angle(u, v, half_edge, half_edge, rule);
   }
 }
 

@@ -37,7 +37,9 @@ using tables::QuadrantChunk;
 
 constexpr int kFaces = 6;
 constexpr int kClasses = simd::kMaximumClasses;
-constexpr int kChunksPerTile = 8;  // 49 152 texels: 15 to 30 microseconds, long against a task's microsecond
+/// How many chunks a tile has: some 64 tiles a cubemap, enough for many cores, of 4 to 16 chunks, 24 576 to 98 304
+/// texels, 10 to 50 microseconds: long against the microsecond that a tile's own work takes.
+int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16); }
 
 constexpr std::ptrdiff_t kCacheLine = 64;
 
@@ -65,12 +67,11 @@ class Scratch {
   [[nodiscard]] double* lanes(int face) noexcept {
     return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * simd::kSumLanes;
   }
-  [[nodiscard]] std::span<double> face_sums() noexcept {
-    return {lanes(kFaces), sums_of(functions_)};
-  }  ///< [3][functions]
+  /// One face's sums, [3][functions]; and those of its cleaned chunks so far.
+  [[nodiscard]] std::span<double> face_sums() noexcept { return {lanes(kFaces), sums_of(functions_)}; }
   [[nodiscard]] std::span<double> cleaned_sums() noexcept {
     return {lanes(kFaces) + sums_of(functions_), sums_of(functions_)};
-  }  ///< [3][functions]
+  }
 
  private:
   static constexpr std::size_t kPlaneFloats = std::size_t{3} * kClasses * kChunk;
@@ -110,7 +111,8 @@ class CubemapProjection {
         fetches_ahead_(options.bands == 3 && std::abs(row_bytes_) * cubemap.size * kFaces > kSecondLevelCache),
         weights_(tables::TexelWeights::get({cubemap.size, options.bands, options.quadrature == Quadrature::midpoint,
                                             options.target_size > 0 ? options.target_size : cubemap.size})),
-        tile_count_((weights_->chunk_count() + kChunksPerTile - 1) / kChunksPerTile),
+        tile_chunks_(chunks_per_tile(weights_->chunk_count())),
+        tile_count_((weights_->chunk_count() + tile_chunks_ - 1) / tile_chunks_),
         sums_(static_cast<std::size_t>(tile_count_), options.bands) {}
 
   Projection run(const Control& control) {
@@ -153,8 +155,8 @@ class CubemapProjection {
   };
 
   [[nodiscard]] Chunks chunks_of(std::size_t tile) const {
-    const int first = static_cast<int>(tile) * kChunksPerTile;
-    return {first, std::min(first + kChunksPerTile, weights_->chunk_count())};
+    const int first = static_cast<int>(tile) * tile_chunks_;
+    return {first, std::min(first + tile_chunks_, weights_->chunk_count())};
   }
 
   void project_tile(std::size_t tile, Scratch& scratch) {
@@ -183,7 +185,7 @@ class CubemapProjection {
       const QuadrantChunk chunk = weights_->chunk(index);
       const float* const weights = weights_->chunk_weights(index, scratch.weights());
       for (int face = 0; face < kFaces; ++face) {
-        const simd::FetchAhead ahead = read_next(index, face, chunks.end);
+        const simd::FetchAhead ahead = read_next(index, face);
         fold_directly(chunk, face, ahead, scratch);
         sum_planes(chunk, face, weights, ahead, scratch);
       }
@@ -219,10 +221,11 @@ class CubemapProjection {
 
   /// What is read after a chunk on a face: the same chunk on the next face, or the next chunk on the first.
   /// Several short rows count as one stretch each at the top and at the bottom, as if rows were packed.
-  [[nodiscard]] simd::FetchAhead read_next(int index, int face, int end) const {
+  /// (The next tile's first chunk too: as a rule the same thread goes on with it.)
+  [[nodiscard]] simd::FetchAhead read_next(int index, int face) const {
     if (!fetches_ahead_) return {};
     const bool last_face = face + 1 == kFaces;
-    if (last_face && index + 1 == end) return {};
+    if (last_face && index + 1 == weights_->chunk_count()) return {};
     const QuadrantChunk chunk = weights_->chunk(last_face ? index + 1 : index);
     const int next_face = (face + 1) % kFaces;
     const RowRun first = row_run(chunk, next_face, 0);
@@ -302,7 +305,7 @@ class CubemapProjection {
     fold_decoded(run, scratch);
   }
 
-  /// Decodes a row's four runs to scratch.runs, each padded with zeros to whole groups so that position k
+  /// Decodes a row's four runs, each padded with zeros to whole groups so that position k
   /// meets its mirror image: left runs start at 0, right ones end at the end.
   void decode(const RowRun& run, Scratch& scratch) const {
     const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
@@ -397,6 +400,7 @@ class CubemapProjection {
   simd::FoldQuadrants direct_fold_;
   bool fetches_ahead_;
   std::shared_ptr<const tables::TexelWeights> weights_;
+  int tile_chunks_;
   int tile_count_;
   TileSums sums_;
 };

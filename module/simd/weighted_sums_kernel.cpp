@@ -45,7 +45,7 @@ struct Sums<0> {
   WELKIN_INLINE void store(float*) const {}
 };
 
-/// Lines of the stretches ahead that one channel's loop asks for: `an_iteration` in each of its iterations.
+/// Where one channel's loop goes on asking for the lines ahead.
 struct FetchPlan {
   const FetchAhead* ahead;
   int first_line;

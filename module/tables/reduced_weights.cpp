@@ -8,9 +8,9 @@
 //
 // at any ratio of sizes, and the projection reads it like any other weight.
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
+#include "tables/solid_angle.h"
 #include "tables/texel_weights.h"
 
 namespace welkin::tables {
@@ -53,16 +53,7 @@ double solid_angle(const Piece& columns, const Piece& rows, int size, const simd
   const double v_half = h * (rows.end - rows.begin);
   const double u_centre = h * (columns.begin + columns.end) - 1.0;
   const double v_centre = h * (rows.begin + rows.end) - 1.0;
-  double sum = 0.0;
-  for (int j = 0; j < rule.order; ++j) {
-    const double v = v_centre + v_half * rule.nodes[j];
-    for (int i = 0; i < rule.order; ++i) {
-      const double u = u_centre + u_half * rule.nodes[i];
-      const double q = 1.0 / (1.0 + u * u + v * v);
-      sum += rule.weights[i] * rule.weights[j] * q * std::sqrt(q);
-    }
-  }
-  return sum * u_half * v_half;
+  return rectangle_solid_angle(u_centre, v_centre, u_half, v_half, rule);
 }
 
 /// A cell beyond the middle is the mirror image of one in the quadrant: odd functions change sign.
