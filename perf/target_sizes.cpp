@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "image/texel_geometry.h"
 #include "sh/frame_transform.h"
 #include "simd/kernels.h"
 #include "welkin/environment_file.h"
@@ -49,7 +50,7 @@ Level sample_cubemap(const Environment& environment) {
   Level level{kSize, {}};
   level.pixels.reserve(std::size_t{6} * kSize * kSize * 3);
   for (int face = 0; face < 6; ++face) {
-    const sh::Frame& frame = sh::face_frame(face);
+    const image::Frame& frame = image::face_frame(face);
     for (int row = 0; row < kSize; ++row) {
       for (int column = 0; column < kSize; ++column) {
         const double u = (2.0 * column + 1.0) / kSize - 1.0;

@@ -6,9 +6,7 @@
 #include <span>
 
 #include "codec/row_groups.h"
-#include "codec/solid_angle.h"
-#include "sh/frame_transform.h"
-#include "tables/trigonometry.h"
+#include "image/texel_geometry.h"
 #include "welkin/environment_file.h"
 
 namespace welkin {
@@ -68,25 +66,10 @@ RowStatistics measure_row(const float* rgb, std::span<const double> solid_angles
 
 void fill_solid_angles(const EnvironmentInfo& info, int row, std::span<double> angles) {
   if (info.layout == Layout::lat_long) {
-    std::fill(angles.begin(), angles.end(), lat_long_texel_solid_angle(info.width, info.height, row));
+    std::fill(angles.begin(), angles.end(), image::lat_long_texel_solid_angle(info.width, info.height, row));
   } else {
-    cubemap_row_solid_angles(row % info.width, angles);
+    image::cubemap_row_solid_angles(row % info.width, angles);
   }
-}
-
-glm::dvec3 lat_long_direction(const EnvironmentInfo& info, int column, int row) {
-  const tables::SineCosine latitude = tables::sine_cosine_of_turns(0.25 - (row + 0.5) / (2.0 * info.height));
-  const tables::SineCosine longitude = tables::sine_cosine_of_turns(0.5 - (column + 0.5) / info.width);
-  return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
-}
-
-glm::dvec3 strip_direction(const EnvironmentInfo& info, int column, int row) {
-  const int size = info.width;
-  const sh::Frame& frame = sh::face_frame(row / size);
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * (row % size) + 1.0) / size - 1.0;
-  const glm::dvec3 point = frame.normal + u * frame.u + v * frame.v;
-  return point / std::sqrt(1.0 + u * u + v * v);
 }
 
 EnvironmentStatistics summarise(const EnvironmentInfo& info, const std::vector<RowStatistics>& rows) {
@@ -127,9 +110,11 @@ EnvironmentStatistics summarise(const EnvironmentInfo& info, const std::vector<R
   result.brightest_column = total.brightest_column;
   result.brightest_row = brightest_row;
   result.brightest = total.brightest;
-  result.brightest_direction = info.layout == Layout::lat_long
-                                   ? lat_long_direction(info, total.brightest_column, brightest_row)
-                                   : strip_direction(info, total.brightest_column, brightest_row);
+  const double column = total.brightest_column + 0.5;
+  result.brightest_direction =
+      info.layout == Layout::lat_long
+          ? image::lat_long_direction(info.width, info.height, column, brightest_row + 0.5)
+          : image::face_direction(info.width, brightest_row / info.width, column, brightest_row % info.width + 0.5);
   return result;
 }
 

@@ -15,20 +15,12 @@
 namespace welkin::sh {
 namespace {
 
-constexpr std::array<Frame, 6> kFaces{{
-    {{0, 0, -1}, {0, -1, 0}, {1, 0, 0}},
-    {{0, 0, 1}, {0, -1, 0}, {-1, 0, 0}},
-    {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
-    {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
-    {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
-    {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}},
-}};
-constexpr Frame kLatLong{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+constexpr image::Frame kLatLong{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
 
 /// All seven transforms for one number of bands.
 struct Transforms {
   explicit Transforms(int bands) : lat_long(kLatLong, bands) {
-    for (const Frame& frame : kFaces) faces.emplace_back(frame, bands);
+    for (int face = 0; face < 6; ++face) faces.emplace_back(image::face_frame(face), bands);
   }
   std::vector<FrameTransform> faces;
   FrameTransform lat_long;
@@ -47,7 +39,7 @@ const Transforms& transforms(int bands) {
 // T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, for which
 // bands Gauss points in z and 2 bands equidistant azimuths are exact. Entries are sums of products of a few
 // square roots; what is not one is rounding and dropped.
-FrameTransform::FrameTransform(const Frame& frame, int bands) : functions_(bands * bands) {
+FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions_(bands * bands) {
   const auto count = static_cast<std::size_t>(functions_);
   std::vector<double> matrix(count * count);
   std::vector<double> canonical(count);
@@ -96,7 +88,5 @@ const FrameTransform& face_transform(int face, int bands) {
 }
 
 const FrameTransform& lat_long_transform(int bands) { return transforms(bands).lat_long; }
-
-const Frame& face_frame(int face) noexcept { return kFaces[static_cast<std::size_t>(face)]; }
 
 }  // namespace welkin::sh

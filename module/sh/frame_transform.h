@@ -1,23 +1,17 @@
 // From the harmonics of a local frame to the canonical ones.
 #pragma once
 
-#include <glm/vec3.hpp>
 #include <vector>
 
-namespace welkin::sh {
+#include "image/texel_geometry.h"
 
-/// Axes of a frame in world coordinates: each +-x, +-y or +-z, all different; either handedness.
-struct Frame {
-  glm::dvec3 u;
-  glm::dvec3 v;
-  glm::dvec3 normal;
-};
+namespace welkin::sh {
 
 /// The matrix that takes coefficients over the harmonics of a frame to canonical coefficients. It mixes
 /// orders within a band only, and few of them; it is kept as a list of what is not zero.
 class FrameTransform {
  public:
-  FrameTransform(const Frame& frame, int bands);
+  FrameTransform(const image::Frame& frame, int bands);
 
   /// canonical[l(l+1)+m] += sum over m' of T_l[m][m'] local[place[l(l+1)+m']], for the three channels.
   /// local: [3][bands^2], in the order that `place` says; canonical: [3][bands^2].
@@ -38,8 +32,5 @@ class FrameTransform {
 
 /// Of the frame in which a lat-long's rows are circles around the third axis: u = +z, v = +x, normal = +y.
 [[nodiscard]] const FrameTransform& lat_long_transform(int bands);
-
-/// Axes of cubemap face 0 to 5, as CubemapView's table has them.
-[[nodiscard]] const Frame& face_frame(int face) noexcept;
 
 }  // namespace welkin::sh

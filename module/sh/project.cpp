@@ -1,9 +1,9 @@
 // The public calls: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "jobs/tiles.h"
 #include "sh/box_reduction.h"
@@ -11,6 +11,7 @@
 #include "sh/cubemap_projection.h"
 #include "sh/error_estimate.h"
 #include "sh/lat_long_projector.h"
+#include "sh/level_choice.h"
 #include "welkin/error.h"
 #include "welkin/projection.h"
 
@@ -27,21 +28,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Babylon.js rounds targets down to a power of two.
-int power_of_two_at_most(int value) {
-  int power = 1;
-  while (power <= value / 2) power *= 2;
-  return power;
-}
-
-/// The target as the quadrature understands it; 0 if there is none or the source is no larger.
-int effective_target(int size, const ProjectionOptions& options) {
-  if (options.target_size == 0) return 0;
-  const int target =
-      options.quadrature == Quadrature::midpoint ? power_of_two_at_most(options.target_size) : options.target_size;
-  return target < size ? target : 0;
-}
-
 void check_chain(std::span<const CubemapView> mips) {
   if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
   for (std::size_t level = 0; level < mips.size(); ++level) {
@@ -57,26 +43,12 @@ void check_chain(std::span<const CubemapView> mips) {
   }
 }
 
-/// The level nearest to the target in log2. Sizes fall, and of neighbours a > t > b the first is nearer if
-/// a / t < t / b.
-std::size_t nearest_level(std::span<const CubemapView> mips, int target) {
-  std::size_t level = 0;
-  while (level + 1 < mips.size() && mips[level].size > target) {
-    const std::int64_t a = mips[level].size;
-    const std::int64_t b = mips[level + 1].size;
-    const std::int64_t t = target;
-    if (b <= t && a * b < t * t) break;
-    ++level;
-  }
-  return level;
-}
-
 PassRecord cubemap_pass(int size) {
   return {"project", "run", "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"};
 }
 
 Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
-  const int target = effective_target(cubemap.size, options);
+  const int target = sh::effective_target(cubemap.size, options);
   const bool midpoint = options.quadrature == Quadrature::midpoint;
   options.target_size = midpoint ? 0 : target;
   if (target > 0 && midpoint) {
@@ -120,9 +92,11 @@ Projection project(const CubemapView& cubemap, const ProjectionOptions& options,
 Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options, const Control& control) {
   check_chain(mips);
   sh::check_options(options);
-  const int target = effective_target(mips[0].size, options);
+  const int target = sh::effective_target(mips[0].size, options);
   if (target == 0 || mips.size() == 1) return project_level(mips[0], options, control);
-  const CubemapView& level = mips[nearest_level(mips, target)];
+  std::vector<int> sizes;
+  for (const CubemapView& mip : mips) sizes.push_back(mip.size);
+  const CubemapView& level = mips[sh::nearest_level(sizes, target)];
   ProjectionOptions at_level = options;
   at_level.target_size = 0;
   Projection projection = project_level(level, at_level, control);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/formats.h"
+#include "image/texel_geometry.h"
 #include "jobs/tiles.h"
 #include "sh/basis.h"
 #include "sh/box_reduction.h"
@@ -168,7 +169,7 @@ SphericalHarmonics reference_projection(const CubemapView& cubemap, const Projec
   const sh::PixelPolicy policy(options);
   SphericalHarmonics sum(options.bands);
   for (int face = 0; face < 6; ++face) {
-    const sh::Frame& frame = sh::face_frame(face);
+    const image::Frame& frame = image::face_frame(face);
     const Domain domain = [&frame](double u, double v) -> DomainPoint {
       const double r = std::sqrt(1.0 + u * u + v * v);
       return {(u * frame.u + v * frame.v + frame.normal) / r, 1.0 / (r * r * r)};

@@ -1,6 +1,8 @@
 #include "tables/trigonometry.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace welkin::tables {
@@ -17,6 +19,39 @@ SineCosine in_first_octant(double x) noexcept {
     cosine = (1.0 + cosine) * (-x2 / static_cast<double>(n * (n - 1)));
   }
   return {x * (1.0 + sine), 1.0 + cosine};
+}
+
+/// atan(k / 16) / (2 pi), rounded from 60 digits.
+constexpr std::array<double, 17> kTurnsOfSixteenths{
+    0x0.0p+0,
+    0x1.4586a1872c4d7p-7,
+    0x1.4444750777668p-6,
+    0x1.e34ff3a10b9ccp-6,
+    0x1.3f670b6bdc73dp-5,
+    0x1.8ae6855098eecp-5,
+    0x1.d3c3a482f3ab5p-5,
+    0x1.0cd98d1293ee4p-4,
+    0x1.2e4051d9df308p-4,
+    0x1.4e06a7aa3c7dep-4,
+    0x1.6c266f6edfc1ep-4,
+    0x1.88a15bbbca864p-4,
+    0x1.a37f5c4c419efp-4,
+    0x1.bccd1dfdd0272p-4,
+    0x1.d49ab3ac8b1bbp-4,
+    0x1.eafa71eebf23ap-4,
+    0x1.0000000000000p-3,
+};
+
+/// The angle of (along, across), 0 <= across <= along, along > 0, in turns, up to 1/8. With c the multiple of 1/16
+/// nearest to the slope, atan(slope) = atan(c) + atan(s), s = (slope - c) / (1 + slope c), |s| <= 1/32: the first
+/// term left out of the series for atan(s) is s^11 / 11 < 3e-18.
+double turns_in_first_octant(double along, double across) noexcept {
+  const double nearest = std::floor(across / along * 16.0 + 0.5);
+  const double c = nearest / 16.0;
+  const double s = (across - c * along) / (along + c * across);
+  const double s2 = s * s;
+  const double series = s * (1.0 - s2 * (1.0 / 3.0 - s2 * (1.0 / 5.0 - s2 * (1.0 / 7.0 - s2 * (1.0 / 9.0)))));
+  return kTurnsOfSixteenths[static_cast<std::size_t>(nearest)] + series * (0.5 / std::numbers::pi);
 }
 
 }  // namespace
@@ -39,5 +74,16 @@ SineCosine sine_cosine_of_turns(double turns) noexcept {
     default: return {-along, across};
   }
 }
+
+double turns_of(double y, double x) noexcept {
+  const double across = std::abs(y);
+  const double along = std::abs(x);
+  if (across == 0.0 && along == 0.0) return 0.0;
+  double turns = across <= along ? turns_in_first_octant(along, across) : 0.25 - turns_in_first_octant(across, along);
+  if (x < 0.0) turns = 0.5 - turns;
+  return std::signbit(y) ? -turns : turns;
+}
+
+double arc_sine(double x) noexcept { return turns_of(x, std::sqrt((1.0 - x) * (1.0 + x))) * (2.0 * std::numbers::pi); }
 
 }  // namespace welkin::tables

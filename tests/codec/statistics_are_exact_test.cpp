@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "codec/solid_angle.h"
+#include "image/texel_geometry.h"
 #include "support/catch.h"
 #include "support/close.h"
 #include "support/exr_files.h"
@@ -36,7 +36,7 @@ TEST_CASE("solid angles of a cube face's texels equal their closed form and make
     double sum = 0.0;
     double worst = 0.0;
     for (int row = 0; row < size; ++row) {
-      codec::cubemap_row_solid_angles(row, angles);
+      image::cubemap_row_solid_angles(row, angles);
       const double v0 = 2.0 * row / size - 1.0;
       const double v1 = 2.0 * (row + 1) / size - 1.0;
       for (int column = 0; column < size; ++column) {
@@ -60,7 +60,7 @@ TEST_CASE("solid angles of a lat-long's texels make up the sphere", "[codec]") {
     for (int row = 0; row < height; ++row) {
       const double top = kPi / 2.0 - kPi * row / height;
       const double bottom = kPi / 2.0 - kPi * (row + 1) / height;
-      const double angle = codec::lat_long_texel_solid_angle(5, height, row);
+      const double angle = image::lat_long_texel_solid_angle(5, height, row);
       CHECK(test::close(angle, 2.0 * kPi / 5.0 * (std::sin(top) - std::sin(bottom)), 1e-9));
       sum += 5.0 * angle;
     }
@@ -99,8 +99,8 @@ TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
   CHECK(test::close(found.brightest_direction.x, std::sin(longitude) * std::cos(latitude)));
   CHECK(test::close(found.brightest_direction.y, std::sin(latitude)));
   CHECK(test::close(found.brightest_direction.z, std::cos(longitude) * std::cos(latitude)));
-  const double bright = codec::lat_long_texel_solid_angle(64, 32, 16);
-  const double out = codec::lat_long_texel_solid_angle(64, 32, 4) + codec::lat_long_texel_solid_angle(64, 32, 5);
+  const double bright = image::lat_long_texel_solid_angle(64, 32, 16);
+  const double out = image::lat_long_texel_solid_angle(64, 32, 4) + image::lat_long_texel_solid_angle(64, 32, 5);
   const double rest = 4.0 * kPi - out;
   CHECK(test::close(found.mean.r, (0.25 * (rest - bright) + 5.0 * bright) / rest, 1e-12));
   CHECK(test::close(found.flux.r, 4.0 * kPi * found.mean.r, 1e-15));

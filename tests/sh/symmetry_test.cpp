@@ -5,6 +5,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
+#include "image/texel_geometry.h"
 #include "sh/frame_transform.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
@@ -17,7 +18,7 @@ namespace {
 using Radiance = std::function<glm::dvec3(const glm::dvec3&)>;
 
 glm::dvec3 texel_direction(int face, int row, int column, int size) {
-  const sh::Frame& frame = sh::face_frame(face);
+  const image::Frame& frame = image::face_frame(face);
   const double u = (2.0 * column + 1.0) / size - 1.0;
   const double v = (2.0 * row + 1.0) / size - 1.0;
   return glm::normalize(u * frame.u + v * frame.v + frame.normal);
@@ -40,7 +41,7 @@ TestCubemap sample(int size, const Radiance& radiance) {
 /// The texel of `cubemap` that a direction falls into.
 glm::dvec3 lookup(const TestCubemap& cubemap, const glm::dvec3& direction) {
   for (int face = 0; face < 6; ++face) {
-    const sh::Frame& frame = sh::face_frame(face);
+    const image::Frame& frame = image::face_frame(face);
     const double depth = glm::dot(direction, frame.normal);
     if (depth < std::abs(glm::dot(direction, frame.u)) || depth < std::abs(glm::dot(direction, frame.v))) continue;
     const auto index = [&](const glm::dvec3& axis) {

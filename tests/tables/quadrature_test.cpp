@@ -23,6 +23,34 @@ TEST_CASE("Sine and cosine of turns are right to a rounding", "[tables]") {
   CHECK(tables::sine_cosine_of_turns(1e-9).sine == Approx(2e-9 * std::numbers::pi).epsilon(1e-15));
 }
 
+TEST_CASE("The angle of a point is right to a rounding of a turn", "[tables]") {
+  const long double turn = 2.0L * std::numbers::pi_v<long double>;
+  for (int k = -4000; k <= 4000; ++k) {
+    const double y = k / 4000.0;
+    for (const double x : {-1.0, -0.3, -1e-9, 1e-9, 0.017, 1.0, y, y + 1e-7}) {
+      const long double expected = std::atan2(static_cast<long double>(y), static_cast<long double>(x)) / turn;
+      CAPTURE(y, x);
+      CHECK(std::abs(static_cast<double>(tables::turns_of(y, x) - expected)) < 1.2e-16);
+    }
+  }
+  for (int eighth = -3; eighth <= 4; ++eighth) {
+    const double y = (eighth > 0 ? 1.0 : -1.0) * (eighth % 4 == 0 ? 0.0 : 1.0);
+    const double x = std::abs(eighth) < 2 ? 1.0 : (std::abs(eighth) == 2 ? 0.0 : -1.0);
+    CHECK(tables::turns_of(eighth == 0 ? 0.0 : y, x) == eighth / 8.0);
+  }
+  CHECK(tables::turns_of(0.0, 0.0) == 0.0);
+  CHECK(tables::turns_of(-0.0, -1.0) == -0.5);
+}
+
+TEST_CASE("The arc sine is right to a few roundings", "[tables]") {
+  for (int k = 0; k <= 40000; ++k) {
+    const double x = k / 40000.0;
+    CHECK(std::abs(static_cast<double>(tables::arc_sine(x) - std::asin(static_cast<long double>(x)))) < 5e-16);
+  }
+  CHECK(tables::arc_sine(1.0) == Approx(std::numbers::pi / 2.0).epsilon(1e-15));
+  CHECK(tables::arc_sine(1e-9) == Approx(1e-9).epsilon(1e-15));
+}
+
 TEST_CASE("A Gauss rule of n points is exact to degree 2n - 1", "[tables]") {
   for (int order = 1; order <= tables::kMaximumGaussOrder; ++order) {
     const simd::GaussRule rule = tables::gauss_legendre(order);

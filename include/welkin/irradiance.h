@@ -1,0 +1,62 @@
+// What a surface receives, without harmonics: the truth that a few bands are measured against.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin {
+
+/// Irradiance by direct cosine integration, in double: the sum over all texels of radiance times the texel's integral
+/// of max(0, normal . direction). W/m2 where radiance is W/m2/sr.
+///
+/// Texels are areas. One that lies wholly on one side of the horizon is integrated exactly; one that the horizon cuts
+/// is divided into 4 x 4 cells and more on small maps (1024 along a lat-long's width or round a cube's four sides),
+/// each taken at its centre. Error: below 1e-5 of pi times the radiance near the horizon at every size, below 1e-6 from
+/// 512 x 256 or 256 x 256 texels on.
+///
+/// Normals need not be of unit length. Of `options` only what concerns pixels matters: clamp, gamma and the policies
+/// for NaN, infinities and negatives, which act as in `project`. Cost: some 5 ns a texel, normal and thread. The same
+/// bits on any number of threads. Throws `Error`: invalid_argument (view, options, a normal without length, none or
+/// more than 100 000 normals), rejected_pixel, cancelled.
+[[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
+                                                        const ProjectionOptions& options = {},
+                                                        const Control& control = {});
+[[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long,
+                                                        std::span<const glm::dvec3> normals,
+                                                        const ProjectionOptions& options = {},
+                                                        const Control& control = {});
+
+/// The same for one normal.
+[[nodiscard]] glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal);
+[[nodiscard]] glm::dvec3 reference_irradiance(const LatLongView& lat_long, const glm::dvec3& normal);
+
+/// How far the irradiance of the first `bands` bands is from the direct one, over normals that cover the sphere evenly.
+/// Differences are lengths |E_sh - E| over the three channels.
+struct IrradianceError {
+  int bands = 0;
+  double rms = 0.0;           ///< root mean square of the difference over that of |E|: 0.01 is 1 %
+  double maximum = 0.0;       ///< largest difference over the root mean square of |E|
+  double relative = 0.0;      ///< largest difference over |E| at the same normal: on the dark side, as a rule
+  glm::dvec3 worst_normal{};  ///< where the largest difference is
+};
+
+/// One entry for each number of bands from 1 to radiance.bands(). `radiance`: coefficients of the same environment,
+/// from `project` as a rule; windowed ones show what the window costs. `normals`: how many, 1 to 100 000, on a
+/// Fibonacci spiral. Where an environment has no light at all, the errors are 0 if the coefficients have none either,
+/// else infinite. Cost, bits and errors as of `direct_irradiance`.
+[[nodiscard]] std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap,
+                                                             const SphericalHarmonics& radiance, int normals = 500,
+                                                             const ProjectionOptions& options = {},
+                                                             const Control& control = {});
+[[nodiscard]] std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long,
+                                                             const SphericalHarmonics& radiance, int normals = 500,
+                                                             const ProjectionOptions& options = {},
+                                                             const Control& control = {});
+
+}  // namespace welkin

@@ -1,0 +1,63 @@
+// Seeded coefficients, directions and turns for property tests.
+#pragma once
+
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <random>
+#include <vector>
+
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+
+class RandomLight {
+ public:
+  explicit RandomLight(std::uint32_t seed) : engine_(seed) {}
+
+  /// In [-1, 1).
+  double number() { return static_cast<double>(engine_()) * 0x1p-31 - 1.0; }
+
+  glm::dvec3 colour() {
+    const double r = number();
+    const double g = number();
+    return {r, g, number()};
+  }
+
+  glm::dvec3 direction() {
+    for (;;) {
+      const glm::dvec3 d = colour();
+      const double length = glm::length(d);
+      if (length > 0.1 && length < 1.0) return d / length;
+    }
+  }
+
+  /// Of unit length, all turns equally likely.
+  glm::dquat turn() {
+    for (;;) {
+      const glm::dvec3 v = colour();
+      const glm::dquat q(number(), v.x, v.y, v.z);
+      if (glm::length(q) > 0.1 && glm::length(q) < 1.0) return glm::normalize(q);
+    }
+  }
+
+  SphericalHarmonics harmonics(int bands) {
+    SphericalHarmonics result(bands);
+    for (glm::dvec3& value : result.coefficients()) value = colour();
+    return result;
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// The coefficients of light of irradiance `colour` from one direction.
+inline SphericalHarmonics point_light(const glm::dvec3& direction, const glm::dvec3& colour, int bands) {
+  SphericalHarmonics result(bands);
+  std::vector<double> basis(result.coefficients().size());
+  evaluate_basis(direction, bands, basis);
+  for (std::size_t k = 0; k < basis.size(); ++k) result.coefficients()[k] = basis[k] * colour;
+  return result;
+}
+
+}  // namespace welkin::test
