@@ -1,0 +1,21 @@
+// Letters as strokes of a pen, for labels that are drawn by their distance.
+#pragma once
+
+#include <string_view>
+
+namespace welkin::image {
+
+/// Letters are 4 wide and 6 high with a gap of 2 between them; the label's middle is at (0, 0), x runs along the text
+/// and y up. The distance from (x, y) to the nearest pen line; 100 where it is farther than a letter's cell.
+/// Known: + - and the capitals that name the axes and directions; others are blank.
+[[nodiscard]] double distance_to_label(std::string_view text, double x, double y) noexcept;
+
+/// How far a label reaches from its middle along the text.
+[[nodiscard]] constexpr double label_half_width(std::string_view text) noexcept {
+  return 3.0 * static_cast<double>(text.size()) - 1.0;
+}
+
+/// Distance from (x, y) to the line from (x0, y0) to (x1, y1).
+[[nodiscard]] double distance_to_line(double x, double y, double x0, double y0, double x1, double y1) noexcept;
+
+}  // namespace welkin::image

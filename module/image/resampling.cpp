@@ -1,0 +1,254 @@
+#include "welkin/resampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "image/check_views.h"
+#include "image/exact_turn.h"
+#include "image/sampler.h"
+#include "image/texel_geometry.h"
+#include "jobs/tiles.h"
+#include "tables/trigonometry.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+constexpr int kTileSamples = 4096;
+constexpr int kFewestSamples = 2;  // along each edge of a texel, that it has an area also where there is no reduction
+constexpr int kSamplesToLookUp = 64;  // along an edge; from here on a single texel makes a person wait
+
+void require_orthogonal(const glm::dmat3& turn) {
+  constexpr double kTolerance = 1e-6;
+  const glm::dmat3 product = glm::transpose(turn) * turn;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const double off = std::abs(product[column][row] - (column == row ? 1.0 : 0.0));
+      if (off <= kTolerance) continue;
+      throw Error(ErrorCode::invalid_argument, "the turn is not an orthogonal matrix: two of its columns are off by " +
+                                                   std::to_string(off) +
+                                                   "; pass a rotation, or a rotation and a mirror");
+    }
+  }
+}
+
+// Texels a radian, where they lie closest: a cube's at the middle of an edge.
+double closest_texels(const CubemapView& source) { return source.size; }
+double closest_texels(const LatLongView& source) {
+  return std::max(0.5 * source.width, 1.0 * source.height) / std::numbers::pi;
+}
+
+int samples_along_edge(double source_density, double result_density) {
+  const double ratio = source_density / result_density;
+  return std::max(kFewestSamples, static_cast<int>(std::ceil(ratio - 1e-9)));
+}
+
+/// Where a result's samples lie: `samples_across` x `samples_down` of them a texel.
+class Cells {
+ public:
+  Cells(int columns, int rows, int samples_across, int samples_down)
+      : columns_(columns), rows_(rows), across_(samples_across), down_(samples_down) {}
+  virtual ~Cells() = default;
+
+  [[nodiscard]] int columns() const noexcept { return columns_; }
+  [[nodiscard]] int rows() const noexcept { return rows_; }
+  [[nodiscard]] int samples_across() const noexcept { return across_; }
+  [[nodiscard]] int samples_down() const noexcept { return down_; }
+
+  struct Sample {
+    glm::dvec3 direction;
+    double weight;  // in proportion to the solid angle that it stands for
+  };
+
+  /// What a row of samples shares: sample row `sub_row` of texel row `row`.
+  struct RowPlace {
+    int face;
+    double v;       // cube: the place on the face
+    double sine;    // lat-long: of the latitude
+    double cosine;  // lat-long: of the latitude
+  };
+  [[nodiscard]] virtual RowPlace row_place(int row, int sub_row) const noexcept = 0;
+
+  /// Sample column `column`, counted through all texels.
+  [[nodiscard]] virtual Sample sample(const RowPlace& place, int column) const noexcept = 0;
+
+ private:
+  int columns_;
+  int rows_;
+  int across_;
+  int down_;
+};
+
+class CubeCells final : public Cells {
+ public:
+  // Texels lie widest apart in the middle of a face: size / 2 a radian.
+  CubeCells(int size, double source_density)
+      : Cells(size, 6 * size, samples_along_edge(source_density, 0.5 * size),
+              samples_along_edge(source_density, 0.5 * size)),
+        size_(size),
+        lines_(1.0 * size * samples_down()) {}
+
+  [[nodiscard]] RowPlace row_place(int row, int sub_row) const noexcept override {
+    const double line = 1.0 * (row % size_) * samples_down() + sub_row;
+    return {row / size_, (2.0 * line + 1.0) / lines_ - 1.0, 0.0, 0.0};
+  }
+
+  // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2).
+  [[nodiscard]] Sample sample(const RowPlace& place, int column) const noexcept override {
+    const image::Frame& frame = image::face_frame(place.face);
+    const double u = (2.0 * column + 1.0) / lines_ - 1.0;
+    const double squared = 1.0 + u * u + place.v * place.v;
+    return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
+  }
+
+ private:
+  int size_;
+  double lines_;
+};
+
+class LatLongCells final : public Cells {
+ public:
+  // Texels lie widest apart at the equator: width / 2 pi a radian across, height / pi down.
+  LatLongCells(int width, int height, double source_density)
+      : Cells(width, height, samples_along_edge(source_density, 0.5 * width / std::numbers::pi),
+              samples_along_edge(source_density, height / std::numbers::pi)),
+        lines_(1.0 * height * samples_down()) {
+    const int columns = width * samples_across();
+    longitudes_.reserve(static_cast<std::size_t>(columns));
+    for (int column = 0; column < columns; ++column) {
+      longitudes_.push_back(tables::sine_cosine_of_turns(0.5 - (column + 0.5) / columns));
+    }
+  }
+
+  [[nodiscard]] RowPlace row_place(int row, int sub_row) const noexcept override {
+    const double line = 1.0 * row * samples_down() + sub_row;
+    const tables::SineCosine latitude = tables::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_));
+    return {0, 0.0, latitude.sine, latitude.cosine};
+  }
+
+  [[nodiscard]] Sample sample(const RowPlace& place, int column) const noexcept override {
+    const tables::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
+    return {{longitude.sine * place.cosine, place.sine, longitude.cosine * place.cosine}, place.cosine};
+  }
+
+ private:
+  double lines_;
+  std::vector<tables::SineCosine> longitudes_;
+};
+
+class Resampler {
+ public:
+  Resampler(const Cells& cells, const image::Sampler& source, const glm::dmat3& turn, const Control& control)
+      : cells_(cells), source_(source), back_(glm::transpose(turn)), control_(control) {}
+
+  /// To `cells.rows()` x `cells.columns()` texels of three floats.
+  void run(float* rgb) const {
+    const double texel_samples = 1.0 * cells_.samples_across() * cells_.samples_down();
+    const int tile_columns = std::clamp(static_cast<int>(kTileSamples / texel_samples), 1, cells_.columns());
+    const int tiles_a_row = (cells_.columns() + tile_columns - 1) / tile_columns;
+    const std::size_t tiles = static_cast<std::size_t>(tiles_a_row) * static_cast<std::size_t>(cells_.rows());
+    const double samples = 1.0 * cells_.rows() * cells_.columns() * texel_samples;
+    constexpr double kInlineSamples = 10'000;
+    const auto where = samples < kInlineSamples ? jobs::Placement::calling_thread : jobs::Placement::arena;
+    jobs::run_tiles(tiles, where, jobs::worker_count(where), control_, [&](std::size_t tile, std::size_t) {
+      const int row = static_cast<int>(tile / static_cast<std::size_t>(tiles_a_row));
+      const int first = static_cast<int>(tile % static_cast<std::size_t>(tiles_a_row)) * tile_columns;
+      const int end = std::min(first + tile_columns, cells_.columns());
+      const std::size_t texel = static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.columns());
+      for (int column = first; column < end; ++column) {
+        const glm::dvec3 mean = texel_mean(row, column);
+        float* place = rgb + 3 * (texel + static_cast<std::size_t>(column));
+        for (int channel = 0; channel < 3; ++channel) place[channel] = static_cast<float>(mean[channel]);
+      }
+    });
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 texel_mean(int row, int column) const {
+    const int across = cells_.samples_across();
+    glm::dvec3 sum(0.0);
+    double weights = 0.0;
+    for (int sub_row = 0; sub_row < cells_.samples_down(); ++sub_row) {
+      if (across >= kSamplesToLookUp && control_.stop.stop_requested()) {
+        throw Error(ErrorCode::cancelled, "cancelled by the caller");
+      }
+      const Cells::RowPlace place = cells_.row_place(row, sub_row);
+      for (int sub_column = 0; sub_column < across; ++sub_column) {
+        const Cells::Sample sample = cells_.sample(place, column * across + sub_column);
+        source_.add(back_ * sample.direction, sample.weight, sum);
+        weights += sample.weight;
+      }
+    }
+    return sum / weights;
+  }
+
+  const Cells& cells_;
+  const image::Sampler& source_;
+  glm::dmat3 back_;
+  const Control& control_;
+};
+
+template <typename SamplerKind, typename View>
+CubemapImage resampled_cubemap(const View& source, int size, const glm::dmat3& turn, const Control& control) {
+  const SamplerKind sampler(source);
+  const CubeCells cells(size, closest_texels(source));
+  const std::size_t texels = std::size_t{6} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  CubemapImage result{size, std::vector<float>(3 * texels)};
+  Resampler(cells, sampler, turn, control).run(result.pixels.data());
+  return result;
+}
+
+template <typename SamplerKind, typename View>
+LatLongImage resampled_lat_long(const View& source, int width, int height, const glm::dmat3& turn,
+                                const Control& control) {
+  const SamplerKind sampler(source);
+  const LatLongCells cells(width, height, closest_texels(source));
+  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  LatLongImage result{width, height, std::vector<float>(3 * texels)};
+  Resampler(cells, sampler, turn, control).run(result.pixels.data());
+  return result;
+}
+
+}  // namespace
+
+CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn, const Control& control) {
+  image::check_view(source);
+  image::check_face_size(size);
+  require_orthogonal(turn);
+  if (size == source.size) {
+    if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
+  }
+  return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
+}
+
+CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, const Control& control) {
+  image::check_view(source);
+  image::check_face_size(size);
+  require_orthogonal(turn);
+  return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
+}
+
+LatLongImage to_lat_long(const CubemapView& source, int width, int height, const glm::dmat3& turn,
+                         const Control& control) {
+  image::check_view(source);
+  image::check_lat_long_size(width, height);
+  require_orthogonal(turn);
+  return resampled_lat_long<image::CubemapSampler>(source, width, height, turn, control);
+}
+
+LatLongImage to_lat_long(const LatLongView& source, int width, int height, const glm::dmat3& turn,
+                         const Control& control) {
+  image::check_view(source);
+  image::check_lat_long_size(width, height);
+  require_orthogonal(turn);
+  if (width == source.width && height == source.height) {
+    if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
+  }
+  return resampled_lat_long<image::LatLongSampler>(source, width, height, turn, control);
+}
+
+}  // namespace welkin
