@@ -22,6 +22,10 @@ find_package(xsimd REQUIRED)
 # Reading OpenEXR files; Imath comes with it. (libopenexr-dev)
 find_package(OpenEXR REQUIRED)
 
+# Reading PNG files. (libspng-dev) Debian's package brings no CMake configuration: cmake/FindSPNG.cmake finds it.
+list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
+find_package(SPNG REQUIRED)
+
 if(WELKIN_TOOLS)
   # The command line. Headers only. (libcli11-dev)
   find_package(CLI11 REQUIRED)

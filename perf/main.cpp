@@ -1,14 +1,18 @@
 // welkin_perf: throughput of the kernels beside the machine's own limits.
 //   welkin_perf [Google Benchmark options]
-//   welkin_perf --target-sizes LATLONG...    the table of error and time in docs/projection.md
+//   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
+//   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "irradiance_errors.h"
 #include "project_cubemap.h"
+#include "project_file.h"
 #include "project_lat_long.h"
 #include "ratio_reporter.h"
 #include "read_bandwidth.h"
@@ -19,18 +23,32 @@
 #include "welkin/instruction_set.h"
 #include "welkin/version.h"
 
+namespace welkin::perf {
+namespace {
+
+// Prints what `make` makes of the files, worked out on `threads` threads. The exit code.
+int print_tables(int threads, const std::vector<std::filesystem::path>& files,
+                 const std::function<std::string(const std::vector<std::filesystem::path>&)>& make) {
+  try {
+    std::string text;
+    run_with_threads(threads, [&] { text = make(files); });
+    std::cout << text;
+    return 0;
+  } catch (const Error& error) {
+    std::cerr << "welkin_perf: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace welkin::perf
+
 int main(int argc, char** argv) {
   using namespace welkin;
-  if (argc > 2 && std::string(argv[1]) == "--target-sizes") {
-    try {
-      std::string table;
-      run_with_threads(1, [&] { table = perf::target_size_table({argv + 2, argv + argc}); });
-      std::cout << table;
-      return 0;
-    } catch (const Error& error) {
-      std::cerr << "welkin_perf: " << error.what() << '\n';
-      return 1;
-    }
+  const std::string first = argc > 2 ? argv[1] : "";
+  if (first == "--target-sizes") return perf::print_tables(1, {argv + 2, argv + argc}, perf::target_size_table);
+  if (first == "--irradiance-errors") {
+    return perf::print_tables(0, {argv + 2, argv + argc}, perf::irradiance_error_tables);
   }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
@@ -39,6 +57,7 @@ int main(int argc, char** argv) {
   perf::add_read_bandwidth(sizes, thread_counts);
   perf::add_project_cubemap(sizes, thread_counts);
   perf::add_project_lat_long(thread_counts);
+  perf::add_project_file(thread_counts);
   perf::add_tables();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

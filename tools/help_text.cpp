@@ -7,14 +7,17 @@ constexpr std::string_view kProgramDescription =
 
 constexpr std::string_view kProgramFooter =
     R"(Examples:
-  welkin sh                        the spherical harmonics of a built-in sky
-  welkin sh studio.exr             ... of a photograph, as a table
-  welkin sh studio.exr --json      ... for a program
-  welkin info studio.exr           what is in the file
-  welkin sh --help                 all about one command
+  welkin sh                          the spherical harmonics of a built-in sky
+  welkin sh studio.hdr               ... of a photograph, as a table
+  welkin sh studio.hdr --for three   ... as three.js wants them
+  welkin info studio.hdr             what is in the file
+  welkin convert studio.hdr faces.exr --layout vertical-strip
+                                     a lat-long to the faces of a cube
+  welkin testmap -o labels.exr       an environment that shows how it is turned
+  welkin sh --help                   all about one command
 
-Files: OpenEXR (scanline or tiled, half or float, every compression) and PFM;
-a lat-long picture, or the six faces +X -X +Y -Y +Z -Z from top to bottom.
+Files: OpenEXR, Radiance .hdr, PFM, PNG. A sphere is a lat-long picture, or six
+faces in a strip, a cross or six files; header, shape or name tell which.
 
 Units: radiance is whatever the file holds, W/(m2 sr) say; irradiance is then
 W/m2, flux W/m2 too. Directions: y is up, a lat-long's centre looks along +z.
@@ -27,45 +30,124 @@ Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
 constexpr std::string_view kShFooter =
     R"(What it does:
-  Integrates the environment's radiance against the spherical harmonics and
-  prints the coefficients of radiance and irradiance, the same light as
-  Babylon.js's SphericalPolynomial, the average colour, and how good all that
+  Says how much light comes from where, in a few numbers. Nine of them a colour
+  are enough to light matte surfaces: a sum of waves over the sphere (spherical
+  harmonics), the coarsest first. The first is the mean colour; the next three
+  say from which side most light comes; the next five add how it is spread.
+
+  It integrates the environment's radiance against the harmonics and prints the
+  coefficients of radiance and irradiance, the same light in the form that an
+  engine wants, the average colour, the dominant light, and how good all that
   is. The table says which convention and formulas the numbers follow.
 
 Examples:
   welkin sh                                   a built-in sky
-  welkin sh city.exr                          a table for a person
-  welkin sh city.exr --json > city.json       for a program, every digit
-  welkin sh city.exr --bands 1 --json         the ambient colour alone
-  welkin sh city.exr --clamp 100              cut the sun off; says what it cost
-  welkin sh city.exr --quadrature midpoint --clamp 4096
+  welkin sh city.hdr                          a table for a person
+  welkin sh city.hdr --json > city.json       for a program, every digit
+  welkin sh city.hdr --for unity --format c   a C header with Unity's numbers
+  welkin sh faces/ --from babylon --for babylon
+                                              cube faces made for Babylon.js
+  welkin sh city.hdr --yaw 90 --mirror        turned and mirrored first
+  welkin sh city.hdr --take-out-sun           the sun as a directional light
+  welkin sh city.hdr --window least           no negative irradiance
+  welkin sh city.hdr --bands 1 --json         the ambient colour alone
+  welkin sh city.hdr --clamp 100              cut the sun off; says what it cost
+  welkin sh city.hdr --quadrature midpoint --clamp 4096
                                               what Babylon.js computes
-  welkin sh faces.pfm --layout vertical-strip six faces, one above the other
-  welkin sh city.exr --nan reject             fail on a NaN, and name its place
+  welkin sh city.hdr --nan reject             fail on a NaN, and name its place
 
 Units: radiance coefficients are (file unit) x sr; irradiance (file unit) x sr.
 
-JSON: {"source": {path, layout, width, height, format}, "bands",
+Forms (--for): U is the radiance coefficient (l, m) at l (l + 1) + m: real,
+  orthonormal, no Condon-Shortley phase, Y(1, -1..1) ~ y, z, x, turned to the
+  engine's axes; R is U with the signs of odd m turned, (+ - + - + - + - +).
+  A = (pi, 2pi/3, pi/4) by band; K = the basis functions' constants.
+    babylon   polynomial of the normal: A/pi R, folded into x .. xy, times 1/pi
+    three     U, for LightProbe.sh (the shader multiplies by A and Y)
+    filament  A/pi K U: value times albedo, so E/pi; nine float3 for its shader
+    unity     A/pi K U: SphericalHarmonicsL2, and its seven shader vectors
+    unreal    R in z-up axes: FSHVectorRGB3, and its sky light's seven vectors
+    gltf      A R: irradianceCoefficients of EXT_lights_image_based
+    godot     U/pi: lightmap probes
+  Each is printed with its formula; docs/engines.md has where that comes from.
+
+JSON: {"source": {path, layout, width, height, format, notes}, "axes", "bands",
        "radiance": [[r,g,b], ...], "irradiance": [[r,g,b], ...],
-       "babylon": {x, y, z, xx, yy, zz, yz, zx, xy}, "diagnostics": {...}};
-  coefficient (l, m) is element l (l + 1) + m.
+       "babylon": {x, y, z, xx, yy, zz, yz, zx, xy}, "engine": {name, form,
+       formula, terms, vectors (unity, unreal)} or null, "window",
+       "dominant_light", "sun", "irradiance_errors", "diagnostics": {...}};
+  coefficient (l, m) is element l (l + 1) + m. All are in the same axes.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
 constexpr std::string_view kInfoFooter =
     R"(What it does:
   Reads header and pixels as they are, nothing replaced or clamped: size,
-  layout and what told it, channels, compression; the least, greatest and mean
-  value; NaN, infinite and negative values; the total flux; the brightest texel.
+  layout and what told it, channels, compression, parts, layers, mip levels; the
+  least, greatest and mean value; NaN, infinite and negative values; the total
+  flux; the brightest texel.
 
 Examples:
-  welkin info city.exr                        for a person
+  welkin info city.hdr                        for a person
   welkin info city.exr --json                 for a program
   welkin info faces.exr --layout vertical-strip
 
 Units: values as in the file; the mean is weighted by solid angle; the flux is
   the integral over the sphere, 4 pi times the mean. Rows count from the top,
   columns from the left, both from 0.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr std::string_view kConvertFooter =
+    R"(What it does:
+  Reads an environment and writes it in the format that OUT's name ends with:
+  .exr, .hdr, .pfm or .png. Where no other layout, size or orientation is asked
+  for, or one that only moves whole texels (a cube by quarter turns, a mirror),
+  every texel stays what it is. Else each new texel is the mean over its area.
+
+Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
+  axes: right-handed, y up; a lat-long's centre looks along +z, +x lies to its
+  left. --from and --for say whose axes the faces of IN and OUT are named after;
+  a lat-long is the same picture for all engines. 'welkin testmap' makes a
+  picture that shows what was done.
+
+Examples:
+  welkin convert sky.hdr sky.exr                        half, lat-long as it was
+  welkin convert sky.hdr sky.exr --type float           every bit
+  welkin convert sky.exr cube.exr --layout vertical-strip --size 512
+  welkin convert sky.exr face.png --layout six-files    face_px.png, face_nx.png..
+  welkin convert cross.png sky.exr --in-layout vertical-cross --layout lat-long
+  welkin convert sky.exr turned.exr --yaw 90            a quarter to the left
+  welkin convert sky.exr cube.png --layout horizontal-cross --for three
+  welkin convert sky.exr small.exr --size 1024          1024 x 512
+  welkin convert sky.exr rest.exr --take-out-sun        and a directional light
+
+Units: values as they are in the file, linear; a PNG is sRGB. What a format
+  cannot hold is clamped to it and counted: .exr half 65504; .hdr nothing
+  negative; .png 0 to 1.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr std::string_view kTestmapFooter =
+    R"(What it does:
+  Draws an environment whose six sides have a colour each, with their axes
+  written on them, to be read from inside the sphere: LEFT +X (red), RIGHT -X
+  (cyan), UP +Y (green), DOWN -Y (magenta), FRONT +Z (blue), BACK -Z (yellow).
+  Arrows point up; lines are 15 degrees apart. In an engine, letters that are
+  mirrored mean that the environment is; letters in the wrong place, that it is
+  turned. UP and DOWN read for one who faces +Z and looks up, or down.
+
+  A cubemap's faces, looked at as pictures, show their letters mirrored: cube
+  faces are laid out for left-handed axes, and Welkin's are right-handed. With
+  'welkin convert --for babylon' they read upright. docs/orientation.md shows it.
+
+Examples:
+  welkin testmap -o test.exr                            2048 x 1024
+  welkin testmap -o test.png --size 1024
+  welkin testmap -o cube.exr --layout vertical-strip --size 256
+  welkin testmap -o face.png --layout six-files         face_px.png, face_nx.png..
+
+Units: linear values from 0 to 1; a PNG is sRGB.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 

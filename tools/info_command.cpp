@@ -40,7 +40,11 @@ void add_info_command(CLI::App& program) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App& command = *program.add_subcommand("info", "Tell what is in an environment file");
   command.footer(std::string(kInfoFooter));
-  CLI::Option* file = command.add_option("FILE", options->file, "An OpenEXR or PFM file")->required()->type_name("");
+  CLI::Option* file = command
+                          .add_option("FILE", options->file,
+                                      "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory)")
+                          ->required()
+                          ->type_name("");
   add_json_option(command, options->common);
   add_read_options(command, options->common, file);
   add_threads_option(command, options->common);

@@ -6,15 +6,25 @@ namespace welkin::tool {
 namespace {
 
 Json source_json(const EnvironmentInfo& file) {
-  return {{"path", file.path.string()},
-          {"layout", name(file.layout)},
-          {"width", file.width},
-          {"height", file.height},
-          {"format", file.format}};
+  return {{"path", file.path.string()}, {"layout", name(file.layout)}, {"width", file.width},
+          {"height", file.height},      {"format", file.format},       {"notes", file.notes}};
 }
 
 Json storage_json(const EnvironmentInfo& file) {
-  return {{"compression", file.compression}, {"storage", file.storage}, {"layout_reason", file.layout_reason}};
+  Json levels = Json::array();
+  for (const LevelInfo& level : file.levels) levels.push_back({level.width, level.height});
+  Json json = {{"compression", file.compression},
+               {"storage", file.storage},
+               {"layout_reason", file.layout_reason},
+               {"levels", levels},
+               {"parts", file.parts},
+               {"layers", file.layers}};
+  if (file.layout == Layout::six_files) {
+    Json faces = Json::array();
+    for (const std::filesystem::path& face : file.faces) faces.push_back(face.string());
+    json["faces"] = faces;
+  }
+  return json;
 }
 
 Json channels_json(const EnvironmentInfo& file) {

@@ -20,11 +20,37 @@ std::string channels_text(const EnvironmentInfo& file) {
   return text;
 }
 
+std::string list_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + printable(name);
+  return text;
+}
+
+std::string levels_text(const EnvironmentInfo& file) {
+  const LevelInfo& last = file.levels.back();
+  return std::to_string(file.levels.size()) + ", down to " + std::to_string(last.width) + " x " +
+         std::to_string(last.height) + " (--level)";
+}
+
+// What few files have.
+std::string further_lines(const EnvironmentInfo& file) {
+  std::string text;
+  if (file.levels.size() > 1) text += line("mip levels", levels_text(file));
+  if (!file.parts.empty()) text += line("parts", list_text(file.parts) + " (--part)");
+  if (!file.layers.empty()) text += line("layers", list_text(file.layers) + " (--layer)");
+  if (file.layout == Layout::six_files) {
+    for (const std::filesystem::path& face : file.faces) text += line("", face.filename().string());
+  }
+  for (const std::string& note : file.notes) text += line("note", printable(note));
+  return text;
+}
+
 std::string file_lines(const EnvironmentInfo& file) {
   const std::string compression = file.compression == "none" ? "not compressed" : file.compression + " compression";
   return file.path.string() + '\n' + line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
          line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
-         line("format", file.format + ", " + file.storage + ", " + compression) + line("channels", channels_text(file));
+         line("format", file.format + ", " + file.storage + ", " + compression) +
+         line("channels", channels_text(file)) + further_lines(file);
 }
 
 std::string cells(const glm::dvec3& rgb) {
@@ -49,7 +75,7 @@ std::string place_text(const InfoReport& report) {
   const EnvironmentStatistics& pixels = report.pixels;
   const std::string place =
       "column " + std::to_string(pixels.brightest_column) + ", row " + std::to_string(pixels.brightest_row);
-  if (report.file.layout != Layout::vertical_strip) return place;
+  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return place;
   const int face = pixels.brightest_row / report.file.width;
   return place + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
          ")";

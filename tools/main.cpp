@@ -6,12 +6,14 @@
 #include <new>
 #include <string>
 
+#include "tools/convert_command.h"
 #include "tools/exit_code.h"
 #include "tools/help_formatter.h"
 #include "tools/help_text.h"
 #include "tools/info_command.h"
 #include "tools/output.h"
 #include "tools/sh_command.h"
+#include "tools/testmap_command.h"
 #include "welkin/error.h"
 #include "welkin/instruction_set.h"
 #include "welkin/version.h"
@@ -54,6 +56,8 @@ ExitCode run(int argument_count, char** arguments) {
   try {
     add_sh_command(program);
     add_info_command(program);
+    add_convert_command(program);
+    add_testmap_command(program);
     program.parse(argument_count, arguments);
     if (!program.get_subcommands().empty()) return ExitCode::success;
     return complain(ExitCode::bad_usage, "nothing to do\n'welkin --help' tells what can be asked for.");

@@ -24,6 +24,12 @@ std::string significant(const glm::dvec3& rgb, int digits) {
   return significant(rgb.x, digits) + "  " + significant(rgb.y, digits) + "  " + significant(rgb.z, digits);
 }
 
+std::string all_digits(double value) {
+  std::array<char, 32> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
+  return {text.data(), result.ptr};
+}
+
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
   for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');

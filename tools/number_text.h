@@ -15,6 +15,9 @@ namespace welkin::tool {
 /// Three of them: "0.2  0.25  0.4".
 [[nodiscard]] std::string significant(const glm::dvec3& rgb, int digits = 6);
 
+/// The shortest text that reads back as the same number.
+[[nodiscard]] std::string all_digits(double value);
+
 /// Digits in groups of three: "2,097,152".
 [[nodiscard]] std::string grouped(std::uint64_t count);
 

@@ -19,9 +19,15 @@ struct CommonOptions {
 
 void add_json_option(CLI::App& command, CommonOptions& options);
 void add_threads_option(CLI::App& command, CommonOptions& options);
+CLI::Option* add_memory_limit_option(CLI::App& command, CommonOptions& options);
 
-/// --layout and --memory-limit. They describe how `input` is read, and so need it.
-void add_read_options(CLI::App& command, CommonOptions& options, CLI::Option* input);
+/// How `input` is read: its layout, which part of it, and how its numbers are meant. They need it.
+/// `layout_option`: for a command that has a layout of its own to ask for.
+void add_read_options(CLI::App& command, CommonOptions& options, CLI::Option* input,
+                      const std::string& layout_option = "--layout");
+
+/// The layouts' words.
+[[nodiscard]] std::vector<std::pair<std::string, Layout>> layout_choices();
 
 /// The number of threads that the options ask for.
 [[nodiscard]] int thread_count(const CommonOptions& options);

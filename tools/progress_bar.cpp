@@ -47,4 +47,12 @@ void ProgressBar::report(double share) {
   std::cerr << std::string(kWipe) + "  [" + bar + "] " + percent + " %" << std::flush;
 }
 
+Control part_of(const Control& control, double from, double to) {
+  Control part{control.stop, {}};
+  if (control.progress) {
+    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
+  }
+  return part;
+}
+
 }  // namespace welkin::tool

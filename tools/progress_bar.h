@@ -7,6 +7,9 @@
 
 namespace welkin::tool {
 
+/// The part [from, to] of a control's progress, and its stop token. `control` must outlive what is returned.
+[[nodiscard]] Control part_of(const Control& control, double from, double to);
+
 /// Draws to standard error, and only if that is a terminal and the work has taken longer than a moment.
 /// Its destructor wipes it away, so that neither results nor error messages share a line with it.
 class ProgressBar {

@@ -6,11 +6,8 @@ namespace welkin::tool {
 namespace {
 
 Json source_json(const Source& source) {
-  return {{"path", source.path},
-          {"layout", source.layout},
-          {"width", source.width},
-          {"height", source.height},
-          {"format", source.format}};
+  return {{"path", source.path},     {"layout", source.layout}, {"width", source.width},
+          {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
 }
 
 Json coefficients_json(const SphericalHarmonics& harmonics) {
@@ -56,15 +53,69 @@ Json diagnostics_json(const ShReport& report) {
           {"passes", passes}};
 }
 
+Json axes_json(const ShReport& report) { return {{"engine", convention(report.engine).name}, {"words", report.axes}}; }
+
+Json window_json(const ShReport& report) {
+  const Windowed& windowed = report.windowed;
+  return {{"name", name(report.window)},
+          {"parameter", windowed.parameter},
+          {"factors", windowed.factors},
+          {"minimum_irradiance_before", json_triple(windowed.minimum_before)},
+          {"minimum_irradiance_after", json_triple(windowed.minimum_after)}};
+}
+
+Json engine_json(const std::optional<EngineLight>& light) {
+  if (!light) return nullptr;
+  Json terms = Json::object();
+  for (const EngineTerm& term : light->terms) terms[term.name] = json_triple(term.rgb);
+  Json json = {
+      {"name", convention(light->engine).name}, {"form", light->form}, {"formula", light->formula}, {"terms", terms}};
+  for (const auto& [name, value] : light->vectors) json["vectors"][name] = {value.x, value.y, value.z, value.w};
+  return json;
+}
+
+Json dominant_json(const std::optional<DominantLight>& light) {
+  if (!light) return nullptr;
+  return {{"direction", json_triple(light->direction)}, {"irradiance", json_triple(light->irradiance)}};
+}
+
+Json sun_json(const std::optional<Sun>& sun) {
+  if (!sun) return nullptr;
+  return {{"direction", json_triple(sun->direction)},
+          {"irradiance", json_triple(sun->irradiance)},
+          {"radiance", json_triple(sun->radiance)},
+          {"solid_angle", sun->solid_angle},
+          {"angular_radius_degrees", sun->angular_radius_degrees},
+          {"texels", sun->texels},
+          {"flux_before", json_triple(sun->flux_before)},
+          {"flux_after", json_triple(sun->flux_after)}};
+}
+
+Json irradiance_errors_json(const std::vector<IrradianceError>& errors) {
+  Json list = Json::array();
+  for (const IrradianceError& error : errors) {
+    list.push_back(
+        {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string sh_json(const ShReport& report) {
-  return json_text({{"source", source_json(report.source)},
-                    {"bands", report.projection.radiance.bands()},
-                    {"radiance", coefficients_json(report.projection.radiance)},
-                    {"irradiance", coefficients_json(report.irradiance)},
-                    {"babylon", babylon_json(report.polynomial)},
-                    {"diagnostics", diagnostics_json(report)}});
+  Json json = {{"source", source_json(report.source)},
+               {"axes", axes_json(report)},
+               {"bands", report.projection.radiance.bands()},
+               {"radiance", coefficients_json(report.projection.radiance)},
+               {"irradiance", coefficients_json(report.irradiance)},
+               {"babylon", babylon_json(report.polynomial)},
+               {"engine", engine_json(report.engine_light)},
+               {"window", window_json(report)},
+               {"dominant_light", dominant_json(report.dominant)}};
+  if (report.sun_wanted) json["sun"] = sun_json(report.sun);
+  if (!report.irradiance_errors.empty()) json["irradiance_errors"] = irradiance_errors_json(report.irradiance_errors);
+  json["diagnostics"] = diagnostics_json(report);
+  return json_text(json);
 }
 
 }  // namespace welkin::tool

@@ -1,11 +1,17 @@
-// What `welkin sh` found, before it is put into words or JSON.
+// What `welkin sh` found, before it is put into words, JSON or C.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "welkin/babylon.h"
+#include "welkin/directional_light.h"
+#include "welkin/engine_light.h"
+#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
+#include "welkin/windowing.h"
 
 namespace welkin::tool {
 
@@ -17,12 +23,25 @@ struct Source {
   int height = 0;
   std::string format;
   std::string detail;  ///< what a person may want to know besides: channel type, compression, what told the layout
+  std::vector<std::string> notes;  ///< what was done to the pixels on the way in
 };
 
 struct ShReport {
   Source source;
   ProjectionOptions options;
-  Projection projection;
+  Projection projection;           ///< its radiance in the axes below, after the window
+  std::string axes;                ///< which axes directions and coefficients are in, for a person
+  Engine engine = Engine::welkin;  ///< whose axes they are
+
+  Window window = Window::none;
+  Windowed windowed;  ///< what the window did; minima also where there is none
+
+  bool sun_wanted = false;
+  std::optional<Sun> sun;                 ///< that was taken out, if there was one
+  std::optional<DominantLight> dominant;  ///< of what is left, before the window
+  std::optional<EngineLight> engine_light;
+  std::vector<IrradianceError> irradiance_errors;  ///< by number of bands, if they were asked for
+
   SphericalHarmonics irradiance;
   BabylonPolynomial polynomial;
   int threads = 1;
@@ -32,5 +51,7 @@ struct ShReport {
 
 [[nodiscard]] std::string sh_json(const ShReport& report);
 [[nodiscard]] std::string sh_table(const ShReport& report);
+[[nodiscard]] std::string sh_text(const ShReport& report);      ///< a line a coefficient, # before remarks
+[[nodiscard]] std::string sh_c_header(const ShReport& report);  ///< arrays of float, for an #include
 
 }  // namespace welkin::tool

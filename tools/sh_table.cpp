@@ -4,8 +4,11 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "tools/direction_text.h"
 #include "tools/number_text.h"
+#include "tools/printable_text.h"
 #include "tools/sh_report.h"
+#include "tools/sun_options.h"
 #include "welkin/instruction_set.h"
 
 namespace welkin::tool {
@@ -37,7 +40,7 @@ std::string convention_lines(int bands) {
       "  radiance    c(l,m) = integral over the sphere of L(d) Y(l,m)(d)\n"
       "  irradiance  e(l,m) = A(l) c(l,m),  A = pi, 2pi/3, pi/4, 0, -pi/24, ...\n"
       "  The irradiance on a surface that faces n is the sum of e(l,m) Y(l,m)(n).\n"
-      "  Y is real and orthonormal, without Condon-Shortley phase; y is up:\n"
+      "  Y is real and orthonormal, without Condon-Shortley phase:\n"
       "    0.282095;  0.488603 y, z, x;\n"
       "    1.092548 xy, yz, xz;  0.315392 (3zz - 1);  0.546274 (xx - yy)\n";
   if (bands > kNamedBands) text += "  From l = 4 on: Pl,m is the Legendre function of z, and p = atan2(y, x).\n";
@@ -88,8 +91,76 @@ std::string babylon_lines(const BabylonPolynomial& polynomial) {
 }
 
 std::string source_lines(const Source& source) {
-  return source.path + ": " + std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' +
-         source.layout + ", " + source.format + "\n  (" + source.detail + ")\n";
+  std::string text = source.path + ": " + std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' +
+                     source.layout + ", " + source.format + "\n  (" + source.detail + ")\n";
+  for (const std::string& note : source.notes) text += "  note: " + printable(note) + '\n';
+  return text;
+}
+
+std::string indented(const std::string& text) {
+  std::string lines = "  ";
+  for (const char c : text) {
+    lines += c;
+    if (c == '\n') lines += "  ";
+  }
+  return lines + '\n';
+}
+
+std::string engine_lines(const EngineLight& light) {
+  double largest = 0.0;
+  std::size_t width = 0;
+  for (const EngineTerm& term : light.terms) {
+    largest = std::max(largest, largest_magnitude(term.rgb));
+    width = std::max(width, term.name.size());
+  }
+  for (const EngineVector& vector : light.vectors) width = std::max(width, vector.name.size());
+  const NumberColumn column(largest);
+  std::string text = std::string("\n") + convention(light.engine).title + ": " + light.form + '\n';
+  for (const EngineTerm& term : light.terms) {
+    text += "  " + pad_right(term.name, width + 1) + column.cells(term.rgb) + '\n';
+  }
+  for (const EngineVector& vector : light.vectors) {
+    text += "  " + pad_right(vector.name, width + 1) + column.cells(glm::dvec3(vector.value)) +
+            column.cell(vector.value.w) + '\n';
+  }
+  return text + indented(light.formula);
+}
+
+std::string window_lines(const ShReport& report) {
+  const Windowed& windowed = report.windowed;
+  const std::string least = "\nLeast irradiance over all normals  ";
+  if (report.window == Window::none) {
+    const glm::dvec3& value = windowed.minimum_before;
+    const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
+    return least + significant(value) +
+           (negative ? "\n  negative: the few bands ring; --window least mends that" : "") + '\n';
+  }
+  std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
+                     significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
+                     (report.window == Window::least ? "lambda " : "width ") + significant(windowed.parameter) +
+                     "; bands times";
+  for (const double factor : windowed.factors) text += ' ' + significant(factor, 4);
+  return text + ")\n";
+}
+
+bool z_is_up(const ShReport& report) { return convention(report.engine).from_welkin[1].z > 0.5; }
+
+std::string dominant_lines(const ShReport& report) {
+  if (!report.dominant) return "\nDominant light: none, the light has no direction\n";
+  return "\nDominant light" + std::string(report.sun ? " of what is left" : "") + "\n  towards     " +
+         direction_text(report.dominant->direction, z_is_up(report)) + "\n  irradiance  " +
+         significant(report.dominant->irradiance) + "  on a surface that faces it\n";
+}
+
+std::string irradiance_error_lines(const ShReport& report) {
+  if (report.irradiance_errors.empty()) return "";
+  std::string text = std::string("\nIrradiance") + (report.sun ? " of what is left" : "") +
+                     " against direct cosine integration, relative to its rms\n  bands   rms       maximum\n";
+  for (const IrradianceError& error : report.irradiance_errors) {
+    text += pad_left(std::to_string(error.bands), 7) + "   " + pad_right(significant(error.rms, 3), 10) +
+            significant(error.maximum, 3) + '\n';
+  }
+  return text;
 }
 
 std::string replaced_sentence(const ProjectionDiagnostics& diagnostics) {
@@ -134,10 +205,12 @@ std::string diagnostics_lines(const ShReport& report) {
 
 std::string sh_table(const ShReport& report) {
   const SphericalHarmonics& radiance = report.projection.radiance;
-  return source_lines(report.source) + convention_lines(radiance.bands()) +
-         coefficient_lines(radiance, report.irradiance) + babylon_lines(report.polynomial) +
-         "\nAverage colour (mean radiance of the sphere)  " + significant(average_radiance(radiance)) + '\n' +
-         diagnostics_lines(report);
+  std::string text = source_lines(report.source) + convention_lines(radiance.bands()) +
+                     indented("Axes: " + report.axes) + coefficient_lines(radiance, report.irradiance);
+  text += report.engine_light ? engine_lines(*report.engine_light) : babylon_lines(report.polynomial);
+  return text + "\nAverage colour (mean radiance of the sphere)  " + significant(average_radiance(radiance)) + '\n' +
+         window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +
+         dominant_lines(report) + irradiance_error_lines(report) + diagnostics_lines(report);
 }
 
 }  // namespace welkin::tool

@@ -1,6 +1,6 @@
 // Environments in files: what one is, what is in it, and its light.
 //
-// Read here: OpenEXR (scanline and tiled, half and float, every compression, R G B or Y alone) and PFM.
+// Read here: OpenEXR, Radiance .hdr, PFM and PNG; environment_writer.h writes them.
 #pragma once
 
 #include <array>
@@ -18,17 +18,49 @@
 
 namespace welkin {
 
-/// How a picture holds a sphere.
+/// How a picture holds a sphere. Faces are those of `CubemapView`, N x N texels each.
 enum class Layout {
-  automatic,       ///< told from the file's header or its shape; an error if neither tells
-  lat_long,        ///< see LatLongView
-  vertical_strip,  ///< six faces from top to bottom, see CubemapView
+  automatic,         ///< told from the file's header, its shape or its name; an error if none of them tells
+  lat_long,          ///< see LatLongView; W x H, 2:1 as a rule
+  vertical_strip,    ///< N x 6N: +X -X +Y -Y +Z -Z from top to bottom
+  horizontal_strip,  ///< 6N x N: the same from left to right
+  horizontal_cross,  ///< 4N x 3N: -X +Z +X -Z in the middle row, +Y above +Z, -Y below it
+  vertical_cross,    ///< 3N x 4N: +Y; -X +Z +X; -Y; and -Z below that, turned by half a turn
+  six_files,         ///< one N x N picture a face, told apart by the ends of their names; see `face_files`
 };
 
-[[nodiscard]] const char* name(Layout layout) noexcept;  ///< "automatic", "lat-long", "vertical-strip"
+/// "automatic", "lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross", "six-files"
+[[nodiscard]] const char* name(Layout layout) noexcept;
+
+/// What the numbers in a picture of integers (PNG) mean.
+enum class Transfer {
+  automatic,  ///< sRGB, but linear where the file says that its gamma is 1
+  srgb,       ///< IEC 61966-2-1
+  linear,
+};
+
+/// The colours that pixels are handed out in.
+enum class Primaries {
+  rec709,     ///< converted to Rec. 709 (sRGB) primaries and white where the file states others
+  as_stored,  ///< the file's numbers as they are (XYZ stays XYZ)
+};
 
 struct ReadOptions {
   Layout layout = Layout::automatic;
+
+  /// Of a multi-part OpenEXR file: the part's name, or its number from 0. Empty: the first part that holds
+  /// colour in whole, else the first that holds luminance.
+  std::string part{};
+
+  /// Of an OpenEXR file with layers (channels "env.R", ...): which one. Empty: the channels without a layer,
+  /// else the only layer that there is.
+  std::string layer{};
+
+  /// Of a file with a mip chain: 0 is the full size. Rip maps have the levels that shrink both ways.
+  int level = 0;
+
+  Transfer transfer = Transfer::automatic;
+  Primaries primaries = Primaries::rec709;
 
   /// The most memory that pixels may take, in bytes: those that are held whole and those that are being
   /// decoded, on all threads together. A lat-long that is projected or measured is streamed and stays far
@@ -38,48 +70,71 @@ struct ReadOptions {
 
 struct ChannelInfo {
   std::string name;  ///< "R", "G", "B", "Y", ...
-  std::string type;  ///< "half", "float" or "uint"
+  std::string type;  ///< "half", "float", "uint", "rgbe", "xyze", "uint8", "uint16"
+};
+
+struct LevelInfo {
+  int width = 0;
+  int height = 0;
 };
 
 /// What a file's header says; no pixel is read for it.
 struct EnvironmentInfo {
   std::filesystem::path path;
-  std::string format;                ///< "OpenEXR" or "PFM"
-  std::string compression;           ///< "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"
-  std::string storage;               ///< "scanline" or "tiled 64 x 64"
-  Layout layout = Layout::lat_long;  ///< as told from header or shape, or as it was asked for; never automatic
-  std::string layout_reason;         ///< what told it
-  int width = 0;                     ///< of the picture (the data window), texels
-  int height = 0;
-  std::vector<ChannelInfo> channels;  ///< all that the file has, in its order
+  std::string format;                 ///< "OpenEXR", "Radiance", "PFM" or "PNG"
+  std::string compression;            ///< "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"
+  std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "interlaced", ...
+  Layout layout = Layout::lat_long;   ///< as told from header or shape, or as it was asked for; never automatic
+  std::string layout_reason;          ///< what told it
+  int width = 0;                      ///< of the picture at the level that was asked for, texels; of six_files N,
+  int height = 0;                     ///< and 6N: they are taken as the vertical strip that they make up
+  std::vector<ChannelInfo> channels;  ///< all that the file (or part) has, in its order
+  std::vector<LevelInfo> levels;      ///< the file's mip chain, full size first; one entry without a chain
+  std::vector<std::string> parts;     ///< names of a multi-part file's parts, in its order; else empty
+  std::vector<std::string> layers;    ///< names of the layers that hold colour or luminance; "" is not among them
+  std::vector<std::string> notes;     ///< what was done on the way in: primaries, exposure, windows; for a person
+  std::array<std::filesystem::path, 6> faces;  ///< of six_files, in face order; else empty
 };
 
 /// What is in the pixels, as they are in the file: nothing is replaced or clamped. NaN and infinities are
 /// counted and stay out of the other numbers.
 struct EnvironmentStatistics {
-  std::uint64_t texels = 0;
+  std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
   glm::dvec3 minimum{}, maximum{};
   glm::dvec3 mean{};             ///< weighted by solid angle: the sphere's average radiance
   glm::dvec3 flux{};             ///< integral over the sphere: 4 pi times the mean
   std::uint64_t nans = 0;        ///< channel values
   std::uint64_t infinities = 0;  ///< channel values
   std::uint64_t negatives = 0;   ///< channel values
-  int brightest_column = 0;      ///< as in `Environment::pixels`, by (0.2126, 0.7152, 0.0722) . rgb
-  int brightest_row = 0;
+  int brightest_column = 0;      ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
+  int brightest_row = 0;         ///< of six_files as if they stood one above the other
   glm::dvec3 brightest{};
-  glm::dvec3 brightest_direction{};  ///< unit, of that texel's centre
+  glm::dvec3 brightest_direction{};  ///< unit, of that texel's centre; 0 if no texel is finite
 };
 
-/// An environment held in memory as RGB floats. A strip's faces are in the frames of `CubemapView`: where an
-/// OpenEXR header has the envmap attribute of a cube, the faces are mirrored to them on the way in.
+/// An environment held in memory as RGB floats: a lat-long, or six faces in the frames of `CubemapView`,
+/// whatever layout they had in the file. (Where an OpenEXR header has the envmap attribute of a cube, the faces
+/// are mirrored to those frames on the way in.)
 struct Environment {
   EnvironmentInfo info;
-  std::unique_ptr<float[]> pixels;  ///< width x height x 3, row 0 on top, no padding
+  std::unique_ptr<float[]> pixels;  ///< lat-long: width x height x 3; cube: 6 x size x size x 3; row 0 on top
+
+  /// Edge of a face in texels; 0 for a lat-long.
+  [[nodiscard]] int face_size() const noexcept;
 
   /// Throw `Error` (invalid_argument) if the layout is the other one.
   [[nodiscard]] LatLongView lat_long() const;
   [[nodiscard]] CubemapView cubemap() const;
 };
+
+/// The six files of a cubemap, +X -X +Y -Y +Z -Z, by any one of them or by the directory that holds them (and no
+/// other such six). Their names differ at the end alone, before the extension: px nx py ny pz nz; posx negx posy ..;
+/// right left top bottom front back; right left up down front back; rt lf up dn ft bk; 0 to 5 (but not if there is
+/// a 6). Before that end stands nothing, or the same in all six up to one of _ - . and space; small and capital
+/// letters are the same there. Extensions may differ; among several that would do, the one of `path` counts.
+/// Looks at names alone. Throws `Error`: file_access naming the faces that are missing, unsupported_file if the name
+/// is none of a face or if more than one choice of six would do.
+[[nodiscard]] std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path);
 
 /// Reads a header. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded.
 [[nodiscard]] EnvironmentInfo inspect_environment(const std::filesystem::path& path, const ReadOptions& options = {});
@@ -91,6 +146,18 @@ struct Environment {
 /// Projects a file. A lat-long streams: blocks of rows are decoded and projected in parallel, and memory
 /// stays at a few blocks a thread however large the picture is. Same bits as reading it whole and calling
 /// `project`. Throws as `read_environment` and `project`.
+///
+/// Memory for a lat-long, on each thread: the rows that decode together (1 in PFM; 1 to 32 in most OpenEXR files, 256
+/// with dwab, a row of tiles in tiled ones), two at least from 16384 columns down, at 12 bytes a texel, and what
+/// decoding holds beside them, at most 5 times those rows as the file has them; for all threads together: sums and
+/// tables, 0.15 % of the picture as RGB floats with 3 bands, 1 % with 10. So a 16384 x 8192 picture (1.5 GiB as
+/// floats) takes 4 MiB on one thread as PFM, and as OpenEXR 10 MiB for each thread with zip (16 rows), 16 MiB with piz
+/// (32 rows), 120 MiB with dwab. If that exceeds the memory limit for all threads, one works alone. A file whose
+/// rows come only in order (PNG) is decoded by one thread at a time while the others project.
+///
+/// With `target_size`, and `ReadOptions::level` at 0, a file that has a mip chain is read at the level that is
+/// nearest to the target in log2 (a face's edge against the target, a lat-long's width against four times it)
+/// instead of being reduced; the pass "reduce" then says "reuse" and which level.
 [[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
                                       const ProjectionOptions& options = {}, const Control& control = {});
 

@@ -8,6 +8,7 @@
 #include "welkin/directional_light.h"
 #include "welkin/engine_light.h"
 #include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/image.h"

@@ -1,135 +1,87 @@
 #include "codec/exr_picture.h"
 
-#include <ImfChannelList.h>
-#include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
-#include <ImfTileDescription.h>
-#include <ImfVersion.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "codec/exr_attributes.h"
+#include "codec/exr_levels.h"
+#include "codec/exr_parts.h"
+#include "codec/exr_primaries.h"
 #include "codec/exr_stream.h"
+#include "codec/exr_windows.h"
 #include "codec/layout.h"
-#include "codec/row_source.h"
 
 namespace welkin::codec {
 namespace {
-
-struct CompressionKind {
-  const char* name;
-  int scanlines;  // that are compressed together
-};
-
-// By Imf::Compression's values.
-constexpr std::array kCompressions{
-    CompressionKind{"none", 1},  CompressionKind{"rle", 1},    CompressionKind{"zips", 1}, CompressionKind{"zip", 16},
-    CompressionKind{"piz", 32},  CompressionKind{"pxr24", 16}, CompressionKind{"b44", 32}, CompressionKind{"b44a", 32},
-    CompressionKind{"dwaa", 32}, CompressionKind{"dwab", 256}};
-static_assert(Imf::DWAB_COMPRESSION + 1 == kCompressions.size());
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {
   throw file_error(ErrorCode::unsupported_file, path, found_and_remedy);
 }
 
-// Magic number and version, then the attributes. Leaves the file behind the header.
-Imf::Header read_header(ByteFile& file, int& version) {
-  std::array<unsigned char, 8> start{};
-  file.read(start.data(), start.size());
-  version = start[4] | start[5] << 8 | start[6] << 16;  // the top byte is kept free by the format
-  if (Imf::getVersion(version) != Imf::EXR_VERSION || start[7] != 0 || !Imf::supportsFlags(Imf::getFlags(version))) {
-    refuse(file.path(), "is of an OpenEXR version or kind that is not known here (version " +
-                            std::to_string(Imf::getVersion(version)) + ", flags " +
-                            std::to_string(Imf::getFlags(version) >> 8) + "); save it as OpenEXR 2");
-  }
-  if (Imf::isNonImage(version)) {
-    refuse(file.path(), "is a deep OpenEXR file; flatten it to a plain picture (RGB, half or float)");
-  }
-  if (Imf::isMultiPart(version)) {
-    refuse(file.path(),
-           "is a multi-part OpenEXR file; save the part that holds the environment as a file of its own "
-           "(exrmultipart -separate)");
-  }
-  check_exr_attributes(file);
-  file.seek(start.size());
-  Imf::Header header;
-  ExrStream stream(file);
-  header.readFrom(stream, version);
-  return header;
+// Of a header that is not checked yet: the tile description may not be there at all.
+const Imf::TileDescription* tile_description(const ExrPart& part) {
+  return part.tiled && part.header.hasTileDescription() ? &part.header.tileDescription() : nullptr;
 }
 
-// "half", "float" or "uint"
-const char* type_name(Imf::PixelType type) {
-  switch (type) {
-    case Imf::UINT: return "uint";
-    case Imf::HALF: return "half";
-    case Imf::FLOAT: return "float";
-    default: return "unknown";
-  }
+bool has_levels(const ExrPart& part) {
+  const Imf::TileDescription* tiles = tile_description(part);
+  return tiles != nullptr && tiles->mode != Imf::ONE_LEVEL;
 }
 
-std::string channel_names(const EnvironmentInfo& info) {
-  std::string names;
-  for (const ChannelInfo& channel : info.channels) {
-    names += (names.empty() ? "" : ", ") + channel.name;
+void name_compression(ExrPicture& picture, const Imf::Header& header) {
+  const char* name = compression_name(header.compression());
+  if (name == nullptr) {
+    refuse(picture.info.path, "is compressed in a way that is not known here (method " +
+                                  std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
   }
-  return printable(names);
+  picture.info.compression = name;
 }
 
-void require_usable_channel(const std::filesystem::path& path, const char* name, const Imf::Channel& channel) {
-  if (channel.type != Imf::HALF && channel.type != Imf::FLOAT) {
-    refuse(path, std::string("channel ") + name + " is of type " + type_name(channel.type) +
-                     "; half and float are read: convert it");
-  }
-  if (channel.xSampling != 1 || channel.ySampling != 1) {
-    refuse(path, std::string("channel ") + name + " is subsampled (" + std::to_string(channel.xSampling) + " x " +
-                     std::to_string(channel.ySampling) + "); save it at full resolution");
-  }
+void place_windows(ExrPicture& picture, const ExrPart& part, Layout asked_for) {
+  const auto [whole, data] = choose_exr_windows(picture.info, part.header, has_levels(part), asked_for);
+  picture.info.width = whole.max.x - whole.min.x + 1;
+  picture.info.height = whole.max.y - whole.min.y + 1;
+  picture.first_column = data.min.x;
+  picture.first_row = data.min.y;
+  picture.data_width = data.max.x - data.min.x + 1;
+  picture.data_height = data.max.y - data.min.y + 1;
+  picture.column_offset = whole.min.x - data.min.x;
+  picture.row_offset = whole.min.y - data.min.y;
 }
 
-// R, G and B if they are there, else Y alone. Further channels (alpha, depth) are read past.
-void choose_channels(ExrPicture& picture, const Imf::ChannelList& channels) {
-  const std::filesystem::path& path = picture.info.path;
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    picture.info.channels.push_back({printable(channel.name()), type_name(channel.channel().type)});
+void decide_exr_layout(ExrPicture& picture, const Imf::Header& header, Layout asked_for) {
+  std::optional<Layout> stated;
+  if (Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_LATLONG) {
+    stated = Layout::lat_long;
+  } else if (Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE) {
+    stated = Layout::vertical_strip;
   }
-  const bool coloured = channels.findChannel("R") && channels.findChannel("G") && channels.findChannel("B");
-  if (!coloured && (channels.findChannel("RY") || channels.findChannel("BY"))) {
-    refuse(path, "holds luminance and chroma (channels " + channel_names(picture.info) +
-                     "); R, G, B or Y alone are read: convert it to RGB");
-  }
-  picture.grey = !coloured;
-  const std::vector<const char*> wanted = coloured ? std::vector{"R", "G", "B"} : std::vector{"Y"};
-  for (const char* name : wanted) {
-    const Imf::Channel* channel = channels.findChannel(name);
-    if (channel == nullptr) {
-      refuse(path, "has channels " + channel_names(picture.info) +
-                       "; R, G and B, or Y alone, are read: rename or convert the channels");
-    }
-    require_usable_channel(path, name, *channel);
-  }
+  decide_layout(picture.info, asked_for, stated);
+  picture.cube_frames = picture.info.layout == Layout::vertical_strip && stated == Layout::vertical_strip;
 }
 
-void measure_window(ExrPicture& picture, const Imath::Box2i& window) {
-  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (width < 1 || height < 1) {
-    throw file_error(ErrorCode::corrupt_file, picture.info.path,
-                     "its OpenEXR header is damaged: the data window is empty; fetch or export it again");
+// A smaller level has the layout of the full size, and must still have its shape: a strip of faces of less than a
+// texel is none.
+void choose_level(ExrPicture& picture, const ExrPart& part, int level) {
+  EnvironmentInfo& info = picture.info;
+  info.levels = part.tiled ? level_sizes(part.header.tileDescription(), info.width, info.height)
+                           : std::vector<LevelInfo>{{info.width, info.height}};
+  if (level < 0 || static_cast<std::size_t>(level) >= info.levels.size()) {
+    refuse(info.path, "has no level " + std::to_string(level) + "; it has " +
+                          (info.levels.size() == 1 ? "one, level 0: leave --level out"
+                                                   : std::to_string(info.levels.size()) + ": pass --level 0 to " +
+                                                         std::to_string(info.levels.size() - 1)));
   }
-  if (width > kMaximumWidth || height > kMaximumHeight) {
-    refuse(picture.info.path, "its data window of " + std::to_string(width) + " x " + std::to_string(height) +
-                                  " is larger than any layout holds (" + std::to_string(kMaximumWidth) + " x " +
-                                  std::to_string(kMaximumHeight) + "); reduce it first");
+  if (level > 0) {
+    picture.level = level;
+    const LevelInfo& size = info.levels[static_cast<std::size_t>(level)];
+    picture.data_width = info.width = size.width;
+    picture.data_height = info.height = size.height;
+    const std::string reason = info.layout_reason;
+    decide_layout(info, info.layout, std::nullopt);
+    info.layout_reason = reason;
   }
-  picture.info.width = static_cast<int>(width);
-  picture.info.height = static_cast<int>(height);
-  picture.first_column = window.min.x;
-  picture.first_row = window.min.y;
 }
 
 // All channels, also those that are not wanted: they are in the same blocks.
@@ -141,38 +93,28 @@ std::uint64_t bytes_per_texel(const Imf::ChannelList& channels) {
   return bytes;
 }
 
-std::uint64_t ceiling_of_quotient(std::uint64_t dividend, std::uint64_t divisor) {
-  return (dividend + divisor - 1) / divisor;
+std::string describe_tiles(const Imf::TileDescription& tiles) {
+  const char* kind = tiles.mode == Imf::MIPMAP_LEVELS   ? "mip-mapped tiles "
+                     : tiles.mode == Imf::RIPMAP_LEVELS ? "rip-mapped tiles "
+                                                        : "tiled ";
+  return kind + std::to_string(tiles.xSize) + " x " + std::to_string(tiles.ySize);
 }
 
-// The library keeps eight bytes a tile in memory before it reads any. They are in the file too, so a file
-// that is too short for them is refused here. (The levels of a mip map add a third, of a rip map three times.)
-void require_room_for_tile_table(const ExrPicture& picture, const ByteFile& file, const Imf::TileDescription& tiles) {
-  const std::uint64_t count = ceiling_of_quotient(static_cast<std::uint64_t>(picture.info.width), tiles.xSize) *
-                              ceiling_of_quotient(static_cast<std::uint64_t>(picture.info.height), tiles.ySize);
-  if (count * sizeof(std::uint64_t) > file.remaining()) {
-    throw file_error(ErrorCode::corrupt_file, picture.info.path,
-                     "ends too early: its header tells of " + std::to_string(count) +
-                         " tiles, for whose table alone it is too short; fetch or export it again");
-  }
-}
-
-void measure_units(ExrPicture& picture, const ByteFile& file, const Imf::Header& header) {
+void measure_units(ExrPicture& picture, const Imf::Header& header) {
   const std::uint64_t texel = bytes_per_texel(header.channels());
-  const auto height = static_cast<std::uint64_t>(picture.info.height);
+  const auto height = static_cast<std::uint64_t>(picture.data_height);
   if (picture.tiled) {
     const Imf::TileDescription& tiles = header.tileDescription();
-    require_room_for_tile_table(picture, file, tiles);
-    picture.info.storage = "tiled " + std::to_string(tiles.xSize) + " x " + std::to_string(tiles.ySize);
+    picture.info.storage = describe_tiles(tiles);
     picture.unit_rows = static_cast<int>(std::min<std::uint64_t>(tiles.ySize, height));
     // Neither factor is above 2^31, and the last one only divides: no product overflows.
     const std::uint64_t area = std::uint64_t{tiles.xSize} * tiles.ySize;
     picture.unit_bytes = area > kMaximumUnitBytes ? area : area * texel;
   } else {
-    const int scanlines = kCompressions[static_cast<std::size_t>(header.compression())].scanlines;
+    const auto scanlines = static_cast<std::uint64_t>(scanlines_per_block(header.compression()));
     picture.info.storage = "scanline";
-    picture.unit_rows = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(scanlines), height));
-    picture.unit_bytes = texel * static_cast<std::uint64_t>(picture.info.width) * static_cast<std::uint64_t>(scanlines);
+    picture.unit_rows = static_cast<int>(std::min(scanlines, height));
+    picture.unit_bytes = texel * static_cast<std::uint64_t>(picture.data_width) * scanlines;
   }
   if (picture.unit_bytes > kMaximumUnitBytes) {
     throw file_error(ErrorCode::limit_exceeded, picture.info.path,
@@ -183,52 +125,41 @@ void measure_units(ExrPicture& picture, const ByteFile& file, const Imf::Header&
   }
 }
 
-std::optional<Layout> layout_by_header(const Imf::Header& header) {
-  if (!Imf::hasEnvmap(header)) {
-    return std::nullopt;
-  }
-  switch (Imf::envmap(header)) {
-    case Imf::ENVMAP_LATLONG: return Layout::lat_long;
-    case Imf::ENVMAP_CUBE: return Layout::vertical_strip;
-    default: return std::nullopt;
+void name_parts(EnvironmentInfo& info, const ExrParts& parts) {
+  for (const ExrPart& part : parts.parts) {
+    if (parts.multi_part) {
+      info.parts.push_back(part.name);
+    }
   }
 }
 
-void name_compression(ExrPicture& picture, const Imf::Header& header) {
-  const auto index = static_cast<std::size_t>(header.compression());
-  if (index >= kCompressions.size()) {
-    refuse(picture.info.path, "is compressed in a way that is not known here (method " + std::to_string(index) +
-                                  "); save it as zip or piz");
-  }
-  picture.info.compression = kCompressions[index].name;
-}
-
-void require_flat(const ExrPicture& picture, const Imf::Header& header) {
-  if (header.hasType() && header.type() != "scanlineimage" && header.type() != "tiledimage") {
-    refuse(picture.info.path, "is of type \"" + printable(header.type()) +
-                                  "\"; flatten it to a plain picture (scanlineimage or tiledimage)");
-  }
+// The library's copies of a header are several times as large as it is in the file, and it keeps two.
+std::uint64_t bytes_of_headers(const ExrParts& parts) {
+  constexpr std::uint64_t kTimes = 16;
+  return kTimes * parts.header_bytes;
 }
 
 }  // namespace
 
 ExrPicture inspect_exr(ByteFile& file, const ReadOptions& options) {
   return call_openexr(file.path(), [&] {
-    int version = 0;
-    const Imf::Header header = read_header(file, version);
+    const ExrParts parts = read_exr_parts(file);
     ExrPicture picture;
     picture.info.path = file.path();
     picture.info.format = "OpenEXR";
-    picture.tiled = Imf::isTiled(version);
-    require_flat(picture, header);
-    name_compression(picture, header);
-    measure_window(picture, header.dataWindow());
-    header.sanityCheck(picture.tiled);
-    choose_channels(picture, header.channels());
-    measure_units(picture, file, header);
-    const std::optional<Layout> stated = layout_by_header(header);
-    decide_layout(picture.info, options.layout, stated);
-    picture.cube_frames = picture.info.layout == Layout::vertical_strip && stated == Layout::vertical_strip;
+    name_parts(picture.info, parts);
+    const std::size_t index = choose_exr_part(parts, file.path(), options.part, options.layer);
+    const ExrPart& part = parts.parts[index];
+    picture.part = static_cast<int>(index);
+    picture.tiled = part.tiled;
+    name_compression(picture, part.header);
+    place_windows(picture, part, options.layout);
+    picture.table_bytes = bytes_of_headers(parts) + check_exr_tables(parts, file);
+    picture.channels = choose_exr_channels(picture.info, part.header.channels(), options.layer);
+    decide_exr_layout(picture, part.header, options.layout);
+    choose_level(picture, part, options.level);
+    measure_units(picture, part.header);
+    picture.to_rec709 = exr_colour_matrix(picture.info, part.header, picture.channels.kind, options.primaries);
     return picture;
   });
 }

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "codec/layout.h"
+#include "codec/read_environment.h"
 #include "codec/row_groups.h"
 #include "image/texel_geometry.h"
 #include "welkin/environment_file.h"
@@ -45,34 +47,76 @@ void add_value(RowStatistics& row, int channel, float value, double solid_angle)
   row.solid_angle[channel] += solid_angle;
 }
 
-// `solid_angles`: of each texel.
-RowStatistics measure_row(const float* rgb, std::span<const double> solid_angles) {
-  RowStatistics row;
-  for (std::size_t column = 0; column < solid_angles.size(); ++column) {
-    const float* texel = rgb + 3 * column;
+// Adds `solid_angles.size()` texels, each with its solid angle.
+void add_texels(RowStatistics& row, const float* rgb, int first_column, std::span<const double> solid_angles) {
+  for (std::size_t index = 0; index < solid_angles.size(); ++index) {
+    const float* texel = rgb + 3 * (static_cast<std::size_t>(first_column) + index);
     for (int channel = 0; channel < 3; ++channel) {
-      add_value(row, channel, texel[channel], solid_angles[column]);
+      add_value(row, channel, texel[channel], solid_angles[index]);
     }
     const glm::dvec3 colour(texel[0], texel[1], texel[2]);
     const double brightness = luminance(colour);
     if (std::isfinite(brightness) && brightness > row.brightest_luminance) {
       row.brightest_luminance = brightness;
-      row.brightest_column = static_cast<int>(column);
+      row.brightest_column = first_column + static_cast<int>(index);
       row.brightest = colour;
     }
   }
-  return row;
 }
 
-void fill_solid_angles(const EnvironmentInfo& info, int row, std::span<double> angles) {
-  if (info.layout == Layout::lat_long) {
-    std::fill(angles.begin(), angles.end(), image::lat_long_texel_solid_angle(info.width, info.height, row));
-  } else {
-    image::cubemap_row_solid_angles(row % info.width, angles);
+// Where the picture's texels are on the sphere. What lies between the faces of a cross is nowhere.
+class Geometry {
+ public:
+  explicit Geometry(const RowSource& source)
+      : width_(source.info().width),
+        height_(source.info().height),
+        size_(face_size(source.info().layout, width_, height_)),
+        placement_(size_ > 0 ? &placement_in(source) : nullptr) {}
+
+  [[nodiscard]] std::uint64_t texels() const {
+    const auto edge = static_cast<std::uint64_t>(size_);
+    return size_ > 0 ? 6 * edge * edge : static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
   }
-}
 
-EnvironmentStatistics summarise(const EnvironmentInfo& info, const std::vector<RowStatistics>& rows) {
+  /// `angles`: room for the picture's width.
+  [[nodiscard]] RowStatistics measure_row(const float* rgb, int row, std::vector<double>& angles) const {
+    RowStatistics found;
+    if (placement_ == nullptr) {
+      const std::span all(angles.data(), static_cast<std::size_t>(width_));
+      std::fill(all.begin(), all.end(), image::lat_long_texel_solid_angle(width_, height_, row));
+      add_texels(found, rgb, 0, all);
+      return found;
+    }
+    const std::span edge(angles.data(), static_cast<std::size_t>(size_));
+    int row_of_angles = -1;
+    for (const FaceSegment& segment : row_segments(*placement_, size_, row)) {
+      if (segment.face_row != row_of_angles) image::cubemap_row_solid_angles(segment.face_row, edge);
+      row_of_angles = segment.face_row;
+      add_texels(found, rgb, segment.first_column, edge);  // a row of a face is even: mirrored, it is the same
+    }
+    return found;
+  }
+
+  /// Of the centre of a texel of the picture that is on the sphere.
+  [[nodiscard]] glm::dvec3 direction(int column, int row) const {
+    if (placement_ == nullptr) return image::lat_long_direction(width_, height_, column + 0.5, row + 0.5);
+    for (const FaceSegment& segment : row_segments(*placement_, size_, row)) {
+      const int offset = column - segment.first_column;
+      if (offset < 0 || offset >= size_) continue;
+      const int face_column = segment.mirrored ? size_ - 1 - offset : offset;
+      return image::face_direction(size_, segment.face, face_column + 0.5, segment.face_row + 0.5);
+    }
+    return {};
+  }
+
+ private:
+  int width_;
+  int height_;
+  int size_;
+  const CubePlacement* placement_;  // nullptr: a lat-long
+};
+
+EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowStatistics>& rows) {
   RowStatistics total;
   int brightest_row = 0;
   for (std::size_t index = 0; index < rows.size(); ++index) {
@@ -95,7 +139,7 @@ EnvironmentStatistics summarise(const EnvironmentInfo& info, const std::vector<R
   }
 
   EnvironmentStatistics result;
-  result.texels = static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height);
+  result.texels = geometry.texels();
   for (int channel = 0; channel < 3; ++channel) {
     if (total.solid_angle[channel] > 0.0) {  // else the channel has no finite value, and its numbers stay 0
       result.minimum[channel] = total.minimum[channel];
@@ -110,11 +154,9 @@ EnvironmentStatistics summarise(const EnvironmentInfo& info, const std::vector<R
   result.brightest_column = total.brightest_column;
   result.brightest_row = brightest_row;
   result.brightest = total.brightest;
-  const double column = total.brightest_column + 0.5;
-  result.brightest_direction =
-      info.layout == Layout::lat_long
-          ? image::lat_long_direction(info.width, info.height, column, brightest_row + 0.5)
-          : image::face_direction(info.width, brightest_row / info.width, column, brightest_row % info.width + 0.5);
+  if (std::isfinite(total.brightest_luminance)) {  // else there is none, and its direction stays 0
+    result.brightest_direction = geometry.direction(total.brightest_column, brightest_row);
+  }
   return result;
 }
 
@@ -126,18 +168,18 @@ EnvironmentStatistics measure_environment(const std::filesystem::path& path, con
   const auto source = codec::open_row_source(path, options);
   const EnvironmentInfo& info = source->info();
   const auto width = static_cast<std::size_t>(info.width);
+  const codec::Geometry geometry(*source);
   std::vector<codec::RowStatistics> rows(static_cast<std::size_t>(info.height));
-  const codec::RowGroups groups{codec::comfortable_group_rows(*source), true, options.memory_limit_bytes};
-  codec::for_each_row_group(*source, groups, control, [&](codec::RowWorker& worker, int first_row, int row_count) {
-    worker.reader->read(first_row, row_count, worker.rows.data());
+  const codec::RowGroups groups{codec::comfortable_group_rows(*source), options.memory_limit_bytes};
+  codec::for_each_row_group(*source, groups, control, [&](const codec::RowGroup& group) {
     std::vector<double> solid_angles(width);
-    for (int row = 0; row < row_count; ++row) {
-      codec::fill_solid_angles(info, first_row + row, solid_angles);
-      const float* rgb = worker.rows.data() + static_cast<std::size_t>(row) * 3 * width;
-      rows[static_cast<std::size_t>(first_row + row)] = codec::measure_row(rgb, solid_angles);
+    for (int row = 0; row < group.row_count; ++row) {
+      const float* rgb = group.rgb + static_cast<std::size_t>(row) * 3 * width;
+      const int picture_row = group.first_row + row;
+      rows[static_cast<std::size_t>(picture_row)] = geometry.measure_row(rgb, picture_row, solid_angles);
     }
   });
-  return codec::summarise(info, rows);
+  return codec::summarise(geometry, rows);
 }
 
 }  // namespace welkin

@@ -86,6 +86,17 @@ bool read_is_little_endian(ByteFile& file) {
   return scale < 0.0;
 }
 
+// A header whose lines end with "\r\n": its last '\n' would be taken for the first byte of the pixels, all of which
+// would then be read a byte off. Where the file's length leaves room for just that byte, it is the header's.
+void pass_second_line_end(ByteFile& file, std::uint64_t pixel_bytes) {
+  if (file.remaining() != pixel_bytes + 1) return;
+  const std::uint64_t first_byte = file.position();
+  std::array<char, 2> ends{};
+  file.seek(first_byte - 1);
+  file.read(ends.data(), ends.size());
+  file.seek(ends == std::array{'\r', '\n'} ? first_byte + 1 : first_byte);
+}
+
 void swap_bytes(float* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     std::array<char, 4> bytes{};
@@ -163,13 +174,14 @@ std::unique_ptr<RowSource> open_pfm(ByteFile& file, const ReadOptions& options) 
   info.width = read_extent(file, "width", kMaximumWidth);
   info.height = read_extent(file, "height", kMaximumHeight);
   picture.swapped = read_is_little_endian(file) != (std::endian::native == std::endian::little);
+  const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(picture.channels());
+  pass_second_line_end(file, wanted);
   picture.first_byte = file.position();
   const std::vector<const char*> names = picture.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
   for (const char* name : names) {
     info.channels.push_back({name, "float"});
   }
 
-  const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(picture.channels());
   if (wanted > file.remaining()) {
     throw file_error(ErrorCode::corrupt_file, file.path(),
                      "ends too early: " + std::to_string(info.width) + " x " + std::to_string(info.height) +

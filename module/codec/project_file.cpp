@@ -1,13 +1,22 @@
+#include "codec/project_file.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "codec/byte_file.h"
+#include "codec/layout.h"
 #include "codec/read_environment.h"
 #include "codec/row_groups.h"
 #include "jobs/tiles.h"
+#include "sh/check_arguments.h"
+#include "sh/error_estimate.h"
 #include "sh/lat_long_projector.h"
+#include "sh/level_choice.h"
 
 namespace welkin {
 namespace codec {
@@ -38,8 +47,8 @@ Projection naming_file(const std::filesystem::path& path, const Work& work) {
   }
 }
 
-Projection project_strip(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
-                         const Control& control) {
+Projection project_cube(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
+                        const Control& control) {
   constexpr double kReadingShare = 0.8;  // decoding is most of the work, whatever the compression
   const Clock::time_point start = Clock::now();
   const Environment environment = read_whole(source, read_options, jobs::part_of(control, 0.0, kReadingShare));
@@ -61,13 +70,13 @@ int group_rows(int block_rows, int natural_rows) {
   return common <= std::int64_t{kMostTimes} * least ? static_cast<int>(common) : least;
 }
 
-void project_rows(sh::LatLongProjector& projector, const RowWorker& worker, int width, int first_row, int row_count) {
+void project_rows(sh::LatLongProjector& projector, const RowGroup& group, int width) {
   const int block_rows = projector.rows_per_block();
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(width);
-  for (int row = 0; row < row_count; row += block_rows) {
-    const LatLongView rows{worker.rows.data() + static_cast<std::size_t>(row) * row_floats, width,
-                           std::min(block_rows, row_count - row), 0, PixelFormat::rgb_f32};
-    projector.project_block((first_row + row) / block_rows, rows, worker.index);
+  for (int row = 0; row < group.row_count; row += block_rows) {
+    const LatLongView rows{group.rgb + static_cast<std::size_t>(row) * row_floats, width,
+                           std::min(block_rows, group.row_count - row), 0, PixelFormat::rgb_f32};
+    projector.project_block((group.first_row + row) / block_rows, rows, group.worker);
   }
 }
 
@@ -75,37 +84,92 @@ Projection project_lat_long(const RowSource& source, const ReadOptions& read_opt
                             const Control& control) {
   const EnvironmentInfo& info = source.info();
   sh::LatLongProjector projector(info.width, info.height, options, jobs::worker_count(jobs::Placement::arena));
-  const RowGroups groups{group_rows(projector.rows_per_block(), source.natural_rows()), true,
+  const RowGroups groups{group_rows(projector.rows_per_block(), source.natural_rows()),
                          read_options.memory_limit_bytes};
-  std::atomic<Clock::rep> decoding{0};
   std::atomic<Clock::rep> projecting{0};
-  for_each_row_group(source, groups, control, [&](RowWorker& worker, int first_row, int row_count) {
+  const std::chrono::nanoseconds decoding = for_each_row_group(source, groups, control, [&](const RowGroup& group) {
     const Clock::time_point start = Clock::now();
-    worker.reader->read(first_row, row_count, worker.rows.data());
-    const Clock::time_point decoded = Clock::now();
-    project_rows(projector, worker, info.width, first_row, row_count);
-    decoding += (decoded - start).count();
-    projecting += (Clock::now() - decoded).count();
+    project_rows(projector, group, info.width);
+    projecting += (Clock::now() - start).count();
   });
   Projection projection = naming_file(info.path, [&] { return projector.finish(); });
   const std::string overlapped = "overlapped, time summed over threads";
   put_first(projection,
             {{"read", "run", kind_of(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
-              milliseconds(Clock::duration(decoding.load()))},
+              milliseconds(decoding)},
              {"cubemap", "skip", "a lat-long is projected directly", 0.0},
              {"project", "run", "rows as they are decoded, " + overlapped,
               milliseconds(Clock::duration(projecting.load()))}});
   return projection;
 }
 
+// The size that is compared with a target: a face's edge, or a lat-long's width; 0 if a level has not the shape of
+// its layout (three texels by eighteen become one by nine).
+int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
+  return info.layout == Layout::lat_long ? level.width : face_size(info.layout, level.width, level.height);
+}
+
+// What the projection of a level lost against the full size, besides what it says itself.
+double level_error(const Projection& projection, const EnvironmentInfo& level, const ProjectionOptions& options) {
+  const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
+                                                       : face_size(level.layout, level.width, level.height);
+  return sh::estimate_error(projection.radiance, {options.quadrature == Quadrature::midpoint ? size : 0.0, size});
+}
+
+Projection project_level(const std::filesystem::path& path, const EnvironmentInfo& full, int level,
+                         ReadOptions read_options, ProjectionOptions options, const Control& control) {
+  read_options.level = level;
+  read_options.layout = full.layout;  // a small level's shape may tell something else
+  options.target_size = 0;
+  const auto source = open_row_source(path, read_options);
+  const EnvironmentInfo& info = source->info();
+  Projection projection = project_source(*source, read_options, options, control);
+  if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info, options);
+  put_first(projection,
+            {{"reduce", "reuse",
+              "level " + std::to_string(level) + " of the file's mip chain, " + std::to_string(info.width) + " x " +
+                  std::to_string(info.height) + ", is the nearest of " + std::to_string(full.levels.size()),
+              0.0}});
+  return projection;
+}
+
 }  // namespace
+
+std::optional<int> level_for_target(const EnvironmentInfo& info, const ProjectionOptions& options) {
+  std::vector<int> sizes;
+  for (const LevelInfo& level : info.levels) {
+    const int size = size_of(info, level);
+    if (size == 0) break;
+    sizes.push_back(size);
+  }
+  if (sizes.size() < 2) return std::nullopt;
+  const bool lat_long = info.layout == Layout::lat_long;
+  // A lat-long's target is 4 x target wide, and taken as it is by both quadratures.
+  const int target = !lat_long                                   ? sh::effective_target(sizes.front(), options)
+                     : options.target_size <= (sizes[0] - 1) / 4 ? 4 * options.target_size
+                                                                 : 0;
+  if (target == 0) return std::nullopt;
+  return static_cast<int>(sh::nearest_level(sizes, target));
+}
+
+Projection project_source(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
+                          const Control& control) {
+  return source.info().layout == Layout::lat_long ? project_lat_long(source, read_options, options, control)
+                                                  : project_cube(source, read_options, options, control);
+}
+
 }  // namespace codec
 
 Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options,
                         const ProjectionOptions& options, const Control& control) {
+  sh::check_options(options);
   const auto source = codec::open_row_source(path, read_options);
-  return source->info().layout == Layout::lat_long ? codec::project_lat_long(*source, read_options, options, control)
-                                                   : codec::project_strip(*source, read_options, options, control);
+  if (read_options.level == 0) {
+    if (const std::optional<int> level = codec::level_for_target(source->info(), options)) {
+      return codec::project_level(path, source->info(), *level, read_options, options, control);
+    }
+  }
+  return codec::project_source(*source, read_options, options, control);
 }
 
 }  // namespace welkin

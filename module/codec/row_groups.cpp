@@ -1,6 +1,10 @@
 #include "codec/row_groups.h"
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
 
 #include "codec/byte_file.h"
 #include "jobs/tiles.h"
@@ -8,28 +12,145 @@
 namespace welkin::codec {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // Texels from which a task is worth its start, and from which waking the pool is.
 constexpr std::int64_t kTexelsPerTask = 32 * 1024;
 constexpr std::int64_t kTexelsForPool = 64 * 1024;
 
-std::uint64_t worker_bytes(const RowSource& source, const RowGroups& groups) {
-  return source.reader_bytes() + (groups.buffered ? rgb_bytes(source.info().width, groups.rows) : 0);
-}
+// Sections one after the other, each cut into groups from its top.
+struct Cut {
+  Cut(const RowSource& source, int rows)
+      : section_rows(source.section_rows()),
+        group_rows(std::min(rows, section_rows)),
+        sections(static_cast<std::size_t>(source.info().height / section_rows)),
+        groups_per_section(static_cast<std::size_t>((section_rows + group_rows - 1) / group_rows)) {}
 
-jobs::Placement placement(const RowSource& source, const RowGroups& groups) {
-  const EnvironmentInfo& info = source.info();
-  const std::uint64_t one = worker_bytes(source, groups);
-  if (one > groups.memory_limit_bytes) {
-    throw file_error(ErrorCode::limit_exceeded, info.path,
-                     "decoding " + std::to_string(groups.rows) + " rows at once (" + info.storage + ", " +
-                         info.compression + ") takes " + std::to_string(one) + " bytes, above the limit of " +
-                         std::to_string(groups.memory_limit_bytes) +
-                         "; raise the limit, or save it with smaller blocks");
+  [[nodiscard]] RowGroup group(std::size_t section, std::size_t index) const {
+    const int first = static_cast<int>(index) * group_rows;
+    return {static_cast<int>(section) * section_rows + first, std::min(group_rows, section_rows - first), nullptr, 0};
   }
-  const bool small = std::int64_t{info.width} * info.height < kTexelsForPool;
-  const std::uint64_t threads = jobs::worker_count(jobs::Placement::arena);
-  return small || one > groups.memory_limit_bytes / threads ? jobs::Placement::calling_thread : jobs::Placement::arena;
-}
+
+  int section_rows;
+  int group_rows;
+  std::size_t sections;
+  std::size_t groups_per_section;
+};
+
+struct Worker {
+  std::unique_ptr<RowReader> reader;
+  std::vector<float> rows;
+};
+
+// A section of a sequential source: who holds the lock reads the next group.
+struct Turns {
+  std::mutex mutex;
+  std::unique_ptr<RowReader> reader;
+  std::size_t next_group = 0;
+  bool failed = false;
+};
+
+class Run {
+ public:
+  // `in_place`: where the whole picture goes, or nullptr if each worker brings room for a group.
+  Run(const RowSource& source, const RowGroups& groups, const Control& control, float* in_place)
+      : source_(source),
+        cut_(source, groups.rows),
+        control_(control),
+        in_place_(in_place),
+        row_floats_(std::size_t{3} * static_cast<std::size_t>(source.info().width)),
+        place_(placement(groups.memory_limit_bytes)),
+        workers_(jobs::worker_count(place_)),
+        turns_(source.sequential() ? cut_.sections : 0) {}
+
+  std::chrono::nanoseconds operator()(const std::function<void(const RowGroup&)>& work) {
+    const std::size_t count = cut_.sections * cut_.groups_per_section;
+    jobs::run_tiles(count, place_, workers_.size(), control_, [&](std::size_t tile, std::size_t worker) {
+      const std::size_t section = tile / cut_.groups_per_section;
+      RowGroup group;
+      if (source_.sequential()) {
+        if (!read_in_turn(section, worker, group)) return;
+      } else {
+        group = cut_.group(section, tile % cut_.groups_per_section);
+        read(workers_[worker].reader, worker, group);
+      }
+      work(group);
+    });
+    return Clock::duration(decoding_.load());
+  }
+
+ private:
+  [[nodiscard]] std::uint64_t buffer_bytes() const {
+    return in_place_ != nullptr ? 0 : rgb_bytes(source_.info().width, cut_.group_rows);
+  }
+
+  [[nodiscard]] jobs::Placement placement(std::uint64_t limit) const {
+    const EnvironmentInfo& info = source_.info();
+    const std::uint64_t reader = source_.reader_bytes();
+    const std::uint64_t buffer = buffer_bytes();
+    const std::uint64_t alone = reader + buffer;
+    if (alone > limit) {
+      throw file_error(ErrorCode::limit_exceeded, info.path,
+                       "decoding " + std::to_string(cut_.group_rows) + " rows at once (" + info.storage + ", " +
+                           info.compression + ") takes " + std::to_string(alone) + " bytes, above " +
+                           (in_place_ != nullptr ? "what the picture leaves of the limit, " : "the limit of ") +
+                           std::to_string(limit) + "; raise the limit, or " + source_.smaller_reader());
+    }
+    const bool small = std::int64_t{info.width} * info.height < kTexelsForPool;
+    const bool nothing_to_share = source_.sequential() && cut_.sections == 1 && in_place_ != nullptr;
+    const std::uint64_t threads = jobs::worker_count(jobs::Placement::arena);
+    const std::uint64_t readers = source_.sequential() ? cut_.sections : threads;
+    const std::uint64_t left = limit - alone;  // for all but the first reader and the first buffer
+    const bool too_much = exceeds(readers - 1, reader, left) || exceeds(threads - 1, buffer, left) ||
+                          (readers - 1) * reader > left - (threads - 1) * buffer;
+    return small || nothing_to_share || too_much ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  }
+
+  static bool exceeds(std::uint64_t count, std::uint64_t bytes, std::uint64_t limit) {
+    return count > 0 && bytes > limit / count;
+  }
+
+  void read(std::unique_ptr<RowReader>& reader, std::size_t worker, RowGroup& group) {
+    const Clock::time_point start = Clock::now();
+    if (!reader) reader = source_.open_reader();
+    float* rgb = nullptr;
+    if (in_place_ != nullptr) {
+      rgb = in_place_ + static_cast<std::size_t>(group.first_row) * row_floats_;
+    } else {
+      workers_[worker].rows.resize(row_floats_ * static_cast<std::size_t>(cut_.group_rows));
+      rgb = workers_[worker].rows.data();
+    }
+    reader->read(group.first_row, group.row_count, rgb);
+    group.rgb = rgb;
+    group.worker = worker;
+    decoding_ += (Clock::now() - start).count();
+  }
+
+  // A section has as many tiles as groups, so each tile finds one to read. False after an error, which is then on
+  // its way to the caller from the thread that met it.
+  bool read_in_turn(std::size_t section, std::size_t worker, RowGroup& group) {
+    Turns& turns = turns_[section];
+    const std::lock_guard lock(turns.mutex);
+    if (turns.failed) return false;
+    if (control_.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+    turns.failed = true;  // until it is read
+    group = cut_.group(section, turns.next_group);
+    read(turns.reader, worker, group);
+    turns.failed = false;
+    if (++turns.next_group == cut_.groups_per_section) turns.reader.reset();
+    return true;
+  }
+
+  const RowSource& source_;
+  Cut cut_;
+  const Control& control_;
+  float* in_place_;
+  std::size_t row_floats_;
+  jobs::Placement place_;
+  std::vector<Worker> workers_;
+  std::vector<Turns> turns_;
+  std::atomic<Clock::rep> decoding_{0};
+};
 
 }  // namespace
 
@@ -37,29 +158,17 @@ int comfortable_group_rows(const RowSource& source) {
   const std::int64_t natural = source.natural_rows();
   const std::int64_t texels = natural * source.info().width;
   const std::int64_t rows = natural * ((kTexelsPerTask + texels - 1) / texels);
-  return static_cast<int>(std::min<std::int64_t>(rows, source.info().height));
+  return static_cast<int>(std::min<std::int64_t>(rows, source.section_rows()));
 }
 
-void for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
-                        const std::function<void(RowWorker&, int, int)>& work) {
-  const int height = source.info().height;
-  RowGroups fitting = groups;
-  fitting.rows = std::min(groups.rows, height);
-  const int count = (height + fitting.rows - 1) / fitting.rows;
-  const std::uint64_t floats = fitting.buffered ? rgb_bytes(source.info().width, fitting.rows) / sizeof(float) : 0;
-  const jobs::Placement where = placement(source, fitting);
-  std::vector<RowWorker> workers(jobs::worker_count(where));
-  jobs::run_tiles(static_cast<std::size_t>(count), where, workers.size(), control,
-                  [&](std::size_t group, std::size_t index) {
-                    RowWorker& worker = workers[index];
-                    if (!worker.reader) {
-                      worker.index = index;
-                      worker.reader = source.open_reader();
-                      worker.rows.resize(floats);
-                    }
-                    const int first_row = static_cast<int>(group) * fitting.rows;
-                    work(worker, first_row, std::min(fitting.rows, height - first_row));
-                  });
+std::chrono::nanoseconds for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
+                                            const std::function<void(const RowGroup&)>& work) {
+  return Run(source, groups, control, nullptr)(work);
+}
+
+void read_all_rows(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* rgb) {
+  const RowGroups groups{comfortable_group_rows(source), memory_limit_bytes};
+  static_cast<void>(Run(source, groups, control, rgb)([](const RowGroup&) {}));
 }
 
 }  // namespace welkin::codec

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <system_error>
 
 #include "codec/byte_file.h"
 #include "codec/exr_row_source.h"
+#include "codec/hdr_row_source.h"
 #include "codec/pfm_row_source.h"
+#include "codec/png_row_source.h"
+#include "codec/six_files_source.h"
 
 namespace welkin::codec {
 namespace {
@@ -20,14 +24,9 @@ struct Signature {
 
 // What people are likely to hand in instead, so that the refusal can name it.
 constexpr std::array kOtherKinds{
-    Signature{"#?"sv, "a Radiance picture (.hdr)"},
-    Signature{"\x89PNG"sv, "a PNG"},
-    Signature{"\xff\xd8\xff"sv, "a JPEG"},
-    Signature{"II*\0"sv, "a TIFF"},
-    Signature{"MM\0*"sv, "a TIFF"},
-    Signature{"\xabKTX"sv, "a KTX texture"},
-    Signature{"DDS "sv, "a DDS texture"},
-    Signature{"\x86\x16\x87\x96\xf6\xd6\x96\x36"sv, "a Babylon.js .env"},
+    Signature{"\xff\xd8\xff"sv, "a JPEG"}, Signature{"II*\0"sv, "a TIFF"},
+    Signature{"MM\0*"sv, "a TIFF"},        Signature{"\xabKTX"sv, "a KTX texture"},
+    Signature{"DDS "sv, "a DDS texture"},  Signature{"\x86\x16\x87\x96\xf6\xd6\x96\x36"sv, "a Babylon.js .env"},
 };
 
 std::string_view first_bytes(ByteFile& file, std::array<char, 8>& buffer) {
@@ -43,12 +42,13 @@ std::string_view first_bytes(ByteFile& file, std::array<char, 8>& buffer) {
   const std::string found = start.empty()                ? "is empty"
                             : known != kOtherKinds.end() ? std::string("is ") + known->kind
                                                          : "is of no kind that is known here";
-  throw file_error(ErrorCode::unsupported_file, path, found + "; OpenEXR (.exr) and PFM (.pfm) are read: convert it");
+  throw file_error(ErrorCode::unsupported_file, path,
+                   found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm) and PNG are read: convert it");
 }
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options) {
+std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const ReadOptions& options) {
   ByteFile file(path);
   std::array<char, 8> buffer{};
   const std::string_view start = first_bytes(file, buffer);
@@ -58,7 +58,28 @@ std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, co
   if (start.starts_with("PF"sv) || start.starts_with("Pf"sv)) {
     return open_pfm(file, options);
   }
+  if (start.starts_with("#?"sv)) {
+    return open_hdr(file, options);
+  }
+  if (start.starts_with("\x89PNG"sv)) {
+    return open_png(file, options);
+  }
   refuse(path, start);
+}
+
+std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options) {
+  if (options.layout == Layout::six_files) {
+    return open_six_files(path, options, "six-files was asked for");
+  }
+  std::error_code ignored;
+  if (options.layout == Layout::automatic && std::filesystem::is_directory(path, ignored)) {
+    return open_six_files(path, options, "the directory holds the six faces of one cube");
+  }
+  std::unique_ptr<RowSource> picture = open_picture(path, options);
+  if (picture->info().layout != Layout::six_files) {
+    return picture;
+  }
+  return open_six_files(path, options, picture->info().layout_reason);
 }
 
 }  // namespace welkin::codec

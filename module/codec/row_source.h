@@ -34,11 +34,27 @@ class RowSource {
   [[nodiscard]] const EnvironmentInfo& info() const noexcept { return info_; }
 
   /// Rows that decode together: a compressed block of scanlines, a row of tiles. At least 1, at most the
-  /// height. Reading multiples of it from multiples of it decodes everything once.
+  /// section's rows. Reading multiples of it from multiples of it (counted in a section) decodes everything once.
   [[nodiscard]] virtual int natural_rows() const = 0;
+
+  /// Rows of a part that decodes on its own: the height, or less where the picture is made up from several files.
+  /// The height is a multiple of it.
+  [[nodiscard]] virtual int section_rows() const { return info_.height; }
+
+  /// Whether rows can only be decoded one after the other from the top (a PNG). Then a section has one reader, its
+  /// reads start at the section's top and follow one another without a gap, and whoever needs the next rows waits
+  /// for the turn.
+  [[nodiscard]] virtual bool sequential() const { return false; }
+
+  /// Whether the picture is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
+  /// hand out the rows as they are in the file all the same.
+  [[nodiscard]] virtual bool has_openexr_cube_frames() const { return false; }
 
   /// An upper bound, by the header alone, on what one reader holds in memory.
   [[nodiscard]] virtual std::uint64_t reader_bytes() const = 0;
+
+  /// What would make a reader take less, for a message: "..., or save it with smaller blocks".
+  [[nodiscard]] virtual const char* smaller_reader() const { return "save it with smaller blocks"; }
 
   /// The reader must not outlive the source. Throws as `RowReader::read`.
   [[nodiscard]] virtual std::unique_ptr<RowReader> open_reader() const = 0;
@@ -50,7 +66,12 @@ class RowSource {
   EnvironmentInfo info_;
 };
 
-/// Opens a file of any kind that is read, by its first bytes. Throws as `inspect_environment`.
+/// Opens one picture file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
+/// one face of them. Throws as `inspect_environment`.
+[[nodiscard]] std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const ReadOptions& options);
+
+/// Opens an environment: a picture file, or the six files of a cubemap by any of them or their directory.
+/// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options);
 
 /// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.

@@ -35,6 +35,16 @@ const std::optional<Imf::TileDescription> kTilings[] = {
     Imf::TileDescription(32, 16, Imf::RIPMAP_LEVELS),
 };
 
+std::string storage(const std::optional<Imf::TileDescription>& tiles) {
+  if (!tiles) {
+    return "scanline";
+  }
+  const std::string kind = tiles->mode == Imf::MIPMAP_LEVELS   ? "mip-mapped tiles "
+                           : tiles->mode == Imf::RIPMAP_LEVELS ? "rip-mapped tiles "
+                                                               : "tiled ";
+  return kind + std::to_string(tiles->xSize) + " x " + std::to_string(tiles->ySize);
+}
+
 void check_values(const Environment& read, const std::filesystem::path& path, const test::ExrRecipe& recipe,
                   const std::vector<float>& written, bool lossless) {
   const std::vector<float> by_library = test::read_exr_with_library(path);
@@ -67,8 +77,7 @@ TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled
         test::write_exr(path, recipe, pixels);
         const Environment read = read_environment(path);
         CHECK(read.info.compression == compression.name);
-        CHECK(read.info.storage ==
-              (tiles ? "tiled " + std::to_string(tiles->xSize) + " x " + std::to_string(tiles->ySize) : "scanline"));
+        CHECK(read.info.storage == storage(tiles));
         REQUIRE(read.info.width == width);
         REQUIRE(read.info.height == height);
         check_values(read, path, recipe, pixels,

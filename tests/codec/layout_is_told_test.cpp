@@ -31,25 +31,76 @@ TEST_CASE("layouts have names", "[codec]") {
   CHECK(std::string(name(Layout::automatic)) == "automatic");
   CHECK(std::string(name(Layout::lat_long)) == "lat-long");
   CHECK(std::string(name(Layout::vertical_strip)) == "vertical-strip");
+  CHECK(std::string(name(Layout::horizontal_strip)) == "horizontal-strip");
+  CHECK(std::string(name(Layout::horizontal_cross)) == "horizontal-cross");
+  CHECK(std::string(name(Layout::vertical_cross)) == "vertical-cross");
+  CHECK(std::string(name(Layout::six_files)) == "six-files");
 }
 
 TEST_CASE("the shape tells the layout", "[codec]") {
   const test::TemporaryDirectory directory;
-  const EnvironmentInfo wide = inspect_environment(write_picture(directory, 64, 32));
-  CHECK(wide.layout == Layout::lat_long);
-  CHECK(wide.layout_reason == "64 x 32 is 2:1");
-  const EnvironmentInfo tall = inspect_environment(write_picture(directory, 8, 48));
-  CHECK(tall.layout == Layout::vertical_strip);
-  CHECK(tall.layout_reason == "8 x 48 is 1:6");
+  const auto check = [&](int width, int height, Layout layout, const std::string& reason) {
+    const EnvironmentInfo info = inspect_environment(write_picture(directory, width, height));
+    CHECK(info.layout == layout);
+    CHECK(info.layout_reason == reason);
+  };
+  check(64, 32, Layout::lat_long, "64 x 32 is 2:1");
+  check(8, 48, Layout::vertical_strip, "8 x 48 is 1:6");
+  check(48, 8, Layout::horizontal_strip, "48 x 8 is 6:1");
+  check(32, 24, Layout::horizontal_cross, "32 x 24 is 4:3");
+  check(24, 32, Layout::vertical_cross, "24 x 32 is 3:4");
+  check(4, 3, Layout::horizontal_cross, "4 x 3 is 4:3");
 }
 
 TEST_CASE("a shape that tells nothing is refused, and --layout is offered", "[codec]") {
   const test::TemporaryDirectory directory;
-  const std::filesystem::path path = write_picture(directory, 64, 31);
-  const test::ThrownError error = test::thrown_by([&] { (void)inspect_environment(path); });
-  CHECK(error.code == ErrorCode::unsupported_file);
-  CHECK(error.message ==
-        path.string() + ": 64 x 31 is neither a 2:1 lat-long nor a 1:6 vertical strip; pass --layout to say otherwise");
+  for (const auto& [width, height] : {std::pair{64, 31}, {33, 24}, {32, 25}, {49, 8}, {8, 47}, {13, 9}, {5, 1}}) {
+    const std::filesystem::path path = write_picture(directory, width, height);
+    const test::ThrownError error = test::thrown_by([&] { (void)inspect_environment(path); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    CHECK(error.message ==
+          path.string() + ": " + std::to_string(width) + " x " + std::to_string(height) +
+              " is neither a 2:1 lat-long nor a 1:6 vertical strip, a 6:1 horizontal strip, a 4:3 or a 3:4 cross; pass "
+              "--layout to say what it is: lat-long (any ratio), vertical-strip (1:6), horizontal-strip (6:1), "
+              "horizontal-cross (4:3), "
+              "vertical-cross (3:4) or six-files (1:1 each)");
+  }
+}
+
+TEST_CASE("a square that is none of six files is refused, saying why it is not", "[codec]") {
+  const test::TemporaryDirectory directory;
+  const std::filesystem::path path = write_picture(directory, 8, 8);
+  const test::ThrownError plain = test::thrown_by([&] { (void)inspect_environment(path); });
+  CHECK(plain.code == ErrorCode::unsupported_file);
+  CHECK(plain.says(path.string() + ": 8 x 8 is square, so it would be a face among six files, but " + path.string() +
+                   ": its name does not end as one of six faces does (px nx"));
+  CHECK(plain.says(". If it is something else, pass --layout to say what: lat-long (any ratio), "));
+  const std::filesystem::path face = directory.file("sky_px.exr");
+  std::filesystem::rename(path, face);
+  const test::ThrownError alone = test::thrown_by([&] { (void)inspect_environment(face); });
+  CHECK(alone.code == ErrorCode::unsupported_file);
+  CHECK(alone.says("is one of six faces of which others are missing beside it: -X (sky_nx.exr), +Y (sky_py.exr)"));
+  CHECK(inspect_environment(face, as(Layout::lat_long)).layout == Layout::lat_long);
+  const test::ThrownError asked = test::thrown_by([&] { (void)inspect_environment(face, as(Layout::six_files)); });
+  CHECK(asked.code == ErrorCode::file_access);
+  CHECK(asked.says("-X (sky_nx.exr)"));
+}
+
+TEST_CASE("strips and crosses that are asked for must have their shape", "[codec]") {
+  const test::TemporaryDirectory directory;
+  const std::filesystem::path path = write_picture(directory, 100, 31);
+  const std::vector<std::pair<Layout, std::string>> cases{
+      {Layout::vertical_strip, "1:6 vertical strip"},
+      {Layout::horizontal_strip, "6:1 horizontal strip"},
+      {Layout::horizontal_cross, "4:3 horizontal cross"},
+      {Layout::vertical_cross, "3:4 vertical cross"},
+  };
+  for (const auto& [layout, words] : cases) {
+    const test::ThrownError error = test::thrown_by([&] { (void)inspect_environment(path, as(layout)); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    CHECK(error.message == path.string() + ": 100 x 31 is not a " + words + " of six square faces (" + name(layout) +
+                               " was asked for); pass --layout lat-long if it is one, or export the faces anew");
+  }
 }
 
 TEST_CASE("the header tells before the shape", "[codec]") {
@@ -87,7 +138,10 @@ TEST_CASE("an environment gives the view of its own layout and no other", "[code
   CHECK(sky.lat_long().pixels == sky.pixels.get());
   CHECK(sky.lat_long().width == 64);
   CHECK(sky.lat_long().height == 32);
-  CHECK(test::thrown_by([&] { (void)sky.cubemap(); }).code == ErrorCode::invalid_argument);
+  const test::ThrownError no_cube = test::thrown_by([&] { (void)sky.cubemap(); });
+  CHECK(no_cube.code == ErrorCode::invalid_argument);
+  CHECK(no_cube.says("is held as a lat-long (64 x 32 is 2:1), and a view of a cubemap was asked for"));
+  CHECK(sky.face_size() == 0);
   const Environment strip = read_environment(write_picture(directory, 8, 48));
   CHECK(strip.cubemap().size == 8);
   CHECK(strip.cubemap().faces[5] == strip.pixels.get() + 5 * 8 * 8 * 3);

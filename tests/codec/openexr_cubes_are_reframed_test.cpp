@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/row_source.h"
 #include "support/catch.h"
+#include "support/coefficients.h"
 #include "support/exr_files.h"
 #include "support/temporary_directory.h"
+#include "welkin/environment_file.h"
 
 namespace welkin {
 namespace {
@@ -74,22 +75,45 @@ TEST_CASE("a strip with the envmap attribute of a cube is turned to Welkin's fra
   }
 }
 
-TEST_CASE("rows of a reframed cube can be read in any pieces", "[codec]") {
+TEST_CASE("a cube of OpenEXR's has the same light and statistics as its faces in a plain strip", "[codec]") {
   const test::TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("cube.exr");
-  test::ExrRecipe recipe{4, 24, 0, 0, Imf::PIZ_COMPRESSION, Imf::INCREASING_Y, std::nullopt, Imf::ENVMAP_CUBE, {}};
+  const int size = 120;
+  test::ExrRecipe recipe{size,         6 * size,         0, 0, Imf::PIZ_COMPRESSION, Imf::INCREASING_Y,
+                         std::nullopt, Imf::ENVMAP_CUBE, {}};
   recipe.channels = test::rgb_channels(Imf::FLOAT);
-  test::write_exr(path, recipe, test::some_pixels(4, 24));
-  const Environment whole = read_environment(path);
-  const auto source = codec::open_row_source(path, {});
-  const auto reader = source->open_reader();
-  for (int first = 0; first < 24; ++first) {
-    for (int count = 1; first + count <= 24; ++count) {
-      std::vector<float> rows(static_cast<std::size_t>(count) * 12);
-      reader->read(first, count, rows.data());
-      REQUIRE(std::equal(rows.begin(), rows.end(), whole.pixels.get() + first * 12));
-    }
+  test::write_exr(path, recipe, test::some_pixels(size, 6 * size));
+  const Environment cube = read_environment(path);
+  const std::filesystem::path plain = directory.file("plain.exr");
+  const auto count = static_cast<std::ptrdiff_t>(18 * size * size);
+  recipe.envmap = std::nullopt;
+  test::write_exr(plain, recipe, std::vector<float>(cube.pixels.get(), cube.pixels.get() + count));
+
+  CHECK(test::same_bits(project_file(path).radiance, project_file(plain).radiance));
+  const EnvironmentStatistics found = measure_environment(path);
+  const EnvironmentStatistics wanted = measure_environment(plain);
+  CHECK(found.brightest == wanted.brightest);
+  CHECK(found.brightest_direction == wanted.brightest_direction);
+  CHECK(found.mean.g == Approx(wanted.mean.g).epsilon(1e-13));
+  for (const int threads : {1, 2, 5}) {
+    run_with_threads(threads, [&] {
+      const Environment again = read_environment(path);
+      CHECK(std::equal(again.pixels.get(), again.pixels.get() + count, cube.pixels.get()));
+    });
   }
+}
+
+TEST_CASE("another layout that is asked for is taken as it is, whatever the attribute says", "[codec]") {
+  const test::TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cube.exr");
+  const std::vector<float> pixels = test::some_pixels(5, 30);
+  test::ExrRecipe recipe{5, 30, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, Imf::ENVMAP_CUBE, {}};
+  recipe.channels = test::rgb_channels(Imf::FLOAT);
+  test::write_exr(path, recipe, pixels);
+  ReadOptions options;
+  options.layout = Layout::lat_long;
+  const Environment picture = read_environment(path, options);
+  CHECK(std::equal(pixels.begin(), pixels.end(), picture.pixels.get()));
 }
 
 TEST_CASE("a strip without the attribute is taken as it is", "[codec]") {

@@ -48,6 +48,21 @@ TEST_CASE("a grey PFM gives three equal channels", "[codec]") {
   }
 }
 
+TEST_CASE("a PFM's header may end with two bytes, as lines do on Windows", "[codec]") {
+  const test::TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.pfm");
+  std::vector<float> pixels = test::some_pixels(4, 2);
+  std::vector<char> bytes = test::pfm_bytes(4, 2, false, "-1\r", pixels);
+  test::write_bytes(path, bytes);
+  const Environment read = read_environment(path);
+  CHECK(std::equal(pixels.begin(), pixels.end(), read.pixels.get()));
+
+  // Where the file has no room for it, that byte is the first pixel's.
+  bytes.pop_back();
+  test::write_bytes(path, bytes);
+  CHECK(read_environment(path).pixels[12] != pixels[12]);
+}
+
 TEST_CASE("a PFM's rows can be read in any pieces", "[codec]") {
   const test::TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("strip.pfm");

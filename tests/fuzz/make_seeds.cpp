@@ -1,9 +1,14 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|pfm DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png DIRECTORY
+#include <ImfHeader.h>
+#include <ImfStandardAttributes.h>
+
 #include <cstdio>
 #include <string>
 
 #include "support/exr_files.h"
+#include "support/hdr_files.h"
 #include "support/pfm_files.h"
+#include "support/png_files.h"
 #include "support/temporary_directory.h"
 
 namespace {
@@ -36,6 +41,44 @@ void make_exr_seeds(const std::filesystem::path& directory) {
   }
 }
 
+// What is neither R, G, B nor the data window of a single part.
+void make_odd_exr_seeds(const std::filesystem::path& directory) {
+  test::ExrRecipe plain{16, 8, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
+  plain.channels = test::rgb_channels(Imf::HALF);
+  const std::vector<float> pixels = test::some_pixels(16, 8);
+  const auto write = [&](const char* name, const test::ExrRecipe& recipe) {
+    test::write_exr(directory / (std::string(name) + ".exr"), recipe, pixels);
+  };
+  test::ExrRecipe recipe = plain;
+  recipe.channels = test::rgb_channels(Imf::UINT);
+  write("uint", recipe);
+  recipe.channels = {{"env.R"}, {"env.G"}, {"env.B"}, {"a.b.Y"}, {"N.X"}, {"N.Y"}, {"N.Z"}};
+  write("layers", recipe);
+  recipe = plain;
+  recipe.adjust = [](Imf::Header& header) {
+    Imf::addChromaticities(header, {{0.7F, 0.3F}, {0.2F, 0.8F}, {0.1F, 0.05F}, {0.33F, 0.33F}});
+    Imf::addAdoptedNeutral(header, {0.34F, 0.35F});
+    Imf::addWhiteLuminance(header, 100.0F);
+  };
+  write("chromaticities", recipe);
+  test::write_luminance_chroma_exr(directory / "luminance_chroma.exr", recipe, pixels);
+  recipe.first_row = -4;
+  recipe.compression = Imf::PIZ_COMPRESSION;
+  test::write_luminance_chroma_exr(directory / "luminance_chroma_piz.exr", recipe, pixels);
+  recipe = plain;
+  recipe.adjust = [](Imf::Header& header) { header.displayWindow() = {{-3, 2}, {16, 11}}; };
+  write("windows", recipe);
+  test::ExrPartRecipe mask{"mask", plain, pixels};
+  mask.recipe.channels = {{"Y"}};
+  test::ExrPartRecipe tiles{"tiles", plain, pixels};
+  tiles.recipe.tiles = Imf::TileDescription(5, 4, Imf::MIPMAP_LEVELS);
+  test::ExrPartRecipe deep{"deep", plain, pixels, true};
+  deep.recipe.compression = Imf::ZIPS_COMPRESSION;
+  test::write_exr_parts(directory / "parts.exr", {mask, {"sky", plain, pixels}, tiles});
+  test::write_exr_parts(directory / "parts_tiled.exr", {mask, tiles});
+  test::write_exr_parts(directory / "parts_deep.exr", {deep, mask});
+}
+
 void make_pfm_seeds(const std::filesystem::path& directory) {
   int count = 0;
   for (const bool grey : {false, true}) {
@@ -50,16 +93,67 @@ void make_pfm_seeds(const std::filesystem::path& directory) {
   }
 }
 
+void make_hdr_seeds(const std::filesystem::path& directory) {
+  const std::vector<std::string> headers[] = {
+      {"FORMAT=32-bit_rle_rgbe"},
+      {"FORMAT=32-bit_rle_xyze", "EXPOSURE=2", "COLORCORR=1 2 3"},
+      {"# comment", "PRIMARIES=0.7 0.3 0.2 0.8 0.1 0.05 0.31 0.33", "GAMMA=2.2", "VIEW=-vtv"}};
+  int count = 0;
+  for (const test::HdrForm form :
+       {test::HdrForm::flat, test::HdrForm::old_rle, test::HdrForm::new_rle, test::HdrForm::mixed}) {
+    for (int orientation = 0; orientation < 8; ++orientation) {
+      for (const auto& [width, height] : {std::pair{16, 8}, {6, 3}, {3, 18}}) {
+        test::HdrRecipe recipe{width, height, form, orientation >= 4, orientation % 4 >= 2, orientation % 2 == 1};
+        recipe.lines = headers[count % 3];
+        test::write_bytes(directory / ("seed" + std::to_string(count++) + ".hdr"),
+                          test::hdr_bytes(recipe, test::some_rgbe(width, height)));
+      }
+    }
+  }
+}
+
+void make_png_seeds(const std::filesystem::path& directory) {
+  int count = 0;
+  for (const int colour_type : {SPNG_COLOR_TYPE_GRAYSCALE, SPNG_COLOR_TYPE_TRUECOLOR, SPNG_COLOR_TYPE_INDEXED,
+                                SPNG_COLOR_TYPE_GRAYSCALE_ALPHA, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA}) {
+    for (const int bits : {2, 8, 16}) {
+      const bool can_be_packed = colour_type == SPNG_COLOR_TYPE_GRAYSCALE || colour_type == SPNG_COLOR_TYPE_INDEXED;
+      if ((bits == 2 && !can_be_packed) || (bits == 16 && colour_type == SPNG_COLOR_TYPE_INDEXED)) {
+        continue;
+      }
+      for (const bool interlaced : {false, true}) {
+        test::PngRecipe recipe{12, 6, bits, colour_type, interlaced};
+        if (colour_type == SPNG_COLOR_TYPE_INDEXED) {
+          recipe.palette = {{1, 2, 3, 0}, {4, 5, 6, 0}, {7, 8, 9, 0}};
+        }
+        recipe.srgb = count % 3 == 1;
+        recipe.gamma = count % 3 == 2 ? std::optional<std::uint32_t>(100000) : std::nullopt;
+        if (count % 4 == 3) {
+          recipe.primaries = spng_chrm_int{31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600};
+        }
+        const std::vector<char> file = test::png_bytes(recipe, test::some_samples(recipe));
+        test::write_bytes(directory / ("seed" + std::to_string(count++) + ".png"),
+                          test::with_png_chunk(file, "iCCP", "profile"));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
   const std::string format = argument_count == 3 ? arguments[1] : "";
   if (format == "exr") {
     make_exr_seeds(arguments[2]);
+    make_odd_exr_seeds(arguments[2]);
+  } else if (format == "hdr") {
+    make_hdr_seeds(arguments[2]);
   } else if (format == "pfm") {
     make_pfm_seeds(arguments[2]);
+  } else if (format == "png") {
+    make_png_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|pfm DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

@@ -26,8 +26,8 @@ std::vector<fs::path> lat_longs() {
     return paths;
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() != ".exr") continue;
-    if (inspect_environment(entry.path()).layout == Layout::lat_long) paths.push_back(entry.path());
+    const EnvironmentInfo info = inspect_environment(entry.path());
+    if (info.layout == Layout::lat_long && info.width <= 1024) paths.push_back(entry.path());
   }
   std::sort(paths.begin(), paths.end());
   return paths;

@@ -4,9 +4,14 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
+#include <ImfTiledOutputPart.h>
 #include <half.h>
 
 #include <cmath>
@@ -30,6 +35,9 @@ Imf::Header make_header(const ExrRecipe& recipe) {
   }
   if (recipe.envmap) {
     Imf::addEnvmap(header, *recipe.envmap);
+  }
+  if (recipe.adjust) {
+    recipe.adjust(header);
   }
   return header;
 }
@@ -82,8 +90,9 @@ class Planes {
   std::vector<std::vector<char>> planes_;
 };
 
-void write_tiles(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb) {
-  Imf::TiledOutputFile file(path.c_str(), make_header(recipe), 0);
+// To a TiledOutputFile or TiledOutputPart.
+template <typename TiledOutput>
+void write_tiles(TiledOutput& file, const ExrRecipe& recipe, const std::vector<float>& rgb) {
   const std::vector<float> marker(rgb.size(), -99.0F);
   Planes full(recipe, rgb);
   Planes smaller(recipe, marker);
@@ -105,13 +114,66 @@ std::vector<ExrChannel> rgb_channels(Imf::PixelType type) {
 
 void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb) {
   if (recipe.tiles) {
-    write_tiles(path, recipe, rgb);
+    Imf::TiledOutputFile file(path.c_str(), make_header(recipe), 0);
+    write_tiles(file, recipe, rgb);
     return;
   }
   Imf::OutputFile file(path.c_str(), make_header(recipe), 0);
   Planes planes(recipe, rgb);
   file.setFrameBuffer(planes.frame_buffer());
   file.writePixels(recipe.height);
+}
+
+void write_exr_parts(const std::filesystem::path& path, const std::vector<ExrPartRecipe>& parts) {
+  std::vector<Imf::Header> headers;
+  for (const ExrPartRecipe& part : parts) {
+    headers.push_back(make_header(part.recipe));
+    headers.back().setName(part.name);
+    headers.back().setType(part.deep ? Imf::DEEPSCANLINE : part.recipe.tiles ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
+  }
+  Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ExrPartRecipe& part = parts[i];
+    if (part.deep) {
+      continue;
+    }
+    if (part.recipe.tiles) {
+      Imf::TiledOutputPart output(file, static_cast<int>(i));
+      write_tiles(output, part.recipe, part.rgb);
+    } else {
+      Imf::OutputPart output(file, static_cast<int>(i));
+      Planes planes(part.recipe, part.rgb);
+      output.setFrameBuffer(planes.frame_buffer());
+      output.writePixels(part.recipe.height);
+    }
+  }
+}
+
+void write_luminance_chroma_exr(const std::filesystem::path& path, const ExrRecipe& recipe,
+                                const std::vector<float>& rgb) {
+  std::vector<Imf::Rgba> pixels;
+  for (std::size_t i = 0; i < rgb.size(); i += 3) {
+    pixels.emplace_back(rgb[i], rgb[i + 1], rgb[i + 2]);
+  }
+  Imf::RgbaOutputFile file(path.c_str(), make_header(recipe), Imf::WRITE_YC, 0);
+  const std::ptrdiff_t origin = std::ptrdiff_t{recipe.first_row} * recipe.width + recipe.first_column;
+  file.setFrameBuffer(pixels.data() - origin, 1, static_cast<std::size_t>(recipe.width));
+  file.writePixels(recipe.height);
+}
+
+std::vector<float> read_rgba_with_library(const std::filesystem::path& path) {
+  Imf::RgbaInputFile file(path.c_str(), 0);
+  const Imath::Box2i window = file.dataWindow();
+  const std::ptrdiff_t columns = window.max.x - window.min.x + 1;
+  const std::ptrdiff_t rows = window.max.y - window.min.y + 1;
+  std::vector<Imf::Rgba> pixels(static_cast<std::size_t>(columns * rows));
+  file.setFrameBuffer(pixels.data() - (window.min.y * columns + window.min.x), 1, static_cast<std::size_t>(columns));
+  file.readPixels(window.min.y, window.max.y);
+  std::vector<float> rgb;
+  for (const Imf::Rgba& texel : pixels) {
+    rgb.insert(rgb.end(), {texel.r, texel.g, texel.b});
+  }
+  return rgb;
 }
 
 std::vector<float> read_exr_with_library(const std::filesystem::path& path) {

@@ -3,11 +3,13 @@
 
 #include <ImfCompression.h>
 #include <ImfEnvmap.h>
+#include <ImfForward.h>
 #include <ImfLineOrder.h>
 #include <ImfPixelType.h>
 #include <ImfTileDescription.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +33,15 @@ struct ExrRecipe {
   std::optional<Imf::TileDescription> tiles;
   std::optional<Imf::Envmap> envmap;
   std::vector<ExrChannel> channels;
+  std::function<void(Imf::Header&)> adjust{};  ///< does what is left to do to the header
+};
+
+/// One part of a multi-part file. Of a deep one only the header is written.
+struct ExrPartRecipe {
+  std::string name;
+  ExrRecipe recipe;
+  std::vector<float> rgb;
+  bool deep = false;
 };
 
 /// R, G and B of one type.
@@ -38,6 +49,15 @@ std::vector<ExrChannel> rgb_channels(Imf::PixelType type);
 
 /// Writes `rgb` (width x height x 3, row 0 on top). Smaller levels of mip and rip maps are filled with -99.
 void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb);
+
+void write_exr_parts(const std::filesystem::path& path, const std::vector<ExrPartRecipe>& parts);
+
+/// Luminance and chroma by OpenEXR's own RgbaOutputFile: size, window, compression and `adjust` are the recipe's.
+void write_luminance_chroma_exr(const std::filesystem::path& path, const ExrRecipe& recipe,
+                                const std::vector<float>& rgb);
+
+/// The data window as OpenEXR's RgbaInputFile gives it, halves as floats.
+std::vector<float> read_rgba_with_library(const std::filesystem::path& path);
 
 /// R, G, B as the library's plainest way of reading gives them.
 std::vector<float> read_exr_with_library(const std::filesystem::path& path);

@@ -7,7 +7,7 @@
 using namespace welkin::test;
 
 TEST_CASE("command: --help teaches", "[tools]") {
-  for (const char* arguments : {"--help", "sh --help", "info --help", "-h"}) {
+  for (const char* arguments : {"--help", "sh --help", "info --help", "convert --help", "testmap --help", "-h"}) {
     const CommandResult result = run_welkin(arguments);
     INFO("welkin " << arguments);
     CHECK(result.exit_code == 0);

@@ -11,12 +11,12 @@ using namespace welkin::test;
 
 namespace {
 
-std::vector<std::filesystem::path> shared_exr_files() {
+std::vector<std::filesystem::path> shared_files() {
   std::vector<std::filesystem::path> files;
   const auto folder = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env";
   if (!std::filesystem::exists(folder)) return files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".exr") files.push_back(entry.path());
+    files.push_back(entry.path());
   }
   return files;
 }
@@ -24,7 +24,7 @@ std::vector<std::filesystem::path> shared_exr_files() {
 }  // namespace
 
 TEST_CASE("command: sh and info agree on the light of real environments", "[tools]") {
-  const auto files = shared_exr_files();
+  const auto files = shared_files();
   if (files.empty()) WARN("no shared environments here");
   for (const auto& file : files) {
     INFO(file.string());

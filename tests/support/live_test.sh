@@ -1,10 +1,12 @@
 #!/bin/sh
-# Asks the real Babylon.js again and compares with what is recorded in tests/data/babylon.json.
-#   live_test.sh WORK_DIR      installs the pinned package into WORK_DIR (once), about 10 seconds
-# Exit code 77, for ctest to call it skipped, where Node.js or the package cannot be had.
+# Asks the real npm packages again and compares with what is recorded of them.
+#   live_test.sh RECORDER_DIR DATA_FILE WORK_DIR
+# RECORDER_DIR holds record.mjs and the package.json with the pinned packages, which are installed into WORK_DIR (once,
+# about 10 seconds). Exit code 77, for ctest to call it skipped, where Node.js or the packages cannot be had.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-work=$1
+here=$1
+data=$2
+work=$3
 
 skip() {
   echo "SKIPPED: $1"
@@ -34,8 +36,8 @@ if ! cmp -s "$here/package-lock.json" "$work/package-lock.json" || ! [ -e "$work
   if [ "$installed" = no ]; then
     cat "$work/npm.log"
     rm -f "$work/package-lock.json"
-    skip "npm could not install @babylonjs/core (its words are above)"
+    skip "npm could not install the packages (its words are above)"
   fi
 fi
 
-node "$here/record.mjs" --modules "$work" --check "$here/../data/babylon.json"
+node "$here/record.mjs" --modules "$work" --check "$data"

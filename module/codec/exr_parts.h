@@ -1,0 +1,41 @@
+// The parts of an OpenEXR file: all headers, checked before the library makes room for what they claim.
+#pragma once
+
+#include <ImfHeader.h>
+
+#include <string>
+#include <vector>
+
+#include "codec/byte_file.h"
+
+namespace welkin::codec {
+
+struct ExrPart {
+  Imf::Header header;
+  bool tiled = false;
+  bool deep = false;   ///< holds samples at depths, or is of a type that is not known: no picture
+  std::string name{};  ///< fit to be printed; empty in a single-part file that has none
+};
+
+struct ExrParts {
+  std::vector<ExrPart> parts;  ///< at least one
+  bool multi_part = false;
+  std::uint64_t header_bytes = 0;  ///< of all headers in the file
+};
+
+/// Reads magic number, version and all headers. `file` stands at its beginning. Windows are not checked yet.
+/// Throws `Error`: unsupported_file for a version that is not known, corrupt_file.
+[[nodiscard]] ExrParts read_exr_parts(ByteFile& file);
+
+/// Checks what the library will allocate for every part when it opens the file: its tables of offsets, eight bytes a
+/// chunk, which the file must be long enough to hold. Returns their bytes. `file` stands behind the headers.
+/// Throws `Error`: corrupt_file.
+std::uint64_t check_exr_tables(const ExrParts& parts, const ByteFile& file);
+
+/// The part by name or number that is asked for; if `asked_for` is empty, the first that holds colour (in `layer` if
+/// that is not empty), else the first that holds luminance. Deep parts are skipped.
+/// Throws `Error`: unsupported_file naming the parts.
+[[nodiscard]] std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& path,
+                                          const std::string& asked_for, const std::string& layer);
+
+}  // namespace welkin::codec

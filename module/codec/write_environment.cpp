@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "codec/byte_file.h"
+#include "codec/output_picture.h"
+#include "codec/row_source.h"
+#include "image/check_views.h"
+#include "jobs/tiles.h"
+#include "welkin/environment_writer.h"
+
+namespace welkin {
+namespace {
+
+using codec::file_error;
+using codec::OutputFile;
+using codec::OutputPicture;
+
+struct Format {
+  const char* extension;
+  std::uint64_t (*write)(const OutputPicture&, const codec::WriteJob&);
+  std::vector<SampleType> types;  ///< the first is the automatic one
+  const char* types_in_words;
+};
+
+const std::array<Format, 4>& formats() {
+  static const std::array<Format, 4> all{{
+      {".exr", codec::write_exr, {SampleType::half, SampleType::float32}, "OpenEXR is written as half or float"},
+      {".hdr", codec::write_hdr, {SampleType::automatic}, "Radiance .hdr holds RGBE alone; leave the type out"},
+      {".pfm", codec::write_pfm, {SampleType::float32}, "PFM holds floats alone"},
+      {".png", codec::write_png, {SampleType::uint8, SampleType::uint16}, "PNG is written with 8 or 16 bits"},
+  }};
+  return all;
+}
+
+const Format& format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : formats()) {
+    if (extension == format.extension) return format;
+  }
+  throw file_error(ErrorCode::unsupported_file, path,
+                   (extension.empty() ? std::string("has no extension that names a format")
+                                      : "\"" + codec::printable(extension) + "\" is not written") +
+                       "; use .exr, .hdr, .pfm or .png");
+}
+
+SampleType type_for(const Format& format, SampleType asked_for, const std::filesystem::path& path) {
+  if (asked_for == SampleType::automatic) return format.types.front();
+  const bool known = std::find(format.types.begin(), format.types.end(), asked_for) != format.types.end();
+  if (!known) {
+    throw file_error(ErrorCode::invalid_argument, path, std::string("cannot hold that type: ") + format.types_in_words);
+  }
+  return asked_for;
+}
+
+/// Files that appear together, once all of them are whole.
+class Output {
+ public:
+  Output(const Format& format, SampleType type, const Control& control)
+      : format_(format), type_(type), control_(control) {}
+
+  enum class Header { plain, openexr_lat_long, openexr_cube };
+
+  /// `from` to `to`: the part of the progress.
+  void add(const std::filesystem::path& path, const OutputPicture& picture, Header header, double from, double to) {
+    files_.push_back(std::make_unique<OutputFile>(path));
+    const Control part = jobs::part_of(control_, from, to);
+    const codec::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
+                              part};
+    report_.values_clamped += format_.write(picture, job);
+    files_.back()->finish();
+  }
+
+  WriteReport commit() {
+    for (const auto& file : files_) {
+      file->commit();
+      report_.files.push_back(file->path());
+    }
+    if (control_.progress) control_.progress(1.0);
+    return std::move(report_);
+  }
+
+ private:
+  const Format& format_;
+  SampleType type_;
+  const Control& control_;
+  std::vector<std::unique_ptr<OutputFile>> files_;
+  WriteReport report_;
+};
+
+std::filesystem::path face_path(const std::filesystem::path& path, int face) {
+  static constexpr std::array kEnds{"_px", "_nx", "_py", "_ny", "_pz", "_nz"};
+  std::filesystem::path name = path.stem();
+  name += kEnds[static_cast<std::size_t>(face)];
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
+}  // namespace
+
+void check_write_options(const std::filesystem::path& path, const WriteOptions& options, bool is_cubemap) {
+  (void)type_for(format_of(path), options.type, path);
+  if (!is_cubemap && options.layout != Layout::automatic && options.layout != Layout::lat_long) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     std::string("a lat-long cannot be written as a ") + name(options.layout) +
+                         "; make a cubemap of it first (to_cubemap)");
+  }
+  if (is_cubemap && options.layout == Layout::lat_long) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     "a cubemap cannot be written as a lat-long; make one of it first (to_lat_long)");
+  }
+  std::error_code failure;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, failure)) {
+    throw file_error(ErrorCode::file_access, path, "cannot be written: its folder is not there; make it first");
+  }
+}
+
+WriteReport write_environment(const std::filesystem::path& path, const LatLongView& picture,
+                              const WriteOptions& options, const Control& control) {
+  image::check_view(picture);
+  check_write_options(path, options, false);
+  const Format& format = format_of(path);
+  Output output(format, type_for(format, options.type, path), control);
+  output.add(path, OutputPicture(picture), Output::Header::openexr_lat_long, 0.0, 1.0);
+  return output.commit();
+}
+
+WriteReport write_environment(const std::filesystem::path& path, const CubemapView& picture,
+                              const WriteOptions& options, const Control& control) {
+  image::check_view(picture);
+  check_write_options(path, options, true);
+  const Format& format = format_of(path);
+  const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
+  if (layout == Layout::horizontal_strip && 6 * picture.size > codec::kMaximumWidth) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     "would be " + std::to_string(6 * picture.size) + " texels wide, above the " +
+                         std::to_string(codec::kMaximumWidth) +
+                         " that are read; write a vertical strip, a cross or six files");
+  }
+  Output output(format, type_for(format, options.type, path), control);
+  if (layout == Layout::six_files) {
+    for (int face = 0; face < 6; ++face) {
+      output.add(face_path(path, face), OutputPicture(picture, face), Output::Header::plain, face / 6.0,
+                 (face + 1) / 6.0);
+    }
+  } else if (layout == Layout::vertical_strip && format.write == codec::write_exr) {
+    output.add(path, OutputPicture(picture, codec::openexr_cube_placement()), Output::Header::openexr_cube, 0.0, 1.0);
+  } else {
+    output.add(path, OutputPicture(picture, codec::cube_placement(layout)), Output::Header::plain, 0.0, 1.0);
+  }
+  return output.commit();
+}
+
+}  // namespace welkin

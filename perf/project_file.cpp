@@ -1,0 +1,94 @@
+#include "project_file.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "subjects.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr int kWidth = 2048;
+constexpr int kHeight = 1024;
+
+struct Variant {
+  const char* name;
+  const char* extension;
+  WriteOptions options;
+};
+
+constexpr std::array<Variant, 5> kVariants{{{"hdr", ".hdr", {}},
+                                            {"exr-half-zip", ".exr", {Layout::automatic, SampleType::half}},
+                                            {"exr-float-zip", ".exr", {Layout::automatic, SampleType::float32}},
+                                            {"pfm", ".pfm", {}},
+                                            {"png8", ".png", {}}}};
+
+// The files of one run, gone when it ends.
+class Files {
+ public:
+  Files() : folder_(std::filesystem::temp_directory_path() / ("welkin-perf-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Files() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+
+  std::filesystem::path of(const Variant& variant) {
+    std::filesystem::path path = folder_ / (std::string(variant.name) + variant.extension);
+    if (!std::filesystem::exists(path)) {
+      (void)write_environment(path, noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight), variant.options);
+    }
+    return path;
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+std::filesystem::path file_of(const Variant& variant) {
+  static Files files;
+  return files.of(variant);
+}
+
+void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {
+  std::ifstream file(path, std::ios::binary);
+  long sum = 0;
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0) {
+    sum = std::accumulate(block.data(), block.data() + file.gcount(), sum);
+  }
+  benchmark::DoNotOptimize(sum);
+}
+
+}  // namespace
+
+void add_project_file(const std::vector<int>& thread_counts) {
+  constexpr double texels = 1.0 * kWidth * kHeight;
+  const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
+  for (const Variant& variant : kVariants) {
+    for (const int threads : thread_counts) {
+      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels,
+                    [&variant]() -> std::function<void()> {
+                      const std::filesystem::path path = file_of(variant);
+                      return [path] { benchmark::DoNotOptimize(project_file(path)); };
+                    });
+    }
+    add_benchmark("ReadFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, block = std::vector<char>(std::size_t{1} << 20U)]() mutable { read_bytes(path, block); };
+    });
+  }
+}
+
+}  // namespace welkin::perf

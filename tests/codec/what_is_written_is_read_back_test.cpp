@@ -1,0 +1,210 @@
+// Promise: every format is written so that it reads back as what went in, to what the format can hold.
+#include <ImfEnvmap.h>
+#include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "image/texel_geometry.h"
+#include "support/catch.h"
+#include "support/exr_files.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/environment_writer.h"
+#include "welkin/image.h"
+
+namespace welkin::test {
+namespace {
+
+LatLongImage some_lat_long(int width, int height) { return {width, height, some_pixels(width, height)}; }
+
+double srgb_from_linear(double value) {
+  return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
+}
+
+}  // namespace
+
+TEST_CASE("OpenEXR's own library reads what is written: float bit for bit, half to the nearest", "[writers]") {
+  const TemporaryDirectory directory;
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {64, 33}, {257, 17}}) {
+    const LatLongImage map = some_lat_long(width, height);
+    const auto path = directory.file("sky.exr");
+    REQUIRE(write_environment(path, map.view(), {Layout::automatic, SampleType::float32}).values_clamped == 0);
+    CHECK(read_exr_with_library(path) == map.pixels);
+
+    write_environment(path, map.view());
+    std::vector<float> rounded = map.pixels;
+    for (float& value : rounded) value = as_half(value);
+    CHECK(read_exr_with_library(path) == rounded);
+    const Imf::InputFile file(path.string().c_str());
+    CHECK(Imf::envmap(file.header()) == Imf::ENVMAP_LATLONG);
+    CHECK(file.header().compression() == Imf::ZIP_COMPRESSION);
+  }
+}
+
+TEST_CASE("Halves clamp what is finite, and keep NaN and infinities", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.exr");
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const LatLongImage map{2, 1, {65505.0F, -1e9F, kInfinity, -kInfinity, NAN, 65504.0F}};
+  CHECK(write_environment(path, map.view()).values_clamped == 2);
+  const std::vector<float> read = read_exr_with_library(path);
+  CHECK(std::vector<float>(read.begin(), read.begin() + 4) ==
+        std::vector<float>{65504.0F, -65504.0F, kInfinity, -kInfinity});
+  CHECK(std::isnan(read[4]));
+  CHECK(read[5] == 65504.0F);
+}
+
+TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("cube.exr");
+  const int size = 5;
+  const CubemapImage map{size, some_pixels(size, 6 * size)};
+  write_environment(path, map.view(), {Layout::automatic, SampleType::float32});
+  const Imf::InputFile file(path.string().c_str());
+  REQUIRE(Imf::envmap(file.header()) == Imf::ENVMAP_CUBE);
+  const std::vector<float> stored = read_exr_with_library(path);
+  const Imath::Box2i window = file.header().dataWindow();
+  for (int row = 0; row < 6 * size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
+      // OpenEXR's texels are points with the outermost ones on the edges: the direction to ask for is the point's.
+      const auto onto_points = [&](double place) { return place * size / (size - 1.0); };
+      const image::Frame& frame = image::face_frame(row / size);
+      const double u = onto_points(glm::dot(to, frame.u) / glm::dot(to, frame.normal)) * 0.999;
+      const double v = onto_points(glm::dot(to, frame.v) / glm::dot(to, frame.normal)) * 0.999;
+      const glm::dvec3 point = frame.normal + u * frame.u + v * frame.v;
+      Imf::CubeMapFace face{};
+      Imath::V2f in_face;
+      Imf::CubeMap::faceAndPixelPosition(
+          Imath::V3f(static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)), window,
+          face, in_face);
+      const Imath::V2f pixel = Imf::CubeMap::pixelPosition(face, window, in_face);
+      const int x = static_cast<int>(std::lround(pixel.x));
+      const int y = static_cast<int>(std::lround(pixel.y));
+      const float* wanted = map.pixels.data() + 3 * (row * size + column);
+      REQUIRE(std::equal(wanted, wanted + 3, stored.data() + 3 * (y * size + x)));
+    }
+  }
+}
+
+TEST_CASE("Radiance pictures hold values to half a step of the largest component", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.hdr");
+  for (const auto& [width, height] : {std::pair{1, 2}, {7, 3}, {8, 4}, {257, 5}, {32767, 1}, {32768, 1}}) {
+    LatLongImage map = some_lat_long(width, height);
+    // Runs of every length among noise, and dark texels.
+    for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+      if (i / 3 % 300 < 150) map.pixels[i] = 0.25F * static_cast<float>(i % 3);
+      if (i / 3 % 31 == 0) map.pixels[i] *= 1e-30F;
+    }
+    map.pixels[0] = 255.9F;  // rounds up to the next exponent
+    CAPTURE(width, height);
+    CHECK(write_environment(path, map.view()).values_clamped == 0);
+    const Environment read = read_environment(path, {Layout::lat_long});
+    REQUIRE(read.info.width == width);
+    REQUIRE(read.info.height == height);
+    int wrong = 0;
+    for (std::size_t texel = 0; texel < map.pixels.size() / 3; ++texel) {
+      const float* in = map.pixels.data() + 3 * texel;
+      const float* out = read.pixels.get() + 3 * texel;
+      const float step = 2.0F * std::max({in[0], in[1], in[2]}) / 256.0F;
+      for (int c = 0; c < 3; ++c) {
+        if (std::abs(in[c] - out[c]) > 0.5F * step + 1e-38F) ++wrong;
+      }
+    }
+    CHECK(wrong == 0);
+  }
+  std::vector<char> bytes = read_bytes(path);
+  CHECK(std::string(bytes.data(), 10) == "#?RADIANCE");
+}
+
+TEST_CASE("Radiance pictures are shorter where texels repeat", "[writers]") {
+  const TemporaryDirectory directory;
+  const LatLongImage grey{1024, 512, std::vector<float>(std::size_t{3} * 1024 * 512, 0.5F)};
+  write_environment(directory.file("grey.hdr"), grey.view());
+  CHECK(std::filesystem::file_size(directory.file("grey.hdr")) < 512 * 80);
+}
+
+TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]") {
+  const TemporaryDirectory directory;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const LatLongImage map{2, 1, {-1.0F, NAN, 0.5F, kInfinity, 3e38F, 0.25F}};
+  CHECK(write_environment(directory.file("a.hdr"), map.view()).values_clamped == 4);
+  const Environment hdr = read_environment(directory.file("a.hdr"));
+  CHECK(std::vector<float>(hdr.pixels.get(), hdr.pixels.get() + 6) ==
+        std::vector<float>{0.0F, 0.0F, 0.5F, 0xFFp119F, 0xFFp119F, 0.0F});
+  CHECK(write_environment(directory.file("a.png"), map.view()).values_clamped == 4);
+  const Environment png = read_environment(directory.file("a.png"));
+  CHECK(png.pixels[0] == 0.0F);
+  CHECK(png.pixels[1] == 0.0F);
+  CHECK(png.pixels[2] == Approx(0.5).margin(0.003));
+  CHECK(png.pixels[3] == 1.0F);
+  CHECK(png.pixels[4] == 1.0F);
+}
+
+TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("ramp.png");
+  const int width = 3000;
+  LatLongImage ramp{width, 2, std::vector<float>(std::size_t{6} * width)};
+  for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
+    ramp.pixels[i] = static_cast<float>(std::pow(static_cast<double>(i) / (6.0 * width - 1.0), 3.0));
+  }
+  for (const auto& [type, largest] : {std::pair{SampleType::uint8, 255.0}, {SampleType::uint16, 65535.0}}) {
+    CHECK(write_environment(path, ramp.view(), {Layout::automatic, type}).values_clamped == 0);
+    const Environment read = read_environment(path, {Layout::lat_long});
+    CHECK(read.info.channels.front().type == (largest > 255.0 ? "uint16" : "uint8"));
+    double worst = 0.0;
+    for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
+      const double code = srgb_from_linear(read.pixels[i]) * largest;  // whole, but for rounding
+      worst = std::max(worst, std::abs(code - srgb_from_linear(ramp.pixels[i]) * largest));
+    }
+    CHECK(worst < 0.51);
+  }
+}
+
+TEST_CASE("PFM keeps every bit", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.pfm");
+  LatLongImage map = some_lat_long(34, 17);
+  map.pixels[3] = NAN;
+  map.pixels[4] = -INFINITY;
+  map.pixels[5] = -0.0F;
+  CHECK(write_environment(path, map.view()).values_clamped == 0);
+  const Environment read = read_environment(path);
+  CHECK(std::memcmp(read.pixels.get(), map.pixels.data(), map.pixels.size() * sizeof(float)) == 0);
+}
+
+TEST_CASE("Views of every format and stride are written", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.pfm");
+  const TestLatLong floats = make_lat_long(Content::random, 12, 6, 9, 4);
+  const TestLatLongHalf halves = make_lat_long_half(Content::random, 12, 6, 9, 4);
+  const TestLatLongBytes bytes = make_lat_long_bytes(Content::random, 12, 6, 9, 3);
+  const auto written = [&](const LatLongView& view) {
+    write_environment(path, view);
+    const Environment read = read_environment(path);
+    return std::vector<float>(read.pixels.get(), read.pixels.get() + 12 * 6 * 3);
+  };
+  const std::vector<float> from_float = written(floats.view());
+  const std::vector<float> from_half = written(halves.view());
+  const std::vector<float> from_bytes = written(bytes.view());
+  LatLongView upside_down = floats.view();
+  upside_down.pixels = floats.pixels.data() + 12 * 4 * 5;
+  upside_down.row_stride_bytes = -12 * 16;
+  const std::vector<float> turned = written(upside_down);
+  for (std::size_t i = 0; i < from_float.size(); ++i) {
+    REQUIRE(from_float[i] == floats.pixels[i / 3 * 4 + i % 3]);
+    REQUIRE(from_half[i] == as_half(from_float[i]));
+    REQUIRE(from_bytes[i] == Approx(from_float[i]).margin(0.004));
+    const std::size_t row = i / 36;
+    REQUIRE(turned[i] == from_float[(5 - row) * 36 + i % 36]);
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,66 @@
+// Cubemaps as pictures of every layout, put together texel by texel from a drawing: nothing of the library's own idea
+// of layouts is in it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "welkin/environment_file.h"
+
+namespace welkin::test {
+
+struct CubePicture {
+  int width = 0;
+  int height = 0;
+  std::vector<float> pixels;  ///< width x height x 3, row 0 on top
+};
+
+/// Where faces lie: a digit is a face of CubemapView, a letter one that is turned by half a turn ('f' is face 5), a
+/// point nothing.
+inline std::vector<std::string> drawing(Layout layout) {
+  switch (layout) {
+    case Layout::vertical_strip: return {"0", "1", "2", "3", "4", "5"};
+    case Layout::horizontal_strip: return {"012345"};
+    case Layout::horizontal_cross: return {".2..", "1405", ".3.."};
+    case Layout::vertical_cross: return {".2.", "140", ".3.", ".f."};
+    default: return {};
+  }
+}
+
+inline const std::vector<Layout>& one_file_cube_layouts() {
+  static const std::vector<Layout> layouts{Layout::vertical_strip, Layout::horizontal_strip, Layout::horizontal_cross,
+                                           Layout::vertical_cross};
+  return layouts;
+}
+
+/// 6 x size x size x 3 floats, each texel unlike every other; exact in a float up to size 1000.
+inline std::vector<float> unlike_texels(int size) {
+  std::vector<float> faces(std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = static_cast<float>(i + 1) * 0.5F;
+  return faces;
+}
+
+/// `faces`: 6 x size x size x 3. What no face covers is filled with `blank`.
+inline CubePicture cube_picture(Layout layout, int size, const std::vector<float>& faces, float blank) {
+  const std::vector<std::string> rows = drawing(layout);
+  CubePicture picture;
+  picture.width = size * static_cast<int>(rows.front().size());
+  picture.height = size * static_cast<int>(rows.size());
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const char mark = rows[static_cast<std::size_t>(y / size)][static_cast<std::size_t>(x / size)];
+      const bool turned = mark >= 'a';
+      const int face = turned ? mark - 'a' : mark - '0';
+      const int column = turned ? size - 1 - x % size : x % size;
+      const int row = turned ? size - 1 - y % size : y % size;
+      for (int channel = 0; channel < 3; ++channel) {
+        const int place = ((face * size + row) * size + column) * 3 + channel;
+        picture.pixels.push_back(mark == '.' ? blank : faces[static_cast<std::size_t>(place)]);
+      }
+    }
+  }
+  return picture;
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,212 @@
+#include "support/damaged_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "support/exr_files.h"
+#include "support/hdr_files.h"
+#include "support/pfm_files.h"
+#include "support/png_files.h"
+#include "support/temporary_directory.h"
+
+namespace welkin::test {
+namespace {
+
+using Bytes = std::vector<char>;
+
+constexpr std::size_t kExrHeader = 480;  // and the table of offsets, and the first block's size
+constexpr std::size_t kWhole = static_cast<std::size_t>(-1);
+constexpr std::array<std::uint32_t, 6> kExtremes{0, 1, 0xffffffffU, 0x7fffffffU, 0x80000000U, 0x10000U};
+const std::array<const char*, 12> kExtremeNumbers{"0",
+                                                  "1",
+                                                  "-1",
+                                                  "2147483647",
+                                                  "-2147483648",
+                                                  "2147483648",
+                                                  "4294967296",
+                                                  "18446744073709551616",
+                                                  "99999999999999999999999999999999",
+                                                  "1e30",
+                                                  "nan",
+                                                  ""};
+
+ExrRecipe small_sky() {
+  ExrRecipe recipe{8, 4, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, Imf::ENVMAP_LATLONG, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  return recipe;
+}
+
+Bytes exr(const std::filesystem::path& directory, Imf::Compression compression,
+          const std::optional<Imf::TileDescription>& tiles) {
+  ExrRecipe recipe = small_sky();
+  recipe.compression = compression;
+  recipe.tiles = tiles;
+  const std::filesystem::path path = directory / "sound.exr";
+  write_exr(path, recipe, some_pixels(8, 4));
+  return read_bytes(path);
+}
+
+Bytes luminance_chroma_exr(const std::filesystem::path& directory) {
+  const std::filesystem::path path = directory / "sound.exr";
+  write_luminance_chroma_exr(path, small_sky(), some_pixels(8, 4));
+  return read_bytes(path);
+}
+
+/// The part that is read is the first.
+Bytes exr_of_parts(const std::filesystem::path& directory) {
+  ExrRecipe mask = small_sky();
+  mask.channels = {{"Y"}};
+  mask.tiles = Imf::TileDescription(4, 4);
+  const std::filesystem::path path = directory / "sound.exr";
+  write_exr_parts(path, {{"sky", small_sky(), some_pixels(8, 4)}, {"mask", mask, some_pixels(8, 4)}});
+  return read_bytes(path);
+}
+
+Bytes hdr(HdrForm form) { return hdr_bytes({8, 4, form}, some_rgbe(8, 4)); }
+
+Bytes png(int bits, bool interlaced) {
+  PngRecipe recipe{8, 4, bits};
+  recipe.interlaced = interlaced;
+  return png_bytes(recipe, some_samples(recipe));
+}
+
+std::uint32_t big_endian_at(const Bytes& bytes, std::size_t place) {
+  std::uint32_t value = 0;
+  for (std::size_t i = place; i < place + 4; ++i) value = value << 8U | static_cast<unsigned char>(bytes[i]);
+  return value;
+}
+
+void put(Bytes& bytes, std::size_t place, std::uint32_t value, bool big) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[place + i] = static_cast<char>(value >> (8 * (big ? 3 - i : i)) & 0xffU);
+  }
+}
+
+/// CRC-32 as in the PNG specification, annex D.
+std::uint32_t checksum(const Bytes& bytes, std::size_t first, std::size_t count) {
+  std::uint32_t remainder = 0xffffffffU;
+  for (std::size_t i = first; i < first + count; ++i) {
+    remainder ^= static_cast<unsigned char>(bytes[i]);
+    for (int bit = 0; bit < 8; ++bit)
+      remainder = (remainder & 1U) != 0 ? 0xedb88320U ^ remainder >> 1U : remainder >> 1U;
+  }
+  return ~remainder;
+}
+
+void repair_png(Bytes& bytes) {
+  for (std::size_t chunk = 8; chunk + 12 <= bytes.size();) {
+    const std::size_t length = big_endian_at(bytes, chunk);
+    if (length > bytes.size() - chunk - 12) return;
+    put(bytes, chunk + 8 + length, checksum(bytes, chunk + 4, length + 4), true);
+    chunk += length + 12;
+  }
+}
+
+/// Hands out the damaged bytes, and once more with right checksums.
+void hand_out(const SoundFile& file, Bytes bytes, const Use& use) {
+  use(bytes);
+  if (!file.repair) return;
+  file.repair(bytes);
+  use(bytes);
+}
+
+struct Number {
+  std::size_t first;
+  std::size_t end;
+};
+
+std::vector<Number> numbers_in(const SoundFile& file) {
+  const auto digit = [&](std::size_t i) { return file.bytes[i] >= '0' && file.bytes[i] <= '9'; };
+  std::vector<Number> numbers;
+  for (std::size_t i = 0; i < file.header_bytes; ++i) {
+    if (!digit(i)) continue;
+    const std::size_t first = i;
+    while (i < file.header_bytes && digit(i)) ++i;
+    numbers.push_back({first, i});
+  }
+  return numbers;
+}
+
+Bytes replaced(Bytes bytes, const Number& number, const std::string& text) {
+  const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(number.first);
+  const auto after = bytes.erase(place, bytes.begin() + static_cast<std::ptrdiff_t>(number.end));
+  bytes.insert(after, text.begin(), text.end());
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<SoundFile> sound_files(const std::filesystem::path& directory) {
+  std::vector<SoundFile> files{
+      {"scanlines.exr", exr(directory, Imf::ZIP_COMPRESSION, std::nullopt), kExrHeader},
+      {"tiles.exr", exr(directory, Imf::PIZ_COMPRESSION, Imf::TileDescription(4, 4)), kExrHeader},
+      {"mip-map.exr",
+       exr(directory, Imf::DWAA_COMPRESSION, Imf::TileDescription(4, 4, Imf::MIPMAP_LEVELS)),
+       kExrHeader,
+       false,
+       {},
+       false},
+      {"luminance-chroma.exr", luminance_chroma_exr(directory), kExrHeader},
+      {"parts.exr", exr_of_parts(directory), 2 * kExrHeader, false, {}, false},
+      {"colour.pfm", pfm_bytes(8, 4, false, "-1.0", some_pixels(8, 4)), 16},
+      {"grey.pfm", pfm_bytes(8, 4, true, "1.0", some_pixels(8, 4)), 16},
+      {"flat.hdr", hdr(HdrForm::flat), kWhole},
+      {"old-runs.hdr", hdr(HdrForm::old_rle), kWhole},
+      {"new-runs.hdr", hdr(HdrForm::new_rle), kWhole},
+      {"columns.hdr", hdr_bytes({8, 4, HdrForm::mixed, true}, some_rgbe(8, 4)), kWhole},
+      {"eight-bits.png", png(8, false), kWhole, true, repair_png},
+      {"interlaced.png", png(16, true), kWhole, true, repair_png},
+  };
+  for (SoundFile& file : files) file.header_bytes = std::min(file.header_bytes, file.bytes.size());
+  return files;
+}
+
+void for_each_truncation(const SoundFile& file, const Use& use) {
+  for (std::size_t size = 0; size < file.bytes.size(); ++size) {
+    use({file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+  }
+}
+
+void for_each_changed_byte(const SoundFile& file, const Use& use) {
+  for (std::size_t place = 0; place < file.header_bytes; ++place) {
+    for (const int value : {~file.bytes[place] & 0xff, 0x00, 0x01, 0xff}) {
+      Bytes damaged = file.bytes;
+      damaged[place] = static_cast<char>(value);
+      hand_out(file, std::move(damaged), use);
+    }
+  }
+}
+
+void for_each_extreme_field(const SoundFile& file, const Use& use) {
+  for (std::size_t place = 0; place + 4 <= file.header_bytes; ++place) {
+    for (const std::uint32_t value : kExtremes) {
+      Bytes damaged = file.bytes;
+      put(damaged, place, value, file.big_endian);
+      hand_out(file, damaged, use);
+      // As pairs only those whose product is large.
+      if (place + 8 > file.header_bytes || value < 0x10000U) continue;
+      put(damaged, place + 4, value, file.big_endian);
+      hand_out(file, std::move(damaged), use);
+    }
+  }
+}
+
+void for_each_extreme_number(const SoundFile& file, const Use& use) {
+  const std::vector<Number> numbers = numbers_in(file);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (const char* text : kExtremeNumbers) {
+      use(replaced(file.bytes, numbers[i], text));
+      if (i + 1 < numbers.size()) use(replaced(replaced(file.bytes, numbers[i + 1], text), numbers[i], text));
+    }
+  }
+}
+
+void for_each_damage(const SoundFile& file, const Use& use) {
+  for_each_truncation(file, use);
+  for_each_changed_byte(file, use);
+  for_each_extreme_field(file, use);
+  for_each_extreme_number(file, use);
+}
+
+}  // namespace welkin::test

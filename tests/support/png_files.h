@@ -1,0 +1,41 @@
+// PNG files of every kind, made on the spot with libspng's writer.
+#pragma once
+
+#include <spng.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace welkin::test {
+
+struct PngRecipe {
+  int width = 0;
+  int height = 0;
+  int bits = 8;
+  int colour_type = SPNG_COLOR_TYPE_TRUECOLOR;
+  bool interlaced = false;
+  std::vector<spng_plte_entry> palette{};
+  std::optional<std::uint32_t> gamma{};  ///< times 100000
+  bool srgb = false;
+  std::optional<spng_chrm_int> primaries{};
+};
+
+/// Samples a texel.
+int png_channels(const PngRecipe& recipe);
+
+/// Samples at random, within the recipe's depth and palette: height x width x channels.
+std::vector<std::uint16_t> some_samples(const PngRecipe& recipe, unsigned seed = 1);
+
+/// A file's bytes.
+std::vector<char> png_bytes(const PngRecipe& recipe, const std::vector<std::uint16_t>& samples);
+
+/// The file with a chunk put in after its header. Its checksum is wrong: for chunks that nobody is to look at, and for
+/// damage.
+std::vector<char> with_png_chunk(std::vector<char> file, const std::string& type, const std::string& data);
+
+/// The file with another size in its header, and the header's checksum made right.
+std::vector<char> with_png_size(std::vector<char> file, std::uint32_t width, std::uint32_t height);
+
+}  // namespace welkin::test

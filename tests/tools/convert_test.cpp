@@ -1,0 +1,114 @@
+// `welkin convert` and `welkin testmap`: what they write, what they say, and what they leave alone.
+#include <cstring>
+
+#include "support/catch.h"
+#include "support/exr_files.h"
+#include "support/temporary_directory.h"
+#include "tools/command.h"
+#include "tools/pfm_file.h"
+#include "welkin/environment_file.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+namespace {
+
+/// Runs, requires success, and gives what was said on standard output.
+std::string succeed(const std::string& arguments) {
+  const CommandResult result = run_welkin(arguments);
+  INFO(arguments << '\n' << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return result.output;
+}
+
+std::vector<float> pixels_of(const std::filesystem::path& path) {
+  const Environment read = read_environment(path);
+  return {read.pixels.get(), read.pixels.get() + std::size_t{3} * static_cast<std::size_t>(read.info.width) *
+                                                     static_cast<std::size_t>(read.info.height)};
+}
+
+}  // namespace
+
+TEST_CASE("command: convert leaves every texel as it is where nothing asks for more", "[tools][convert]") {
+  const TemporaryDirectory directory;
+  const auto in = directory.file("in.pfm");
+  write_pfm(in, 32, 16, some_pixels(32, 16));
+  for (const std::string out : {"a.exr --type float", "b.pfm", "c.exr --type float --layout lat-long --size 32"}) {
+    const auto path = directory.file(out.substr(0, 5));
+    const std::string said = succeed("convert " + quoted(in) + " " + quoted(path) + out.substr(5));
+    CHECK(said == path.string() + ": lat-long, 32 x 16\n");
+    CHECK(pixels_of(path) == some_pixels(32, 16));
+  }
+}
+
+TEST_CASE("command: convert goes through every layout of a cube and back", "[tools][convert]") {
+  const TemporaryDirectory directory;
+  const auto first = directory.file("first.pfm");
+  succeed("testmap -o " + quoted(first) + " --size 8 --layout vertical-strip");
+  const std::vector<float> wanted = pixels_of(first);
+  for (const std::string layout :
+       {"vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross", "six-files"}) {
+    CAPTURE(layout);
+    const auto there = directory.file("there.exr");
+    const std::string said =
+        succeed("convert " + quoted(first) + " " + quoted(there) + " --type float --layout " + layout);
+    const auto from = layout == "six-files" ? directory.file("there_px.exr") : there;
+    CHECK(contains(said, from.string() + ": "));
+    succeed("convert " + quoted(from) + " " + quoted(directory.file("back.pfm")) + " --in-layout " + layout);
+    CHECK(pixels_of(directory.file("back.pfm")) == wanted);
+  }
+}
+
+TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[tools][convert]") {
+  const TemporaryDirectory directory;
+  const auto in = directory.file("in.pfm");
+  const auto out = directory.file("out.pfm");
+  succeed("testmap -o " + quoted(in) + " --size 64");
+  const Environment source = read_environment(in);
+  const auto converted = [&](const std::string& options) {
+    succeed("convert " + quoted(in) + " " + quoted(out) + " " + options);
+    return pixels_of(out);
+  };
+  glm::dmat3 mirror(1.0);
+  mirror[0][0] = -1.0;
+  CHECK(converted("--yaw -90") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(-90.0)).pixels);
+  CHECK(converted("--mirror --yaw 33") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(33.0) * mirror).pixels);
+  CHECK(converted("--rotation 0,1,0,1") == to_lat_long(source.lat_long(), 64, 32, turn_about_y(90.0)).pixels);
+  CHECK(converted("--size 20") == to_lat_long(source.lat_long(), 20, 10).pixels);
+  CHECK(converted("--layout vertical-strip") == to_cubemap(source.lat_long(), 16).pixels);
+  CHECK(converted("--layout vertical-strip --size 5 --threads 2") == to_cubemap(source.lat_long(), 5).pixels);
+}
+
+TEST_CASE("command: convert counts what it clamped and says so", "[tools][convert]") {
+  const TemporaryDirectory directory;
+  const auto in = directory.file("in.pfm");
+  std::vector<float> pixels = grey_picture(4, 2, 0.5F);
+  pixels[0] = 1e6F;
+  pixels[7] = -1.0F;
+  write_pfm(in, 4, 2, pixels);
+  CHECK(contains(succeed("convert " + quoted(in) + " " + quoted(directory.file("a.exr"))),
+                 "note: 1 value beyond what the format holds"));
+  CHECK(contains(succeed("convert " + quoted(in) + " " + quoted(directory.file("a.png"))),
+                 "note: 2 values beyond what the format holds"));
+}
+
+TEST_CASE("command: convert refuses with the right exit code", "[tools][convert]") {
+  const TemporaryDirectory directory;
+  const auto in = directory.file("in.pfm");
+  write_pfm(in, 4, 2, grey_picture(4, 2, 0.5F));
+  const auto code = [&](const std::string& arguments) { return run_welkin(arguments).exit_code; };
+  const std::string start = "convert " + quoted(in) + " " + quoted(directory.file("out"));
+  CHECK(code(start + ".gif") == 1);
+  CHECK(code(start + ".hdr --type float") == 2);
+  CHECK(code(start + ".pfm --size 60000 --memory-limit 1MB") == 1);
+  CHECK(code(start + ".pfm --rotation 1,2,3") == 2);
+  CHECK(code(start + ".pfm --rotation 0,0,0,0") == 2);
+  CHECK(code(start + ".pfm --size 0") == 2);
+  CHECK(code(start + ".pfm --yaw nan") == 2);
+  CHECK(code("convert " + quoted(in)) == 2);
+  CHECK(code("convert nowhere.exr " + quoted(directory.file("out.exr"))) == 1);
+  CHECK(code("testmap") == 2);
+  CHECK(code("testmap -o " + quoted(directory.file("none/out.png"))) == 1);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,117 @@
+#include "tools/sh_options.h"
+
+#include <cmath>
+
+namespace welkin::tool {
+namespace {
+
+constexpr int kLargestTargetSize = 16384;
+
+CLI::Validator finite_and_positive() {
+  return {[](const std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
+            return good ? std::string() : text + " is not a finite number above 0";
+          },
+          ""};
+}
+
+void add_format_options(CLI::App& command, ShOptions& options) {
+  CLI::Option* format = add_choice<ShFormat>(
+      command, "--format", options.format,
+      {{"table", ShFormat::table}, {"json", ShFormat::json}, {"text", ShFormat::text}, {"c", ShFormat::c_header}},
+      "A table for a person (default), JSON, a line a coefficient, a C header");
+  command
+      .add_flag_callback(
+          "--json", [&options] { options.format = ShFormat::json; }, "The same as --format json")
+      ->excludes(format);
+}
+
+void add_projection_options(CLI::App& command, ShOptions& options) {
+  command.add_option("--bands", options.projection.bands, "Bands, 1 (ambient colour only) to 16; default 3")
+      ->check(CLI::Range(1, kMaximumBands).description(""))
+      ->type_name("N");
+  add_choice<Quadrature>(command, "--quadrature", options.projection.quadrature,
+                         {{"exact", Quadrature::exact}, {"midpoint", Quadrature::midpoint}},
+                         "exact (default) integrates over each texel's area; midpoint takes its centre, as Babylon.js");
+  command
+      .add_option("--target-size", options.projection.target_size,
+                  "Reduce the environment to cubemap faces of N x N texels first (a lat-long to 4N x 2N): less exact, "
+                  "for comparison with engines that do so; 0, the default: no")
+      ->check(CLI::Range(0, kLargestTargetSize).description(""))
+      ->type_name("N");
+}
+
+void add_clamp_options(CLI::App& command, ShOptions& options) {
+  command
+      .add_option_function<float>(
+          "--clamp",
+          [&options](float maximum) {
+            options.clamp.maximum = maximum;
+            options.clamps = true;
+          },
+          "Cut radiance off above V; off by default. What it takes away is reported")
+      ->check(finite_and_positive())
+      ->type_name("V");
+  command.add_flag_callback(
+      "--preserve-clamped",
+      [&options] {
+        options.clamp.preserve_colour = true;
+        options.clamps = true;
+      },
+      "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit");
+}
+
+void add_pixel_options(CLI::App& command, ShOptions& options) {
+  add_clamp_options(command, options);
+  command.add_flag("--gamma", options.projection.gamma,
+                   "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first");
+  add_choice<NonFinitePolicy>(command, "--nan", options.projection.nan,
+                              {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
+                              "NaN becomes 0 (default), or ends the command and is named");
+  add_choice<NonFinitePolicy>(command, "--infinity", options.projection.infinity,
+                              {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
+                              "Infinity becomes the clamp's V or 65504 (default), or ends the command and is named");
+  add_choice<NegativePolicy>(
+      command, "--negative", options.projection.negative,
+      {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
+      "Negative values are taken as they are (default), become 0, or end the command and are named");
+}
+
+void add_light_options(CLI::App& command, ShOptions& options) {
+  add_choice<Window>(command, "--window", options.window,
+                     {{name(Window::none), Window::none},
+                      {name(Window::hanning), Window::hanning},
+                      {name(Window::lanczos), Window::lanczos},
+                      {name(Window::least), Window::least}},
+                     "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0");
+  command
+      .add_option("--window-width", options.window_width,
+                  "Width of a hanning or lanczos window in bands; default: the number of bands")
+      ->check(finite_and_positive())
+      ->type_name("W");
+  // The sun is looked for in radiance, before pixels are decoded.
+  add_sun_options(command, options.sun)->excludes(command.get_option("--gamma"));
+  command.add_flag("--irradiance-error", options.irradiance_error,
+                   "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)");
+}
+
+}  // namespace
+
+void add_sh_options(CLI::App& command, ShOptions& options) {
+  CLI::Option* input =
+      command
+          .add_option("INPUT", options.input,
+                      "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory); without it, a "
+                      "built-in sky")
+          ->type_name("");
+  add_format_options(command, options);
+  add_turn_options(command, options.turn);
+  add_projection_options(command, options);
+  add_pixel_options(command, options);
+  add_light_options(command, options);
+  add_read_options(command, options.common, input);
+  add_threads_option(command, options.common);
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,103 @@
+#include "tools/turn_options.h"
+
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <vector>
+
+#include "tools/options.h"
+#include "welkin/error.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+namespace {
+
+std::vector<std::pair<std::string, Engine>> engine_words() {
+  std::vector<std::pair<std::string, Engine>> words;
+  for (const Convention& each : conventions()) words.emplace_back(each.name, each.engine);
+  return words;
+}
+
+// Entries that are whole but for rounding become whole: a quaternion of a quarter turn is then exact.
+glm::dmat3 tidied(glm::dmat3 matrix) {
+  constexpr double kRounding = 1e-15;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const double whole = std::round(matrix[column][row]);
+      if (std::abs(matrix[column][row] - whole) < kRounding) matrix[column][row] = whole;
+    }
+  }
+  return matrix;
+}
+
+glm::dmat3 faces_matrix(const Convention& engine) {
+  if (!engine.faces_from_engine) {
+    throw Error(ErrorCode::invalid_argument,
+                std::string(engine.title) + " has no cube faces of its own; use a lat-long, or another convention");
+  }
+  return *engine.faces_from_engine;
+}
+
+// From Welkin's axes to where a picture in the engine's convention holds a direction. A lat-long is the same picture
+// for all of them: they differ in which of their axes its centre is, and from_welkin is just that. Cube faces are
+// named after the engine's axes.
+glm::dmat3 into_picture(Engine engine, bool cubemap) {
+  const Convention& of = convention(engine);
+  return cubemap ? faces_matrix(of) * of.from_welkin : glm::dmat3(1.0);
+}
+
+// Between what the file holds and what the result will, in Welkin's axes.
+glm::dmat3 turn_in_welkin(const TurnOptions& options, bool source_is_cubemap) {
+  // Orthogonal: the transpose is the inverse.
+  glm::dmat3 turn = glm::transpose(into_picture(options.from, source_is_cubemap));
+  if (options.mirror) turn = glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1) * turn;
+  return turn_about_y(options.yaw_degrees) * glm::mat3_cast(options.rotation) * turn;
+}
+
+void set_rotation(TurnOptions& options, const std::vector<double>& values) {
+  const glm::dquat quaternion(values[3], values[0], values[1], values[2]);
+  const double length = glm::length(quaternion);
+  if (!std::isfinite(length) || length == 0.0) {
+    throw CLI::ValidationError("--rotation", "is no rotation: a quaternion x,y,z,w of finite length above 0 is");
+  }
+  options.rotation = quaternion / length;
+}
+
+}  // namespace
+
+void add_turn_options(CLI::App& command, TurnOptions& options) {
+  add_choice<Engine>(
+      command, "--from", options.from, engine_words(),
+      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture "
+      "for all)");
+  add_choice<Engine>(command, "--for", options.to, engine_words(),
+                     "Whose axes the result is in, so that the surroundings look the same there");
+  command
+      .add_option("--yaw", options.yaw_degrees,
+                  "Turn the environment about the vertical by DEGREES, counter-clockwise from above: what was at +z "
+                  "comes to +x by 90")
+      ->check(CLI::Range(-1e6, 1e6).description(""))
+      ->type_name("DEGREES");
+  command.add_flag("--mirror", options.mirror, "Mirror the environment left to right (x changes its sign)");
+  command
+      .add_option_function<std::vector<double>>(
+          "--rotation", [&options](const std::vector<double>& values) { set_rotation(options, values); },
+          "Turn the environment by the quaternion X,Y,Z,W, before --yaw")
+      ->delimiter(',')
+      ->expected(4)
+      ->type_name("X,Y,Z,W");
+}
+
+glm::dmat3 turn_of_light(const TurnOptions& options, bool source_is_cubemap) {
+  return tidied(convention(options.to).from_welkin * turn_in_welkin(options, source_is_cubemap));
+}
+
+glm::dmat3 turn_of_picture(const TurnOptions& options, bool source_is_cubemap, bool result_is_cubemap) {
+  return tidied(into_picture(options.to, result_is_cubemap) * turn_in_welkin(options, source_is_cubemap));
+}
+
+std::string axes_text(const TurnOptions& options) {
+  const Convention& engine = convention(options.to);
+  return std::string(engine.title) + "'s: " + engine.axes;
+}
+
+}  // namespace welkin::tool
