@@ -20,8 +20,8 @@ constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
 class PngReader final : public RowReader {
  public:
-  PngReader(const std::filesystem::path& path, const PngHeader& header, const PngSamples& samples)
-      : path_(path), header_(header), samples_(samples) {
+  PngReader(std::filesystem::path path, const PngHeader& header, const PngSamples& samples)
+      : path_(std::move(path)), header_(header), samples_(samples) {
     open();
     const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
     coded_ = std::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
