@@ -53,7 +53,7 @@ struct ReadOptions {
   std::string part{};
 
   /// Of an OpenEXR file with layers (channels "env.R", ...): which one. Empty: the channels without a layer,
-  /// else the only layer that there is.
+  /// else the only layer in colour, else the only layer.
   std::string layer{};
 
   /// Of a file with a mip chain: 0 is the full size. Rip maps have the levels that shrink both ways.
@@ -82,8 +82,8 @@ struct LevelInfo {
 struct EnvironmentInfo {
   std::filesystem::path path;
   std::string format;                 ///< "OpenEXR", "Radiance", "PFM" or "PNG"
-  std::string compression;            ///< "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"
-  std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "interlaced", ...
+  std::string compression;            ///< "none", "zip", "piz", ... as OpenEXR has them; "rle", "old rle"; "deflate"
+  std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
   Layout layout = Layout::lat_long;   ///< as told from header or shape, or as it was asked for; never automatic
   std::string layout_reason;          ///< what told it
   int width = 0;                      ///< of the picture at the level that was asked for, texels; of six_files N,
