@@ -1,7 +1,9 @@
 // `welkin convert` and `welkin testmap` refuse what they cannot write before they begin.
+#include <fstream>
+#include <string>
+
 #include "support/catch.h"
 #include "tools/command.h"
-#include "tools/pfm_file.h"
 #include "tools/temporary_folder.h"
 #include "welkin/environment_writer.h"
 #include "welkin/error.h"
@@ -9,15 +11,21 @@
 
 using namespace welkin::test;
 
-TEST_CASE("command: convert refuses an OUT that cannot be written", "[tools][convert]") {
+TEST_CASE("command: convert refuses an OUT that cannot be written before it decodes IN", "[tools][convert]") {
   const TemporaryFolder folder;
-  const auto in = folder.path() / "in.pfm";
-  write_pfm(in, 64, 32, grey_picture(64, 32, 1.0F));
+  // A sound header and first scanline (its form is looked at when the file is opened), and no sound one after that:
+  // whoever decodes it says so instead.
+  const auto in = folder.path() / "in.hdr";
+  std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10 +X 20\n";
+  bytes += {'\2', '\2', '\0', '\24'};
+  for (int component = 0; component < 4; ++component) bytes += {static_cast<char>(128 + 20), '\x80'};
+  std::ofstream(in, std::ios::binary) << bytes << std::string(800, '\2');
   const auto refusal = [&](const std::string& out, int code) {
     const CommandResult result = run_welkin("convert " + quoted(in) + " " + out);
     CHECK(result.exit_code == code);
     return result.errors;
   };
+  CHECK(contains(refusal(quoted(folder.path() / "out.exr"), 1), "in.hdr"));
   CHECK(contains(refusal("x.jpg", 1), "\".jpg\" is not written"));
   CHECK(contains(refusal("x.png --type half", 2), "PNG is written with 8 or 16 bits"));
   CHECK(contains(refusal(quoted(folder.path() / "nowhere" / "x.exr"), 1), "its folder is not there"));
