@@ -24,13 +24,14 @@ class TableCache {
   template <class Build>
   std::shared_ptr<const Table> get(const Key& key, const Build& build) {
     const std::shared_ptr<Entry> entry = find_or_add(key);
-    std::call_once(entry->built, [&] {
+    const std::scoped_lock building(entry->building);
+    if (!entry->table) {
       entry->table = build();
       const std::scoped_lock lock(mutex_);
       entry->bytes = entry->table->bytes();
       bytes_ += entry->bytes;
       drop_oldest_beyond_bound();
-    });
+    }
     return entry->table;
   }
 
@@ -44,7 +45,7 @@ class TableCache {
   struct Entry {
     explicit Entry(const Key& its_key) : key(its_key) {}
     Key key;
-    std::once_flag built{};
+    std::mutex building{};  ///< not a std::once_flag: under the thread sanitizer that hangs after an exception
     std::shared_ptr<const Table> table{};
     std::size_t bytes = 0;  ///< 0 while it is being built
   };
