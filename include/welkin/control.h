@@ -8,8 +8,9 @@ namespace welkin {
 
 /// Passed to every call that can take longer than a frame. The default asks for nothing.
 struct Control {
-  /// Checked before every tile (some 20 to 100 microseconds of work). Once stop is requested the
-  /// call throws `Error` with `ErrorCode::cancelled`; nothing that the call would have returned exists.
+  /// Checked before every tile: 0.05 to 0.6 ms of work on pixels in memory, one block of rows or tiles of a file
+  /// (docs/threading.md has what was measured). Once stop is requested the call throws `Error` with
+  /// `ErrorCode::cancelled`; nothing that the call would have returned exists.
   std::stop_token stop{};
 
   /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.

@@ -66,6 +66,8 @@ struct ReadOptions {
   /// decoded, on all threads together. A lat-long that is projected or measured is streamed and stays far
   /// below; a cubemap is held whole. A file that would need more is refused before it is read.
   std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U;
+
+  friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
 struct ChannelInfo {

@@ -14,7 +14,10 @@ enum class ErrorCode {
   corrupt_file,      ///< a file that breaks its own format, or ends too early
   unsupported_file,  ///< a sound file of a kind that Welkin does not read, or whose layout it cannot tell
   limit_exceeded,    ///< a file or request that would need more memory than the stated limit
-  cancelled,         ///< the caller's stop token asked for it
+  cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
+  replaced,          ///< a newer request with the same key took this job's place
+  queue_full,        ///< a worker at its limits refused this job, or dropped it for another
+  stopped,           ///< the worker was terminated before this job was done
 };
 
 /// Thrown by every public entry that can fail. Nothing else leaves the library, except

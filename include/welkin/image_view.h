@@ -52,6 +52,9 @@ struct CubemapView {
   int size = 0;                         ///< texels along an edge, 1 to 16384; need not be even
   std::ptrdiff_t row_stride_bytes = 0;  ///< from a row to the next; 0: rows are packed; negative: bottom-up
   PixelFormat format = PixelFormat::rgb_f32;
+
+  /// Whether these are the same pixels in memory, not whether they hold the same values. So for `LatLongView`.
+  friend bool operator==(const CubemapView&, const CubemapView&) = default;
 };
 
 /// A full sphere as latitude over longitude (equirectangular).
@@ -66,6 +69,8 @@ struct LatLongView {
   int height = 0;                       ///< 1 to 32768
   std::ptrdiff_t row_stride_bytes = 0;  ///< from a row to the next; 0: rows are packed; negative: bottom-up
   PixelFormat format = PixelFormat::rgb_f32;
+
+  friend bool operator==(const LatLongView&, const LatLongView&) = default;
 };
 
 }  // namespace welkin

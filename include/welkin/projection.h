@@ -37,6 +37,8 @@ enum class NegativePolicy { keep, replace, reject };
 struct RadianceClamp {
   float maximum = 4096.0F;       ///< above 0; 4096 is Babylon.js's default
   bool preserve_colour = false;  ///< scale r, g and b together (no lower bound) instead of each to [0, maximum]
+
+  friend bool operator==(const RadianceClamp&, const RadianceClamp&) = default;
 };
 
 struct ProjectionOptions {
@@ -68,6 +70,8 @@ struct ProjectionOptions {
 
   /// A replaced negative becomes 0. Real files contain small negatives, so they are kept by default.
   NegativePolicy negative = NegativePolicy::keep;
+
+  friend bool operator==(const ProjectionOptions&, const ProjectionOptions&) = default;
 };
 
 /// One step of a call: what was done, or why it was not.

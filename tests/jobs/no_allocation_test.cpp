@@ -1,10 +1,10 @@
 // Hot loops allocate nothing: not by operator new, not by malloc, on no thread.
-#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 
 #include "jobs/tiles.h"
 #include "support/catch.h"
+#include "support/heap.h"
 #include "support/test_environments.h"
 #include "welkin/control.h"
 #include "welkin/projection.h"
@@ -12,58 +12,14 @@
 // Sanitizers bring a heap of their own; there is nothing to count under them.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
-namespace {
-std::atomic<long> allocations_in_tiles{0};
-
-void count() noexcept {
-  if (welkin::jobs::inside_tile()) allocations_in_tiles.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-
-// The program's malloc takes the place of glibc's for every library in the process; glibc's own names still
-// lead to the real one. libstdc++'s operator new comes through here too.
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t number, std::size_t size);
-void* __libc_realloc(void* old, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) noexcept {
-  count();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t number, std::size_t size) noexcept {
-  count();
-  return __libc_calloc(number, size);
-}
-void* realloc(void* old, std::size_t size) noexcept {
-  count();
-  return __libc_realloc(old, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  count();
-  return __libc_memalign(alignment, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  count();
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** to, std::size_t alignment, std::size_t size) noexcept {
-  constexpr int out_of_memory = 12;  // ENOMEM
-  count();
-  *to = __libc_memalign(alignment, size);
-  return *to == nullptr ? out_of_memory : 0;
-}
-}
-
 namespace welkin::test {
 namespace {
 
 template <class Work>
 long allocations_during(const Work& work) {
-  allocations_in_tiles = 0;
+  forget_allocations_in_tiles();
   work();
-  return allocations_in_tiles;
+  return allocations_in_tiles();
 }
 
 }  // namespace

@@ -1,0 +1,166 @@
+// What can be asked of a worker: Welkin's own calls, with the pixels that they work on.
+//
+// Each is called with a `Control` and does what the call of the same name does, throwing what that throws. Any other
+// callable does as well: `worker.post([image](const welkin::Control& control) { return ...; })`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat3x3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/image.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+#include "welkin/resampling.h"
+
+namespace welkin {
+
+/// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels. Two are equal if they
+/// are the same pixels in memory: values are not compared.
+class CubemapSource {
+ public:
+  /// The pixels go over to the request, without a copy, and are freed when it is done.
+  CubemapSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written down as what it reads
+  /// Throws `Error` (invalid_argument) if it is a lat-long.
+  CubemapSource(Environment environment);  // NOLINT(google-explicit-constructor)
+  /// Shared and read-only.
+  CubemapSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
+  /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
+  /// empty, they must stay until the job is ready.
+  CubemapSource(const CubemapView& view, std::shared_ptr<const void> owner);
+  /// With its mip chain, `mips[0]` the full size.
+  CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner);
+
+  [[nodiscard]] std::span<const CubemapView> mips() const noexcept { return mips_; }
+  /// The full size.
+  [[nodiscard]] const CubemapView& view() const noexcept { return mips_.front(); }
+  /// That the pixels take, rows with their padding.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  /// Of where they are.
+  [[nodiscard]] std::size_t hash() const noexcept;
+
+  friend bool operator==(const CubemapSource&, const CubemapSource&) = default;
+
+ private:
+  std::vector<CubemapView> mips_;
+  std::shared_ptr<const void> owner_;
+};
+
+/// The same for a lat-long.
+class LatLongSource {
+ public:
+  LatLongSource(LatLongImage image);                         // NOLINT(google-explicit-constructor)
+  LatLongSource(Environment environment);                    // NOLINT(google-explicit-constructor)
+  LatLongSource(std::shared_ptr<const LatLongImage> image);  // NOLINT(google-explicit-constructor)
+  LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner);
+
+  [[nodiscard]] const LatLongView& view() const noexcept { return view_; }
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::size_t hash() const noexcept;
+
+  friend bool operator==(const LatLongSource&, const LatLongSource&) = default;
+
+ private:
+  LatLongView view_;
+  std::shared_ptr<const void> owner_;
+};
+
+/// `project` of a cubemap.
+struct ProjectCubemap {
+  CubemapSource source;
+  ProjectionOptions options{};
+
+  [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const ProjectCubemap&, const ProjectCubemap&) = default;
+};
+
+/// `project` of a lat-long.
+struct ProjectLatLong {
+  LatLongSource source;
+  ProjectionOptions options{};
+
+  [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const ProjectLatLong&, const ProjectLatLong&) = default;
+};
+
+/// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
+struct ProjectFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;
+  ReadOptions read_options{};
+  ProjectionOptions options{};
+
+  [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
+};
+
+/// `read_environment`. Its result cannot be copied, so it is not shared.
+struct ReadFile {
+  std::filesystem::path path;
+  ReadOptions read_options{};
+
+  [[nodiscard]] Environment operator()(const Control& control) const;
+};
+
+/// `measure_environment`. Shared as `ProjectFile`.
+struct MeasureFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;
+  ReadOptions read_options{};
+
+  [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
+};
+
+/// `to_cubemap` of a lat-long.
+struct LatLongToCubemap {
+  LatLongSource source;
+  int size = 0;
+  glm::dmat3 turn = glm::dmat3(1.0);
+
+  [[nodiscard]] CubemapImage operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const LatLongToCubemap&, const LatLongToCubemap&) = default;
+};
+
+/// `to_cubemap` of a cubemap.
+struct CubemapToCubemap {
+  CubemapSource source;
+  int size = 0;
+  glm::dmat3 turn = glm::dmat3(1.0);
+
+  [[nodiscard]] CubemapImage operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const CubemapToCubemap&, const CubemapToCubemap&) = default;
+};
+
+/// `to_lat_long` of a cubemap.
+struct CubemapToLatLong {
+  CubemapSource source;
+  int width = 0;
+  int height = 0;
+  glm::dmat3 turn = glm::dmat3(1.0);
+
+  [[nodiscard]] LatLongImage operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const CubemapToLatLong&, const CubemapToLatLong&) = default;
+};
+
+}  // namespace welkin

@@ -1,0 +1,163 @@
+// Light off the main thread: requests are posted to a worker, results come back when they are ready.
+//
+//   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
+//   auto job = worker.post(welkin::ProjectCubemap{std::move(image)}, {.key = "probe 7"});
+//   ...                                                        // later, once a frame
+//   if (job.ready()) use(job.get().radiance);                  // never waits
+//
+// or, with callbacks that run when the engine says so:
+//
+//   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](std::future<welkin::Projection> light) { ... });
+//   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
+//
+// docs/threading.md says who runs where.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "welkin/job.h"
+#include "welkin/requests.h"
+
+namespace welkin {
+
+/// How the system ranks a worker's threads against all others.
+enum class ThreadPriority {
+  idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
+  below,   ///< a tenth of a normal thread's share when both want a processor (nice 10)
+  normal,  ///< as the thread that made the worker
+};
+
+/// What `post` does when a worker is at its limits.
+enum class WhenFull {
+  wait,         ///< waits until there is room
+  refuse,       ///< the new job's future gets an `Error` (queue_full)
+  drop_oldest,  ///< the oldest waiting job of the lowest priority gets that error; the new one itself, if all that
+                ///< wait have a higher priority or if dropping them would not make room
+};
+
+struct WorkerOptions {
+  /// 0: one less than the process may use (`available_threads()`, which knows the container's CPU quota), so that one
+  /// processor is the frame's own; at least 1. Else 1 to 1024. They run on the processors that the thread which makes
+  /// the worker may run on.
+  int threads = 0;
+
+  ThreadPriority thread_priority = ThreadPriority::idle;
+
+  /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
+  std::string name = "welkin";
+
+  /// Lends the worker an arena instead: a function that has its argument called, soon and once, by a thread of the
+  /// engine's choice: `[&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }`. The worker then has
+  /// no threads, priority and name of its own (but one that watches), and only the thread that a request is called on
+  /// counts as the worker's own, not those that join in its tiles. The arena must not be the one in which frames are
+  /// computed: a frame's thread that waits there would pick up a whole job. It must outlive the worker, and what it was
+  /// given may be called after the worker is gone: it does nothing then.
+  std::function<void(std::function<void()>)> lent_arena{};
+
+  /// Limits: jobs in flight (posted, not yet ready) and bytes of their requests. (The memory itself comes back right
+  /// after a job is ready.)
+  std::size_t most_jobs = 4096;
+  std::uint64_t most_bytes = std::uint64_t{4} << 30U;
+  WhenFull when_full = WhenFull::wait;
+};
+
+struct PostOptions {
+  Priority priority = Priority::normal;
+
+  /// Latest wins: a job with the same key that waits or runs is given up for this one; its future gets an `Error`
+  /// (replaced). Empty: no key. Copied by `post`.
+  std::string_view key{};
+
+  /// What the request counts against `WorkerOptions::most_bytes`; by default what its `bytes()` says, or 0.
+  std::optional<std::uint64_t> bytes{};
+};
+
+/// What is in a worker's hands.
+struct WorkerLoad {
+  std::size_t waiting =
+      0;  ///< computations that no thread has started, continuations of unfinished jobs not among them
+  std::size_t running = 0;    ///< computations
+  std::size_t undrained = 0;  ///< callbacks that the next `drain()` would call
+  std::size_t jobs = 0;       ///< in flight, as `most_jobs` counts them
+  std::uint64_t bytes = 0;    ///< in flight, as `most_bytes` counts them
+};
+
+/// Runs requests on threads of its own, or in a lent arena.
+///
+/// A request is anything that can be called with a `const Control&`, from any thread, and returns a result or nothing:
+/// those of requests.h, or a callable of the engine's own over any of Welkin's calls. Its parallel work should use TBB,
+/// or nothing: it runs inside the worker's TBB arena, and all of Welkin's calls spread over that. (It should not open
+/// arenas of its own: threads that oneTBB makes for them may rank as low as the worker's, for good.) It should look at
+/// the control's stop token, and may report progress. Its results are the bits that a direct call gives.
+///
+/// - If it has a member `bytes()`, that counts against the worker's memory limit.
+/// - If it is a class with an `operator==` and its result can be copied, equal requests in flight share one
+/// computation.
+///   The comparison must not call the worker. A member `hash()` (a std::size_t, the same for equal ones) spares it most
+///   comparisons where many are in flight; a static member `kReadsFiles` keeps new ones from joining a run that has
+///   started, as what it read may have changed since.
+///
+/// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
+/// of memory included, arrives through its future.
+class Worker {
+ public:
+  /// Throws `Error` (invalid_argument) for options out of range, std::system_error if no thread can be made.
+  explicit Worker(WorkerOptions options = {});
+
+  /// `terminate()`; callbacks that were not drained are dropped.
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// Takes a request over and returns at once. It waits only at the worker's limits, if the options say so, but never
+  /// on one of the worker's own threads: where they would wait, they are let in beyond the limits. Throws
+  /// std::bad_alloc if there is no memory for the job itself, and what moving the request throws; nothing is posted
+  /// then. A request larger than `most_bytes` gets an `Error` (limit_exceeded) in its future, one that comes after
+  /// `terminate()` one with `stopped`.
+  template <class Request>
+  auto post(Request&& request, const PostOptions& options = {}) -> Job<detail::ResultOf<std::decay_t<Request>>> {
+    using Kept = std::decay_t<Request>;
+    std::uint64_t bytes = 0;
+    if constexpr (requires { request.bytes(); }) bytes = request.bytes();
+    auto computation =
+        std::make_shared<detail::RequestComputation<Kept>>(std::in_place, std::forward<Request>(request));
+    auto job = detail::JobAccess::make<Kept>(computation);
+    submit(detail::JobAccess::record(job), options, bytes);
+    return job;
+  }
+
+  /// Calls the callbacks of jobs that were done before the call, in the order in which they finished, on this thread:
+  /// at least one if there is one, then until the budget is spent. What a callback throws comes out here; the others
+  /// wait for the next call. Returns how many were called.
+  std::size_t drain(std::chrono::nanoseconds budget = std::chrono::nanoseconds::max());
+
+  /// Gives up all jobs (their futures get an `Error` with `stopped`), waits until none runs, and ends the threads.
+  /// Later posts are `stopped` too; callbacks can still be drained. On one of the worker's own threads (in a request, a
+  /// continuation, a coroutine) it cannot wait: it returns, and the threads end when their work does. So the
+  /// destructor.
+  void terminate();
+
+  /// Waits until nothing waits or runs; not for callbacks. Not on the worker's own threads: it returns at once.
+  void wait_until_idle();
+
+  [[nodiscard]] WorkerLoad load() const;
+
+  /// How many threads it has; 0 with a lent arena.
+  [[nodiscard]] int threads() const noexcept;
+
+ private:
+  void submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes);
+
+  std::shared_ptr<detail::Scheduler> scheduler_;
+};
+
+}  // namespace welkin

@@ -1,0 +1,105 @@
+#include "welkin/requests.h"
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+/// `View` of an owner that is kept with it.
+template <class Owner>
+std::shared_ptr<const Owner> kept(Owner&& owner) {
+  return std::make_shared<const Owner>(std::forward<Owner>(owner));
+}
+
+/// That rows take, one before the other.
+std::uint64_t bytes_of_rows(std::uint64_t rows, int width, std::ptrdiff_t stride, PixelFormat format) noexcept {
+  const std::uint64_t packed = static_cast<std::uint64_t>(width > 0 ? width : 0) * bytes_per_texel(format);
+  const auto forward = static_cast<std::uint64_t>(stride);
+  const std::uint64_t apart = stride < 0 ? 0 - forward : forward;  // even of the most negative one
+  return rows * (apart > packed ? apart : packed);
+}
+
+std::uint64_t positive(int value) noexcept { return value > 0 ? static_cast<std::uint64_t>(value) : 0; }
+
+template <class Image>
+const Image& there(const std::shared_ptr<const Image>& image) {
+  if (!image) throw Error(ErrorCode::invalid_argument, "a source is a null pointer to an image");
+  return *image;
+}
+
+}  // namespace
+
+CubemapSource::CubemapSource(CubemapImage image) : CubemapSource(kept(std::move(image))) {}
+CubemapSource::CubemapSource(std::shared_ptr<const CubemapImage> image)
+    : mips_{there(image).view()}, owner_(std::move(image)) {}
+CubemapSource::CubemapSource(Environment environment) {
+  mips_ = {environment.cubemap()};
+  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
+}
+CubemapSource::CubemapSource(const CubemapView& view, std::shared_ptr<const void> owner)
+    : mips_{view}, owner_(std::move(owner)) {}
+CubemapSource::CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner)
+    : mips_(std::move(mips)), owner_(std::move(owner)) {
+  if (mips_.empty()) throw Error(ErrorCode::invalid_argument, "a source's mip chain is empty");
+}
+
+std::uint64_t CubemapSource::bytes() const noexcept {
+  std::uint64_t sum = 0;
+  for (const CubemapView& view : mips_) {
+    sum += bytes_of_rows(6 * positive(view.size), view.size, view.row_stride_bytes, view.format);
+  }
+  return sum;
+}
+
+std::size_t CubemapSource::hash() const noexcept { return std::hash<const void*>()(view().faces[0]); }
+
+LatLongSource::LatLongSource(LatLongImage image) : LatLongSource(kept(std::move(image))) {}
+LatLongSource::LatLongSource(std::shared_ptr<const LatLongImage> image)
+    : view_(there(image).view()), owner_(std::move(image)) {}
+LatLongSource::LatLongSource(Environment environment) : view_(environment.lat_long()) {
+  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
+}
+LatLongSource::LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner)
+    : view_(view), owner_(std::move(owner)) {}
+
+std::uint64_t LatLongSource::bytes() const noexcept {
+  return bytes_of_rows(positive(view_.height), view_.width, view_.row_stride_bytes, view_.format);
+}
+
+std::size_t LatLongSource::hash() const noexcept { return std::hash<const void*>()(view_.pixels); }
+
+Projection ProjectCubemap::operator()(const Control& control) const {
+  return source.mips().size() == 1 ? project(source.view(), options, control)
+                                   : project(source.mips(), options, control);
+}
+
+Projection ProjectLatLong::operator()(const Control& control) const { return project(source.view(), options, control); }
+
+Projection ProjectFile::operator()(const Control& control) const {
+  return project_file(path, read_options, options, control);
+}
+
+Environment ReadFile::operator()(const Control& control) const { return read_environment(path, read_options, control); }
+
+EnvironmentStatistics MeasureFile::operator()(const Control& control) const {
+  return measure_environment(path, read_options, control);
+}
+
+CubemapImage LatLongToCubemap::operator()(const Control& control) const {
+  return to_cubemap(source.view(), size, turn, control);
+}
+
+CubemapImage CubemapToCubemap::operator()(const Control& control) const {
+  return to_cubemap(source.view(), size, turn, control);
+}
+
+LatLongImage CubemapToLatLong::operator()(const Control& control) const {
+  return to_lat_long(source.view(), width, height, turn, control);
+}
+
+}  // namespace welkin

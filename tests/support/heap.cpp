@@ -1,0 +1,126 @@
+#include "support/heap.h"
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include "jobs/tiles.h"
+
+namespace {
+
+std::atomic<long> allocated_in_tiles{0};
+
+enum class Failing { nowhere, this_thread, other_threads };
+std::atomic<Failing> failing{Failing::nowhere};
+std::atomic<bool> fails_for_good{false};
+std::atomic<long> failing_number{0};
+std::atomic<long> allocations{0};
+thread_local bool asked_for_failures = false;
+
+bool must_fail() noexcept {
+  const Failing where = failing.load(std::memory_order_acquire);
+  if (where == Failing::nowhere || asked_for_failures != (where == Failing::this_thread)) return false;
+  const long number = allocations.fetch_add(1, std::memory_order_relaxed) + 1;
+  const long first = failing_number.load(std::memory_order_relaxed);
+  return number == first || (number > first && fails_for_good.load(std::memory_order_relaxed));
+}
+
+}  // namespace
+
+namespace welkin::test {
+
+long allocations_in_tiles() noexcept { return allocated_in_tiles; }
+void forget_allocations_in_tiles() noexcept { allocated_in_tiles = 0; }
+
+FailingHeap::FailingHeap(Heap heap, long number, bool for_good) noexcept : number_(number) {
+  asked_for_failures = true;
+  allocations = 0;
+  failing_number = number;
+  fails_for_good = for_good;
+  failing.store(heap == Heap::this_thread ? Failing::this_thread : Failing::other_threads, std::memory_order_release);
+}
+
+FailingHeap::~FailingHeap() {
+  failing = Failing::nowhere;
+  asked_for_failures = false;
+}
+
+bool FailingHeap::failed() const noexcept { return allocations >= number_; }
+
+}  // namespace welkin::test
+
+// The program's operators new take the place of the library's for every library in the process. What they do not refuse
+// goes on to the next ones, the standard library's or a sanitizer's, whose operators delete are still in place.
+void* operator new(std::size_t size) {
+  static const auto next = reinterpret_cast<void* (*)(std::size_t)>(dlsym(RTLD_NEXT, "_Znwm"));
+  if (must_fail()) throw std::bad_alloc();
+  return next(size);
+}
+
+void* operator new[](std::size_t size) {
+  static const auto next = reinterpret_cast<void* (*)(std::size_t)>(dlsym(RTLD_NEXT, "_Znam"));
+  if (must_fail()) throw std::bad_alloc();
+  return next(size);
+}
+
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  static const auto next =
+      reinterpret_cast<void* (*)(std::size_t, std::align_val_t)>(dlsym(RTLD_NEXT, "_ZnwmSt11align_val_t"));
+  if (must_fail()) throw std::bad_alloc();
+  return next(size, alignment);
+}
+
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  static const auto next =
+      reinterpret_cast<void* (*)(std::size_t, std::align_val_t)>(dlsym(RTLD_NEXT, "_ZnamSt11align_val_t"));
+  if (must_fail()) throw std::bad_alloc();
+  return next(size, alignment);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+// The same with malloc; glibc's own names still lead to the real one. libstdc++'s operator new comes through here too.
+namespace {
+void count() noexcept {
+  if (welkin::jobs::inside_tile()) allocated_in_tiles.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t number, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) noexcept {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* old, std::size_t size) noexcept {
+  count();
+  return __libc_realloc(old, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** to, std::size_t alignment, std::size_t size) noexcept {
+  constexpr int out_of_memory = 12;  // ENOMEM
+  count();
+  *to = __libc_memalign(alignment, size);
+  return *to == nullptr ? out_of_memory : 0;
+}
+}
+
+#endif

@@ -1,0 +1,33 @@
+// Looking at the heap, and making it fail.
+#pragma once
+
+namespace welkin::test {
+
+/// Allocations inside tiles since the last `forget_allocations_in_tiles()`, on all threads, by operator new or malloc.
+/// Sanitizers bring a heap of their own: 0 under them.
+[[nodiscard]] long allocations_in_tiles() noexcept;
+void forget_allocations_in_tiles() noexcept;
+
+/// Whose allocations.
+enum class Heap {
+  this_thread,
+  other_threads,  ///< all but this one's
+};
+
+/// While it lives, the number-th (from 1) operator new of those fails with std::bad_alloc; if `for_good`, all later
+/// ones too. One at a time in the program.
+class FailingHeap {
+ public:
+  FailingHeap(Heap heap, long number, bool for_good) noexcept;
+  ~FailingHeap();
+  FailingHeap(const FailingHeap&) = delete;
+  FailingHeap& operator=(const FailingHeap&) = delete;
+
+  /// Whether it came to that.
+  [[nodiscard]] bool failed() const noexcept;
+
+ private:
+  long number_;
+};
+
+}  // namespace welkin::test

@@ -1,0 +1,59 @@
+// Whether two results are the same, bit by bit. Times are left out.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+#include "welkin/environment_file.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+
+namespace welkin::test {
+
+template <class Value>
+bool same_bytes(std::span<const Value> a, std::span<const Value> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+inline bool same_bits(const glm::dvec3& a, const glm::dvec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+inline bool same_bits(const Projection& a, const Projection& b) {
+  const ProjectionDiagnostics& x = a.diagnostics;
+  const ProjectionDiagnostics& y = b.diagnostics;
+  return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) && x.texels == y.texels &&
+         x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
+         x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
+         same_bits(x.flux_before_clamp, y.flux_before_clamp) && same_bits(x.flux, y.flux) &&
+         same_bits(x.error_estimate, y.error_estimate) &&
+         std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
+                    [](const PassRecord& p, const PassRecord& q) {
+                      return p.name == q.name && p.action == q.action && p.reason == q.reason;
+                    });
+}
+
+inline bool same_bits(const CubemapImage& a, const CubemapImage& b) {
+  return a.size == b.size && same_bytes<float>(a.pixels, b.pixels);
+}
+
+inline bool same_bits(const LatLongImage& a, const LatLongImage& b) {
+  return a.width == b.width && a.height == b.height && same_bytes<float>(a.pixels, b.pixels);
+}
+
+inline bool same_bits(const Environment& a, const Environment& b) {
+  const std::size_t values =
+      std::size_t{3} * static_cast<std::size_t>(a.info.width) * static_cast<std::size_t>(a.info.height);
+  return a.info.layout == b.info.layout && a.info.width == b.info.width && a.info.height == b.info.height &&
+         same_bytes<float>({a.pixels.get(), values}, {b.pixels.get(), values});
+}
+
+inline bool same_bits(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {
+  return a.texels == b.texels && same_bits(a.minimum, b.minimum) && same_bits(a.maximum, b.maximum) &&
+         same_bits(a.mean, b.mean) && same_bits(a.flux, b.flux) && a.nans == b.nans && a.infinities == b.infinities &&
+         a.negatives == b.negatives && a.brightest_column == b.brightest_column && a.brightest_row == b.brightest_row &&
+         same_bits(a.brightest, b.brightest) && same_bits(a.brightest_direction, b.brightest_direction);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,236 @@
+// Promise: wherever memory runs out while a job is done, its future says so, and the worker goes on. Where it runs out
+// in `post`, nothing is posted; giving up needs no memory.
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/detached.h"
+#include "support/gate.h"
+#include "support/heap.h"
+#include "support/outcome.h"
+#include "support/same_bits.h"
+#include "support/sanitized.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/environment_writer.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+namespace {
+
+/// A result, bad_alloc, or one of the library's errors: some libraries below say of a file that it is damaged when they
+/// have no memory for it.
+bool is_clean(const std::string& end) {
+  return end == "result" || end == "bad_alloc" || end == "corrupt_file" || end == "unsupported_file" ||
+         end == "file_access" || end == "limit_exceeded";
+}
+
+/// Lets the n-th allocation of the worker's threads fail, for n = 1, 2, 3, ..., until the request does without.
+template <class MakeRequest, class Result>
+void fail_everywhere(int threads, const MakeRequest& make_request, const Result& expected) {
+  Worker worker(options_with(threads));
+  for (const bool for_good : {false, true}) {
+    bool failed = true;
+    for (long number = 1; failed; number += kSanitized ? 7 : 1) {
+      INFO("allocation " << number << (for_good ? " and all after it" : "") << ", " << threads << " threads");
+      REQUIRE(number < 100'000);
+      auto request = make_request();
+      std::string end;
+      {
+        const FailingHeap heap(Heap::other_threads, number, for_good);
+        auto job = worker.post(std::move(request));
+        auto future = job.future();
+        if (future.wait_for(kPatience) != std::future_status::ready) give_up("a job without memory");
+        failed = heap.failed();
+        end = outcome_of([&] { end = same_bits(future.get(), expected) ? "right" : "wrong"; });
+      }
+      if (!is_clean(end)) CHECK(end == "bad_alloc");
+      if (!failed) CHECK(end == "result");
+      if (worker.post([number](const Control&) { return number; }).get() != number) FAIL("the worker is of no use");
+      worker.wait_until_idle();
+      if (worker.load().bytes != 0 || worker.load().jobs != 0) FAIL("jobs or bytes are left");
+    }
+  }
+}
+
+template <class MakeRequest, class Result>
+void fail_everywhere(const MakeRequest& make_request, const Result& expected) {
+  for (const int threads : {1, 2}) fail_everywhere(threads, make_request, expected);
+}
+
+}  // namespace
+
+TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
+  // Sizes of which no table is there yet; small ones that stay on one thread, and ones that spread.
+  for (const int size : {37, 151}) {
+    const TestCubemap cubemap = make_cubemap(Content::special_values, size, 3, 1);
+    fail_everywhere([&] { return ProjectCubemap{CubemapImage{size, cubemap.pixels}}; }, project(cubemap.view()));
+    const TestLatLong lat_long = make_lat_long(Content::special_values, 4 * size, 2 * size, 1);
+    fail_everywhere(
+        [&] {
+          return ProjectLatLong{LatLongImage{4 * size, 2 * size, lat_long.pixels}};
+        },
+        project(lat_long.view()));
+  }
+}
+
+TEST_CASE("resampling runs out of memory cleanly", "[worker]") {
+  const auto lat_long =
+      std::make_shared<const LatLongImage>(LatLongImage{64, 32, make_lat_long(Content::smooth, 64, 32, 1).pixels});
+  fail_everywhere([&] { return LatLongToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
+}
+
+TEST_CASE("files run out of memory cleanly", "[worker]") {
+  const TemporaryDirectory directory;
+  for (const char* extension : {".exr", ".hdr", ".pfm", ".png"}) {
+    INFO(extension);
+    const auto path = directory.file(std::string("sky") + extension);
+    write_environment(path, make_lat_long(Content::smooth, 90, 45, 1).view());
+    fail_everywhere([&] { return ProjectFile{path}; }, project_file(path));
+    fail_everywhere([&] { return ReadFile{path}; }, read_environment(path));
+    fail_everywhere([&] { return MeasureFile{path}; }, measure_environment(path));
+  }
+}
+
+TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "[worker]") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  const std::string key = "a key that is too long to be kept inside a string";
+  for (const bool replaces : {true, false}) {  // or else drops
+    WorkerOptions worker_options = options_with(1);
+    worker_options.when_full = WhenFull::drop_oldest;
+    worker_options.most_jobs = 2;
+    Worker worker(worker_options);
+    Hold hold(worker);
+    const PostOptions options{.key = replaces ? std::string_view(key) : std::string_view()};
+    auto old = worker.post([key](const Control&) { return key.size(); }, options);
+    bool failed = true;
+    bool posted = false;
+    Job<Projection> job;
+    for (long number = 1; !posted; ++number) {
+      INFO("allocation " << number);
+      REQUIRE(number < 1000);
+      ProjectCubemap request{CubemapImage{8, cubemap.pixels}};
+      const WorkerLoad before = worker.load();
+      {
+        const FailingHeap heap(Heap::this_thread, number, false);
+        try {
+          job = worker.post(std::move(request), options);
+          posted = true;
+        } catch (const std::bad_alloc&) {
+        }
+        failed = heap.failed();
+      }
+      CHECK((posted || failed));
+      CHECK(old.ready() == posted);
+      CHECK(worker.load().jobs == before.jobs);  // one came and one went, or neither
+      if (!posted) {
+        CHECK(worker.load().bytes == before.bytes);
+        CHECK(worker.load().waiting == before.waiting);
+      }
+    }
+    // What is left to do then may lack the memory for an error's words, and no more.
+    const std::string end = outcome(old);
+    CHECK((end == (replaces ? "replaced" : "queue_full") || end == "bad_alloc"));
+    hold.let_go();
+    CHECK(outcome(job) == "result");
+  }
+}
+
+namespace {
+
+Detached await_quietly(Job<int> job, std::string& end) {
+  try {
+    static_cast<void>(co_await std::move(job));
+    end = "result";
+  } catch (const std::bad_alloc&) {
+    end = "bad_alloc";
+  } catch (const Error& error) {
+    end = name(error.code());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what follows runs out of memory where it is made, and harms nothing", "[worker]") {
+  Worker worker(options_with(1));
+  for (int way = 0; way < 4; ++way) {
+    bool failed = true;
+    for (long number = 1; failed; ++number) {
+      INFO("way " << way << ", allocation " << number);
+      REQUIRE(number < 1000);
+      auto job = worker.post([number](const Control&) { return number > 0 ? 1 : 0; });
+      const JobHandle handle = job;
+      bool threw = false;
+      std::string awaited;
+      Job<int> follower;
+      {
+        const FailingHeap heap(Heap::this_thread, number, false);
+        try {
+          if (way == 0) follower = std::move(job).then([](int value) { return value; });
+          if (way == 1) std::move(job).on_drain([](std::future<int>) {});
+          if (way == 2) await_quietly(std::move(job), awaited);
+          if (way == 3) static_cast<void>(handle.cancel());
+        } catch (const std::bad_alloc&) {
+          threw = true;
+        }
+        failed = heap.failed();
+      }
+      CHECK((!threw || failed));
+      CHECK_FALSE((threw && way == 3));
+      CHECK(eventually([&] { return handle.ready(); }));
+      if (way == 0 && !threw) CHECK(outcome(follower) == "result");
+      worker.wait_until_idle();
+      if (way == 2 && !threw) CHECK((awaited == "result" || awaited == "bad_alloc"));
+      worker.drain();
+      CHECK(worker.load().jobs == 0);
+      CHECK(Detached::alive == 0);
+    }
+  }
+}
+
+TEST_CASE("jobs can be given up without memory", "[worker]") {
+  std::vector<Job<int>> jobs;
+  std::vector<Job<int>> cancelled;
+  int given_up = 0;
+  {
+    Worker worker(options_with(1));
+    auto hold = std::make_unique<Hold>(worker);
+    for (int k = 0; k < 10; ++k) {
+      jobs.push_back(worker.post([k](const Control&) { return k; }));
+      jobs.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
+      cancelled.push_back(worker.post([k](const Control&) { return k; }));
+    }
+    auto running = worker.post(
+        [](const Control& control) {
+          while (!control.stop.stop_requested()) std::this_thread::yield();
+          return 1;
+        },
+        {.priority = Priority::high});
+    {
+      const FailingHeap heap(Heap::this_thread, 1, true);  // Catch2's assertions have no memory either
+      for (const auto& job : cancelled) given_up += job.cancel() ? 1 : 0;
+    }
+    CHECK(given_up == 10);
+    hold->let_go();
+    hold.reset();
+    CHECK(eventually([&] { return worker.load().running == 1; }));
+    jobs.push_back(std::move(running));
+    const FailingHeap heap(Heap::this_thread, 1, true);
+    worker.terminate();
+  }
+  for (auto& job : jobs) {
+    const std::string end = outcome(job);
+    CHECK((end == "stopped" || end == "bad_alloc"));
+  }
+  for (auto& job : cancelled) {
+    const std::string end = outcome(job);
+    CHECK((end == "cancelled" || end == "bad_alloc"));
+  }
+}
+
+}  // namespace welkin::test
