@@ -1,0 +1,131 @@
+/* Calls that run out of memory say so, and release what was handed over: the first allocation of the calling thread
+ * fails, then the second, and so on until the call needs none that fails. */
+#include <errno.h>
+#include <stdlib.h>
+
+#include "support.h"
+
+/* Sanitizers bring a heap of their own; nothing can fail under them. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
+void memory(void) {}
+#else
+
+/* The program's malloc takes the place of glibc's, for operator new too; glibc's own name leads to the real one. */
+extern void* __libc_malloc(size_t size);
+extern void* __libc_memalign(size_t alignment, size_t size);
+
+static __thread int until_failure = -1; /* allocations of this thread; below 0: none fails */
+
+static int fails(void) {
+  if (until_failure < 0) return 0;
+  return until_failure-- == 0;
+}
+
+void* malloc(size_t size) {
+  if (!fails()) return __libc_malloc(size);
+  errno = ENOMEM;
+  return NULL;
+}
+
+void* aligned_alloc(size_t alignment, size_t size) {
+  if (!fails()) return __libc_memalign(alignment, size);
+  errno = ENOMEM;
+  return NULL;
+}
+
+static welkin_worker* worker;
+static welkin_cubemap cubemap;
+static gate closed;
+static welkin_job* job;
+static counter released;
+static const welkin_post_options post = {.struct_size = sizeof post,
+                                         .key = "a key that is too long to be kept without an allocation",
+                                         .release = count_up,
+                                         .release_user = &released,
+                                         .completed = count_completed,
+                                         .completed_user = &released};
+
+static welkin_status post_cubemap(void) { return welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &job); }
+static welkin_status post_lat_long(void) {
+  const welkin_lat_long lat_long = {
+      .struct_size = sizeof lat_long, .pixels = cubemap.faces[0], .width = 8, .height = 4};
+  return welkin_post_project_lat_long(worker, &lat_long, NULL, &post, &job);
+}
+static welkin_status post_file(void) {
+  return welkin_post_project_file(worker, "/a/path/that/is/too/long/to/be/kept/without/an/allocation.exr", NULL, NULL,
+                                  &post, &job);
+}
+static welkin_status post_function(void) { return welkin_post_function(worker, wait_at_gate, &closed, &post, &job); }
+
+static void post_with_failures(welkin_status (*call)(void)) {
+  welkin_status status = WELKIN_OUT_OF_MEMORY;
+  int failed = -1;
+  do {
+    const int before = counted(&released);
+    job = NULL;
+    until_failure = ++failed;
+    status = call();
+    until_failure = -1;
+    if (status == WELKIN_OUT_OF_MEMORY) {
+      CHECK(counted(&released) == before + 1);
+      CHECK(job == NULL);
+      CHECK(welkin_last_error()[0] != '\0');
+    }
+  } while (status == WELKIN_OUT_OF_MEMORY && failed < 1000);
+  CHECK_STATUS(WELKIN_OK, status);
+  CHECK(failed > 3);
+  CHECK_STATUS(WELKIN_OK, welkin_job_cancel(job, NULL));
+  welkin_job_release(job);
+}
+
+/* A post that has another job dropped, and then finds no memory: the other one is as it was, or ended. */
+static void drop_with_failures(void) {
+  const welkin_worker_options options = {
+      .struct_size = sizeof options, .threads = 1, .most_jobs = 2, .when_full = WELKIN_WHEN_FULL_DROP_OLDEST};
+  welkin_worker* full = NULL;
+  gate shut = {0, 0};
+  CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &full));
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(full, wait_at_gate, &shut, NULL, NULL));
+  wait_until_entered(&shut);
+  welkin_status status = WELKIN_OUT_OF_MEMORY;
+  for (int failed = 0; status == WELKIN_OUT_OF_MEMORY && failed < 1000; ++failed) {
+    welkin_job *older = NULL, *newer = NULL;
+    CHECK_STATUS(WELKIN_OK, welkin_post_function(full, wait_at_gate, &shut, NULL, &older));
+    until_failure = failed;
+    status = welkin_post_function(full, wait_at_gate, &shut, NULL, &newer);
+    until_failure = -1;
+    CHECK_STATUS(WELKIN_OK, welkin_job_cancel(older, NULL));
+    const welkin_status ended = welkin_job_poll(older, NULL);
+    CHECK(ended == WELKIN_CANCELLED || ended == WELKIN_QUEUE_FULL || ended == WELKIN_OUT_OF_MEMORY);
+    welkin_job_release(older);
+    welkin_job_release(newer);
+  }
+  CHECK_STATUS(WELKIN_OK, status);
+  welkin_worker_destroy(full);
+}
+
+void memory(void) {
+  drop_with_failures();
+  worker = make_worker();
+  cubemap = uniform_cubemap(4, 1.0F, 1.0F, 1.0F);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, &job));
+  wait_until_entered(&closed);
+  welkin_job_release(job);
+  post_with_failures(post_cubemap);
+  post_with_failures(post_lat_long);
+  post_with_failures(post_file);
+  post_with_failures(post_function);
+
+  welkin_status status = WELKIN_OUT_OF_MEMORY;
+  for (int failed = 0; status == WELKIN_OUT_OF_MEMORY && failed < 100000; ++failed) {
+    welkin_projection light = {.struct_size = sizeof light};
+    until_failure = failed;
+    status = welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light);
+    until_failure = -1;
+  }
+  CHECK_STATUS(WELKIN_OK, status);
+  open_gate(&closed);
+  welkin_worker_destroy(worker);
+  free(pixels_of(&cubemap));
+}
+#endif

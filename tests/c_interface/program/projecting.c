@@ -1,0 +1,117 @@
+/* Light of environments whose light is known, while the caller waits. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "support.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* Radiance (1, 2, 3) everywhere. */
+static void check_uniform_light(const welkin_projection* light, int bands) {
+  const double constant = sqrt(4.0 * pi);
+  CHECK(light->bands == bands);
+  for (int channel = 0; channel < 3; ++channel) {
+    const double radiance = channel + 1;
+    CHECK(close_to(light->flux[channel], 4.0 * pi * radiance, 1e-5));
+    CHECK(close_to(light->coefficients[channel], constant * radiance, 1e-5));
+    for (int i = 1; i < bands * bands; ++i) CHECK(close_to(light->coefficients[3 * i + channel], 0.0, 1e-5));
+  }
+}
+
+static void cubemaps(void) {
+  welkin_cubemap cubemap = uniform_cubemap(16, 1.0F, 2.0F, 3.0F);
+  welkin_projection light;
+  WELKIN_INIT(light);
+  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light));
+  check_uniform_light(&light, 3);
+  CHECK(light.texels == 6 * 16 * 16);
+  CHECK(light.struct_size == sizeof light);
+
+  welkin_projection_options options = {.struct_size = sizeof options, .bands = 16, .clamp_maximum = 2.0F};
+  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, &options, NULL, &light));
+  CHECK(light.bands == 16);
+  CHECK(light.texels_clamped == 6 * 16 * 16);
+  CHECK(close_to(light.flux[2], 4.0 * pi * 2.0, 1e-5));
+  CHECK(close_to(light.flux_before_clamp[2], 4.0 * pi * 3.0, 1e-5));
+  free(pixels_of(&cubemap));
+}
+
+static void mip_chains(void) {
+  welkin_cubemap mips[2] = {uniform_cubemap(16, 9.0F, 9.0F, 9.0F), uniform_cubemap(8, 1.0F, 2.0F, 3.0F)};
+  const welkin_projection_options options = {.struct_size = sizeof options, .target_size = 8};
+  welkin_projection light = {.struct_size = sizeof light};
+  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(mips, 2, &options, NULL, &light));
+  check_uniform_light(&light, 3);
+  CHECK(light.texels == 6 * 8 * 8);
+  free(pixels_of(&mips[0]));
+  free(pixels_of(&mips[1]));
+}
+
+static void lat_longs(void) {
+  enum { width = 16, height = 8 };
+  unsigned char pixels[height * width * 4];
+  for (size_t i = 0; i < sizeof pixels; ++i) pixels[i] = 255;
+  const welkin_lat_long lat_long = {.struct_size = sizeof lat_long,
+                                    .format = WELKIN_FORMAT_RGBA_U8,
+                                    .row_stride_bytes = -(width * 4),
+                                    .pixels = pixels + (height - 1) * width * 4,
+                                    .width = width,
+                                    .height = height};
+  welkin_projection light = {.struct_size = sizeof light};
+  CHECK_STATUS(WELKIN_OK, welkin_project_lat_long(&lat_long, NULL, NULL, &light));
+  CHECK(close_to(light.flux[1], 4.0 * pi, 1e-5));
+}
+
+/* A PFM, little-endian: this program's processor is. */
+static void files(void) {
+  char name[] = "/tmp/welkin-c-XXXXXX";
+  const int descriptor = mkstemp(name);
+  FILE* file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+  if (file == NULL) abort();
+  const float rgb[3] = {1.0F, 2.0F, 3.0F};
+  fprintf(file, "PF\n16 8\n-1.0\n");
+  for (int i = 0; i < 16 * 8; ++i) fwrite(rgb, sizeof rgb, 1, file);
+  fclose(file);
+
+  welkin_projection light = {.struct_size = sizeof light};
+  CHECK_STATUS(WELKIN_OK, welkin_project_file(name, NULL, NULL, NULL, &light));
+  check_uniform_light(&light, 3);
+
+  const welkin_read_options small = {.struct_size = sizeof small, .memory_limit_bytes = 16};
+  CHECK_STATUS(WELKIN_LIMIT_EXCEEDED, welkin_project_file(name, &small, NULL, NULL, &light));
+  remove(name);
+  CHECK_STATUS(WELKIN_FILE_ACCESS, welkin_project_file(name, NULL, NULL, NULL, &light));
+  CHECK(strstr(welkin_last_error(), name) != NULL);
+  check_uniform_light(&light, 3); /* a call that fails writes nothing */
+}
+
+static void conversions(void) {
+  welkin_cubemap cubemap = uniform_cubemap(4, 1.0F, 2.0F, 3.0F);
+  welkin_projection light = {.struct_size = sizeof light};
+  CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, NULL, NULL, &light));
+  free(pixels_of(&cubemap));
+
+  welkin_engine_light form = {.struct_size = sizeof form};
+  CHECK_STATUS(WELKIN_OK,
+               welkin_engine_light_from_radiance(light.bands, light.coefficients, WELKIN_ENGINE_THREE, &form));
+  CHECK(form.engine == WELKIN_ENGINE_THREE && form.term_count == 9 && form.vector_count == 0);
+  CHECK(form.terms[0][2] == light.coefficients[2]);
+
+  /* The irradiance of a uniform environment is pi times its radiance; in place. */
+  CHECK_STATUS(WELKIN_OK, welkin_irradiance_from_radiance(light.bands, light.coefficients, light.coefficients));
+  const double up[3] = {0.0, 1.0, 0.0};
+  double irradiance[3];
+  CHECK_STATUS(WELKIN_OK, welkin_evaluate(light.bands, light.coefficients, up, irradiance));
+  for (int channel = 0; channel < 3; ++channel) CHECK(close_to(irradiance[channel], pi * (channel + 1), 1e-5));
+}
+
+void projecting(void) {
+  cubemaps();
+  mip_chains();
+  lat_longs();
+  files();
+  conversions();
+}

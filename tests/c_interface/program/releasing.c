@@ -1,0 +1,146 @@
+/* What is handed over is released exactly once, whatever becomes of the post. */
+#include <stdlib.h>
+
+#include "support.h"
+
+static welkin_status do_nothing(void* user, const welkin_control* control) {
+  (void)user;
+  (void)control;
+  return WELKIN_OK;
+}
+
+/* Several counters: one a case. A job's release may come shortly after it is ready; a worker's end waits for it. */
+static counter released[16];
+
+static welkin_post_options releasing_to(counter* to) {
+  const welkin_post_options post = {.struct_size = sizeof post, .release = count_up, .release_user = to};
+  return post;
+}
+
+static void of_jobs_that_end(void) {
+  welkin_worker* worker = make_worker();
+  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  const welkin_lat_long lat_long = {
+      .struct_size = sizeof lat_long, .pixels = pixels_of(&cubemap), .width = 8, .height = 4};
+  welkin_cubemap faceless = cubemap;
+  faceless.faces[0] = NULL;
+
+  welkin_post_options post = releasing_to(&released[0]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, NULL));
+  post = releasing_to(&released[1]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_project_lat_long(worker, &lat_long, NULL, &post, NULL));
+  post = releasing_to(&released[2]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_project_file(worker, "/no/such/file.exr", NULL, NULL, &post, NULL));
+  CHECK(counted(&released[2]) == 1); /* its path is copied */
+  post = releasing_to(&released[3]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, NULL));
+  post = releasing_to(&released[4]);
+  welkin_job* job = NULL;
+  CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &faceless, 1, NULL, &post, &job));
+  CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_job_wait(job, WELKIN_NO_LIMIT));
+  welkin_job_release(job);
+  welkin_worker_destroy(worker);
+  for (int i = 0; i < 5; ++i) CHECK(counted(&released[i]) == 1);
+  free(pixels_of(&cubemap));
+}
+
+/* Twice the same pixels: neither post's are released while the other's job may still read them. */
+static void of_equal_posts(void) {
+  welkin_worker* worker = make_worker();
+  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  gate closed = {0, 0};
+  counter both = {0};
+  const welkin_post_options post = releasing_to(&both);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, NULL, NULL));
+  for (int i = 0; i < 2; ++i) {
+    CHECK_STATUS(WELKIN_OK, welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, NULL));
+  }
+  CHECK(counted(&both) == 0);
+  open_gate(&closed);
+  welkin_worker_destroy(worker);
+  CHECK(counted(&both) == 2);
+  free(pixels_of(&cubemap));
+}
+
+static void of_jobs_that_are_given_up(void) {
+  static counter up[6];
+  const welkin_worker_options options = {
+      .struct_size = sizeof options, .threads = 1, .most_jobs = 4, .when_full = WELKIN_WHEN_FULL_REFUSE};
+  welkin_worker* worker = NULL;
+  CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &worker));
+  gate closed = {0, 0};
+  welkin_job *cancelled = NULL, *replaced = NULL, *refused = NULL, *stopped = NULL;
+  welkin_post_options post = releasing_to(&up[0]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, &post, NULL));
+  wait_until_entered(&closed);
+
+  post = releasing_to(&up[1]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, &cancelled));
+  CHECK(counted(&up[1]) == 0);
+  CHECK_STATUS(WELKIN_OK, welkin_job_cancel(cancelled, NULL));
+  CHECK_STATUS(WELKIN_CANCELLED, welkin_job_poll(cancelled, NULL));
+  post = releasing_to(&up[2]);
+  post.key = "key";
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, &replaced));
+  post.release_user = &up[3];
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, &stopped));
+  CHECK_STATUS(WELKIN_REPLACED, welkin_job_poll(replaced, NULL));
+  for (int i = 0; i < 2; ++i) CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, NULL, NULL));
+  post = releasing_to(&up[4]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, &refused));
+  CHECK_STATUS(WELKIN_QUEUE_FULL, welkin_job_poll(refused, NULL));
+
+  CHECK_STATUS(WELKIN_OK, welkin_worker_terminate(worker));
+  CHECK_STATUS(WELKIN_STOPPED, welkin_job_poll(stopped, NULL));
+  post = releasing_to(&up[5]);
+  CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, do_nothing, NULL, &post, NULL));
+  welkin_worker_destroy(worker);
+  for (int i = 0; i < 6; ++i) CHECK(counted(&up[i]) == 1);
+  welkin_job_release(cancelled);
+  welkin_job_release(replaced);
+  welkin_job_release(refused);
+  welkin_job_release(stopped);
+}
+
+static void of_posts_that_fail(void) {
+  welkin_worker* worker = make_worker();
+  welkin_cubemap cubemap = uniform_cubemap(8, 1.0F, 1.0F, 1.0F);
+  counter up = {0};
+  welkin_post_options post = releasing_to(&up);
+  const welkin_projection_options bad_options = {.struct_size = sizeof bad_options, .quadrature = 7};
+  welkin_job* job = (welkin_job*)&up;
+  int expected = 0;
+#define FAILS(call)                                 \
+  do {                                              \
+    CHECK_STATUS(WELKIN_INVALID_ARGUMENT, call);    \
+    CHECK(counted(&up) == ++expected); /* by now */ \
+  } while (0)
+  FAILS(welkin_post_project_cubemap(NULL, &cubemap, 1, NULL, &post, &job));
+  CHECK(job == NULL);
+  FAILS(welkin_post_project_cubemap(worker, NULL, 1, NULL, &post, &job));
+  FAILS(welkin_post_project_cubemap(worker, &cubemap, 0, NULL, &post, &job));
+  FAILS(welkin_post_project_cubemap(worker, &cubemap, 1, &bad_options, &post, &job));
+  FAILS(welkin_post_project_lat_long(worker, NULL, NULL, &post, &job));
+  FAILS(welkin_post_project_file(worker, NULL, NULL, NULL, &post, &job));
+  FAILS(welkin_post_function(worker, NULL, NULL, &post, &job));
+  cubemap.format = 99;
+  FAILS(welkin_post_project_cubemap(worker, &cubemap, 1, NULL, &post, &job));
+  post.priority = 2;
+  FAILS(welkin_post_function(worker, do_nothing, NULL, &post, &job));
+#undef FAILS
+
+  /* A size that is none: nothing behind it is read. */
+  post.struct_size = 7;
+  CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_post_function(worker, do_nothing, NULL, &post, &job));
+  CHECK(counted(&up) == expected);
+  welkin_worker_destroy(worker);
+  CHECK(counted(&up) == expected);
+  free(pixels_of(&cubemap));
+}
+
+void releasing(void) {
+  of_jobs_that_end();
+  of_equal_posts();
+  of_jobs_that_are_given_up();
+  of_posts_that_fail();
+}
