@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cancel_latency.h"
 #include "irradiance_errors.h"
 #include "project_cubemap.h"
 #include "project_file.h"
@@ -22,6 +23,9 @@
 #include "welkin/error.h"
 #include "welkin/instruction_set.h"
 #include "welkin/version.h"
+#include "worker_costs.h"
+#include "worker_latency.h"
+#include "worker_throughput.h"
 
 namespace welkin::perf {
 namespace {
@@ -59,6 +63,10 @@ int main(int argc, char** argv) {
   perf::add_project_lat_long(thread_counts);
   perf::add_project_file(thread_counts);
   perf::add_tables();
+  perf::add_worker_latency(thread_counts);
+  perf::add_worker_throughput(thread_counts);
+  perf::add_worker_costs();
+  perf::add_cancel_latency(thread_counts);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   perf::RatioReporter reporter;

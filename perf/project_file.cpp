@@ -1,15 +1,13 @@
 #include "project_file.h"
 
-#include <unistd.h>
-
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
 #include "welkin/environment_writer.h"
@@ -32,34 +30,10 @@ constexpr std::array<Variant, 5> kVariants{{{"hdr", ".hdr", {}},
                                             {"pfm", ".pfm", {}},
                                             {"png8", ".png", {}}}};
 
-// The files of one run, gone when it ends.
-class Files {
- public:
-  Files() : folder_(std::filesystem::temp_directory_path() / ("welkin-perf-" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~Files() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  Files(const Files&) = delete;
-  Files& operator=(const Files&) = delete;
-
-  std::filesystem::path of(const Variant& variant) {
-    std::filesystem::path path = folder_ / (std::string(variant.name) + variant.extension);
-    if (!std::filesystem::exists(path)) {
-      (void)write_environment(path, noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight), variant.options);
-    }
-    return path;
-  }
-
- private:
-  std::filesystem::path folder_;
-};
-
 std::filesystem::path file_of(const Variant& variant) {
-  static Files files;
-  return files.of(variant);
+  return scratch_file(std::string(variant.name) + variant.extension, [&](const std::filesystem::path& path) {
+    (void)write_environment(path, noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight), variant.options);
+  });
 }
 
 void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {

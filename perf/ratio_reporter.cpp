@@ -14,12 +14,21 @@ std::string own_name(const std::string& full) {
   return full.substr(0, std::min(end, repeats));
 }
 
+/// Latencies: their own counters say what is to be compared.
+bool is_latency(const std::string& full) { return full.find("/manual_time") != std::string::npos; }
+
+/// JobThroughput/HOW/SIZE/THREADS with another HOW.
+std::string done_otherwise(const std::string& name, const std::string& how) {
+  const std::size_t start = name.find('/') + 1;
+  return name.substr(0, start) + how + name.substr(name.find('/', start));
+}
+
 }  // namespace
 
 void RatioReporter::ReportRuns(const std::vector<Run>& runs) {
   ConsoleReporter::ReportRuns(runs);
   for (const Run& run : runs) {
-    if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
+    if (run.run_type != Run::RT_Iteration || run.error_occurred || is_latency(run.benchmark_name())) continue;
     const double seconds = run.real_accumulated_time / static_cast<double>(run.iterations);
     const auto [at, added] = fastest_seconds_.try_emplace(own_name(run.benchmark_name()), seconds);
     if (!added && seconds < at->second) at->second = seconds;
@@ -36,6 +45,14 @@ void RatioReporter::Finalize() {
     if (subject.starts_with("Project") && read != fastest_seconds_.end()) {
       out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(1)
           << 100.0 * read->second / seconds << " % of ReadBandwidth\n";
+    }
+    if (name.starts_with("JobThroughput/in-flight")) {
+      for (const char* how : {"one-after-another", "side-by-side"}) {
+        const auto calls = fastest_seconds_.find(done_otherwise(name, how));
+        if (calls == fastest_seconds_.end()) continue;
+        out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(2)
+            << calls->second / seconds << " x as fast as synchronous calls " << how << '\n';
+      }
     }
     if (!name.ends_with("/2")) continue;
     const auto single = fastest_seconds_.find(name.substr(0, name.size() - 1) + "1");

@@ -1,0 +1,38 @@
+#include "scratch_files.h"
+
+#include <unistd.h>
+
+#include <system_error>
+
+namespace welkin::perf {
+namespace {
+
+class Folder {
+ public:
+  Folder() : path_(std::filesystem::temp_directory_path() / ("welkin-perf-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+std::filesystem::path scratch_file(const std::string& name,
+                                   const std::function<void(const std::filesystem::path&)>& write) {
+  static const Folder folder;
+  std::filesystem::path path = folder.path() / name;
+  if (!std::filesystem::exists(path)) write(path);
+  return path;
+}
+
+}  // namespace welkin::perf
