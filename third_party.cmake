@@ -26,7 +26,7 @@ find_package(OpenEXR REQUIRED)
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
 find_package(SPNG REQUIRED)
 
-if(WELKIN_TOOLS)
+if(WELKIN_TOOLS OR WELKIN_EXAMPLES)
   # The command line. Headers only. (libcli11-dev)
   find_package(CLI11 REQUIRED)
 endif()
