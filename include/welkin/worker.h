@@ -32,7 +32,7 @@ namespace welkin {
 /// How the system ranks a worker's threads against all others.
 enum class ThreadPriority {
   idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
-  below,   ///< a tenth of a normal thread's share when both want a processor (nice 10)
+  below,   ///< a tenth of a normal thread's share when both want a processor (nice + 10)
   normal,  ///< as the thread that made the worker
 };
 
