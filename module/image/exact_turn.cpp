@@ -75,6 +75,8 @@ void for_each_row(int rows, int width, const Control& control, const Move& move)
 
 }  // namespace
 
+bool is_cube_symmetry(const glm::dmat3& turn) noexcept { return signed_permutation(turn).has_value(); }
+
 std::optional<CubemapImage> turned_exactly(const CubemapView& source, const glm::dmat3& turn, const Control& control) {
   const std::optional<WholeMatrix> forward = signed_permutation(turn);
   if (!forward) return {};

@@ -1,19 +1,24 @@
 #include "welkin/resampling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "image/area_cubemap.h"
 #include "image/check_views.h"
 #include "image/exact_turn.h"
+#include "image/fill_cubemap.h"
 #include "image/sampler.h"
 #include "image/texel_geometry.h"
 #include "jobs/tiles.h"
 #include "tables/trigonometry.h"
 #include "welkin/error.h"
+#include "welkin/mip_chain.h"
 
 namespace welkin {
 namespace {
@@ -192,12 +197,16 @@ class Resampler {
   const Control& control_;
 };
 
+CubemapImage empty_cubemap(int size) {
+  const std::size_t texels = std::size_t{6} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  return {size, std::vector<float>(3 * texels)};
+}
+
 template <typename SamplerKind, typename View>
 CubemapImage resampled_cubemap(const View& source, int size, const glm::dmat3& turn, const Control& control) {
   const SamplerKind sampler(source);
   const CubeCells cells(size, closest_texels(source));
-  const std::size_t texels = std::size_t{6} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  CubemapImage result{size, std::vector<float>(3 * texels)};
+  CubemapImage result = empty_cubemap(size);
   Resampler(cells, sampler, turn, control).run(result.pixels.data());
   return result;
 }
@@ -213,6 +222,31 @@ LatLongImage resampled_lat_long(const View& source, int width, int height, const
   return result;
 }
 
+/// What an upright picture becomes by one of a cube's symmetries.
+CubemapImage turned(CubemapImage upright, const glm::dmat3& turn, const Control& control) {
+  if (turn == glm::dmat3(1.0)) return upright;
+  return *image::turned_exactly(upright.view(), turn, control);
+}
+
+/// How often `size` doubles to `source_size`; 0 if it does not.
+int halvings(int source_size, int size) {
+  int count = 0;
+  while (source_size > size && source_size % 2 == 0) {
+    source_size /= 2;
+    ++count;
+  }
+  return source_size == size ? count : 0;
+}
+
+constexpr double kShareOfFilling = 0.9;  // the rest is for turning
+
+CubemapImage reduced(const CubemapView& source, int levels, const Control& control) {
+  const CubemapChain chain = build_mips(source, MipFilter::solid_angle, levels + 1, control);
+  CubemapImage result = empty_cubemap(chain.level_size(levels));
+  std::copy_n(chain.face(levels, 0), result.pixels.size(), result.pixels.begin());
+  return result;
+}
+
 }  // namespace
 
 CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn, const Control& control) {
@@ -222,21 +256,51 @@ CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& t
   if (size == source.size) {
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
   }
+  const int levels = halvings(source.size, size);
+  if (levels > 0 && image::is_cube_symmetry(turn)) {
+    return turned(reduced(source, levels, jobs::part_of(control, 0.0, kShareOfFilling)), turn,
+                  jobs::part_of(control, kShareOfFilling, 1.0));
+  }
   return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
 }
 
-CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, const Control& control) {
+CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, const Control& control,
+                        ResampleFilter filter) {
   image::check_view(source);
   image::check_face_size(size);
   require_orthogonal(turn);
+  if (image::is_cube_symmetry(turn)) {
+    const bool upright = turn == glm::dmat3(1.0);
+    CubemapImage result = empty_cubemap(size);
+    std::array<float*, 6> faces{};
+    for (std::size_t face = 0; face < 6; ++face) faces[face] = result.pixels.data() + face * (result.pixels.size() / 6);
+    image::fill_cubemap(source, size, faces, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
+    return turned(std::move(result), turn, jobs::part_of(control, kShareOfFilling, 1.0));
+  }
   return resampled_cubemap<image::LatLongSampler>(source, size, turn, control);
 }
 
 LatLongImage to_lat_long(const CubemapView& source, int width, int height, const glm::dmat3& turn,
-                         const Control& control) {
+                         const Control& control, ResampleFilter filter) {
   image::check_view(source);
   image::check_lat_long_size(width, height);
   require_orthogonal(turn);
+  if (filter == ResampleFilter::area && image::is_cube_symmetry(turn)) {
+    LatLongImage result{
+        width, height,
+        std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+    const auto fill = [&](const CubemapView& upright, const Control& part) {
+      image::fill_lat_long_by_area(upright, width, height, result.pixels.data(), part);
+    };
+    if (turn == glm::dmat3(1.0)) {
+      fill(source, control);
+    } else {
+      const double turning = 1.0 - kShareOfFilling;
+      const CubemapImage upright = *image::turned_exactly(source, turn, jobs::part_of(control, 0.0, turning));
+      fill(upright.view(), jobs::part_of(control, turning, 1.0));
+    }
+    return result;
+  }
   return resampled_lat_long<image::CubemapSampler>(source, width, height, turn, control);
 }
 

@@ -19,4 +19,19 @@ class FloatingPointScope {
   unsigned saved_;
 };
 
+/// Takes denormals for zero while it lives, on top of the default environment: for kernels whose functions fade away
+/// towards the poles, where each denormal would cost a hundred cycles. SSE, AVX and AVX-512 flush the same ones.
+class FlushDenormalsScope {
+ public:
+  FlushDenormalsScope() noexcept : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | kFlushToZero | kDenormalsAreZero); }
+  ~FlushDenormalsScope() { _mm_setcsr(saved_); }
+  FlushDenormalsScope(const FlushDenormalsScope&) = delete;
+  FlushDenormalsScope& operator=(const FlushDenormalsScope&) = delete;
+
+ private:
+  static constexpr unsigned kFlushToZero = 0x8000;
+  static constexpr unsigned kDenormalsAreZero = 0x0040;
+  unsigned saved_;
+};
+
 }  // namespace welkin::jobs

@@ -6,6 +6,8 @@
 
 #include <numbers>
 
+#include "sh/babylon_radiance.h"
+
 namespace welkin {
 namespace {
 
@@ -76,3 +78,28 @@ glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& norma
 }
 
 }  // namespace welkin
+
+namespace welkin::sh {
+
+SphericalHarmonics radiance_of(const BabylonPolynomial& polynomial) {
+  // From what `lambertian` hands out back to radiance, and over `updateFromHarmonics` against its direction.
+  const auto from_lambertian = [](const glm::dvec3& value, double lobe) { return value * (kPi / lobe); };
+  const glm::dvec3 sum = (polynomial.xx + polynomial.yy) * (0.5 * kPi);  // ambient - half zonal
+  const glm::dvec3 zonal = (polynomial.zz * kPi - sum) / (kBand2Zonal + kBand2HalfZonal);
+  const glm::dvec3 ambient = (polynomial.zz * kPi - zonal * kBand2Zonal) / kBand0;
+  const glm::dvec3 difference = (polynomial.xx - polynomial.yy) * (0.5 * kPi) / kBand2HalfDifference;
+
+  SphericalHarmonics radiance(3);
+  radiance.at(0, 0) = from_lambertian(ambient, kLobe0);
+  radiance.at(1, 1) = from_lambertian(polynomial.x * kPi / kBand1, kLobe1);
+  radiance.at(1, -1) = from_lambertian(polynomial.y * kPi / kBand1, kLobe1);
+  radiance.at(1, 0) = from_lambertian(polynomial.z * kPi / kBand1, kLobe1);
+  radiance.at(2, 0) = from_lambertian(zonal, kLobe2);
+  radiance.at(2, 2) = from_lambertian(difference, kLobe2);
+  radiance.at(2, -1) = from_lambertian(polynomial.yz * kPi / kBand2, kLobe2);
+  radiance.at(2, 1) = from_lambertian(polynomial.zx * kPi / kBand2, kLobe2);
+  radiance.at(2, -2) = from_lambertian(polynomial.xy * kPi / kBand2, kLobe2);
+  return radiance;
+}
+
+}  // namespace welkin::sh

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "simd/basis_recurrence.h"
+#include "simd/transform_kernels.h"
 #include "welkin/instruction_set.h"
 
 namespace welkin::simd {
@@ -23,6 +24,28 @@ inline constexpr int kSumLanes = 8;
 
 /// sums[i] = the sum of lanes[i][kSumLanes], i < count, always in the same order: halves of 4, of 2, of 1.
 using FoldSumLanes = void (*)(const double* lanes, int count, double* sums);
+
+/// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (specular/brdf_quadrature.h).
+struct AlbedoRule {
+  int azimuths;
+  const float* azimuth_cosines;
+  const float* azimuth_weights;
+  int radii;
+  const float* radius_places;  ///< in (0, 1)
+  const float* radius_weights;
+};
+
+/// e^-13: where the GGX integral ends, its tail being below 1e-6.
+inline constexpr float kAlbedoTail = 2.26e-6F;
+/// The sheen integral ends where its density is e^-14 of the largest.
+inline constexpr float kSheenTail = 14.0F;
+
+/// For sixteen cosines against the normal: directional albedo of GGX with Fresnel 1 (`whole`), and the part of it that
+/// Schlick's (1 - v.h)^5 weighs (`fresnel`). 0 < alpha <= 1.
+using DirectionalAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole,
+                                   float* fresnel);
+/// The same of Charlie sheen.
+using SheenAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo);
 
 /// Symmetry classes of positions mirrored in u and in v.
 /// A cubemap uses all four (even/even, odd/even, even/odd, odd/odd in u/v); a lat-long the first two.
@@ -112,21 +135,134 @@ using IntegrateTexels = void (*)(const TexelRun& run, const BasisRecurrence& rec
 /// 2e-7 + 40 h^4.
 using ExpandTexels = void (*)(const TexelRun& run, const int* place, float* weights, int stride);
 
+/// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
+using PlaneLengths = void (*)(const double* u, double v, int count, double* lengths);
+
+/// places[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in quarter
+/// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is rounded
+/// to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds nothing;
+/// with across and along exchanged it is `quarter` less the product.
+using PlacesOfAngles = void (*)(const double* across, const double* along, int count, double quarter, double offset,
+                                double* places);
+
+/// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on weigh
+/// there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
+using TapsOfPlaces = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
+
+/// Points of a row of a picture, on a grid of texels of four floats (red, green, blue, unused).
+struct GridRun {
+  const float* origin;         ///< ring 0, column 0
+  std::ptrdiff_t ring_stride;  ///< floats from a ring to the next
+  const std::int32_t* rings;   ///< [count]: first of the four rings around each point
+  const std::int32_t* columns;
+  const float* ring_weights;  ///< [count][4]
+  const float* column_weights;
+  int count;
+  bool not_negative;  ///< results below 0 become 0
+};
+
+/// rgb[3 i + c] = the sum over the 4 x 4 texels around point i of texel times weight of its ring times weight of its
+/// column. Nothing beyond rgb[3 count - 1] is written.
+using SampleGrid = void (*)(const GridRun& run, float* rgb);
+
+/// Points of a picture of texels of four floats, each the weighted sum of a patch of texels of its own.
+struct PatchRun {
+  const float* origin;          ///< row 0, column 0
+  std::ptrdiff_t row_stride;    ///< floats from a row to the next
+  const std::int32_t* rows;     ///< [count]: first row of each patch
+  const std::int32_t* columns;  ///< [count]: first column
+  std::int32_t base;            ///< column 0's place in the picture
+  bool mirrored;                ///< columns count to the left from the one before `base`
+  /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
+  const float* weights;
+  const float* row_weights;  ///< [count][patch_rows]: factors of the weights of columns; or null
+  int patch_rows;
+  int patch_groups;  ///< of four columns
+  int count;
+  std::ptrdiff_t rgb_step;  ///< floats from a point's result to the next one's
+};
+
+/// rgb[rgb_step k + c] = the sum of weight times texel over point k's patch; where all its texels are equal, that value
+/// itself. Rows are added one after the other (weights of columns are multiplied after that), then groups, then the
+/// four columns as SampleGrid does.
+using SamplePatches = void (*)(const PatchRun& run, float* rgb);
+
+/// rgb[3 i + c] = (top w + bottom w of texel 2 i) + (the same of texel 2 i + 1), i < count: 2 x 2 texels of two rows of
+/// packed RGB, weighted each on its own. A texel's weight stands in all three of its channels' places: [6 count].
+using ReducePairs = void (*)(const float* top, const float* bottom, const float* top_weights,
+                             const float* bottom_weights, int count, float* rgb);
+
+/// Points of a line in space: `start` + u[k] `step`, k < count, none of them 0.
+struct DirectionRun {
+  double start[3];
+  double step[3];
+  const double* u;
+  int count;
+};
+
+/// rgb[3 k + c] = the sum of coefficients[bands^2 c + l (l + 1) + m] Y(l, m) over l < bands at each point's direction,
+/// in double, rounded once.
+using EvaluateHarmonics = void (*)(const DirectionRun& run, const BasisRecurrence& recurrence,
+                                   const double* coefficients, int bands, float* rgb);
+
 /// True if any of `count` values lies outside [low, high] or is NaN.
 using AnyOutside = bool (*)(const float* values, int count, float low, float high);
 
 /// Adds up 16 `groups` floats, as fast as memory gives them: the yardstick for bandwidth.
 using ReadAll = float (*)(const float* values, std::int64_t groups);
 
+/// A light of no extent; its colour holds all that one mip's lobe does not change from texel to texel.
+struct LobeLight {
+  float x, y, z;  ///< unit direction
+  float red, green, blue;
+  float half_width;  ///< of what it stands for, radians, above 0: the horizon cuts it little by little
+  float half_slope;  ///< 1 / (4 half_width)
+};
+
+/// A row of a cubemap face, and the lobe. Texel i's centre is at base + u along, u = (2 i + 1) step - 1.
+struct LobeRow {
+  float base[3];
+  float along[3];
+  float step;  ///< 1 / texels along an edge
+  int count;
+  float alpha_squared;
+  float half_slope;  ///< (1 - alpha^2) / 4
+};
+
+/// Adds to each texel, packed RGB, the sum over lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2,
+/// c = cosine between texel and light: relative error 2e-6 + 1e-7 / alpha for positive light.
+using AddLobes = void (*)(const LobeRow& row, const LobeLight* lights, int count, float* rgb);
+
+/// What a run of values holds; `sum` and the bounds mean something only if all are finite.
+struct RowMeasure {
+  float sum;  ///< rounded in float, always alike
+  float least;
+  float largest;
+  bool finite;
+};
+using MeasureRow = RowMeasure (*)(const float* values, int count);
+
 struct Kernels {
+  DirectionalAlbedo directional_albedo;
+  SheenAlbedo sheen_albedo;
   FoldQuadrants fold_quadrants[fold_format_count];
   FoldHalves fold_halves[fold_format_count];
   WeightedSums weighted_sums;
   FoldSumLanes fold_sum_lanes;
   IntegrateTexels integrate_texels;
   ExpandTexels expand_texels;
+  PlaneLengths plane_lengths;
+  PlacesOfAngles places_of_angles;
+  TapsOfPlaces taps_of_places;
+  SampleGrid sample_grid;
+  SamplePatches sample_patches;
+  ReducePairs reduce_pairs;
+  EvaluateHarmonics evaluate_harmonics;
   AnyOutside any_outside;
   ReadAll read_all;
+  AddLobes add_lobes;
+  MeasureRow measure_row;
+  TransformKernels transform;
 };
 
 /// The table for one instruction set, which this machine must be able to run.

@@ -5,6 +5,8 @@
 #include <memory>
 #include <new>
 
+#include "tables/huge_pages.h"
+
 namespace welkin::tables {
 
 /// `size` values that start on a cache line, so that kernels may use aligned loads; not initialised.
@@ -15,8 +17,9 @@ class AlignedBuffer {
 
   AlignedBuffer() = default;
   explicit AlignedBuffer(std::size_t size)
-      : values_(static_cast<Value*>(::operator new (size * sizeof(Value), std::align_val_t{kAlignment}))),
-        size_(size) {}
+      : values_(static_cast<Value*>(::operator new (size * sizeof(Value), std::align_val_t{kAlignment}))), size_(size) {
+    advise_huge_pages(values_.get(), bytes());
+  }
 
   [[nodiscard]] Value* data() noexcept { return values_.get(); }
   [[nodiscard]] const Value* data() const noexcept { return values_.get(); }

@@ -35,6 +35,18 @@ class TableCache {
     return entry->table;
   }
 
+  /// The table for `key` if it is here, null otherwise; never waits for one that is being built.
+  [[nodiscard]] std::shared_ptr<const Table> find(const Key& key) {
+    const std::scoped_lock lock(mutex_);
+    for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+      if (!((*it)->key == key)) continue;
+      if ((*it)->bytes == 0) return nullptr;  // only once that is set may the table be looked at
+      entries_.splice(entries_.begin(), entries_, it);
+      return entries_.front()->table;
+    }
+    return nullptr;
+  }
+
   /// Bytes of all tables held.
   [[nodiscard]] std::size_t bytes() const {
     const std::scoped_lock lock(mutex_);

@@ -1,6 +1,7 @@
 #include "support/heap.h"
 
 #include <dlfcn.h>
+#include <malloc.h>
 
 #include <atomic>
 #include <cstddef>
@@ -19,6 +20,10 @@ std::atomic<bool> fails_for_good{false};
 std::atomic<long> failing_number{0};
 std::atomic<long> allocations{0};
 thread_local bool asked_for_failures = false;
+
+[[maybe_unused]] std::atomic<bool> watching{false};
+std::atomic<long> held_bytes{0};
+std::atomic<long> most_bytes{0};
 
 bool must_fail() noexcept {
   const Failing where = failing.load(std::memory_order_acquire);
@@ -49,6 +54,16 @@ FailingHeap::~FailingHeap() {
 }
 
 bool FailingHeap::failed() const noexcept { return allocations >= number_; }
+
+HeapWatch::HeapWatch() noexcept {
+  held_bytes = 0;
+  most_bytes = 0;
+  watching = true;
+}
+
+HeapWatch::~HeapWatch() { watching = false; }
+
+long HeapWatch::peak_bytes() const noexcept { return most_bytes; }
 
 }  // namespace welkin::test
 
@@ -87,6 +102,21 @@ namespace {
 void count() noexcept {
   if (welkin::jobs::inside_tile()) allocated_in_tiles.fetch_add(1, std::memory_order_relaxed);
 }
+
+void* given(void* block) noexcept {
+  if (block == nullptr || !watching.load(std::memory_order_relaxed)) return block;
+  const auto bytes = static_cast<long>(malloc_usable_size(block));
+  const long held = held_bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
+  long most = most_bytes.load(std::memory_order_relaxed);
+  while (held > most && !most_bytes.compare_exchange_weak(most, held, std::memory_order_relaxed)) {
+  }
+  return block;
+}
+
+void taken(void* block) noexcept {
+  if (block == nullptr || !watching.load(std::memory_order_relaxed)) return;
+  held_bytes.fetch_sub(static_cast<long>(malloc_usable_size(block)), std::memory_order_relaxed);
+}
 }  // namespace
 
 extern "C" {
@@ -94,32 +124,38 @@ void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t number, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* block);
 
 void* malloc(std::size_t size) noexcept {
   count();
-  return __libc_malloc(size);
+  return given(__libc_malloc(size));
 }
 void* calloc(std::size_t number, std::size_t size) noexcept {
   count();
-  return __libc_calloc(number, size);
+  return given(__libc_calloc(number, size));
 }
 void* realloc(void* old, std::size_t size) noexcept {
   count();
-  return __libc_realloc(old, size);
+  taken(old);
+  return given(__libc_realloc(old, size));
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   count();
-  return __libc_memalign(alignment, size);
+  return given(__libc_memalign(alignment, size));
 }
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
   count();
-  return __libc_memalign(alignment, size);
+  return given(__libc_memalign(alignment, size));
 }
 int posix_memalign(void** to, std::size_t alignment, std::size_t size) noexcept {
   constexpr int out_of_memory = 12;  // ENOMEM
   count();
-  *to = __libc_memalign(alignment, size);
+  *to = given(__libc_memalign(alignment, size));
   return *to == nullptr ? out_of_memory : 0;
+}
+void free(void* block) noexcept {
+  taken(block);
+  __libc_free(block);
 }
 }
 

@@ -30,4 +30,17 @@ class FailingHeap {
   long number_;
 };
 
+/// While it lives, watches how much the program has from malloc beyond what it had before, on all threads. One at a
+/// time.
+class HeapWatch {
+ public:
+  HeapWatch() noexcept;
+  ~HeapWatch();
+  HeapWatch(const HeapWatch&) = delete;
+  HeapWatch& operator=(const HeapWatch&) = delete;
+
+  /// The most so far, bytes. Sanitizers bring a heap of their own: 0 under them.
+  [[nodiscard]] long peak_bytes() const noexcept;
+};
+
 }  // namespace welkin::test

@@ -40,6 +40,20 @@ TEST_CASE("Threads that want the same table build it once", "[tables]") {
   CHECK(built == 5);
 }
 
+TEST_CASE("What is looked for is found if it is there, and counts as used", "[tables]") {
+  tables::TableCache<int, Table> cache(100);
+  CHECK(cache.find(1) == nullptr);
+  const auto first = cache.get(1, [&] {
+    CHECK(cache.find(1) == nullptr);  // not yet, and nobody waits
+    return make(40);
+  });
+  cache.get(2, [] { return make(40); });
+  CHECK(cache.find(1) == first);  // now 2 is the oldest
+  cache.get(3, [] { return make(40); });
+  CHECK(cache.find(2) == nullptr);
+  CHECK(cache.find(1) == first);
+}
+
 TEST_CASE("The least recently used tables go when the bound is reached", "[tables]") {
   tables::TableCache<int, Table> cache(100);
   int built = 0;

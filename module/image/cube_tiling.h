@@ -1,0 +1,111 @@
+// A cube's texels as tiles of the plane of longitude and sine of latitude, where areas are solid angles.
+//
+// Edges of tiles run along longitudes and latitudes only, in steps: an edge of a texel that leads rather along a
+// latitude goes, from the longitude of its one end to that of the other, at its own mean height; one that leads rather
+// along a longitude, from the height of its one end to that of the other, at its own mean longitude; and both ends stay
+// where they are. (On the faces +-Y and at their borders in two such steps each: at the diagonals tiles' edges differ
+// in kind.) So neighbours share the edge still, tiles cover the sphere without gap or overlap, and each has its texel's
+// solid angle exactly. On the four side faces, whose columns are bounded by longitudes, a tile is a rectangle.
+//
+// It suffices to look at the faces +X or the like, from the middle to the right and upwards, and of +Y at the eighth
+// 0 <= u <= v: all else is mirrored or turned. Heights are -y, which rises with the rows of a lat-long.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace welkin::image {
+
+/// A piece of a tile's boundary, at one longitude from one height to another.
+struct TileSide {
+  double longitude;  ///< radians, from the middle of the face or from v's axis
+  double from;
+  double to;
+};
+
+class CubeTiling {
+ public:
+  explicit CubeTiling(int size);
+
+  [[nodiscard]] int size() const noexcept { return size_; }
+  /// Texels from the middle of a face on, the middle one included.
+  [[nodiscard]] int half() const noexcept { return half_; }
+
+  /// Where texel `index`, counted from the middle, begins: below 0 only for the middle one of an odd number.
+  [[nodiscard]] double edge(int index) const noexcept { return static_cast<double>(2 * index - size_ % 2) / size_; }
+  /// The longitude of that on a side face.
+  [[nodiscard]] double longitude(int index) const noexcept { return longitudes_[static_cast<std::size_t>(index)]; }
+
+  /// Side faces: the mean heights of line `line` (from the top, 0 to half()) over each column, half() of them.
+  void side_heights(int line, double* heights) const noexcept;
+
+  /// A column's stretch of the border between a side face and +Y, in two steps.
+  struct Border {
+    double middle;  ///< longitude
+    double first_height;
+    double second_height;
+  };
+  [[nodiscard]] Border border(int column) const noexcept;
+
+ private:
+  int size_;
+  int half_;
+  std::vector<double> longitudes_;
+};
+
+/// Row after row of the eighth of +Y, from the pole outwards.
+class PolarRow {
+ public:
+  explicit PolarRow(const CubeTiling& tiling);
+
+  /// Texels (column, row), column <= row, in the first row's case (0, 0). Rows must be placed in rising order from any
+  /// one on.
+  void place(int row);
+
+  /// Most sides that a tile has.
+  static constexpr int kMostSides = 10;
+
+  /// The sides of a tile, whose sum of longitude (to - from) is its solid angle; how many there are. Not for the middle
+  /// texel of an odd number, which has no boundary in longitude.
+  int sides(int column, TileSide* sides) const noexcept;
+
+  /// The height of the line beyond the row over a column: the middle texel's tile is what lies above that of column 0.
+  [[nodiscard]] double outer_height(int column) const noexcept {
+    const auto k = static_cast<std::size_t>(column);
+    return 0.5 * (outer_.first_heights[k] + outer_.second_heights[k]);
+  }
+
+ private:
+  /// What lies on a line of constant v: its points with the columns' edges and middles, and the mean heights between.
+  struct Line {
+    std::vector<double> longitudes;
+    std::vector<double> point_heights;
+    std::vector<double> middles;  ///< longitudes
+    std::vector<double> first_heights;
+    std::vector<double> second_heights;
+  };
+
+  /// The part of a column's edge that lies in the row, in two halves.
+  struct Upright {
+    double inner_longitude;
+    double outer_longitude;
+    double middle_height;
+  };
+
+  void fill_line(int index, Line& line) const noexcept;
+
+  const CubeTiling& tiling_;
+  int row_ = -2;
+  Line inner_;
+  Line outer_;
+  /// An end of a column's edge in a row: y, and the integral of longitude over y up to there.
+  struct End {
+    double y;
+    double integral;
+  };
+
+  std::vector<Upright> uprights_;  ///< of the columns' edges
+  std::vector<End> outer_ends_;    ///< at the row's outer line
+};
+
+}  // namespace welkin::image

@@ -1,0 +1,67 @@
+// Cubemaps with mips to write to files: every texel of every level unlike the others.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "welkin/cubemap_chain.h"
+
+namespace welkin::test {
+
+inline std::size_t face_values(const CubemapChain& chain, int level) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  return 3 * edge * edge;
+}
+
+/// Noise from 2^-`octaves` to 2^`octaves`, as many in each octave.
+inline CubemapChain noisy_chain(int size, int levels, int octaves = 6, unsigned seed = 1) {
+  CubemapChain chain(size, levels);
+  std::mt19937 random(seed);
+  for (int level = 0; level < levels; ++level) {
+    for (int face = 0; face < 6; ++face) {
+      float* to = chain.face(level, face);
+      for (std::size_t i = 0; i < face_values(chain, level); ++i) {
+        const int exponent = static_cast<int>(random() % static_cast<unsigned>(2 * octaves)) - octaves;
+        to[i] = std::ldexp(1.0F + static_cast<float>(random() % 65536U) / 65536.0F, exponent);
+      }
+    }
+  }
+  return chain;
+}
+
+/// The chain after each value went through `change`.
+template <class Change>
+CubemapChain changed(const CubemapChain& chain, const Change& change) {
+  CubemapChain result(chain.size(), chain.levels());
+  for (int level = 0; level < chain.levels(); ++level) {
+    for (int face = 0; face < 6; ++face) {
+      for (std::size_t i = 0; i < face_values(chain, level); ++i) {
+        result.face(level, face)[i] = change(chain.face(level, face)[i]);
+      }
+    }
+  }
+  return result;
+}
+
+/// Calls `compare(a, b)` with the values of both chains, in order; false if they have not the same shape or it was ever
+/// false.
+template <class Compare>
+bool all_values(const CubemapChain& a, const CubemapChain& b, const Compare& compare) {
+  if (a.size() != b.size() || a.levels() != b.levels()) return false;
+  for (int level = 0; level < a.levels(); ++level) {
+    for (int face = 0; face < 6; ++face) {
+      for (std::size_t i = 0; i < face_values(a, level); ++i) {
+        if (!compare(a.face(level, face)[i], b.face(level, face)[i])) return false;
+      }
+    }
+  }
+  return true;
+}
+
+inline bool same_bits(const CubemapChain& a, const CubemapChain& b) {
+  return all_values(a, b, [](float x, float y) { return std::memcmp(&x, &y, sizeof x) == 0; });
+}
+
+}  // namespace welkin::test
