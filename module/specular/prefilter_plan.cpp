@@ -1,0 +1,127 @@
+#include "specular/prefilter_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "image/check_views.h"
+#include "sh/check_arguments.h"
+#include "specular/spectrum.h"
+#include "welkin/error.h"
+#include "welkin/roughness.h"
+
+namespace welkin::specular {
+namespace {
+
+constexpr int kLargestSize = 8192;
+constexpr int kMostSamples = 1 << 20;
+constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
+constexpr double kLeastMaximumError = 1e-5;
+
+[[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
+
+std::string text(double value) { return std::to_string(value); }
+
+void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
+  if (!(value > 0.0 && value <= 1.0))
+    refuse(ErrorCode::invalid_argument, std::string(what) + " is " + text(value) + "; it must be above 0, at most 1");
+  if (value >= least || method == PrefilterMethod::reference || method == PrefilterMethod::sampled) return;
+  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
+                                        " is more than float arithmetic gives; the reference method has no bound");
+}
+
+std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
+  if (options.roughness.empty()) return roughness_of_mips(RoughnessSchedule::linear, mips, options.size);
+  if (options.roughness.size() < static_cast<std::size_t>(mips)) {
+    refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but roughness names " +
+                                            std::to_string(options.roughness.size()) + "; it needs one for each mip");
+  }
+  for (std::size_t mip = 0; mip < static_cast<std::size_t>(mips); ++mip) {
+    const double roughness = options.roughness[mip];
+    if (roughness >= 0.0 && roughness <= 1.0) continue;
+    refuse(ErrorCode::invalid_argument,
+           "roughness of mip " + std::to_string(mip) + " is " + text(roughness) + "; it must be from 0 to 1");
+  }
+  return options.roughness;
+}
+
+int mips_of(const PrefilterOptions& options) {
+  const int whole = full_chain_levels(options.size);
+  const int mips = options.mips != 0           ? options.mips
+                   : options.roughness.empty() ? whole
+                                               : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  if (mips >= 1 && mips <= whole) return mips;
+  refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips; a cubemap of " + std::to_string(options.size) +
+                                          " texels along an edge has 1 to " + std::to_string(whole));
+}
+
+void choose_method(const PrefilterOptions& options, double reach, MipPlan& mip) {
+  if (mip.copy) return;
+  mip.method = options.method == PrefilterMethod::automatic ? PrefilterMethod::spectral : options.method;
+  if (mip.method != PrefilterMethod::spectral) return;
+  const int bands = bands_for(mip.alpha, reach);
+  if (bands <= kMaximumSpectrumBands) {
+    mip.bands = choose_bands(mip.alpha, reach, kMaximumSpectrumBands);
+  } else if (options.method == PrefilterMethod::automatic) {
+    mip.method = PrefilterMethod::sampled;
+  } else {
+    refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
+                                          " harmonic bands, " + std::to_string(kMaximumSpectrumBands) +
+                                          " are possible; take another method, or automatic");
+  }
+}
+
+}  // namespace
+
+double PrefilterPlan::least_alpha() const noexcept {
+  double least = 1.0;
+  for (const MipPlan& mip : mips) {
+    if (mip.bands.bands() > 0) least = std::min(least, mip.alpha);
+  }
+  return least;
+}
+
+int PrefilterPlan::rows_for_cubemap(int size) const noexcept {
+  const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha()), 64.0, 2048.0);
+  const int least = size <= 512 ? 2 : 1;  // a ring's texel blurs too
+  return 2 * size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * size))));
+}
+
+double PrefilterPlan::loss_at_peak() const noexcept {
+  double loss = 0.0;
+  for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
+  return loss;
+}
+
+PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  if (options.mips < 0) image::require_range("mips", options.mips, 0, full_chain_levels(options.size));
+  if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
+    refuse(ErrorCode::invalid_argument,
+           "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
+  }
+  check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
+  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
+  image::require_range("samples", options.samples, 1, kMostSamples);
+  sh::check_options(options.pixels);
+  const int mips = mips_of(options);
+  const std::vector<double> roughness = roughness_of(options, mips);
+  PrefilterPlan plan;
+  plan.reach = reach_for(options.rms_error, options.maximum_error);
+  for (int level = 0; level < mips; ++level) {
+    MipPlan mip;
+    mip.size = std::max(1, options.size >> level);
+    mip.roughness = roughness[static_cast<std::size_t>(level)];
+    mip.alpha = mip.roughness * mip.roughness;
+    mip.copy = mip.alpha < kLeastAlpha;
+    choose_method(options, plan.reach, mip);
+    plan.bands = std::max(plan.bands, mip.bands.bands());
+    plan.sampled = plan.sampled || (!mip.copy && mip.method == PrefilterMethod::sampled);
+    plan.mips.push_back(std::move(mip));
+  }
+  return plan;
+}
+
+}  // namespace welkin::specular

@@ -1,0 +1,73 @@
+// What the prefilter's tests share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "image/texel_geometry.h"
+#include "support/same_bits.h"
+#include "welkin/cubemap_chain.h"
+#include "welkin/specular.h"
+
+namespace welkin::test {
+
+inline std::size_t level_values(const CubemapChain& chain, int level) {
+  return std::size_t{18} * static_cast<std::size_t>(chain.level_size(level)) *
+         static_cast<std::size_t>(chain.level_size(level));
+}
+
+/// All values of a level: the six faces lie one after the other.
+inline std::span<const float> level_of(const CubemapChain& chain, int level) {
+  return {chain.face(level, 0), level_values(chain, level)};
+}
+
+inline bool same_bits(const CubemapChain& a, const CubemapChain& b) {
+  if (a.size() != b.size() || a.levels() != b.levels()) return false;
+  for (int level = 0; level < a.levels(); ++level) {
+    if (!same_bytes(level_of(a, level), level_of(b, level))) return false;
+  }
+  return true;
+}
+
+/// Directions of the centres of all texels of a level.
+inline std::vector<glm::dvec3> centres(int size) {
+  std::vector<glm::dvec3> directions;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column)
+        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
+    }
+  }
+  return directions;
+}
+
+struct LevelError {
+  double rms = 0.0;      ///< relative to the rms of the truth
+  double maximum = 0.0;  ///< of |x - t| / t
+};
+
+/// Of every `step`-th texel against `truth` there.
+inline LevelError level_error(const CubemapChain& chain, int level, const std::vector<glm::dvec3>& truth,
+                              std::size_t step = 1) {
+  const float* const rgb = chain.face(level, 0);
+  LevelError error;
+  double squares = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const double t = truth[k][c];
+      const double off = std::abs(static_cast<double>(rgb[3 * k * step + static_cast<std::size_t>(c)]) - t);
+      squares += off * off;
+      whole += t * t;
+      error.maximum = std::max(error.maximum, off / std::max(std::abs(t), 1e-30));
+    }
+  }
+  error.rms = std::sqrt(squares / whole);
+  return error;
+}
+
+}  // namespace welkin::test
