@@ -26,14 +26,20 @@ find_package(OpenEXR REQUIRED)
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
 find_package(SPNG REQUIRED)
 
+# Packed levels of KTX2 textures. (zlib1g-dev, libzstd-dev) cmake/FindZSTD.cmake: one target, whichever way it was built.
+find_package(ZLIB REQUIRED)
+find_package(ZSTD REQUIRED)
+
+# Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
+find_package(WebP REQUIRED)
+
+# JSON: the manifest of .env files; the command's output, recorded test values, reports. Headers only, and in no header
+# of ours. (nlohmann-json3-dev)
+find_package(nlohmann_json REQUIRED)
+
 if(WELKIN_TOOLS OR WELKIN_EXAMPLES)
   # The command line. Headers only. (libcli11-dev)
   find_package(CLI11 REQUIRED)
-endif()
-
-if(WELKIN_TOOLS OR WELKIN_TESTS OR WELKIN_PERF)
-  # JSON in the command's output, in recorded test values and in reports. Headers only. (nlohmann-json3-dev)
-  find_package(nlohmann_json REQUIRED)
 endif()
 
 if(WELKIN_TESTS)

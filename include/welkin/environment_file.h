@@ -1,6 +1,7 @@
 // Environments in files: what one is, what is in it, and its light.
 //
-// Read here: OpenEXR, Radiance .hdr, PFM and PNG; environment_writer.h writes them.
+// Read here: OpenEXR, Radiance .hdr, PFM and PNG; environment_writer.h writes them. And cubemaps with their levels in
+// KTX2, DDS (texture_file.h) and Babylon.js .env files (babylon_environment.h; here in Welkin's axes).
 #pragma once
 
 #include <array>
@@ -83,7 +84,7 @@ struct LevelInfo {
 /// What a file's header says; no pixel is read for it.
 struct EnvironmentInfo {
   std::filesystem::path path;
-  std::string format;                 ///< "OpenEXR", "Radiance", "PFM" or "PNG"
+  std::string format;                 ///< "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS" or "Babylon.js .env"
   std::string compression;            ///< "none", "zip", "piz", ... as OpenEXR has them; "rle", "old rle"; "deflate"
   std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
   Layout layout = Layout::lat_long;   ///< as told from header or shape, or as it was asked for; never automatic
@@ -159,7 +160,12 @@ struct Environment {
 ///
 /// With `target_size`, and `ReadOptions::level` at 0, a file that has a mip chain is read at the level that is
 /// nearest to the target in log2 (a face's edge against the target, a lat-long's width against four times it)
-/// instead of being reduced; the pass "reduce" then says "reuse" and which level.
+/// instead of being reduced; the pass "reduce" then says "reuse" and which level. Not so where the levels are
+/// prefiltered for reflections: in .env files, in KTX2 and OpenEXR files whose metadata speaks of roughness, and in DDS
+/// files, which cannot say.
+///
+/// An .env file's polynomial is taken as it is stored (the pass "project" says "reuse"): its pixels are clipped at 255,
+/// and it is not. With more than three bands, or another level, its pixels are projected after all.
 [[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
                                       const ProjectionOptions& options = {}, const Control& control = {});
 

@@ -11,6 +11,7 @@
 #include "codec/exr_stream.h"
 #include "codec/exr_windows.h"
 #include "codec/layout.h"
+#include "codec/roughness_key.h"
 
 namespace welkin::codec {
 namespace {
@@ -139,6 +140,13 @@ std::uint64_t bytes_of_headers(const ExrParts& parts) {
   return kTimes * parts.header_bytes;
 }
 
+bool has_roughness(const Imf::Header& header) {
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+    if (speaks_of_roughness(attribute.name())) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 ExrPicture inspect_exr(ByteFile& file, const ReadOptions& options) {
@@ -159,6 +167,7 @@ ExrPicture inspect_exr(ByteFile& file, const ReadOptions& options) {
     decide_exr_layout(picture, part.header, options.layout);
     choose_level(picture, part, options.level);
     measure_units(picture, part.header);
+    picture.prefiltered = has_roughness(part.header);
     picture.to_rec709 = exr_colour_matrix(picture.info, part.header, picture.channels.kind, options.primaries);
     return picture;
   });

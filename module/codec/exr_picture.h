@@ -24,6 +24,7 @@ struct ExrPicture {
   int level = 0;  ///< (level, level) of a mip or rip map
   ExrChannels channels;
   std::optional<glm::dmat3> to_rec709;
+  bool prefiltered = false;  ///< an attribute speaks of roughness
   bool cube_frames = false;  ///< a strip whose faces are turned as OpenEXR's envmap attribute means them
   int first_column = 0;      ///< the data window's left and top, in the file's coordinates
   int first_row = 0;

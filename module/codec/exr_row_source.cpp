@@ -164,6 +164,7 @@ class ExrSource final : public RowSource {
   }
 
   [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
+  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
 
   // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
   // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.

@@ -1,39 +1,21 @@
 // OpenEXR: R, G, B as half or float, scanlines, ZIP.
-#include <Iex.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <half.h>
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <vector>
 
-#include "codec/byte_file.h"
+#include "codec/exr_output.h"
 #include "codec/output_picture.h"
 
 namespace welkin::codec {
 namespace {
 
 constexpr int kBlockRows = 16;  // that ZIP compresses together
-constexpr float kLargestHalf = 65504.0F;
-
-class ExrOutputStream final : public Imf::OStream {
- public:
-  /// `file` outlives the stream.
-  explicit ExrOutputStream(OutputFile& file) : Imf::OStream(file.path().string().c_str()), file_(file) {}
-
-  void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
-  std::uint64_t tellp() override { return file_.position(); }
-  void seekp(std::uint64_t position) override { file_.seek(position); }
-
- private:
-  OutputFile& file_;
-};
 
 Imf::Header make_header(const OutputPicture& picture, const WriteJob& job) {
   Imf::Header header(picture.width(), picture.height());
@@ -68,22 +50,6 @@ struct Block {
   }
 };
 
-void convert(const float* from, std::size_t count, float* to, std::uint64_t& /*clamped*/) {
-  std::copy_n(from, count, to);
-}
-
-// What is finite stays finite: above the largest half, rounding would make it infinite. NaN and infinities stay.
-void convert(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) {
-  for (std::size_t i = 0; i < count; ++i) {
-    float value = from[i];
-    if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
-      value = std::copysign(kLargestHalf, value);
-      ++clamped;
-    }
-    to[i] = Imath::half(value);
-  }
-}
-
 template <typename Value>
 std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Imf::OutputFile& file) {
   const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(picture.width());
@@ -95,7 +61,8 @@ std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Im
     const int rows = std::min(kBlockRows, picture.height() - first);
     for (int row = 0; row < rows; ++row) {
       picture.read_row(first + row, rgb.data());
-      convert(rgb.data(), row_values, block.values.data() + static_cast<std::size_t>(row) * row_values, clamped);
+      convert_for_exr(rgb.data(), row_values, block.values.data() + static_cast<std::size_t>(row) * row_values,
+                      clamped);
     }
     file.setFrameBuffer(block.frame_buffer(picture.width(), first));
     file.writePixels(rows);
@@ -113,19 +80,8 @@ std::uint64_t write_with_library(const OutputPicture& picture, const WriteJob& j
 
 }  // namespace
 
-// OpenEXR's file object writes its table of offsets when it is destroyed and swallows what goes wrong there. A stream
-// that failed once fails again in `OutputFile::finish`.
 std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job) {
-  try {
-    return write_with_library(picture, job);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const Iex::BaseExc& failure) {
-    throw file_error(ErrorCode::file_access, job.file.path(),
-                     std::string("could not be written; OpenEXR says: ") + printable(failure.what()));
-  }
+  return write_exr_with_library(job.file, [&] { return write_with_library(picture, job); });
 }
 
 }  // namespace welkin::codec

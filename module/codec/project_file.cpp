@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "codec/layout.h"
 #include "codec/read_environment.h"
 #include "codec/row_groups.h"
+#include "codec/stop.h"
 #include "jobs/tiles.h"
 #include "sh/check_arguments.h"
 #include "sh/error_estimate.h"
@@ -133,6 +136,34 @@ Projection project_level(const std::filesystem::path& path, const EnvironmentInf
   return projection;
 }
 
+/// The light that the file stores, if it is all that was asked for.
+std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, const ProjectionOptions& options) {
+  std::optional<SphericalHarmonics> stored = source.stored_radiance();
+  return stored && options.bands <= stored->bands() ? std::move(stored) : std::nullopt;
+}
+
+Projection reused(const RowSource& source, const SphericalHarmonics& radiance, const ProjectionOptions& options,
+                  const Control& control) {
+  throw_if_stopped(control.stop);
+  constexpr double six_digits = 1e-5;  // of the constants that such a polynomial is made with
+  Projection projection;
+  projection.radiance = SphericalHarmonics(options.bands);
+  for (int l = 0; l < options.bands; ++l) {
+    for (int m = -l; m <= l; ++m) projection.radiance.at(l, m) = radiance.at(l, m);
+  }
+  projection.diagnostics.flux = radiance.at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+  projection.diagnostics.flux_before_clamp = projection.diagnostics.flux;
+  projection.diagnostics.error_estimate = six_digits;
+  put_first(projection,
+            {{"read", "run", kind_of(source.info()) + "; the manifest alone", 0.0},
+             {"project", "reuse",
+              "the polynomial that the file stores, in full where its pixels are clipped; no clamp, gamma or policy "
+              "applies to it",
+              0.0}});
+  if (control.progress) control.progress(1.0);
+  return projection;
+}
+
 }  // namespace
 
 std::optional<int> level_for_target(const EnvironmentInfo& info, const ProjectionOptions& options) {
@@ -164,7 +195,10 @@ Projection project_file(const std::filesystem::path& path, const ReadOptions& re
                         const ProjectionOptions& options, const Control& control) {
   sh::check_options(options);
   const auto source = codec::open_row_source(path, read_options);
-  if (read_options.level == 0) {
+  if (std::optional<SphericalHarmonics> radiance = codec::reusable_radiance(*source, options)) {
+    return codec::reused(*source, *std::move(radiance), options, control);
+  }
+  if (read_options.level == 0 && !source->has_prefiltered_levels()) {
     if (const std::optional<int> level = codec::level_for_target(source->info(), options)) {
       return codec::project_level(path, source->info(), *level, read_options, options, control);
     }

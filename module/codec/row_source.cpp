@@ -6,11 +6,15 @@
 #include <system_error>
 
 #include "codec/byte_file.h"
+#include "codec/env_manifest.h"
+#include "codec/env_row_source.h"
 #include "codec/exr_row_source.h"
 #include "codec/hdr_row_source.h"
 #include "codec/pfm_row_source.h"
 #include "codec/png_row_source.h"
 #include "codec/six_files_source.h"
+#include "codec/texture_layout.h"
+#include "codec/texture_row_source.h"
 
 namespace welkin::codec {
 namespace {
@@ -24,9 +28,10 @@ struct Signature {
 
 // What people are likely to hand in instead, so that the refusal can name it.
 constexpr std::array kOtherKinds{
-    Signature{"\xff\xd8\xff"sv, "a JPEG"}, Signature{"II*\0"sv, "a TIFF"},
-    Signature{"MM\0*"sv, "a TIFF"},        Signature{"\xabKTX"sv, "a KTX texture"},
-    Signature{"DDS "sv, "a DDS texture"},  Signature{"\x86\x16\x87\x96\xf6\xd6\x96\x36"sv, "a Babylon.js .env"},
+    Signature{"\xff\xd8\xff"sv, "a JPEG"},
+    Signature{"II*\0"sv, "a TIFF"},
+    Signature{"MM\0*"sv, "a TIFF"},
+    Signature{"RIFF"sv, "a WebP, or another RIFF file"},
 };
 
 std::string_view first_bytes(ByteFile& file, std::array<char, 8>& buffer) {
@@ -42,8 +47,9 @@ std::string_view first_bytes(ByteFile& file, std::array<char, 8>& buffer) {
   const std::string found = start.empty()                ? "is empty"
                             : known != kOtherKinds.end() ? std::string("is ") + known->kind
                                                          : "is of no kind that is known here";
-  throw file_error(ErrorCode::unsupported_file, path,
-                   found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm) and PNG are read: convert it");
+  throw file_error(
+      ErrorCode::unsupported_file, path,
+      found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, DDS and .env are read: convert it");
 }
 
 }  // namespace
@@ -63,6 +69,12 @@ std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const
   }
   if (start.starts_with("\x89PNG"sv)) {
     return open_png(file, options);
+  }
+  if (is_texture(file)) {
+    return open_texture(file, options);
+  }
+  if (is_env(file)) {
+    return open_env(file, options);
   }
   refuse(path, start);
 }

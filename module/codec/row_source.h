@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "welkin/environment_file.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::codec {
 
@@ -49,6 +51,12 @@ class RowSource {
   /// Whether the picture is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
   /// hand out the rows as they are in the file all the same.
   [[nodiscard]] virtual bool has_openexr_cube_frames() const { return false; }
+
+  /// Whether the smaller levels are blurred for reflections, so that none of them stands for the picture.
+  [[nodiscard]] virtual bool has_prefiltered_levels() const { return false; }
+
+  /// Three bands of radiance that the file stores beside the picture, in Welkin's axes.
+  [[nodiscard]] virtual std::optional<SphericalHarmonics> stored_radiance() const { return std::nullopt; }
 
   /// An upper bound, by the header alone, on what one reader holds in memory.
   [[nodiscard]] virtual std::uint64_t reader_bytes() const = 0;

@@ -45,11 +45,12 @@ TEST_CASE("other formats are refused by their names", "[codec]") {
   const test::TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.pic");
   const ErrorCode code = ErrorCode::unsupported_file;
-  const std::string remedy = "OpenEXR (.exr), Radiance (.hdr), PFM (.pfm) and PNG are read: convert it";
+  const std::string remedy =
+      "OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, DDS and .env are read: convert it";
   check_text(path, "", code, "is empty", remedy);
   check_text(path, "\xff\xd8\xff\xe0 JFIF", code, "a JPEG", remedy);
-  check_text(path, "DDS |", code, "a DDS", remedy);
-  check_text(path, "\xabKTX 20", code, "a KTX", remedy);
+  check_text(path, "RIFF1234WEBP", code, "a WebP", remedy);
+  check_text(path, "\xabKTX 11\xbb\r\n\x1a\n", code, "a KTX", "not of version 2.0; convert it");
   check_text(path, "good morning", code, "is of no kind that is known here", remedy);
 }
 

@@ -156,7 +156,6 @@ TEST_CASE("the shared pictures that are not read are refused by what they are", 
     CHECK(error.says(path.string() + ": "));
     CHECK(error.says(found));
   };
-  check(kPictures / "cube" / "babylon_lebombo_64_webp.env", "is a Babylon.js .env");
   check(kPictures / "cube" / "open3d_park_ibl.ktx", "is a KTX texture");
 }
 

@@ -1,48 +1,13 @@
 #include "fuzzed_file.h"
+#include "png_checksums.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t count, std::size_t most);
-
-namespace {
-
-std::uint32_t big_endian(const std::uint8_t* bytes) {
-  return std::uint32_t{bytes[0]} << 24U | std::uint32_t{bytes[1]} << 16U | std::uint32_t{bytes[2]} << 8U | bytes[3];
-}
-
-std::uint32_t checksum(const std::uint8_t* bytes, std::size_t count) {
-  std::uint32_t sum = 0xffffffffU;
-  for (std::size_t i = 0; i < count; ++i) {
-    sum ^= bytes[i];
-    for (int bit = 0; bit < 8; ++bit) {
-      sum = sum >> 1U ^ ((sum & 1U) != 0 ? 0xedb88320U : 0U);
-    }
-  }
-  return ~sum;
-}
-
-// Nearly no change to a chunk keeps its checksum, and behind a wrong one nothing is read.
-void mend_checksums(std::uint8_t* bytes, std::size_t count) {
-  constexpr std::size_t kSignature = 8;
-  constexpr std::size_t kAroundData = 12;  // length, type, checksum
-  for (std::size_t place = kSignature; count >= kAroundData && place <= count - kAroundData;) {
-    const std::size_t length = big_endian(bytes + place);
-    if (length > count - place - kAroundData) {
-      return;
-    }
-    const std::uint32_t sum = checksum(bytes + place + 4, 4 + length);
-    for (unsigned i = 0; i < 4; ++i) {
-      bytes[place + 8 + length + i] = static_cast<std::uint8_t>(sum >> (24U - 8U * i));
-    }
-    place += length + kAroundData;
-  }
-}
-
-}  // namespace
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t count, std::size_t most,
                                                unsigned seed) {
   const std::size_t changed = LLVMFuzzerMutate(bytes, count, most);
   if (seed % 8 != 0) {
-    mend_checksums(bytes, changed);
+    welkin::fuzz::mend_png_checksums(bytes, changed);
   }
   return changed;
 }

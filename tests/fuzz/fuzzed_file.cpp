@@ -6,11 +6,15 @@
 #include <cstdlib>
 #include <string>
 
+#include "welkin/babylon_environment.h"
 #include "welkin/environment_file.h"
 #include "welkin/error.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::fuzz {
 namespace {
+
+constexpr std::uint64_t kMemoryLimit = std::uint64_t{8} << 20U;
 
 // A few bytes of run-length codes may stand for thousands of millions of texels. To stream them takes no memory, but
 // the time that it takes is theirs, and no hang.
@@ -42,10 +46,12 @@ void use_as_file(const std::uint8_t* bytes, std::size_t count) {
   const int descriptor = file_in_memory();
   replace_content(descriptor, bytes, count);
   const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
+  expect_result_or_error([&] { (void)read_texture(path, kMemoryLimit); });
+  expect_result_or_error([&] { (void)read_babylon_environment(path, kMemoryLimit); });
   for (const Layout layout : {Layout::automatic, Layout::lat_long}) {
     ReadOptions options;
     options.layout = layout;
-    options.memory_limit_bytes = std::uint64_t{8} << 20U;
+    options.memory_limit_bytes = kMemoryLimit;
     EnvironmentInfo info;
     expect_result_or_error([&] { info = inspect_environment(path, options); });
     expect_result_or_error([&] { (void)read_environment(path, options); });

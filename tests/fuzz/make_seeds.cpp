@@ -1,15 +1,19 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env DIRECTORY
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
 #include <cstdio>
 #include <string>
 
+#include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
+#include "support/webp_env.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/texture_file.h"
 
 namespace {
 
@@ -139,6 +143,42 @@ void make_png_seeds(const std::filesystem::path& directory) {
   }
 }
 
+void make_texture_seeds(const std::filesystem::path& directory, const std::string& extension) {
+  int count = 0;
+  for (const TexelFormat format :
+       {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11, TexelFormat::e5b9g9r9}) {
+    for (const Supercompression packing : {Supercompression::none, Supercompression::zlib, Supercompression::zstd}) {
+      if (extension == ".dds" && packing != Supercompression::none) continue;
+      for (const int size : {1, 4, 5}) {
+        TextureOptions options{format, packing, {}};
+        if (count % 2 == 1) options.metadata = {{"roughness", "0 1"}, {"note", "seed"}};
+        const CubemapChain chain = test::noisy_chain(size, count % 3 == 0 ? 1 : full_chain_levels(size));
+        write_texture(directory / ("seed" + std::to_string(count++) + extension), chain.views(), options);
+      }
+    }
+  }
+}
+
+void make_env_seeds(const std::filesystem::path& directory) {
+  int count = 0;
+  for (const int size : {1, 2, 8}) {
+    for (const int irradiance : {-1, 0, 3}) {  // -1: not even a polynomial
+      BabylonEnvironment environment;
+      environment.specular = test::noisy_chain(size, full_chain_levels(size));
+      if (irradiance >= 0) environment.polynomial = BabylonPolynomial{};
+      if (irradiance > 0) {
+        const CubemapChain chain = test::noisy_chain(irradiance, 1);
+        environment.irradiance = {irradiance, {chain.face(0, 0), chain.face(0, 0) + 6 * test::face_values(chain, 0)}};
+        environment.dominant_direction = glm::dvec3(0.0, 1.0, 0.0);
+      }
+      const std::filesystem::path path = directory / ("seed" + std::to_string(count) + ".env");
+      write_babylon_environment(path, environment);
+      test::write_bytes(directory / ("webp" + std::to_string(count++) + ".env"),
+                        test::with_webp_pictures(test::read_bytes(path)));
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -152,8 +192,12 @@ int main(int argument_count, char** arguments) {
     make_pfm_seeds(arguments[2]);
   } else if (format == "png") {
     make_png_seeds(arguments[2]);
+  } else if (format == "ktx2" || format == "dds") {
+    make_texture_seeds(arguments[2], "." + format);
+  } else if (format == "env") {
+    make_env_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

@@ -1,0 +1,28 @@
+// Floats of few bits, as graphics APIs define them, each rounded to the nearest value that there is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace welkin::codec {
+
+inline constexpr float kLargestHalf = 65504.0F;
+inline constexpr float kLargestFloat11 = 65024.0F;      ///< 6 bits of mantissa
+inline constexpr float kLargestFloat10 = 64512.0F;      ///< 5 bits of mantissa
+inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
+
+/// IEEE 754 binary16, ties to even. `value`: finite, magnitude at most `kLargestHalf`.
+[[nodiscard]] std::uint16_t half_from_float(float value) noexcept;
+
+/// VK_FORMAT_B10G11R11_UFLOAT_PACK32: red in bits 0 to 10, green 11 to 21, blue 22 to 31, ties to even.
+/// Finite values from 0 to the largest of each.
+[[nodiscard]] std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_b10g11r11(std::uint32_t texel) noexcept;
+
+/// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32: mantissas of red in bits 0 to 8, green 9 to 17, blue 18 to 26, one exponent in 27
+/// to 31; a value is mantissa x 2^(exponent - 24). By the formulas of the Vulkan specification ("RGB to shared exponent
+/// conversion"): halves are rounded up. Finite values from 0 to `kLargestSharedFloat`.
+[[nodiscard]] std::uint32_t pack_e5b9g9r9(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_e5b9g9r9(std::uint32_t texel) noexcept;
+
+}  // namespace welkin::codec

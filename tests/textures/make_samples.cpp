@@ -1,0 +1,92 @@
+// Writes one file of each kind for other programs to read: texture_samples DIRECTORY
+//
+// Beside them chain.f32: the cubemap's floats, level after level, face after face, rows from the top, RGB; and
+// lat_long.f32. Values are halves, from 2^-6 to 2^7, so that half formats hold them exactly.
+#include <Imath/half.h>
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "support/chains.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/environment_writer.h"
+#include "welkin/texture_file.h"
+
+namespace {
+
+using namespace welkin;
+
+constexpr int kSize = 8;
+
+float as_half(float value) { return static_cast<float>(Imath::half(value)); }
+
+void write_floats(const std::filesystem::path& path, const float* values, std::size_t count) {
+  std::ofstream stream(path, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(float)));
+}
+
+void write_textures(const std::filesystem::path& directory, const CubemapChain& chain) {
+  const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::rgba16f, "rgba16f"},
+                                                         {TexelFormat::rgba32f, "rgba32f"},
+                                                         {TexelFormat::b10g11r11, "b10g11r11"},
+                                                         {TexelFormat::e5b9g9r9, "e5b9g9r9"}};
+  const std::pair<Supercompression, const char*> packings[] = {
+      {Supercompression::none, ""}, {Supercompression::zlib, "_zlib"}, {Supercompression::zstd, "_zstd"}};
+  for (const auto& [format, name] : formats) {
+    for (const auto& [packing, suffix] : packings) {
+      write_texture(directory / (std::string(name) + suffix + ".ktx2"), chain.views(),
+                    {format, packing, {{"roughness", "0 0.25 1"}}});
+    }
+    write_texture(directory / (std::string(name) + ".dds"), chain.views(), {format});
+  }
+  for (const char* name : {"picture.ktx2", "picture.dds"}) {
+    write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
+  }
+  write_texture_2d(directory / "picture_zstd.ktx2", 16, 8, chain.face(0, 0),
+                   {TexelFormat::rgba32f, Supercompression::zstd, {}});
+  write_texture(directory / "half.exr", chain.views(), {TexelFormat::rgba16f});
+  write_texture(directory / "float.exr", chain.views(), {TexelFormat::rgba32f});
+}
+
+void write_env(const std::filesystem::path& directory, const CubemapChain& chain) {
+  BabylonEnvironment environment;
+  environment.specular = test::changed(chain, [](float value) { return value; });
+  environment.polynomial =
+      BabylonPolynomial{{1, 2, 3}, {-0.1, 0.2, 0.3}, {0, 0, 1e-9},       {4, 5, 6},   {1.0 / 3.0, 0.25, 1e10},
+                        {7, 8, 9}, {0.5, 1, -2},     {0.125, 0.0625, 3}, {11, 12, 13}};
+  environment.irradiance = {kSize, {chain.face(0, 0), chain.face(0, 0) + 18 * kSize * kSize}};
+  environment.dominant_direction = glm::dvec3(0.6, 0.0, -0.8);
+  write_babylon_environment(directory / "sky.env", environment);
+}
+
+int run(const std::filesystem::path& directory) {
+  std::filesystem::create_directories(directory);
+  const CubemapChain chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
+  write_floats(directory / "chain.f32", chain.face(0, 0), chain.bytes() / sizeof(float));
+  write_textures(directory, chain);
+  write_env(directory, chain);
+  // A level's 6 N x N texels make a lat-long too: 16 x 8 from the first 128 of them.
+  const LatLongView lat_long{chain.face(0, 0), 16, 8, 0, PixelFormat::rgb_f32};
+  write_environment(directory / "lat_long.exr", lat_long);
+  write_environment(directory / "lat_long.hdr", lat_long);
+  write_floats(directory / "lat_long.f32", chain.face(0, 0), std::size_t{3} * 16 * 8);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  if (argument_count != 2) {
+    std::fputs("usage: texture_samples DIRECTORY\n", stderr);
+    return 2;
+  }
+  try {
+    return run(arguments[1]);
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "texture_samples: %s\n", failure.what());
+    return 1;
+  }
+}

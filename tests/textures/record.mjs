@@ -1,0 +1,222 @@
+// Asks other programs' readers what is in the files that texture_samples wrote, and compares with what went in.
+//
+//   node record.mjs --modules DIR --check SAMPLES     DIR holds node_modules (npm ci)
+//
+// Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Babylon.js's DDSTools and its .env parser. (three's
+// DDSLoader knows no float formats.) What is written here beside them: the unpacking of two 32-bit texels, by the
+// formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
+import { readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { inflateSync } from "node:zlib";
+
+const flags = process.argv.slice(2);
+const flag = (name) => (flags.includes(name) ? flags[flags.indexOf(name) + 1] : undefined);
+const modules = flag("--modules");
+const samples = flag("--check");
+if (!modules || !samples) {
+  console.error("usage: node record.mjs --modules DIR --check SAMPLES");
+  process.exit(2);
+}
+const load = (file) => import(pathToFileURL(`${resolve(modules)}/node_modules/${file}`).href);
+const bytesOf = (file) => new Uint8Array(readFileSync(`${samples}/${file}`)); // at the start of a buffer of its own
+const floatsOf = (file) => new Float32Array(bytesOf(file).buffer);
+
+const three = await load("three/build/three.module.js");
+const ktx = await load("ktx-parse/dist/ktx-parse.modern.js");
+const fromHalf = three.DataUtils.fromHalfFloat;
+
+const SIZE = 8;
+const chain = floatsOf("chain.f32");
+const levels = [];
+for (let size = SIZE, at = 0; size >= 1; size /= 2) {
+  levels.push({ size, rgb: chain.subarray(at, (at += 18 * size * size)) });
+}
+
+let checks = 0;
+let failed = 0;
+function check(right, what) {
+  ++checks;
+  if (right) return;
+  ++failed;
+  console.error(`NOT AS IT WAS WRITTEN: ${what}`);
+}
+/** Whether every value is within `relative` (or `relative(largest)`) of the texel's largest channel. */
+function same(found, wanted, relative, what) {
+  let worst = found.length === wanted.length ? 0 : Infinity;
+  for (let i = 0; i < wanted.length; i += 3) {
+    const largest = Math.max(wanted[i], wanted[i + 1], wanted[i + 2]);
+    const allowed = largest * (typeof relative === "function" ? relative(largest) : relative);
+    for (let c = i; c < i + 3; ++c) worst = Math.max(worst, Math.abs(found[c] - wanted[c]) - allowed);
+  }
+  check(worst <= 0 && !found.some(Number.isNaN), `${what}: ${found.length} values, up to ${worst} more off than allowed`);
+}
+const rgbOf = (rgba, value = (x) => x) => {
+  const rgb = [];
+  for (let i = 0; i < rgba.length; i += 4) rgb.push(value(rgba[i]), value(rgba[i + 1]), value(rgba[i + 2]));
+  return rgb;
+};
+
+// --- KTX2
+const smallFloat = (bits, mantissaBits) => {
+  const exponent = bits >> mantissaBits;
+  const fraction = (bits & ((1 << mantissaBits) - 1)) / (1 << mantissaBits);
+  return exponent === 0 ? fraction * 2 ** -14 : (1 + fraction) * 2 ** (exponent - 15);
+};
+const FORMATS = {
+  rgba16f: { number: 97, tolerance: 0, rgb: (words) => rgbOf(words, fromHalf), array: Uint16Array },
+  rgba32f: { number: 109, tolerance: 0, rgb: (words) => rgbOf(words), array: Float32Array },
+  b10g11r11: {
+    number: 122, tolerance: 2 ** -6, array: Uint32Array,
+    rgb: (words) => [...words].flatMap((w) => [smallFloat(w & 2047, 6), smallFloat((w >>> 11) & 2047, 6), smallFloat(w >>> 22, 5)]),
+  },
+  e5b9g9r9: {
+    number: 123, tolerance: 2 ** -9 * 1.001, array: Uint32Array,
+    rgb: (words) => [...words].flatMap((w) => [w & 511, (w >>> 9) & 511, (w >>> 18) & 511].map((m) => m * 2 ** ((w >>> 27) - 24))),
+  },
+};
+const { KTX2Loader } = await load("three/examples/jsm/loaders/KTX2Loader.js");
+const loader = new KTX2Loader();
+loader.workerConfig = {}; // what detectSupport finds out, for transcoding alone
+for (const [name, format] of Object.entries(FORMATS)) {
+  for (const packing of ["", "_zlib", "_zstd"]) {
+    const file = `${name}${packing}.ktx2`;
+    const container = ktx.read(bytesOf(file));
+    check(container.vkFormat === format.number, `${file}: VkFormat ${container.vkFormat}`);
+    check(container.faceCount === 6 && container.pixelWidth === SIZE && container.levels.length === levels.length, `${file}: shape`);
+    const roughness = new TextDecoder().decode(container.keyValue.roughness); // bytes, but for KTX's own keys
+    check(container.keyValue.KTXorientation === "rd" && roughness === "0 0.25 1\0", `${file}: key/value data`);
+    const descriptor = container.dataFormatDescriptor[0];
+    check(descriptor.colorModel === 1 && descriptor.colorPrimaries === 1 && descriptor.transferFunction === 1, `${file}: colours`);
+    const bits = descriptor.samples.filter((sample) => !(sample.channelType & 0x20)).reduce((sum, sample) => sum + sample.bitLength + 1, 0);
+    check(bits === { rgba16f: 64, rgba32f: 128, b10g11r11: 32, e5b9g9r9: 27 }[name], `${file}: ${bits} bits`);
+    if (packing === "_zlib") { // three.js has no zlib for it
+      container.levels.forEach((level, i) => {
+        const raw = new Uint8Array(inflateSync(level.levelData));
+        check(raw.length === level.uncompressedByteLength, `${file}: level ${i} unpacks`);
+        same(format.rgb(new format.array(raw.buffer)), levels[i].rgb, format.tolerance, `${file} level ${i}`);
+      });
+      continue;
+    }
+    const texture = await new Promise((done, no) => loader.parse(bytesOf(file).buffer, done, no));
+    check(texture.mipmaps.length === levels.length, `${file}: ${texture.mipmaps.length} levels in three.js`);
+    texture.mipmaps.forEach((mip, i) => same(format.rgb(mip.data), levels[i].rgb, format.tolerance, `${file} level ${i} in three.js`));
+  }
+}
+
+const flat = floatsOf("lat_long.f32"); // the same 16 x 8 texels
+for (const [file, format] of [["picture.ktx2", FORMATS.rgba16f], ["picture_zstd.ktx2", FORMATS.rgba32f]]) {
+  const texture = await new Promise((done, no) => loader.parse(bytesOf(file).buffer, done, no));
+  check(texture.mipmaps.length === 1 && texture.mipmaps[0].width === 16 && texture.mipmaps[0].height === 8, `${file}: shape`);
+  same(format.rgb(texture.mipmaps[0].data), flat, 0, `${file} in three.js`);
+}
+
+// --- DDS
+const { DDSTools } = await load("@babylonjs/core/Misc/dds.pure.js");
+for (const name of ["rgba16f", "rgba32f"]) {
+  const data = bytesOf(`${name}.dds`);
+  const info = DDSTools.GetDDSInfo(data);
+  check(info.isCube && info.mipmapCount === levels.length && info.width === SIZE, `${name}.dds: shape`);
+  const uploads = [];
+  const engine = {
+    getCaps: () => ({ textureFloat: true, textureHalfFloat: true, textureFloatLinearFiltering: true, textureHalfFloatLinearFiltering: true }),
+    _getRGBABufferInternalSizedFormat: () => 0,
+    _uploadDataToTextureDirectly: (texture, values, face, level) => uploads.push({ values: values.slice(), face, level }),
+  };
+  DDSTools.UploadDDSLevels(engine, {}, data, info, true, 6);
+  check(uploads.length === 6 * levels.length, `${name}.dds: ${uploads.length} faces`);
+  for (const { values, face, level } of uploads) {
+    const length = levels[level].rgb.length / 6;
+    const found = rgbOf(values, name === "rgba16f" ? fromHalf : undefined);
+    same(found, levels[level].rgb.subarray(face * length, (face + 1) * length), 0, `${name}.dds level ${level}, face ${face}`);
+  }
+}
+
+{
+  const data = bytesOf("picture.dds");
+  const info = DDSTools.GetDDSInfo(data);
+  check(!info.isCube && info.width === 16 && info.height === 8 && info.mipmapCount === 1, "picture.dds: shape");
+  const halves = new Uint16Array(data.buffer, 148);
+  same(rgbOf(halves, fromHalf), flat, 0, "picture.dds");
+}
+
+// --- OpenEXR and Radiance
+const { EXRLoader } = await load("three/examples/jsm/loaders/EXRLoader.js");
+const { HDRLoader } = await load("three/examples/jsm/loaders/HDRLoader.js");
+/** Rows from the top. */
+function picture(parsed) {
+  const rgb = rgbOf(parsed.data);
+  const row = 3 * parsed.width;
+  const turned = [];
+  for (let y = parsed.height - 1; y >= 0; --y) turned.push(...rgb.slice(y * row, (y + 1) * row));
+  return turned;
+}
+/** Our faces in OpenEXR's frames: columns mirrored, but rows on +Y and -Y. */
+function openExrFaces({ size, rgb }) {
+  const faces = [];
+  for (let face = 0; face < 6; ++face) for (let y = 0; y < size; ++y) for (let x = 0; x < size; ++x) {
+    const vertical = face === 2 || face === 3;
+    const at = ((face * size + (vertical ? size - 1 - y : y)) * size + (vertical ? x : size - 1 - x)) * 3;
+    faces.push(rgb[at], rgb[at + 1], rgb[at + 2]);
+  }
+  return faces;
+}
+const exr = (file) => {
+  const reader = new EXRLoader();
+  reader.setDataType(three.FloatType);
+  return reader.parse(bytesOf(file).buffer);
+};
+for (const file of ["half.exr", "float.exr"]) {
+  const parsed = exr(file);
+  check(parsed.width === SIZE && parsed.height === 6 * SIZE, `${file}: ${parsed.width} x ${parsed.height}`);
+  same(picture(parsed), openExrFaces(levels[0]), 0, `${file} in three.js`);
+}
+const latLong = floatsOf("lat_long.f32");
+same(picture(exr("lat_long.exr")), latLong, 0, "lat_long.exr in three.js");
+const radiance = new HDRLoader();
+radiance.setDataType(three.FloatType);
+same(rgbOf(radiance.parse(bytesOf("lat_long.hdr").buffer).data), latLong, 1 / 128, "lat_long.hdr in three.js");
+
+// --- .env
+const env = await load("@babylonjs/core/Misc/environmentTextureTools.pure.js");
+const { PNG } = (await load("pngjs/lib/png.js")).default;
+const data = bytesOf("sky.env");
+const info = env.GetEnvInfo(data);
+check(info && info.version === 2 && info.width === SIZE && info.imageType === "image/png", "sky.env: manifest");
+check(info.specular.lodGenerationScale === 0.8, "sky.env: lodGenerationScale");
+const holder = {};
+env.UploadEnvSpherical(holder, info);
+const polynomial = holder._sphericalPolynomial;
+const WANTED = { x: [1, 2, 3], y: [-0.1, 0.2, 0.3], z: [0, 0, 1e-9], xx: [4, 5, 6], yy: [1 / 3, 0.25, 1e10], zz: [7, 8, 9], yz: [0.5, 1, -2], zx: [0.125, 0.0625, 3], xy: [11, 12, 13] };
+for (const [term, rgb] of Object.entries(WANTED)) {
+  check(JSON.stringify(polynomial[term].asArray()) === JSON.stringify(rgb), `sky.env: polynomial ${term} is ${polynomial[term].asArray()}`);
+}
+/** fromRGBD of helperFunctions, and rows from the top. */
+function decodeRGBD(chunk, size, what) {
+  const png = PNG.sync.read(Buffer.from(chunk));
+  check(png.width === size && png.height === size, `${what}: ${png.width} x ${png.height}`);
+  const rgb = [];
+  for (let y = size - 1; y >= 0; --y) for (let i = y * size; i < (y + 1) * size; ++i) {
+    for (let c = 0; c < 3; ++c) rgb.push((png.data[4 * i + c] / 255) ** 2.2 / (png.data[4 * i + 3] / 255));
+  }
+  return rgb;
+}
+// Half a byte as a share of the encoded colour, which is above 0.72 for values above 1; of the 1/2.2th power.
+const RGBD_STEP = (largest) => (1.01 * 0.5 * 2.2) / 255 / Math.min(0.72, largest ** (1 / 2.2));
+env.CreateRadianceImageDataArrayBufferViews(data, info).forEach((faces, level) => {
+  const { size, rgb } = levels[level];
+  faces.forEach((chunk, face) => {
+    const what = `sky.env level ${level}, face ${face}`;
+    same(decodeRGBD(chunk, size, what), rgb.subarray(face * 3 * size * size, (face + 1) * 3 * size * size), RGBD_STEP, what);
+  });
+});
+const irradiance = env.CreateIrradianceImageDataArrayBufferViews(data, info);
+check(irradiance.length === 6, "sky.env: irradiance texture");
+irradiance.forEach((chunk, face) => {
+  const what = `sky.env irradiance, face ${face}`;
+  same(decodeRGBD(chunk, SIZE, what), levels[0].rgb.subarray(face * 192, (face + 1) * 192), RGBD_STEP, what);
+});
+check(JSON.stringify(info.irradiance.irradianceTexture.dominantDirection) === "[0.6,0,-0.8]", "sky.env: dominant direction");
+
+console.log(`${checks - failed} of ${checks} checks hold`);
+process.exit(failed === 0 ? 0 : 1);
