@@ -10,8 +10,10 @@
 #include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
+#include "welkin/bake.h"
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -161,6 +163,30 @@ struct CubemapToLatLong {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const CubemapToLatLong&, const CubemapToLatLong&) = default;
+};
+
+/// `bake`. Its result is handed out by pointer: equal requests share it, and it is large.
+struct Bake {
+  std::variant<CubemapSource, LatLongSource> source;
+  BakeOptions options{};
+
+  [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::size_t hash() const noexcept;
+  friend bool operator==(const Bake&, const Bake&) = default;
+};
+
+/// `bake_file`. Shared as `ProjectFile`.
+struct BakeFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;
+  ReadOptions read_options{};
+  BakeOptions options{};
+
+  [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
 
 }  // namespace welkin

@@ -102,4 +102,24 @@ LatLongImage CubemapToLatLong::operator()(const Control& control) const {
   return to_lat_long(source.view(), width, height, turn, control);
 }
 
+std::shared_ptr<const BakeResult> Bake::operator()(const Control& control) const {
+  return std::visit(
+      [&](const auto& pixels) { return std::make_shared<const BakeResult>(bake(pixels.view(), options, control)); },
+      source);
+}
+
+std::uint64_t Bake::bytes() const noexcept {
+  const auto* const cubemap = std::get_if<CubemapSource>(&source);
+  return cubemap != nullptr ? cubemap->bytes() : std::get_if<LatLongSource>(&source)->bytes();
+}
+
+std::size_t Bake::hash() const noexcept {
+  const auto* const cubemap = std::get_if<CubemapSource>(&source);
+  return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
+}
+
+std::shared_ptr<const BakeResult> BakeFile::operator()(const Control& control) const {
+  return std::make_shared<const BakeResult>(bake_file(path, read_options, options, control));
+}
+
 }  // namespace welkin

@@ -1,0 +1,78 @@
+// Bakes looked at and compared.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "support/same_bits.h"
+#include "welkin/bake.h"
+
+namespace welkin::test {
+
+/// All values of a chain's level, face after face.
+inline std::span<const float> level_values(const CubemapChain& chain, int level) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  return {chain.face(level, 0), 18 * edge * edge};
+}
+
+inline bool same_bits(const CubemapChain& a, const CubemapChain& b) {
+  if (a.size() != b.size() || a.levels() != b.levels()) return false;
+  for (int level = 0; level < a.levels(); ++level) {
+    if (!same_bytes(level_values(a, level), level_values(b, level))) return false;
+  }
+  return true;
+}
+
+/// Everything but times and memory; the reasons of passes too, but for whether a table was made before.
+inline bool same_bits(const BakeResult& a, const BakeResult& b) {
+  const auto same_radiance = [&] {
+    if (a.radiance.has_value() != b.radiance.has_value()) return false;
+    return !a.radiance || same_bytes(a.radiance->coefficients(), b.radiance->coefficients());
+  };
+  const auto same_specular = [&] {
+    if (a.specular.has_value() != b.specular.has_value()) return false;
+    return !a.specular || same_bits(a.specular->cubemap, b.specular->cubemap);
+  };
+  const auto same_table = [&] {
+    if ((a.brdf == nullptr) != (b.brdf == nullptr)) return false;
+    return !a.brdf || same_bytes<float>(a.brdf->values, b.brdf->values);
+  };
+  const auto same_polynomial = [&] {
+    if (a.stored_polynomial.has_value() != b.stored_polynomial.has_value()) return false;
+    return !a.stored_polynomial ||
+           std::memcmp(&*a.stored_polynomial, &*b.stored_polynomial, sizeof *a.stored_polynomial) == 0;
+  };
+  const ProjectionDiagnostics& x = a.diagnostics;
+  const ProjectionDiagnostics& y = b.diagnostics;
+  const bool same_diagnostics =
+      x.texels == y.texels && x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
+      x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
+      same_bits(x.flux, y.flux) && same_bits(x.flux_before_clamp, y.flux_before_clamp) &&
+      std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
+                 [](const PassRecord& p, const PassRecord& q) {
+                   return p.name == q.name && (p.name == "brdf" || (p.action == q.action && p.reason == q.reason));
+                 });
+  return same_bits(a.background, b.background) && same_specular() && same_bits(a.irradiance, b.irradiance) &&
+         same_radiance() && same_table() && same_diagnostics && same_polynomial();
+}
+
+inline const PassRecord& pass_named(const BakeResult& result, const std::string& name) {
+  const auto& passes = result.diagnostics.passes;
+  const auto found = std::find_if(passes.begin(), passes.end(), [&](const PassRecord& p) { return p.name == name; });
+  if (found == passes.end()) throw std::runtime_error("no pass is called " + name);
+  return *found;
+}
+
+/// Small and quick, with every pass.
+inline BakeOptions small_bake(int size = 16) {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = size};
+  options.irradiance_size = 5;
+  options.brdf = BrdfTableOptions{.width = 9, .height = 7};
+  return options;
+}
+
+}  // namespace welkin::test
