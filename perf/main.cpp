@@ -2,6 +2,7 @@
 //   welkin_perf [Google Benchmark options]
 //   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
+//   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B] LATLONG... docs/reflections.md
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -10,15 +11,20 @@
 #include <string>
 #include <vector>
 
+#include "bake.h"
 #include "cancel_latency.h"
 #include "irradiance_errors.h"
+#include "prefilter.h"
+#include "prefilter_errors.h"
 #include "project_cubemap.h"
 #include "project_file.h"
 #include "project_lat_long.h"
 #include "ratio_reporter.h"
 #include "read_bandwidth.h"
+#include "resampling.h"
 #include "tables.h"
 #include "target_sizes.h"
+#include "transform.h"
 #include "welkin/control.h"
 #include "welkin/error.h"
 #include "welkin/instruction_set.h"
@@ -54,6 +60,9 @@ int main(int argc, char** argv) {
   if (first == "--irradiance-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::irradiance_error_tables);
   }
+  if (first == "--prefilter-errors") {
+    return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
+  }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
   const std::vector<int> sizes{32, 64, 128, 256, 512, 1024, 2048};
@@ -62,7 +71,11 @@ int main(int argc, char** argv) {
   perf::add_project_cubemap(sizes, thread_counts);
   perf::add_project_lat_long(thread_counts);
   perf::add_project_file(thread_counts);
+  perf::add_resampling(thread_counts);
+  perf::add_prefilter(thread_counts);
   perf::add_tables();
+  perf::add_bakes(thread_counts);
+  perf::add_transform(thread_counts);
   perf::add_worker_latency(thread_counts);
   perf::add_worker_throughput(thread_counts);
   perf::add_worker_costs();

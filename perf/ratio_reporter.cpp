@@ -32,6 +32,10 @@ void RatioReporter::ReportRuns(const std::vector<Run>& runs) {
     const double seconds = run.real_accumulated_time / static_cast<double>(run.iterations);
     const auto [at, added] = fastest_seconds_.try_emplace(own_name(run.benchmark_name()), seconds);
     if (!added && seconds < at->second) at->second = seconds;
+    const auto bytes = run.counters.find("bytes/s");
+    if (bytes == run.counters.end()) continue;
+    double& rate = largest_rate_[own_name(run.benchmark_name())];
+    rate = std::max(rate, bytes->second.value);
   }
 }
 
@@ -45,6 +49,14 @@ void RatioReporter::Finalize() {
     if (subject.starts_with("Project") && read != fastest_seconds_.end()) {
       out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(1)
           << 100.0 * read->second / seconds << " % of ReadBandwidth\n";
+    }
+    const bool copies = subject == "LatLongToCubemap" || subject == "SampleGrid" || subject == "Mips";
+    // "1024x512-256" is as large as 256.
+    const std::string size_and_threads = name.substr(name.find_last_of("/-", name.rfind('/') - 1) + 1);
+    const auto copying = largest_rate_.find("CopyBandwidth/rgb32f/" + size_and_threads);
+    if (copies && copying != largest_rate_.end()) {
+      out << "  " << std::setw(40) << std::left << name << std::right << std::setw(6) << std::setprecision(1)
+          << 100.0 * largest_rate_[name] / copying->second << " % of CopyBandwidth\n";
     }
     if (name.starts_with("JobThroughput/in-flight")) {
       for (const char* how : {"one-after-another", "side-by-side"}) {

@@ -10,7 +10,8 @@
 namespace welkin::perf {
 
 /// Prints the usual table and, when all has run, how each projection's time compares with ReadBandwidth's
-/// for the same bytes, and two threads' with one's. Of repetitions the fastest counts.
+/// for the same bytes, those passes' rates that read and write with
+/// CopyBandwidth's, and two threads' times with one's. Of repetitions the fastest counts.
 class RatioReporter : public benchmark::ConsoleReporter {
  public:
   using ConsoleReporter::ConsoleReporter;
@@ -20,6 +21,7 @@ class RatioReporter : public benchmark::ConsoleReporter {
 
  private:
   std::map<std::string, double> fastest_seconds_;  ///< by Subject/variant/size/threads
+  std::map<std::string, double> largest_rate_;     ///< bytes a second, likewise
 };
 
 }  // namespace welkin::perf

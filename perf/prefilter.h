@@ -1,0 +1,11 @@
+#pragma once
+
+#include <vector>
+
+namespace welkin::perf {
+
+/// Prefilter/METHOD/SIZE/THREADS: the whole chain of a cubemap, roughness k / (mips - 1), from a 1024 x 512 lat-long of
+/// noise; and Prefilter/spectral-bright, the same with a sun of 1e6 in one texel. Sampled with 64 taps.
+void add_prefilter(const std::vector<int>& thread_counts);
+
+}  // namespace welkin::perf

@@ -1,0 +1,58 @@
+#include "transform.h"
+
+#include <memory>
+#include <string>
+
+#include "specular/spectrum.h"
+#include "subjects.h"
+#include "tables/legendre_factors.h"
+#include "tables/legendre_rings.h"
+#include "tables/ring_fourier.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr int kWidth = 1024;
+constexpr int kHeight = 512;
+constexpr double kTexels = 1.0 * kWidth * kHeight;
+
+void add_synthesis(int bands, int threads, image::GridContent content) {
+  const specular::GridSize size = specular::grid_for_bands(bands);
+  const double texels = 1.0 * size.rings * size.columns;
+  const bool spline = content == image::GridContent::spline_coefficients;
+  add_benchmark("Synthesise", std::to_string(bands) + (spline ? "-spline" : "-samples"),
+                std::to_string(size.columns) + "x" + std::to_string(size.rings), threads, texels, 16.0 * texels,
+                [=]() -> std::function<void()> {
+                  const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+                  const auto spectrum = std::make_shared<specular::Spectrum>(specular::analyse(view, bands, {}));
+                  const auto grid = std::make_shared<image::SphereGrid>(size.rings, size.columns, content);
+                  const std::vector<double> zonal(static_cast<std::size_t>(bands), 1.0);
+                  return [=] { specular::synthesise(*spectrum, zonal, *grid, {}); };
+                });
+}
+
+}  // namespace
+
+void add_transform(const std::vector<int>& thread_counts) {
+  const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
+  for (const int bands : {64, 128, 256, 384, 512}) {
+    for (const int threads : thread_counts) {
+      add_benchmark("Analyse", std::to_string(bands), size, threads, kTexels, 12.0 * kTexels,
+                    [=]() -> std::function<void()> {
+                      const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+                      return [=] { benchmark::DoNotOptimize(specular::analyse(view, bands, {})); };
+                    });
+      add_synthesis(bands, threads, image::GridContent::samples);
+      add_synthesis(bands, threads, image::GridContent::spline_coefficients);
+    }
+    add_benchmark("TransformTables", std::to_string(bands), size, 1, kTexels, 0.0, [=]() -> std::function<void()> {
+      return [=] {
+        benchmark::DoNotOptimize(tables::LegendreFactors(bands));
+        benchmark::DoNotOptimize(tables::LegendreRings({kHeight, bands, tables::RingPlaces::edges}));
+        benchmark::DoNotOptimize(tables::RingFourier(kWidth));
+      };
+    });
+  }
+}
+
+}  // namespace welkin::perf
