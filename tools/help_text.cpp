@@ -7,6 +7,8 @@ constexpr std::string_view kProgramDescription =
 
 constexpr std::string_view kProgramFooter =
     R"(Examples:
+  welkin bake -o out                 all that a renderer loads, of a built-in sky
+  welkin bake studio.hdr -o out      ... of a photograph
   welkin sh                          the spherical harmonics of a built-in sky
   welkin sh studio.hdr               ... of a photograph, as a table
   welkin sh studio.hdr --for three   ... as three.js wants them
@@ -25,6 +27,52 @@ W/m2, flux W/m2 too. Directions: y is up, a lat-long's centre looks along +z.
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;
 WELKIN_ISA=sse2|avx2|avx512 in the environment picks an instruction set.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr std::string_view kBakeFooter =
+    R"(What it does:
+  From an environment to the files with which a physically based renderer lights
+  a scene, in one folder:
+    background.ktx2       the environment as a cubemap, with plain mips
+    specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
+    irradiance.ktx2       what falls on a matte surface, W/m2
+    brdf.ktx2             the BRDF table, the split sum's other half
+    environment.env       all of it for Babylon.js
+    sh.json, sh.h         spherical harmonics, also in each engine's form
+    preview_*.png         the environment, balls lit by the result, the mips
+    manifest.json         what is in the folder, how it was made, how good it is
+  The manifest is written last: with it, the folder is complete. Other files in
+  the folder stay. docs/bake_folder.md says how engines load
+  them.
+
+Examples:
+  welkin bake -o out                                  a built-in sky
+  welkin bake city.hdr -o out                         a photograph
+  welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
+  welkin bake city.hdr -o out --for three --formats ktx2,exr
+  welkin bake city.hdr -o out --roughness linear --mips all
+  welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
+  welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
+  welkin bake city.hdr -o out --formats env --no-brdf --no-previews
+  welkin bake city.hdr -o out --take-out-sun          the sun as a light apart
+
+Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
+  axes. --for says after whose axes the cubemaps' faces are named; the .env is
+  Babylon.js's in any case, and the previews show what one sees who stands there.
+  An .env that is read is taken out of Babylon.js's axes.
+
+Diffuse light of an .env: up to three bands, the irradiance cubemap and the new
+  .env's polynomial come from the polynomial that it stores, as its pixels end
+  at 255; not with --clamp, --gamma, --take-out-sun or --level above 0.
+
+Memory: --memory-limit is checked before the bake: source, results, working
+  memory, the .env's own chain, lat-longs and turned cubemaps. Previews and what
+  encoders hold of a file come on top and are not counted.
+
+Units: radiance as in the file, irradiance pi times that in even light.
+  Roughness is perceptual roughness; GGX's alpha is its square. What a format
+  cannot hold is clamped to it and counted, file by file.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 

@@ -7,6 +7,7 @@ namespace welkin::tool {
 
 extern const std::string_view kProgramDescription;
 extern const std::string_view kProgramFooter;
+extern const std::string_view kBakeFooter;
 extern const std::string_view kShFooter;
 extern const std::string_view kInfoFooter;
 extern const std::string_view kConvertFooter;

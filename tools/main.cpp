@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "tools/bake_command.h"
 #include "tools/convert_command.h"
 #include "tools/exit_code.h"
 #include "tools/help_formatter.h"
@@ -54,6 +55,7 @@ ExitCode run(int argument_count, char** arguments) {
   program.formatter(std::make_shared<HelpFormatter>());
   program.require_subcommand(0, 1);
   try {
+    add_bake_command(program);
     add_sh_command(program);
     add_info_command(program);
     add_convert_command(program);

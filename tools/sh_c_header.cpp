@@ -105,6 +105,10 @@ std::string sh_c_header(const ShReport& report) {
                      "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n";
   text += report.engine_light ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)
                               : harmonics_arrays(name, report);
+  for (const EngineLight& light : report.engine_lights) {
+    text += comment(std::string(convention(light.engine).title) + ", axes: " + convention(light.engine).axes) +
+            engine_array(name + '_' + convention(light.engine).name, light);
+  }
   if (report.sun) text += sun_arrays(name, *report.sun);
   return text + "\n#endif\n";
 }

@@ -23,7 +23,7 @@ std::string formatted(const ShReport& report, ShFormat format) {
 }
 
 void run(ShOptions options) {
-  if (options.clamps) options.projection.clamp = options.clamp;
+  options.clamp.apply(options.projection);
   std::string text;
   run_with_threads(options.common.threads, [&] { text = formatted(measure_sh(options), options.format); });
   print_result(text);

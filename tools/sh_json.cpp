@@ -64,14 +64,23 @@ Json window_json(const ShReport& report) {
           {"minimum_irradiance_after", json_triple(windowed.minimum_after)}};
 }
 
-Json engine_json(const std::optional<EngineLight>& light) {
-  if (!light) return nullptr;
+Json engine_json(const EngineLight& light) {
   Json terms = Json::object();
-  for (const EngineTerm& term : light->terms) terms[term.name] = json_triple(term.rgb);
+  for (const EngineTerm& term : light.terms) terms[term.name] = json_triple(term.rgb);
   Json json = {
-      {"name", convention(light->engine).name}, {"form", light->form}, {"formula", light->formula}, {"terms", terms}};
-  for (const auto& [name, value] : light->vectors) json["vectors"][name] = {value.x, value.y, value.z, value.w};
+      {"name", convention(light.engine).name}, {"form", light.form}, {"formula", light.formula}, {"terms", terms}};
+  for (const auto& [name, value] : light.vectors) json["vectors"][name] = {value.x, value.y, value.z, value.w};
   return json;
+}
+
+/// All engines' forms; each says which axes it is in.
+Json engines_json(const std::vector<EngineLight>& lights) {
+  Json list = Json::array();
+  for (const EngineLight& light : lights) {
+    list.push_back(engine_json(light));
+    list.back()["axes"] = convention(light.engine).axes;
+  }
+  return list;
 }
 
 Json dominant_json(const std::optional<DominantLight>& light) {
@@ -109,9 +118,10 @@ std::string sh_json(const ShReport& report) {
                {"radiance", coefficients_json(report.projection.radiance)},
                {"irradiance", coefficients_json(report.irradiance)},
                {"babylon", babylon_json(report.polynomial)},
-               {"engine", engine_json(report.engine_light)},
+               {"engine", report.engine_light ? engine_json(*report.engine_light) : Json(nullptr)},
                {"window", window_json(report)},
                {"dominant_light", dominant_json(report.dominant)}};
+  if (!report.engine_lights.empty()) json["engines"] = engines_json(report.engine_lights);
   if (report.sun_wanted) json["sun"] = sun_json(report.sun);
   if (!report.irradiance_errors.empty()) json["irradiance_errors"] = irradiance_errors_json(report.irradiance_errors);
   json["diagnostics"] = diagnostics_json(report);

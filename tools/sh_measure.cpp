@@ -13,16 +13,6 @@
 namespace welkin::tool {
 namespace {
 
-std::string file_detail(const EnvironmentInfo& info) {
-  std::string detail = info.channels.empty() ? "" : info.channels.front().type + ", ";
-  if (info.compression != "none") detail += info.compression + ", ";
-  return detail + info.layout_reason;
-}
-
-Source source_of(const std::string& path, const EnvironmentInfo& info) {
-  return {path, name(info.layout), info.width, info.height, info.format, file_detail(info), info.notes};
-}
-
 // What `project` would put in an infinity's place.
 float infinity_of(const ProjectionOptions& options) { return options.clamp ? options.clamp->maximum : 65504.0F; }
 
@@ -69,13 +59,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   if (!options.input) {
     Pixels pixels;
     pixels.lat_long = analytic_sky();
-    report.source = {"built-in sky",
-                     name(Layout::lat_long),
-                     pixels.lat_long.width,
-                     pixels.lat_long.height,
-                     "computed",
-                     "no input file was named",
-                     {}};
+    report.source = built_in_sky(pixels.lat_long.width, pixels.lat_long.height);
     project_pixels(pixels, options, control, report);
     return false;
   }

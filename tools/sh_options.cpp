@@ -1,20 +1,9 @@
 #include "tools/sh_options.h"
 
-#include <cmath>
-
 namespace welkin::tool {
 namespace {
 
 constexpr int kLargestTargetSize = 16384;
-
-CLI::Validator finite_and_positive() {
-  return {[](const std::string& text) {
-            double value = 0.0;
-            const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0;
-            return good ? std::string() : text + " is not a finite number above 0";
-          },
-          ""};
-}
 
 void add_format_options(CLI::App& command, ShOptions& options) {
   CLI::Option* format = add_choice<ShFormat>(
@@ -40,42 +29,6 @@ void add_projection_options(CLI::App& command, ShOptions& options) {
                   "for comparison with engines that do so; 0, the default: no")
       ->check(CLI::Range(0, kLargestTargetSize).description(""))
       ->type_name("N");
-}
-
-void add_clamp_options(CLI::App& command, ShOptions& options) {
-  command
-      .add_option_function<float>(
-          "--clamp",
-          [&options](float maximum) {
-            options.clamp.maximum = maximum;
-            options.clamps = true;
-          },
-          "Cut radiance off above V; off by default. What it takes away is reported")
-      ->check(finite_and_positive())
-      ->type_name("V");
-  command.add_flag_callback(
-      "--preserve-clamped",
-      [&options] {
-        options.clamp.preserve_colour = true;
-        options.clamps = true;
-      },
-      "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit");
-}
-
-void add_pixel_options(CLI::App& command, ShOptions& options) {
-  add_clamp_options(command, options);
-  command.add_flag("--gamma", options.projection.gamma,
-                   "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first");
-  add_choice<NonFinitePolicy>(command, "--nan", options.projection.nan,
-                              {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
-                              "NaN becomes 0 (default), or ends the command and is named");
-  add_choice<NonFinitePolicy>(command, "--infinity", options.projection.infinity,
-                              {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
-                              "Infinity becomes the clamp's V or 65504 (default), or ends the command and is named");
-  add_choice<NegativePolicy>(
-      command, "--negative", options.projection.negative,
-      {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
-      "Negative values are taken as they are (default), become 0, or end the command and are named");
 }
 
 void add_light_options(CLI::App& command, ShOptions& options) {
@@ -108,7 +61,7 @@ void add_sh_options(CLI::App& command, ShOptions& options) {
   add_format_options(command, options);
   add_turn_options(command, options.turn);
   add_projection_options(command, options);
-  add_pixel_options(command, options);
+  add_pixel_options(command, options.projection, options.clamp);
   add_light_options(command, options);
   add_read_options(command, options.common, input);
   add_threads_option(command, options.common);

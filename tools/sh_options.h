@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/options.h"
+#include "tools/pixel_options.h"
 #include "tools/sun_options.h"
 #include "tools/turn_options.h"
 #include "welkin/projection.h"
@@ -20,8 +21,7 @@ struct ShOptions {
   std::optional<std::string> input;  ///< none: the built-in sky
   ShFormat format = ShFormat::table;
   ProjectionOptions projection;
-  RadianceClamp clamp;
-  bool clamps = false;
+  ClampChoice clamp;
   TurnOptions turn;
   SunChoice sun;
   Window window = Window::none;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/source.h"
 #include "welkin/babylon.h"
 #include "welkin/directional_light.h"
 #include "welkin/engine_light.h"
@@ -14,17 +15,6 @@
 #include "welkin/windowing.h"
 
 namespace welkin::tool {
-
-/// Where the light came from.
-struct Source {
-  std::string path;
-  std::string layout;
-  int width = 0;
-  int height = 0;
-  std::string format;
-  std::string detail;  ///< what a person may want to know besides: channel type, compression, what told the layout
-  std::vector<std::string> notes;  ///< what was done to the pixels on the way in
-};
 
 struct ShReport {
   Source source;
@@ -40,6 +30,7 @@ struct ShReport {
   std::optional<Sun> sun;                 ///< that was taken out, if there was one
   std::optional<DominantLight> dominant;  ///< of what is left, before the window
   std::optional<EngineLight> engine_light;
+  std::vector<EngineLight> engine_lights;          ///< of every engine that has a form, each in its own axes, if wanted
   std::vector<IrradianceError> irradiance_errors;  ///< by number of bands, if they were asked for
 
   SphericalHarmonics irradiance;

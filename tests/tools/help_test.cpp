@@ -7,7 +7,8 @@
 using namespace welkin::test;
 
 TEST_CASE("command: --help teaches", "[tools]") {
-  for (const char* arguments : {"--help", "sh --help", "info --help", "convert --help", "testmap --help", "-h"}) {
+  for (const char* arguments :
+       {"--help", "bake --help", "sh --help", "info --help", "convert --help", "testmap --help", "-h"}) {
     const CommandResult result = run_welkin(arguments);
     INFO("welkin " << arguments);
     CHECK(result.exit_code == 0);
@@ -24,6 +25,37 @@ TEST_CASE("command: sh --help names every option", "[tools]") {
   for (const char* option : {"INPUT", "--json", "--bands", "--quadrature exact|midpoint", "--target-size", "--layout",
                              "vertical-strip", "--clamp", "--preserve-clamped", "--gamma", "--nan", "--infinity",
                              "--negative keep|replace|reject", "--threads", "--memory-limit"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: bake --help names every option", "[tools]") {
+  const CommandResult result = run_welkin("bake --help");
+  for (const char* option : {"INPUT",
+                             "--output",
+                             "--json",
+                             "--size",
+                             "--background-size",
+                             "--mips",
+                             "--roughness filament|linear|babylon|LIST",
+                             "--method automatic|spectral|sampled|reference",
+                             "--samples",
+                             "--irradiance",
+                             "--irradiance-method",
+                             "--bands",
+                             "--brdf",
+                             "--brdf-model",
+                             "--no-brdf",
+                             "--formats",
+                             "--ktx2-format rgba16f|rgba32f|b10g11r11|e5b9g9r9",
+                             "--supercompression none|zlib|zstd",
+                             "--no-previews",
+                             "--for",
+                             "--clamp",
+                             "--nan",
+                             "--threads",
+                             "--memory-limit"}) {
     INFO(option);
     CHECK(contains(result.output, option));
   }

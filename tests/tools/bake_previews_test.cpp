@@ -1,0 +1,155 @@
+// Promises: previews are there, of the size that the manifest says, and show the surroundings the right way round.
+#include <array>
+#include <cmath>
+
+#include "tools/baked_folder.h"
+#include "tools/pfm_file.h"
+#include "tools/temporary_folder.h"
+#include "welkin/environment_file.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+/// A PNG as light.
+class Preview {
+ public:
+  explicit Preview(const std::filesystem::path& path) {
+    ReadOptions options;
+    options.layout = Layout::lat_long;
+    picture_ = read_environment(path, options);
+  }
+
+  [[nodiscard]] int width() const { return picture_.info.width; }
+  [[nodiscard]] int height() const { return picture_.info.height; }
+
+  /// At a place in units of `unit` pixels from the upper left.
+  [[nodiscard]] std::array<float, 3> at(double x, double y, int unit = 1) const {
+    const auto column = static_cast<std::size_t>(x * unit);
+    const auto row = static_cast<std::size_t>(y * unit);
+    const float* const rgb = picture_.pixels.get() + (row * static_cast<std::size_t>(width()) + column) * 3;
+    return {rgb[0], rgb[1], rgb[2]};
+  }
+
+ private:
+  Environment picture_;
+};
+
+/// Red grows along x, green along y, blue along z.
+std::filesystem::path write_directions(const std::filesystem::path& folder) {
+  constexpr int kWidth = 128;
+  constexpr int kHeight = 64;
+  std::vector<float> pixels;
+  const double pi = std::acos(-1.0);
+  for (int row = 0; row < kHeight; ++row) {
+    const double latitude = pi / 2 - pi * (row + 0.5) / kHeight;
+    for (int column = 0; column < kWidth; ++column) {
+      const double longitude = pi - 2 * pi * (column + 0.5) / kWidth;
+      const std::array<double, 3> direction = {std::sin(longitude) * std::cos(latitude), std::sin(latitude),
+                                               std::cos(longitude) * std::cos(latitude)};
+      for (const double value : direction) pixels.push_back(static_cast<float>(1.0 + value));
+    }
+  }
+  const auto path = folder / "directions.pfm";
+  write_pfm(path, kWidth, kHeight, pixels);
+  return path;
+}
+
+constexpr int kCell = 256;   // of the cross
+constexpr int kPitch = 144;  // of the balls
+
+}  // namespace
+
+TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  for (const std::string options : {"--size 64", "--size 5 --irradiance 0 --no-brdf", "--size 1"}) {
+    const auto manifest = bake_into(folder, options);
+    CHECK(manifest.at("previews").at("exposure").get<double>() > 0.0);
+    for (const char* name : {"preview_environment.png", "preview_spheres.png", "preview_mips.png"}) {
+      INFO(options << ' ' << name);
+      const auto said = file_of(manifest, name);
+      const Preview preview(folder / name);
+      CHECK(said.at("width") == preview.width());
+      CHECK(said.at("height") == preview.height());
+    }
+  }
+}
+
+TEST_CASE("bake: the cross shows what one sees who faces +z", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = write_directions(scratch.path());
+  bake_into(scratch.path() / "out", quoted(in) + " --size 64");
+  const Preview cross(scratch.path() / "out" / "preview_environment.png");
+  REQUIRE(cross.width() == 4 * kCell);
+  REQUIRE(cross.height() == 3 * kCell);
+  const auto at = [&](double x, double y) { return cross.at(x, y, kCell); };
+  CHECK(at(0.5, 1.5)[0] > 1.5F * at(2.5, 1.5)[0]);  // +x to the left, -x to the right
+  CHECK(at(1.5, 0.5)[1] > 1.5F * at(1.5, 2.5)[1]);  // +y above, -y below
+  CHECK(at(1.5, 1.5)[2] > 1.5F * at(3.5, 1.5)[2]);  // +z in front, -z behind
+  // Inside the cells: neither mirrored nor upside down.
+  CHECK(at(1.1, 1.5)[0] > 1.2F * at(1.9, 1.5)[0]);  // front
+  CHECK(at(1.5, 1.1)[1] > 1.2F * at(1.5, 1.9)[1]);
+  CHECK(at(0.9, 1.5)[2] > 1.2F * at(0.1, 1.5)[2]);  // left: +z lies to the right of +x
+  CHECK(at(3.9, 1.5)[0] > 1.2F * at(3.1, 1.5)[0]);  // back: +x lies to the right of -z
+  CHECK(at(1.5, 0.9)[2] > 1.2F * at(1.5, 0.1)[2]);  // up: +z is next to the front
+  CHECK(at(1.5, 2.1)[2] > 1.2F * at(1.5, 2.9)[2]);  // down
+  CHECK(at(0.5, 0.5)[1] < 0.05F);                   // nothing beside the arms
+  // Without a seam where cells meet that meet on the sphere.
+  for (const double x : {1.0, 2.0, 3.0}) {
+    for (int c = 0; c < 3; ++c) {
+      const auto channel = static_cast<std::size_t>(c);
+      CHECK(std::abs(at(x - 0.004, 1.5)[channel] - at(x + 0.004, 1.5)[channel]) < 0.02F);
+    }
+  }
+}
+
+TEST_CASE("bake: the balls mirror what is behind the viewer, and are lit from above by the sky", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = write_directions(scratch.path());
+  bake_into(scratch.path() / "out", quoted(in) + " --size 64");
+  const Preview balls(scratch.path() / "out" / "preview_spheres.png");
+  REQUIRE(balls.height() == kPitch);
+  REQUIRE(balls.width() == 7 * kPitch);
+  const auto at = [&](double x, double y) { return balls.at(x, y, kPitch); };
+  for (int ball = 0; ball < 7; ++ball) {
+    INFO("ball " << ball);
+    const double middle = ball + 0.5;
+    CHECK(at(middle + 0.25, 0.5)[0] > 1.1F * at(middle - 0.25, 0.5)[0]);  // +x is to the right
+    CHECK(at(middle, 0.25)[1] > 1.1F * at(middle, 0.75)[1]);              // +y is up
+    CHECK(at(middle, 0.5)[2] > 1.1F * at(middle + 0.43, 0.5)[2]);         // +z is behind the viewer
+  }
+  const auto corner = at(3.0, 0.02);  // between balls: the background, which is -z
+  CHECK(corner[2] < 0.5F * at(0.5, 0.5)[2]);
+}
+
+TEST_CASE("bake: the built-in sky's sun is in the upper half", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  bake_into(scratch.path() / "out", "--size 128");
+  const Preview cross(scratch.path() / "out" / "preview_environment.png");
+  double weight = 0.0;
+  double rows = 0.0;
+  for (int row = kCell; row < 2 * kCell; ++row) {
+    for (int column = 0; column < 4 * kCell; ++column) {
+      const auto rgb = cross.at(column, row);
+      const double light = std::pow(rgb[0] * rgb[1] * rgb[2], 4.0);
+      weight += light;
+      rows += light * (row - kCell);
+    }
+  }
+  CHECK(rows / weight < 0.5 * kCell);
+  const auto sky = cross.at(2.5, 1.2, kCell);
+  const auto ground = cross.at(2.5, 1.9, kCell);
+  CHECK(sky[2] > sky[0]);
+  CHECK(ground[0] > ground[2]);
+}
+
+TEST_CASE("bake: a map without light has black previews", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "dark.pfm";
+  write_pfm(in, 8, 4, grey_picture(8, 4, 0.0F));
+  bake_into(scratch.path() / "out", quoted(in) + " --size 8");
+  const Preview balls(scratch.path() / "out" / "preview_spheres.png");
+  for (const float value : balls.at(72, 72)) CHECK(value == 0.0F);
+}

@@ -1,0 +1,574 @@
+// `welkin bake`: the folder holds what the manifest says, and the files hold what was asked for.
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "support/exr_files.h"
+#include "tools/baked_folder.h"
+#include "tools/pfm_file.h"
+#include "tools/temporary_folder.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/roughness.h"
+#include "welkin/texture_file.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 ";
+
+void check_manifest_matches(const std::filesystem::path& folder) {
+  const nlohmann::json manifest = manifest_of(folder);
+  CHECK(names_in(folder) == names_of(manifest));
+  for (const auto& file : manifest.at("files")) {
+    INFO(file.dump());
+    CHECK(std::filesystem::file_size(folder / file.at("name").get<std::string>()) ==
+          file.at("bytes").get<std::uintmax_t>());
+    CHECK(file.at("bytes").get<std::uintmax_t>() > 0);
+  }
+}
+
+std::vector<float> texels(const CubemapChain& chain, int level) {
+  std::vector<float> values;
+  const auto count =
+      static_cast<std::size_t>(chain.level_size(level)) * static_cast<std::size_t>(chain.level_size(level)) * 3;
+  for (int face = 0; face < 6; ++face) {
+    values.insert(values.end(), chain.face(level, face), chain.face(level, face) + count);
+  }
+  return values;
+}
+
+std::string failure(const std::string& arguments, int exit_code) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(result.errors.rfind("welkin: ", 0) == 0);
+  return result.errors;
+}
+
+}  // namespace
+
+TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "some" / "where";
+  const CommandResult result = run_welkin("bake -o " + quoted(folder) + kSmall);
+  INFO(result.errors);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2", "environment.env", "sh.json", "sh.h",
+                           "preview_environment.png", "preview_spheres.png", "preview_mips.png", "manifest.json"}) {
+    INFO(name);
+    CHECK(contains(result.output, name));
+    CHECK(std::filesystem::exists(folder / name));
+  }
+  check_manifest_matches(folder);
+}
+
+TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const auto manifest =
+      bake_into(folder, "--size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7");
+  const std::vector<double> wanted = roughness_of_mips(RoughnessSchedule::filament, 5, 32);
+
+  const CubemapTexture specular = read_texture(folder / "specular.ktx2");
+  CHECK(specular.cubemap.size() == 32);
+  CHECK(specular.cubemap.levels() == 5);
+  const auto said = file_of(manifest, "specular.ktx2");
+  CHECK(said.at("roughness").get<std::vector<double>>() == wanted);
+  std::istringstream words(specular.metadata.at("welkin.roughness"));
+  const std::vector<double> stored{std::istream_iterator<double>(words), {}};
+  CHECK(stored == wanted);
+  REQUIRE(manifest.at("specular").size() == 5);
+  for (std::size_t mip = 0; mip < 5; ++mip) {
+    CHECK(manifest.at("specular").at(mip).at("size") == 32 >> mip);
+    CHECK(manifest.at("specular").at(mip).at("error_estimate").get<double>() <= 0.01);
+  }
+  CHECK(read_texture(folder / "background.ktx2").cubemap.size() == 24);
+  CHECK(read_texture(folder / "irradiance.ktx2").cubemap.size() == 7);
+
+  const BabylonEnvironment env = read_babylon_environment(folder / "environment.env");
+  CHECK(env.specular.size() == 32);
+  CHECK(env.specular.levels() == 6);
+  CHECK(env.polynomial.has_value());
+  CHECK(file_of(manifest, "environment.env").at("roughness").get<std::vector<double>>() ==
+        roughness_of_mips(RoughnessSchedule::babylon, 6, 32));
+}
+
+TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, "--size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews");
+  CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 7);
+  CHECK(read_babylon_environment(folder / "environment.env").specular.size() == 4);
+  bake_into(folder, "--size 1 --irradiance 1 --brdf 1");
+  CHECK(read_texture(folder / "specular.ktx2").cubemap.levels() == 1);
+  check_manifest_matches(folder);
+}
+
+TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(
+      folder,
+      std::string("--formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5") + kSmall);
+  check_manifest_matches(folder);
+  const CubemapTexture ktx2 = read_texture(folder / "specular.ktx2");
+  const CubemapTexture dds = read_texture(folder / "specular.dds");
+  REQUIRE(ktx2.cubemap.levels() == 5);
+  REQUIRE(dds.cubemap.levels() == 5);
+  for (int level = 0; level < 5; ++level) {
+    const std::vector<float> wanted = texels(ktx2.cubemap, level);
+    CHECK(texels(dds.cubemap, level) == wanted);
+    const std::string number = std::to_string(level);
+    const Environment pfm = read_environment(folder / ("specular_m" + number + ".pfm"));
+    CHECK(std::equal(wanted.begin(), wanted.end(), pfm.pixels.get()));
+    ReadOptions exr_level;
+    exr_level.level = level;
+    const Environment exr = read_environment(folder / "specular.exr", exr_level);
+    REQUIRE(exr.face_size() == 16 >> level);
+    CHECK(std::equal(wanted.begin(), wanted.end(), exr.pixels.get()));
+    const Environment hdr = read_environment(folder / ("specular_m" + number + ".hdr"));
+    float worst = 0.0F;
+    for (std::size_t i = 0; i < wanted.size(); i += 3) {
+      const float largest = std::max({wanted[i], wanted[i + 1], wanted[i + 2]});
+      for (std::size_t c = i; c < i + 3; ++c) worst = std::max(worst, std::abs(hdr.pixels[c] - wanted[c]) / largest);
+    }
+    CHECK(worst < 1.0F / 128.0F);
+  }
+  for (const char* name : {"environment.exr", "environment.hdr", "environment.pfm"}) {
+    CHECK(inspect_environment(folder / name).width == 64);
+  }
+}
+
+TEST_CASE("bake: a small OpenEXR lat-long and a cube in a strip are sources too", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto lat_long = scratch.path() / "small.exr";
+  const LatLongImage map{32, 16, some_pixels(32, 16)};
+  write_environment(lat_long, map.view());
+  const auto out = scratch.path() / "out";
+  CHECK(bake_into(out, quoted(lat_long) + kSmall).at("source").at("layout") == "lat-long");
+
+  const auto strip = scratch.path() / "strip.pfm";
+  const std::vector<float> pixels = some_pixels(16, 96);
+  write_pfm(strip, 16, 96, pixels);
+  const auto manifest = bake_into(out, quoted(strip) + " --ktx2-format rgba32f" + kSmall);
+  CHECK(manifest.at("source").at("layout") == "vertical-strip");
+  // The sharpest mip is a copy.
+  CHECK(texels(read_texture(out / "specular.ktx2").cubemap, 0) == pixels);
+  CHECK(texels(read_texture(out / "background.ktx2").cubemap, 0) == pixels);
+}
+
+TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto first = scratch.path() / "first";
+  const auto second = scratch.path() / "second";
+  bake_into(first, std::string("--ktx2-format rgba32f --formats ktx2,dds,env --no-previews") + kSmall);
+  const std::vector<float> wanted = texels(read_texture(first / "specular.ktx2").cubemap, 0);
+  bake_into(second, quoted(first / "specular.ktx2") + " --ktx2-format rgba32f --no-previews" + kSmall);
+  CHECK(texels(read_texture(second / "specular.ktx2").cubemap, 0) == wanted);
+  bake_into(second, quoted(first / "specular.dds") + " --ktx2-format rgba32f --no-previews" + kSmall);
+  CHECK(texels(read_texture(second / "specular.ktx2").cubemap, 0) == wanted);
+  // Out of Babylon.js's axes and into them again: an .env of an .env keeps faces and polynomial.
+  bake_into(second, quoted(first / "environment.env") + " --no-previews" + kSmall);
+  const BabylonEnvironment before = read_babylon_environment(first / "environment.env");
+  const BabylonEnvironment after = read_babylon_environment(second / "environment.env");
+  // By way of the harmonics that it was made of.
+  for (int c = 0; c < 3; ++c) {
+    CHECK(after.polynomial->x[c] == Approx(before.polynomial->x[c]).epsilon(1e-13));
+    CHECK(after.polynomial->zx[c] == Approx(before.polynomial->zx[c]).epsilon(1e-13));
+  }
+  const std::vector<float> old_texels = texels(before.specular, 0);
+  const std::vector<float> new_texels = texels(after.specular, 0);
+  for (std::size_t i = 0; i < old_texels.size(); i += 41) CHECK(new_texels[i] == Approx(old_texels[i]).epsilon(0.03));
+}
+
+TEST_CASE("bake: --json prints the manifest", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const CommandResult result = run_welkin("bake --json --no-previews -o " + quoted(folder) + kSmall);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.output == file_text(folder / "manifest.json"));
+  const nlohmann::json manifest = nlohmann::json::parse(result.output);
+  for (const char* key :
+       {"welkin", "source", "axes", "options", "files", "specular", "brdf", "diagnostics", "notes", "times"}) {
+    INFO(key);
+    CHECK(manifest.contains(key));
+  }
+  CHECK_FALSE(manifest.contains("previews"));
+}
+
+TEST_CASE("bake: what is not asked for is not there", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, "--size 8 --formats ktx2 --no-brdf --no-previews --bands 0 --irradiance 0");
+  CHECK(names_in(folder) == std::vector<std::string>{"background.ktx2", "manifest.json", "specular.ktx2"});
+  bake_into(folder, "--size 8 --formats env --no-brdf --no-previews --bands 0 --irradiance 0");
+  CHECK(read_babylon_environment(folder / "environment.env").polynomial.has_value());
+}
+
+TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--no-previews") + kSmall);
+  std::ofstream(folder / "mine.txt") << "keep";
+  std::ofstream(folder / "specular.ktx2") << "old";
+  const auto manifest = bake_into(folder, std::string("--no-previews") + kSmall);
+  CHECK(file_text(folder / "mine.txt") == "keep");
+  CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 16);
+  std::vector<std::string> expected = names_of(manifest);
+  expected.emplace_back("mine.txt");
+  std::sort(expected.begin(), expected.end());
+  CHECK(names_in(folder) == expected);
+}
+
+TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--no-previews --for three --bands 4") + kSmall);
+  const nlohmann::json baked = nlohmann::json::parse(file_text(folder / "sh.json"));
+  const nlohmann::json sh = run_sh_json("--for three --bands 4");
+  CHECK(baked.at("radiance") == sh.at("radiance"));
+  CHECK(baked.at("axes") == sh.at("axes"));
+  std::vector<std::string> engines;
+  for (const auto& engine : baked.at("engines")) {
+    const std::string name = engine.at("name");
+    engines.push_back(name);
+    const nlohmann::json alone = run_sh_json("--bands 4 --for " + name).at("engine");
+    for (const auto& [term, rgb] : alone.at("terms").items()) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(engine.at("terms").at(term).at(c).get<double>() == Approx(rgb.at(c).get<double>()).margin(1e-12));
+      }
+    }
+    CHECK(contains(file_text(folder / "sh.h"), "built_in_sky_" + name + "["));
+  }
+  CHECK(engines == std::vector<std::string>{"babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
+}
+
+TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto plain = scratch.path() / "plain";
+  const auto babylon = scratch.path() / "babylon";
+  bake_into(plain, std::string("--ktx2-format rgba32f") + kSmall);
+  bake_into(babylon, std::string("--ktx2-format rgba32f --for babylon") + kSmall);
+  for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
+    const CubemapTexture straight = read_texture(plain / name);
+    const CubemapTexture turned = read_texture(babylon / name);
+    const CubemapChain mirrored = mirrored_x(straight.cubemap);
+    for (int level = 0; level < mirrored.levels(); ++level) {
+      CHECK(texels(turned.cubemap, level) == texels(mirrored, level));
+      if (level == 0) CHECK(texels(turned.cubemap, 0) != texels(straight.cubemap, 0));
+    }
+  }
+  for (const char* name : {"environment.env", "preview_spheres.png", "preview_environment.png"}) {
+    CHECK(file_text(plain / name) == file_text(babylon / name));
+  }
+}
+
+TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "bright.pfm";
+  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
+  pixels[0] = 1e5F;
+  pixels[3] = 300.0F;
+  write_pfm(in, 16, 96, pixels);
+  const auto folder = scratch.path() / "out";
+  const auto manifest = bake_into(folder, quoted(in) + kSmall);
+  CHECK(file_of(manifest, "background.ktx2").at("values_clamped") == 1);
+  CHECK(file_of(manifest, "environment.env").at("values_clamped").get<int>() >= 2);
+  const std::string notes = manifest.at("notes").dump();
+  CHECK(contains(notes, "background.ktx2: 1 value beyond +-65504 clamped: halves end there"));
+  CHECK(contains(notes, "above 255 or below 0 clamped: RGBD ends there"));
+
+  const auto clamped = bake_into(folder, quoted(in) + " --clamp 200" + kSmall);
+  CHECK(clamped.at("notes").dump() == "[\"the input: 2 texels clamped at 200\"]");
+  CHECK(clamped.at("diagnostics").at("clamped") == 2);
+}
+
+TEST_CASE("bake: an input that would be written over is refused before any work, and kept", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto own = scratch.path() / "own";
+  const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
+  bake_into(own, all);
+  const auto refused = [&](const std::string& input, const std::string& folder, const std::string& options,
+                           const std::filesystem::path& kept) {
+    const std::string before = file_text(kept);
+    const std::string message = failure("bake " + input + " -o " + folder + options, 1);
+    INFO(message);
+    CHECK(contains(message, "would write over it"));
+    CHECK(contains(message, "another folder"));
+    CHECK((file_text(kept) == before));
+    CHECK(std::filesystem::exists(own / "manifest.json"));  // the old folder is as good as it was
+  };
+  for (const std::string& name : names_in(own)) {
+    if (name == "manifest.json" || name.substr(0, 3) == "sh." || name.substr(0, 5) == "brdf.") continue;  // no spheres
+    INFO(name);
+    const std::string plain = name.substr(0, 8) == "preview_" ? " --layout lat-long" : "";
+    refused(quoted(own / name), quoted(own), plain + all, own / name);
+  }
+  refused(quoted(own / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
+
+  // By other names: a link there, a link here, a way round.
+  std::filesystem::create_symlink(own / "environment.hdr", scratch.path() / "link.hdr");
+  refused(quoted(scratch.path() / "link.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
+  refused(quoted(own / ".." / "own" / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
+  const auto photograph = scratch.path() / "photograph.hdr";
+  std::filesystem::copy_file(own / "environment.hdr", photograph);
+  std::filesystem::remove(own / "environment.hdr");
+  std::filesystem::create_symlink(photograph, own / "environment.hdr");
+  refused(quoted(photograph), quoted(own), " --formats hdr", photograph);
+
+  // What is not written may be read from there.
+  bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
+}
+
+TEST_CASE("bake: none of six files is written over", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto faces = scratch.path() / "faces";
+  const auto own = scratch.path() / "own";
+  std::filesystem::create_directory(faces);
+  std::filesystem::create_directory(own);
+  for (const std::string face : {"px", "nx", "py", "ny", "pz", "nz"}) {
+    write_pfm(faces / (face + ".pfm"), 8, 8, some_pixels(8, 8));
+  }
+  std::filesystem::create_symlink(faces / "nz.pfm", own / "specular.pfm");
+  const std::string before = file_text(faces / "nz.pfm");
+  const std::string options = " --formats pfm --no-previews --size 8 --mips 1 --irradiance 8 --brdf 8";
+  for (const std::string& input : {quoted(faces / "py.pfm") + " --layout six-files", quoted(faces)}) {
+    INFO(input);
+    const std::string message = failure("bake " + input + " -o " + quoted(own) + options, 1);
+    CHECK(contains(message, "nz.pfm: is read"));
+    CHECK(contains(message, "as specular.pfm"));
+    CHECK(names_in(own) == std::vector<std::string>{"specular.pfm"});
+    CHECK((file_text(faces / "nz.pfm") == before));
+  }
+  bake_into(scratch.path() / "other", quoted(faces) + options);
+}
+
+TEST_CASE("bake: textures and .env files are read as every command reads them", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto first = scratch.path() / "first";
+  const auto out = scratch.path() / "out";
+  bake_into(first, std::string("--ktx2-format rgba32f --formats ktx2,dds,env --mips all --no-previews") + kSmall);
+  const std::string wants = " --ktx2-format rgba32f --formats ktx2 --no-previews --size 8 --irradiance 8 --brdf 8";
+  for (const std::string name : {"specular.ktx2", "specular.dds", "background.ktx2", "environment.env"}) {
+    INFO(name);
+    ReadOptions level_1;
+    level_1.level = 1;
+    const Environment wanted = read_environment(first / name, level_1);
+    REQUIRE(wanted.face_size() == 8);
+    const auto manifest = bake_into(out, quoted(first / name) + " --level 1" + wants);
+    CHECK(manifest.at("source").at("width") == 8);
+    const std::vector<float> got = texels(read_texture(out / "specular.ktx2").cubemap, 0);
+    CHECK(std::equal(got.begin(), got.end(), wanted.pixels.get()));
+    const std::string start = "bake " + quoted(first / name) + " -o " + quoted(out) + wants;
+    CHECK(contains(failure(start + " --level 9", 1), "has no level 9"));
+    CHECK(contains(failure(start + " --layout lat-long", 1), "leave --layout out"));
+  }
+}
+
+TEST_CASE("bake: diffuse light of an .env is the polynomial that it stores", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "bright.pfm";
+  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
+  for (std::size_t c = 0; c < 3; ++c) pixels[3 * (16 * 40 + 5) + c] = 20000.0F;  // 255 in the .env
+  write_pfm(in, 16, 96, pixels);
+  const auto first = scratch.path() / "first";
+  const auto second = scratch.path() / "second";
+  const std::string options = " --no-previews --ktx2-format rgba32f" + std::string(kSmall);
+  bake_into(first, quoted(in) + options);
+  const auto radiance = [](const std::filesystem::path& folder) {
+    return nlohmann::json::parse(file_text(folder / "sh.json")).at("radiance");
+  };
+  const auto largest_difference = [&] {
+    double worst = 0.0;
+    const auto wanted = radiance(first);
+    const auto got = radiance(second);
+    REQUIRE(wanted.size() == 9);
+    for (std::size_t i = 0; i < 9; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        worst = std::max(worst, std::abs(got.at(i).at(c).get<double>() - wanted.at(i).at(c).get<double>()));
+      }
+    }
+    return worst / wanted.at(0).at(0).get<double>();
+  };
+  const auto env = quoted(first / "environment.env");
+  const auto check_kept = [&] {
+    CHECK(largest_difference() < 1e-6);
+    const std::vector<float> wanted = texels(read_texture(first / "irradiance.ktx2").cubemap, 0);
+    const std::vector<float> got = texels(read_texture(second / "irradiance.ktx2").cubemap, 0);
+    for (std::size_t i = 0; i < wanted.size(); i += 7) CHECK(got[i] == Approx(wanted[i]).margin(1e-3));
+    const auto before = *read_babylon_environment(first / "environment.env").polynomial;
+    const auto after = *read_babylon_environment(second / "environment.env").polynomial;
+    CHECK(after.zz.x == Approx(before.zz.x).epsilon(1e-6));
+    CHECK(after.x.x == Approx(before.x.x).epsilon(1e-6));
+  };
+  const auto manifest = bake_into(second, env + options);
+  CHECK(file_of(manifest, "environment.env").at("polynomial") == "the one that the input stores");
+  check_kept();
+
+  // What is turned is turned alike, as the photograph is; faces move as they are by a quarter.
+  bake_into(first, quoted(in) + " --yaw 90" + options);
+  const auto straight = scratch.path() / "straight";
+  bake_into(straight, quoted(in) + options);
+  bake_into(second, quoted(straight / "environment.env") + " --yaw 90" + options);
+  check_kept();
+
+  // Where light is cut off the pixels alone tell.
+  const auto clamped = bake_into(second, quoted(straight / "environment.env") + " --clamp 100" + options);
+  CHECK(file_of(clamped, "environment.env").at("polynomial") == "of the source's harmonics");
+  CHECK(largest_difference() > 0.1);
+}
+
+TEST_CASE("bake: a clamp is put down to the format that needs it", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "signed.pfm";
+  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
+  pixels[0] = -1.0F;
+  pixels[3] = 1e5F;
+  write_pfm(in, 16, 96, pixels);
+  const auto manifest =
+      bake_into(scratch.path() / "out", quoted(in) + " --formats exr,hdr,pfm --mips 1 --irradiance 0 --no-previews" +
+                                            " --background-size 16 --size 16 --brdf 8");
+  const auto has = [&](const std::string& note) {
+    const auto& notes = manifest.at("notes");
+    return std::count(notes.begin(), notes.end(), nlohmann::json(note)) == 1;
+  };
+  INFO(manifest.at("notes").dump());
+  CHECK(has("specular.hdr: 1 value below 0 or above 1.69e38 clamped: RGBE ends there"));
+  CHECK(has("specular.exr: 1 value beyond +-65504 clamped: halves end there"));
+  CHECK_FALSE(contains(manifest.at("notes").dump(), ".pfm: "));
+  CHECK(file_of(manifest, "specular.pfm").at("values_clamped") == 0);
+}
+
+TEST_CASE("bake: the .env's own chain counts towards the memory limit, before any work", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const std::string options = " --no-previews --size 64 --background-size 1 --mips 1 --irradiance 1 --brdf 8";
+  const auto needed = [&](const std::string& formats) {
+    const auto out = scratch.path() / "none";
+    const std::string message =
+        failure("bake -o " + quoted(out) + options + " --formats " + formats + " --memory-limit 1MB", 1);
+    INFO(message);
+    CHECK_FALSE(std::filesystem::exists(out));
+    const std::size_t at = message.find(" take ");
+    REQUIRE(at != std::string::npos);
+    return std::stoull(message.substr(at + 6));
+  };
+  const auto alone = needed("ktx2");
+  const auto with_env = needed("ktx2,env");
+  CHECK(with_env > alone);
+  const std::string bake = options + " --formats ktx2,env --memory-limit ";
+  CHECK(contains(failure("bake -o " + quoted(scratch.path() / "none") + bake + std::to_string(with_env - 1), 1),
+                 "the .env's specular chain"));
+  bake_into(scratch.path() / "out", bake + std::to_string(with_env));
+  CHECK(contains(run_welkin("bake --help").output, "are not counted"));
+}
+
+TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto out = scratch.path() / "out";
+  const std::string start = "bake -o " + quoted(out) + " ";
+  CHECK(contains(failure("bake", 2), "--output"));
+  for (const char* option : {"--size 0",
+                             "--size 8193",
+                             "--mips 15",
+                             "--mips -1",
+                             "--mips 0",
+                             "--mips some",
+                             "--roughness 0,2",
+                             "--roughness rough",
+                             "--roughness 0,0.5,0.2",
+                             "--irradiance -1",
+                             "--brdf 0",
+                             "--brdf-model x",
+                             "--no-brdf --brdf 8",
+                             "--bands 17",
+                             "--method magic",
+                             "--samples 0",
+                             "--formats ktx3",
+                             "--formats ''",
+                             "--ktx2-format bc6h",
+                             "--supercompression rar",
+                             "--layout lat-long",
+                             "--clamp 0",
+                             "--gamma --take-out-sun",
+                             "--threads -1",
+                             "--size 4 --mips 4",
+                             "--mips 3 --roughness 0,1",
+                             "--for blender"}) {
+    INFO(option);
+    failure(start + option, 2);
+    CHECK_FALSE(std::filesystem::exists(out));
+  }
+}
+
+TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto out = scratch.path() / "out";
+  const std::string start = "bake -o " + quoted(out) + " ";
+  CHECK(contains(failure(start + quoted(scratch.path() / "missing.exr"), 1), "missing.exr"));
+  const auto text = scratch.path() / "text.ktx2";
+  std::ofstream(text) << "\xABKTX 20\xBB\r\n\x1A\n and no more";
+  CHECK(contains(failure(start + quoted(text), 1), "text.ktx2"));
+  const auto nan = scratch.path() / "nan.pfm";
+  std::vector<float> pixels = grey_picture(8, 4, 1.0F);
+  pixels[(2 * 8 + 5) * 3] = std::numeric_limits<float>::quiet_NaN();
+  write_pfm(nan, 8, 4, pixels);
+  CHECK(contains(failure(start + "--nan reject " + quoted(nan), 1), "row 2"));
+  CHECK(contains(failure(start + "--memory-limit 100kB", 1), "limit"));
+  CHECK_FALSE(std::filesystem::exists(out));
+  CHECK(bake_into(out, quoted(nan) + kSmall).at("diagnostics").at("nans_replaced") == 1);
+}
+
+TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto file = scratch.path() / "file";
+  std::ofstream(file) << "no folder";
+  CHECK(contains(failure("bake -o " + quoted(file), 1), file.string()));
+  CHECK(contains(failure("bake -o " + quoted(file / "below"), 1), file.string()));
+  CHECK(contains(failure("bake -o ''", 1), "-o"));
+  CHECK(contains(failure("bake -o /proc/welkin", 1), "/proc/welkin"));
+  CHECK(file_text(file) == "no folder");
+}
+
+TEST_CASE("bake: odd names do no harm", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  for (const std::string name :
+       {"two words", "line\nbreak", "\"quoted\" \\ $HOME; true", "\xff\xfe", "-o", "*/ \x1b[31m"}) {
+    const auto folder = scratch.path() / (name.find('/') == std::string::npos ? name : name.substr(2));
+    const auto in = scratch.path() / (folder.filename().string() + ".pfm");
+    write_pfm(in, 8, 4, grey_picture(8, 4, 1.0F));
+    const CommandResult result = run_welkin("bake --no-previews -o " + quoted(folder) + " " + quoted(in) + kSmall);
+    INFO(name << result.errors);
+    REQUIRE(result.exit_code == 0);
+    CHECK(std::none_of(result.output.begin(), result.output.end(),
+                       [](char c) { return (c >= 0 && c < ' ' && c != '\n') || c == '\x7f'; }));
+    check_manifest_matches(folder);
+    CHECK_NOTHROW(nlohmann::json::parse(file_text(folder / "sh.json")));
+  }
+}
+
+TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  REQUIRE(run_welkin("testmap --size 64 -o " + quoted(scratch.path() / "city.hdr")).exit_code == 0);
+  std::istringstream help(run_welkin("bake --help").output);
+  int examples = 0;
+  for (std::string line; std::getline(help, line);) {
+    if (line.rfind("  welkin bake", 0) != 0) continue;
+    ++examples;
+    std::string arguments = line.substr(line.find("bake"));
+    arguments = arguments.substr(0, arguments.find("   "));  // what follows says what it does
+    for (const std::string path : {"city.hdr", "out"}) {
+      const std::size_t at = arguments.find(" " + path);
+      if (at != std::string::npos) arguments.replace(at + 1, path.size(), quoted(scratch.path() / path));
+    }
+    const CommandResult result = run_welkin(arguments);
+    INFO(arguments << '\n' << result.errors);
+    CHECK(result.exit_code == 0);
+  }
+  CHECK(examples >= 8);
+}

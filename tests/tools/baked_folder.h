@@ -1,0 +1,63 @@
+// What `welkin bake` left in a folder, for the tests of the command.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "tools/command.h"
+
+namespace welkin::test {
+
+inline std::string file_text(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  REQUIRE(stream.good());
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+inline nlohmann::json manifest_of(const std::filesystem::path& folder) {
+  return nlohmann::json::parse(file_text(folder / "manifest.json"));
+}
+
+/// Runs `welkin bake ARGUMENTS -o FOLDER`, requires success and silence on standard error; the manifest.
+inline nlohmann::json bake_into(const std::filesystem::path& folder, const std::string& arguments,
+                                const std::string& environment = "") {
+  const CommandResult result = run_welkin("bake " + arguments + " -o " + quoted(folder), environment);
+  INFO("welkin bake " << arguments << "\nstandard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return manifest_of(folder);
+}
+
+inline std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Those of the manifest, and the manifest itself.
+inline std::vector<std::string> names_of(const nlohmann::json& manifest) {
+  std::vector<std::string> names = {"manifest.json"};
+  for (const auto& file : manifest.at("files")) names.push_back(file.at("name").get<std::string>());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The manifest's entry for a file.
+inline nlohmann::json file_of(const nlohmann::json& manifest, const std::string& name) {
+  for (const auto& file : manifest.at("files")) {
+    if (file.at("name") == name) return file;
+  }
+  FAIL("the manifest has no " << name);
+  return {};
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,168 @@
+#include "tools/bake_manifest.h"
+
+#include "tools/brdf_files.h"
+#include "tools/json_text.h"
+#include "tools/number_text.h"
+#include "welkin/version.h"
+
+namespace welkin::tool {
+namespace {
+
+Json source_json(const Source& source) {
+  return {{"path", source.path},     {"layout", source.layout}, {"width", source.width},
+          {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
+}
+
+Json axes_json(const BakeCommandOptions& options) {
+  const Convention& engine = convention(options.turn.to);
+  return {{"engine", engine.name},
+          {"words", engine.axes},
+          {"faces", "+X -X +Y -Y +Z -Z, row 0 on top, frames as OpenGL, Vulkan and Direct3D have them"}};
+}
+
+Json options_json(const Baked& baked, const BakeCommandOptions& options) {
+  const PrefilterOptions& specular = *baked.options.specular;
+  const ProjectionOptions& pixels = baked.options.pixels;
+  Json json = {
+      {"size", specular.size},
+      {"mips", specular.mips},
+      {"roughness", options.roughness.words()},
+      {"method", welkin::name(specular.method)},
+      {"samples", specular.samples},
+      {"rms_error", specular.rms_error},
+      {"maximum_error", specular.maximum_error},
+      {"background_size", baked.options.background_size},
+      {"irradiance_size", baked.options.irradiance_size},
+      {"irradiance_method", baked.options.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
+      {"bands", options.bake.bands},
+      {"from", convention(options.turn.from).name},
+      {"yaw_degrees", options.turn.yaw_degrees},
+      {"mirror", options.turn.mirror},
+      {"rotation",
+       {options.turn.rotation.x, options.turn.rotation.y, options.turn.rotation.z, options.turn.rotation.w}},
+      {"clamp", nullptr},
+      {"gamma", pixels.gamma}};
+  if (pixels.clamp) {
+    json["clamp"] = pixels.clamp->maximum;
+    json["preserve_clamped"] = pixels.clamp->preserve_colour;
+  }
+  return json;
+}
+
+Json file_json(const WrittenFile& file) {
+  Json json = {{"name", file.name},
+               {"what", file.what},
+               {"format", file.format},
+               {"bytes", file.bytes},
+               {"values_clamped", file.values_clamped}};
+  for (const auto& [key, value] : file.details.items()) json[key] = value;
+  return json;
+}
+
+Json mip_json(const MipRecord& mip, std::size_t number) {
+  return {{"mip", number},
+          {"size", mip.size},
+          {"roughness", mip.roughness},
+          {"alpha", mip.roughness * mip.roughness},
+          {"method", mip.method},
+          {"bands", mip.bands},
+          {"bright_texels", mip.bright_texels},
+          {"samples", mip.samples},
+          {"error_estimate", mip.error_estimate},
+          {"mean", json_triple(mip.mean)}};
+}
+
+Json mips_json(const std::vector<MipRecord>& mips) {
+  Json list = Json::array();
+  for (const MipRecord& mip : mips) list.push_back(mip_json(mip, list.size()));
+  return list;
+}
+
+Json sun_json(const Baked& baked, const BakeCommandOptions& options) {
+  if (!baked.sun) return nullptr;
+  TurnOptions to_engine;
+  to_engine.to = options.turn.to;
+  return {{"direction", json_triple(turn_of_light(to_engine, false) * baked.sun->direction)},
+          {"irradiance", json_triple(baked.sun->irradiance)},
+          {"solid_angle", baked.sun->solid_angle},
+          {"angular_radius_degrees", baked.sun->angular_radius_degrees}};
+}
+
+Json diagnostics_json(const Baked& baked) {
+  const ProjectionDiagnostics& diagnostics = baked.light.diagnostics;
+  return {{"texels", diagnostics.texels},
+          {"nans_replaced", diagnostics.nans_replaced},
+          {"infinities_replaced", diagnostics.infinities_replaced},
+          {"negatives_replaced", diagnostics.negatives_replaced},
+          {"clamped", diagnostics.texels_clamped},
+          {"flux_before_clamp", json_triple(diagnostics.flux_before_clamp)},
+          {"flux", json_triple(diagnostics.flux)},
+          {"harmonics_error_estimate", diagnostics.error_estimate},
+          {"peak_bytes", baked.light.peak_bytes}};
+}
+
+/// All that differs from run to run is in here.
+Json times_json(const Baked& baked) {
+  Json list = Json::array();
+  for (const auto* passes : {&baked.light.diagnostics.passes, &baked.passes}) {
+    for (const PassRecord& pass : *passes) {
+      list.push_back(
+          {{"name", pass.name}, {"action", pass.action}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
+    }
+  }
+  for (std::size_t mip = 0; mip < baked.light.specular->mips.size(); ++mip) {
+    const MipRecord& record = baked.light.specular->mips[mip];
+    list.push_back({{"name", "specular mip " + std::to_string(mip)},
+                    {"action", "run"},
+                    {"reason", record.method},
+                    {"ms", record.milliseconds}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder) {
+  std::vector<std::string> notes = baked.source.notes;
+  const ProjectionDiagnostics& diagnostics = baked.light.diagnostics;
+  const std::string replaced = counted({{diagnostics.nans_replaced, "NaN"},
+                                        {diagnostics.infinities_replaced, "infinite value"},
+                                        {diagnostics.negatives_replaced, "negative value"}});
+  if (!replaced.empty()) notes.push_back("the input: " + replaced + " replaced");
+  if (diagnostics.texels_clamped > 0) {
+    notes.push_back("the input: " + counted(diagnostics.texels_clamped, "texel") + " clamped at " +
+                    significant(baked.options.pixels.clamp ? baked.options.pixels.clamp->maximum : 0.0));
+  }
+  for (const std::string& note : folder.clamp_notes()) notes.push_back(note);
+  return notes;
+}
+
+std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder,
+                          const ToneMap& tone_map) {
+  Json files = Json::array();
+  for (const WrittenFile& file : folder.files()) files.push_back(file_json(file));
+  Json json = {{"welkin", WELKIN_VERSION_STRING},
+               {"source", source_json(baked.source)},
+               {"axes", axes_json(options)},
+               {"options", options_json(baked, options)},
+               {"files", files},
+               {"specular", mips_json(baked.light.specular->mips)}};
+  if (!baked.env_mips.empty()) json["environment_env"] = mips_json(baked.env_mips);
+  if (baked.light.brdf) {
+    const BrdfTableOptions& brdf = baked.light.brdf->options;
+    json["brdf"] = {{"width", brdf.width},
+                    {"height", brdf.height},
+                    {"model", brdf.model == BrdfModel::split_sum ? "split-sum" : "multiple-scattering"},
+                    {"channels", brdf_channels(brdf)}};
+  }
+  if (options.previews) {
+    json["previews"] = {{"exposure", tone_map.exposure}, {"curve", "x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)"}};
+  }
+  if (options.sun.take_out) json["sun"] = sun_json(baked, options);
+  json["diagnostics"] = diagnostics_json(baked);
+  json["notes"] = bake_notes(baked, folder);
+  json["times"] = times_json(baked);
+  return json_text(json);
+}
+
+}  // namespace welkin::tool

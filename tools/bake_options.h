@@ -1,0 +1,63 @@
+// What `welkin bake` can be asked.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/options.h"
+#include "tools/pixel_options.h"
+#include "tools/sun_options.h"
+#include "tools/turn_options.h"
+#include "welkin/bake.h"
+#include "welkin/roughness.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::tool {
+
+/// Containers, by the word on the command line and the extension alike.
+enum class Container { ktx2, dds, exr, hdr, pfm, env };
+
+[[nodiscard]] const char* name(Container container) noexcept;
+
+/// How roughness is spread over the mips: a schedule, or a number a mip.
+struct RoughnessChoice {
+  RoughnessSchedule schedule = RoughnessSchedule::filament;
+  std::vector<double> table;  ///< empty: the schedule's
+
+  [[nodiscard]] std::string words() const;
+};
+
+struct BakeCommandOptions {
+  CommonOptions common;
+  std::optional<std::string> input;  ///< none: the built-in sky
+  std::string directory;
+  std::set<Container> containers{Container::ktx2, Container::env};
+  TextureOptions texture;
+  bool previews = true;
+
+  PrefilterOptions specular;
+  bool all_mips = false;  ///< down to 1 texel
+  RoughnessChoice roughness;
+  BakeOptions bake;
+  BrdfTableOptions brdf;
+  bool no_brdf = false;
+
+  ClampChoice clamp;
+  TurnOptions turn;
+  SunChoice sun;
+};
+
+/// Adds all options to the command. `options` must outlive it.
+void add_bake_options(CLI::App& command, BakeCommandOptions& options);
+
+/// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
+/// for those that contradict each other.
+[[nodiscard]] BakeOptions library_options(const BakeCommandOptions& options);
+
+/// The size of the .env's cubemap: the largest power of two that is not above the specular cubemap's size.
+[[nodiscard]] int env_size(int specular_size) noexcept;
+
+}  // namespace welkin::tool

@@ -1,0 +1,46 @@
+// What `welkin bake` made, before it is written.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/bake_options.h"
+#include "tools/source.h"
+#include "welkin/bake.h"
+
+namespace welkin::tool {
+
+/// All directions and faces in Welkin's axes.
+struct Baked {
+  Source source;
+  std::optional<Sun> sun;
+  BakeOptions options;
+  BakeResult light;
+  std::optional<PrefilteredSpecular> env;  ///< the .env's chain, if the specular one would not do
+  std::optional<Projection> stored_light;  ///< of an .env: three bands that its pixels, clipped, do not have
+  bool env_is_specular = false;            ///< it would
+  std::vector<MipRecord> env_mips;         ///< of the .env's chain; empty without an .env
+  std::vector<PassRecord> passes;          ///< of the command itself: what lies around the library's
+};
+
+/// Runs `work` and notes how long it took.
+template <typename Work>
+auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  const auto start = std::chrono::steady_clock::now();
+  struct Note {
+    std::vector<PassRecord>& passes;
+    const std::string& name;
+    const std::string& reason;
+    std::chrono::steady_clock::time_point start;
+    ~Note() { passes.push_back({name, "run", reason, Milliseconds(std::chrono::steady_clock::now() - start).count()}); }
+  } note{passes, name, reason, start};
+  return work();
+}
+
+/// Reads and bakes what the options ask for.
+[[nodiscard]] Baked bake_source(const BakeCommandOptions& options, const Control& control);
+
+}  // namespace welkin::tool
