@@ -6,9 +6,9 @@
 
 #include "codec/env_manifest.h"
 #include "codec/env_pictures.h"
-#include "codec/output_file.h"
 #include "codec/rgbd.h"
 #include "codec/stop.h"
+#include "codec/whole_file.h"
 #include "image/check_views.h"
 #include "image/float_plane.h"
 #include "jobs/tiles.h"
@@ -124,7 +124,7 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
 WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
                                       const Control& control) {
   codec::check(environment);
-  codec::OutputFile file(path);
+  codec::WholeFile file(path);
   std::vector<codec::Picture> pictures = codec::pictures_of(environment);
   const codec::RgbdEncoder encoder;
   const auto size = std::int64_t{environment.specular.size()};

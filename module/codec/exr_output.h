@@ -11,21 +11,21 @@
 #include <string>
 
 #include "codec/byte_file.h"
-#include "codec/output_file.h"
+#include "codec/whole_file.h"
 
 namespace welkin::codec {
 
 class ExrOutputStream final : public Imf::OStream {
  public:
   /// `file` outlives the stream.
-  explicit ExrOutputStream(OutputFile& file) : Imf::OStream(file.path().string().c_str()), file_(file) {}
+  explicit ExrOutputStream(WholeFile& file) : Imf::OStream(file.path().string().c_str()), file_(file) {}
 
   void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
   std::uint64_t tellp() override { return file_.position(); }
   void seekp(std::uint64_t position) override { file_.seek(position); }
 
  private:
-  OutputFile& file_;
+  WholeFile& file_;
 };
 
 /// To the file's type, counting what is clamped. What is finite stays finite: above the largest half, rounding would
@@ -34,9 +34,9 @@ void convert_for_exr(const float* from, std::size_t count, float* to, std::uint6
 void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept;
 
 /// Makes OpenEXR's failures `Error`s that name the file. OpenEXR's file objects write their table of offsets when they
-/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `OutputFile::finish`.
+/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `WholeFile::finish`.
 template <typename Write>
-std::uint64_t write_exr_with_library(const OutputFile& file, const Write& write) {
+std::uint64_t write_exr_with_library(const WholeFile& file, const Write& write) {
   try {
     return write();
   } catch (const Error&) {

@@ -29,7 +29,7 @@ void append_entry(Bytes& bytes, const std::string& key, const std::string& value
 }
 
 /// Keys in the order of their bytes, as the map has them.
-Bytes key_values(const OutputFile& file, const TextureOptions& options) {
+Bytes key_values(const WholeFile& file, const TextureOptions& options) {
   std::map<std::string, std::string> all = options.metadata;
   all["KTXorientation"] = "rd";  // columns run right, rows down
   all["KTXwriter"] = "Welkin";
@@ -84,7 +84,7 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
 
 /// Sets the offsets, the smallest level first, and writes all that stands before the levels. Unpacked levels start at
 /// multiples of a texel (all of ours are multiples of 4 bytes, so that this is also the least common multiple with 4).
-void write_header(OutputFile& file, const Shape& shape, const TextureOptions& options, std::vector<Place>& places) {
+void write_header(WholeFile& file, const Shape& shape, const TextureOptions& options, std::vector<Place>& places) {
   const Bytes metadata = key_values(file, options);
   const std::uint64_t alignment =
       options.supercompression == Supercompression::none ? texel_bytes(kind_of(options.format)) : 1;
@@ -97,7 +97,7 @@ void write_header(OutputFile& file, const Shape& shape, const TextureOptions& op
   file.write(header.data(), header.size());
 }
 
-void write_padding(OutputFile& file, std::uint64_t until) {
+void write_padding(WholeFile& file, std::uint64_t until) {
   const Bytes zeros(until - file.position());
   file.write(zeros.data(), zeros.size());
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "codec/face_placement.h"
-#include "codec/output_file.h"
+#include "codec/whole_file.h"
 #include "welkin/control.h"
 #include "welkin/environment_writer.h"
 
@@ -35,7 +35,7 @@ class OutputPicture {
 
 /// What the writers share beside the picture.
 struct WriteJob {
-  OutputFile& file;
+  WholeFile& file;
   SampleType type;
   bool openexr_cube = false;      ///< states in the header that this is OpenEXR's cube
   bool openexr_lat_long = false;  ///< ... that it is a lat-long

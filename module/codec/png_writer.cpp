@@ -39,7 +39,7 @@ class SrgbEncoder {
 
 /// What libspng calls to write; exceptions must not pass through its C code.
 struct Sink {
-  OutputFile& file;
+  WholeFile& file;
   std::exception_ptr failure;
 };
 
@@ -56,7 +56,7 @@ int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t coun
 
 class PngEncoder {
  public:
-  PngEncoder(OutputFile& file, int width, int height, int bits)
+  PngEncoder(WholeFile& file, int width, int height, int bits)
       : sink_{file, {}}, context_(spng_ctx_new(SPNG_CTX_ENCODER), spng_ctx_free) {
     if (!context_) throw std::bad_alloc();
     require(spng_set_png_stream(context_.get(), write_bytes, &sink_));

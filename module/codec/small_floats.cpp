@@ -41,7 +41,7 @@ float power_of_two(int exponent) noexcept {
 
 std::uint16_t half_from_float(float value) noexcept {
   const auto sign = static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(value) >> 16U & 0x8000U);
-  const float magnitude = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & 0x7FFFFFFFU);
+  const auto magnitude = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & 0x7FFFFFFFU);
   return static_cast<std::uint16_t>(sign | small_float(magnitude, kHalfMantissaBits));
 }
 

@@ -130,7 +130,7 @@ void TexelProgress::next(std::uint64_t texels) {
   done_ += static_cast<double>(texels);
 }
 
-void write_face(OutputFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
+void write_face(WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
                 TexelProgress& progress) {
   const auto size = static_cast<std::size_t>(view.size);
   const int block_rows = static_cast<int>(std::clamp<std::size_t>(kBlockTexels / size, 1, size));
@@ -161,7 +161,7 @@ WriteReport write_texture(const std::filesystem::path& path, std::span<const Cub
   codec::check_mips(mips);
   const codec::Container& container = codec::container_of(path);
   codec::check_options(path, container, options);
-  codec::OutputFile file(path);
+  codec::WholeFile file(path);
   WriteReport report;
   report.values_clamped = container.write({file, mips, options, control});
   file.finish();
@@ -186,7 +186,7 @@ WriteReport write_texture_2d(const std::filesystem::path& path, int width, int h
                             "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   codec::check_options(path, container, options);
-  codec::OutputFile file(path);
+  codec::WholeFile file(path);
   WriteReport report;
   report.values_clamped = container.write_picture({file, picture, options, control});
   file.finish();

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "codec/output_file.h"
 #include "codec/texels.h"
+#include "codec/whole_file.h"
 #include "welkin/control.h"
 #include "welkin/image_view.h"
 
@@ -13,7 +13,7 @@ namespace welkin::codec {
 
 /// A texture that is about to be written; all that was checked.
 struct TextureJob {
-  OutputFile& file;
+  WholeFile& file;
   std::span<const CubemapView> mips;
   const TextureOptions& options;
   const Control& control;
@@ -21,7 +21,7 @@ struct TextureJob {
 
 /// A picture of one level that is about to be written as a texture.
 struct PictureJob {
-  OutputFile& file;
+  WholeFile& file;
   const LatLongView& picture;  ///< any picture: rows, not directions
   const TextureOptions& options;
   const Control& control;
@@ -72,7 +72,7 @@ class TexelProgress {
 };
 
 /// Writes a face as it lies in the file, unpacked.
-void write_face(OutputFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
+void write_face(WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
                 TexelProgress& progress);
 
 /// Writes a picture likewise.

@@ -17,8 +17,8 @@ namespace welkin {
 namespace {
 
 using codec::file_error;
-using codec::OutputFile;
 using codec::OutputPicture;
+using codec::WholeFile;
 
 struct Format {
   const char* extension;
@@ -69,7 +69,7 @@ class Output {
 
   /// `from` to `to`: the part of the progress.
   void add(const std::filesystem::path& path, const OutputPicture& picture, Header header, double from, double to) {
-    files_.push_back(std::make_unique<OutputFile>(path));
+    files_.push_back(std::make_unique<WholeFile>(path));
     const Control part = jobs::part_of(control_, from, to);
     const codec::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
                               part};
@@ -90,7 +90,7 @@ class Output {
   const Format& format_;
   SampleType type_;
   const Control& control_;
-  std::vector<std::unique_ptr<OutputFile>> files_;
+  std::vector<std::unique_ptr<WholeFile>> files_;
   WriteReport report_;
 };
 

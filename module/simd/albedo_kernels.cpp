@@ -80,9 +80,9 @@ WELKIN_INLINE Albedo along_azimuth(const AlbedoRule& rule, const View& view, flo
 /// below 1e-9. Where the exponent is 0 the numerator is x itself: nothing of a small x is lost.
 WELKIN_INLINE Lanes log_of_one_minus(Lanes x) {
   const Lanes one(1.0F);
-  const IntegerLanes bits = xsimd::bitwise_cast<IntegerLanes>(one - x);
+  const auto bits = xsimd::bitwise_cast<IntegerLanes>(one - x);
   const IntegerLanes exponent = (bits - IntegerLanes(0x3F3504F3)) >> 23;  // of sqrt(1/2)
-  const Lanes mantissa = xsimd::bitwise_cast<Lanes>(bits - (exponent << 23));
+  const auto mantissa = xsimd::bitwise_cast<Lanes>(bits - (exponent << 23));
   const Lanes whole = xsimd::to_float(exponent);
   const Lanes numerator = xsimd::select(whole == Lanes(0.0F), -x, mantissa - one);
   const Lanes t = numerator / (mantissa + one);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "babylon/recorded_cases.h"
+#include "places.h"
 #include "support/catch.h"
 
 namespace {

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "places.h"
+
 namespace welkin::test {
 namespace {
 

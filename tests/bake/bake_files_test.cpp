@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bake/baked.h"
+#include "places.h"
 #include "support/catch.h"
 #include "support/shared_pictures.h"
 #include "support/temporary_directory.h"

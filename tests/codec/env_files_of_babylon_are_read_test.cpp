@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "codec/rgbd.h"
+#include "places.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/temporary_directory.h"

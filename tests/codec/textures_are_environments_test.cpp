@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "places.h"
 #include "sh/babylon_radiance.h"
 #include "support/catch.h"
 #include "support/chains.h"

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "places.h"
 #include "support/catch.h"
 #include "welkin/engine_light.h"
 #include "welkin/environment_file.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "image/texel_geometry.h"
+#include "places.h"
 #include "support/catch.h"
 #include "welkin/engine_light.h"
 #include "welkin/harmonic_transforms.h"

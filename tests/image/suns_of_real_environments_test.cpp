@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "image/map_flux.h"
+#include "places.h"
 #include "support/catch.h"
 #include "support/sun_maps.h"
 #include "welkin/directional_light.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "places.h"
 #include "support/catch.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "welkin/environment_file.h"

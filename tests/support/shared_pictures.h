@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "places.h"
 #include "support/catch.h"
 
 namespace welkin::test {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "places.h"
 #include "support/catch.h"
 #include "tools/temporary_folder.h"
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
 #include "support/catch.h"
 #include "support/damaged_files.h"
 #include "support/temporary_directory.h"

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "places.h"
 #include "support/catch.h"
 #include "tools/command.h"
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
 #include "support/catch.h"
 #include "tools/command.h"
 #include "welkin/instruction_set.h"

@@ -1,4 +1,4 @@
-#include "codec/output_file.h"
+#include "codec/whole_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -48,7 +48,7 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
+WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)) {
   const std::filesystem::file_status replaced = require_replaceable(path_);
   place_ = behind_links(path_);
   int handle = -1;
@@ -73,7 +73,7 @@ OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
   }
 }
 
-OutputFile::~OutputFile() {
+WholeFile::~WholeFile() {
   if (stream_ != nullptr) {
     std::fclose(stream_);
   }
@@ -82,7 +82,10 @@ OutputFile::~OutputFile() {
   }
 }
 
-void OutputFile::write(const void* bytes, std::size_t count) {
+void WholeFile::write(const void* bytes, std::size_t count) {
+  if (count == 0) {
+    return;  // an empty vector's bytes may be at no address, which fwrite may not be given
+  }
   errno = 0;
   if (std::fwrite(bytes, 1, count, stream_) != count) {
     fail("could not be written");
@@ -90,7 +93,7 @@ void OutputFile::write(const void* bytes, std::size_t count) {
   position_ += count;
 }
 
-void OutputFile::seek(std::uint64_t position) {
+void WholeFile::seek(std::uint64_t position) {
   errno = 0;
   if (fseeko(stream_, static_cast<off_t>(position), SEEK_SET) != 0) {
     fail("could not be written");
@@ -98,14 +101,14 @@ void OutputFile::seek(std::uint64_t position) {
   position_ = position;
 }
 
-void OutputFile::finish() {
+void WholeFile::finish() {
   errno = failure_;
   if (failed_ || std::fclose(std::exchange(stream_, nullptr)) != 0) {
     fail("could not be written");
   }
 }
 
-void OutputFile::commit() {
+void WholeFile::commit() {
   std::error_code failure;
   std::filesystem::rename(beside_, place_, failure);
   if (failure) {
@@ -115,7 +118,7 @@ void OutputFile::commit() {
   beside_.clear();
 }
 
-void OutputFile::fail(const char* what) {
+void WholeFile::fail(const char* what) {
   const int reason = errno;
   failure_ = failed_ ? failure_ : reason;
   failed_ = true;

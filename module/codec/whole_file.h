@@ -11,12 +11,12 @@ namespace welkin::codec {
 /// Written beside its place under a name of its own, and put in place by `commit`. Whoever destroys it before that
 /// leaves nothing behind. What it replaces hands on its permissions; a symbolic link stays one, and the file that it
 /// leads to is replaced. All throw `Error` (file_access) naming the file, the system's reason and a remedy.
-class OutputFile {
+class WholeFile {
  public:
-  explicit OutputFile(std::filesystem::path path);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
+  explicit WholeFile(std::filesystem::path path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
