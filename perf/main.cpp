@@ -3,6 +3,7 @@
 //   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B] LATLONG... docs/reflections.md
+//   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -22,6 +23,10 @@
 #include "ratio_reporter.h"
 #include "read_bandwidth.h"
 #include "resampling.h"
+#include "sky_errors.h"
+#include "sky_harmonics.h"
+#include "sky_tables.h"
+#include "sky_view.h"
 #include "tables.h"
 #include "target_sizes.h"
 #include "transform.h"
@@ -63,6 +68,9 @@ int main(int argc, char** argv) {
   if (first == "--prefilter-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
+  if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
+    return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
+  }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
   const std::vector<int> sizes{32, 64, 128, 256, 512, 1024, 2048};
@@ -73,9 +81,12 @@ int main(int argc, char** argv) {
   perf::add_project_file(thread_counts);
   perf::add_resampling(thread_counts);
   perf::add_prefilter(thread_counts);
+  perf::add_sky_views(thread_counts);
   perf::add_tables();
+  perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
   perf::add_transform(thread_counts);
+  perf::add_sky_harmonics(thread_counts);
   perf::add_worker_latency(thread_counts);
   perf::add_worker_throughput(thread_counts);
   perf::add_worker_costs();

@@ -1,7 +1,7 @@
 // All of Welkin's C++ interface.
 #pragma once
 
-#include "welkin/analytic_sky.h"
+#include "welkin/atmosphere.h"
 #include "welkin/babylon.h"
 #include "welkin/babylon_environment.h"
 #include "welkin/bake.h"
@@ -26,6 +26,12 @@
 #include "welkin/requests.h"
 #include "welkin/resampling.h"
 #include "welkin/roughness.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_light.h"
+#include "welkin/sky_reference.h"
+#include "welkin/sky_requests.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
 #include "welkin/specular.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/test_map.h"

@@ -42,6 +42,10 @@ float read_all(const float* values, std::int64_t groups);
 
 void add_lobes(const LobeRow& row, const LobeLight* lights, int count, float* rgb);
 RowMeasure measure_row(const float* values, int count);
+
+void add_sky_rings(const SkyRings& rings, float* sums);
+void add_sky_lobe(const SkyRings& rings, float* sums);
+
 void load_row_quads(const RowQuads& rows, int width, float* planes);
 void run_fourier_pass(const FourierPass& pass, const float* in, float* out);
 void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors, bool conjugate, int count,
@@ -57,5 +61,14 @@ void weigh_odd_parts(const float* columns, const double* weights, int groups, do
 void integrate_sums(const IntegralRun& run, const float* sums, float* coefficients);
 void scale_harmonics(const ScaleRun& run, const float* in, float* out);
 void spline_rings(const SplineRun& run, float* columns, float* scratch);
+
+void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
+void add_source(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
+                float* picture, float* sums);
+void project_sky_ring(const SkyRing& ring, float* harmonics);
+void fold_sky_orders(const float* harmonics, const float* weights, int bands, int used, float* by_order);
+void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosines, float* out);
+void reduce_sky(const SkyRun& run, float* of_sun);
+void sky_radiance(const SkyRun& run, const double* directions, int count, float* rgb);
 
 }  // namespace welkin::simd::WELKIN_ISA

@@ -39,6 +39,16 @@ const Kernels table = {
             .scale_harmonics = scale_harmonics,
             .spline_rings = spline_rings,
         },
+    .sky =
+        {
+            .add_sunlight = add_sunlight,
+            .add_source = add_source,
+            .project_ring = project_sky_ring,
+            .fold_orders = fold_sky_orders,
+            .sum_orders = sum_sky_orders,
+        },
+    .sky_view = {.reduce = reduce_sky, .radiance = sky_radiance},
+    .sky_rings = {.add_rings = add_sky_rings, .add_lobe = add_sky_lobe},
 };
 
 }  // namespace welkin::simd::WELKIN_ISA

@@ -8,6 +8,9 @@
 #include <cstdint>
 
 #include "simd/basis_recurrence.h"
+#include "simd/sky_kernels.h"
+#include "simd/sky_ring_kernels.h"
+#include "simd/sky_view_kernels.h"
 #include "simd/transform_kernels.h"
 #include "welkin/instruction_set.h"
 
@@ -263,6 +266,9 @@ struct Kernels {
   AddLobes add_lobes;
   MeasureRow measure_row;
   TransformKernels transform;
+  SkyKernels sky;
+  SkyViewKernels sky_view;
+  SkyRingKernels sky_rings;
 };
 
 /// The table for one instruction set, which this machine must be able to run.

@@ -30,8 +30,8 @@ Legendre legendre(int n, double x) {
   return {here, n * (x * here - before) / (x * x - 1.0)};
 }
 
-Rule make_rule(int order) {
-  Rule rule;
+/// Writes `order` >= 2 nodes and weights.
+void make_rule(int order, double* nodes, double* weights) {
   const auto n = static_cast<std::size_t>(order);
   for (std::size_t i = 0; i < (n + 1) / 2; ++i) {
     // Tricomi's start, then Newton; five steps are more than double precision needs.
@@ -43,11 +43,10 @@ Rule make_rule(int order) {
     }
     const double derivative = legendre(order, x).derivative;
     const double weight = 2.0 / ((1.0 - x * x) * derivative * derivative);
-    rule.nodes[i] = -x;
-    rule.nodes[n - 1 - i] = x;
-    rule.weights[i] = rule.weights[n - 1 - i] = weight;
+    nodes[i] = -x;
+    nodes[n - 1 - i] = x;
+    weights[i] = weights[n - 1 - i] = weight;
   }
-  return rule;
 }
 
 using Rules = std::array<Rule, kMaximumGaussOrder + 1>;
@@ -55,7 +54,10 @@ using Rules = std::array<Rule, kMaximumGaussOrder + 1>;
 Rules make_rules() {
   Rules rules;
   rules[1].weights[0] = 2.0;  // Newton's recurrence starts at two points
-  for (int order = 2; order <= kMaximumGaussOrder; ++order) rules[static_cast<std::size_t>(order)] = make_rule(order);
+  for (int order = 2; order <= kMaximumGaussOrder; ++order) {
+    Rule& rule = rules[static_cast<std::size_t>(order)];
+    make_rule(order, rule.nodes.data(), rule.weights.data());
+  }
   return rules;
 }
 
@@ -65,6 +67,13 @@ simd::GaussRule gauss_legendre(int order) {
   static const Rules rules = make_rules();
   const Rule& rule = rules[static_cast<std::size_t>(order)];
   return {order, rule.nodes.data(), rule.weights.data()};
+}
+
+GaussNodes gauss_nodes(int order) {
+  GaussNodes rule{std::vector<double>(static_cast<std::size_t>(order), 0.0),
+                  std::vector<double>(static_cast<std::size_t>(order), 2.0)};
+  if (order > 1) make_rule(order, rule.nodes.data(), rule.weights.data());
+  return rule;
 }
 
 }  // namespace welkin::tables

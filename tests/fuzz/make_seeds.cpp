@@ -1,4 +1,4 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env|sky DIRECTORY
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
@@ -13,6 +13,7 @@
 #include "support/temporary_directory.h"
 #include "support/webp_env.h"
 #include "welkin/babylon_environment.h"
+#include "welkin/sky_tables.h"
 #include "welkin/texture_file.h"
 
 namespace {
@@ -179,6 +180,15 @@ void make_env_seeds(const std::filesystem::path& directory) {
   }
 }
 
+void make_sky_seeds(const std::filesystem::path& directory) {
+  SkyTableOptions options{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
+  options.transmittance_heights = options.transmittance_zeniths = 2;
+  options.irradiance_heights = options.irradiance_sun_zeniths = 2;
+  save_sky_tables(precompute_sky(earth(), options), directory / "full.sky");
+  options.layout = ScatteringLayout::compact;
+  save_sky_tables(precompute_sky(mars(), options), directory / "compact.sky");
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -196,8 +206,10 @@ int main(int argument_count, char** arguments) {
     make_texture_seeds(arguments[2], "." + format);
   } else if (format == "env") {
     make_env_seeds(arguments[2]);
+  } else if (format == "sky") {
+    make_sky_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env|sky DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

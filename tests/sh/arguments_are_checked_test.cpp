@@ -7,7 +7,6 @@
 #include "support/catch.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/analytic_sky.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {
@@ -73,19 +72,6 @@ TEST_CASE("A stop request cancels a projection, and the next one works", "[sh]")
   control.stop = source.get_token();
   CHECK(thrown_by([&] { static_cast<void>(project(cubemap.view(), {}, control)); }).code == ErrorCode::cancelled);
   CHECK(project(cubemap.view()).diagnostics.texels == 6 * 300 * 300);
-}
-
-TEST_CASE("The analytic sky is a sky", "[sky]") {
-  const LatLongImage sky = analytic_sky(128);
-  CHECK(sky.width == 256);
-  const Projection light = project(sky.view());
-  const glm::dvec3 up = evaluate(irradiance_from_radiance(light.radiance), {0, 1, 0});
-  const glm::dvec3 down = evaluate(irradiance_from_radiance(light.radiance), {0, -1, 0});
-  CHECK(up.y > 5.0 * down.y);                                    // the light comes from above
-  CHECK(light.radiance.at(1, 0).x > light.radiance.at(1, 1).x);  // the sun is towards +z, a little to +x
-  CHECK(light.radiance.at(1, 1).x > 0.0);
-  CHECK(thrown_by([] { static_cast<void>(analytic_sky(0)); }).says("the sky's height is 0"));
-  CHECK(analytic_sky(1).pixels.size() == 6);
 }
 
 }  // namespace welkin::test

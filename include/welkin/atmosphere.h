@@ -1,0 +1,104 @@
+// An atmosphere as data: what a planet's air scatters and absorbs, and the light that falls on it.
+//
+// Lengths are metres, coefficients 1/m, wavelengths nanometres, irradiances W/m2/nm. y is up; a sun's azimuth is
+// counted from +z towards +x, its elevation from the horizon up.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace welkin {
+
+/// A layer of a density profile, relative to the density at which coefficients are stated:
+///   density(h) = clamp(exponential_term exp(exponential_scale_per_m h) + linear_term_per_m h + constant_term, 0, 1),
+/// h the altitude above the ground (Bruneton 2017, "Precomputed Atmospheric Scattering: a New Implementation",
+/// DensityProfileLayer).
+struct DensityLayer {
+  double thickness_m = 0.0;  ///< the last layer's is not read: it goes up to the top
+  double exponential_term = 0.0;
+  double exponential_scale_per_m = 0.0;
+  double linear_term_per_m = 0.0;
+  double constant_term = 0.0;
+
+  friend bool operator==(const DensityLayer&, const DensityLayer&) = default;
+};
+
+/// exp(-h / scale_height), all the way up. Throws `Error` (invalid_argument) unless it is above 0 and finite.
+[[nodiscard]] std::vector<DensityLayer> exponential_profile(double scale_height_m);
+/// A tent: 0 at centre -+ half_width, 1 at the centre, linear between: ozone. Throws likewise; the centre may be 0.
+[[nodiscard]] std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m);
+
+/// One kind of matter in the air.
+struct Constituent {
+  std::vector<DensityLayer> density;     ///< from the ground up; none: there is nothing of it
+  std::vector<double> scattering_per_m;  ///< at each wavelength, where the density is 1; none: 0
+  std::vector<double> absorption_per_m;  ///< likewise
+
+  friend bool operator==(const Constituent&, const Constituent&) = default;
+};
+
+/// How an aerosol scatters, by the cosine of the angle that light turns by; a phase function's integral over the sphere
+/// is 1.
+enum class AerosolPhase {
+  cornette_shanks,    ///< Cornette and Shanks 1992: Henyey-Greenstein times (1 + cos^2), as Bruneton has it
+  henyey_greenstein,  ///< Henyey and Greenstein 1941
+};
+
+struct Atmosphere {
+  std::string name;  ///< for people
+
+  /// All rising or all falling, 1 to 1e6. Three for a table of their own radiances (red, green, blue); any number from
+  /// 3 to 96 if they are folded to colours.
+  std::vector<double> wavelengths_nm{680.0, 550.0, 440.0};
+
+  double bottom_radius_m = 6'360'000.0;
+  double top_radius_m = 6'420'000.0;  ///< above it there is nothing
+
+  Constituent rayleigh;  ///< scatters by 3 / (16 pi) (1 + cos^2)
+  Constituent aerosol;   ///< Mie
+  AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;
+  double aerosol_asymmetry = 0.8;      ///< g, -0.999 to 0.999
+  std::vector<Constituent> absorbers;  ///< ozone and the like: their scattering must be none; at most 4
+
+  std::vector<double> ground_albedo;           ///< at each wavelength, 0 to 1; none: black
+  std::vector<double> solar_irradiance;        ///< above the atmosphere, on a surface facing the sun, W/m2/nm
+  double sun_angular_radius_degrees = 0.2678;  ///< 0 (a point) to 10
+
+  friend bool operator==(const Atmosphere&, const Atmosphere&) = default;
+};
+
+/// Throws `Error` (invalid_argument) that names the parameter, what was found and what would do, unless the atmosphere
+/// can be computed: everything finite, as many values as wavelengths, coefficients from 0 to 1e6, irradiances from 0 to
+/// 1e12, bottom_radius_m from 1 to 1e9, top_radius_m above it and at most 11 times it, |g| <= 0.999, at most 8 layers
+/// of thickness 0 to 1e12 and terms up to 1e15, at most 4 absorbers.
+void check(const Atmosphere& atmosphere);
+
+/// Bruneton 2017's Earth at given wavelengths (360 to 830 nm): Rayleigh 1.24062e-6 (1 um / wavelength)^4, aerosols of
+/// scale height 1200 m, ozone tent at 25 km; solar spectrum ASTM G-173 as tabulated there. Ground albedo 0.1. Throws
+/// `Error` (invalid_argument) for other wavelengths.
+[[nodiscard]] Atmosphere earth(const std::vector<double>& wavelengths_nm = {680.0, 550.0, 440.0});
+/// Hillaire 2020's Earth ("A Scalable and Production Ready Sky and Atmosphere Rendering Technique", table 1).
+[[nodiscard]] Atmosphere earth_hillaire();
+/// Mars: thin carbon dioxide and dust that absorbs blue, of optical depth 0.5.
+[[nodiscard]] Atmosphere mars();
+/// The same without aerosol.
+[[nodiscard]] Atmosphere without_aerosol(Atmosphere atmosphere);
+/// The same with that grey ground albedo, 0 to 1.
+[[nodiscard]] Atmosphere with_ground_albedo(Atmosphere atmosphere, double albedo);
+
+/// What the three channels of a computed sky are.
+enum class SkyColour {
+  spectral,     ///< W/m2/sr/nm at three wavelengths, in the order of `wavelengths_nm`
+  linear_srgb,  ///< cd/m2 in linear sRGB: the spectrum folded with the CIE 1931 colour matching functions, 683 lm/W
+};
+
+/// Linear sRGB luminance (cd/m2) of radiances (W/m2/sr/nm) at an atmosphere's wavelengths: weights[i] times radiance i,
+/// summed. The spectrum between them is linear, outside of them constant. Throws `Error` (invalid_argument).
+[[nodiscard]] std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
+
+/// Unit direction towards a sun, elevation from -90 to 90. y up; azimuth from +z towards +x, -1e6 to 1e6. Throws
+/// `Error` (invalid_argument).
+[[nodiscard]] glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees);
+
+}  // namespace welkin

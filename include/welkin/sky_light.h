@@ -1,0 +1,146 @@
+// The sky as an engine's live object: set the sun, get the light, every frame.
+//
+//   welkin::Worker worker;
+//   welkin::SkyLight sky(worker, welkin::earth());
+//   ...                                            // each frame
+//   sky.set_sun(elevation_degrees, azimuth_degrees);
+//   const welkin::SkyLightFrame& light = sky.update(seconds_since_last_frame);
+//   if (light.ready) shade_with(light.radiance, light.sun, light.reflections);
+//
+// What a change costs: docs/sky.md.
+//
+//   sun's azimuth        the curve's coefficients are turned, reflections get another rotation: no work
+//   intensity            a factor
+//   sun's elevation      the curve, at once; reflections anew, later, once it moved by `specular_threshold_degrees`
+//   altitude             a new curve (milliseconds) and new reflections, later
+//   atmosphere           new tables (seconds), curve and reflections, later
+//   below the threshold  nothing
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+
+#include "welkin/atmosphere.h"
+#include "welkin/directional_light.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_tables.h"
+#include "welkin/specular.h"
+#include "welkin/spherical_harmonics.h"
+#include "welkin/worker.h"
+
+namespace welkin {
+
+struct SkyLightOptions {
+  SkyTableOptions tables{};
+  SkyCurveOptions curve{};  ///< with the number of bands
+  double altitude_m = 0.0;
+
+  /// Of the sky's reflections; `size` 0: none.
+  PrefilterOptions specular{.size = 32};
+
+  /// The sun stays where it is until it is to move by at least this angle: 0 to 10.
+  double sun_threshold_degrees = 0.01;
+  /// Reflections are made anew when the sun's elevation is this far from that of the last ones: 0 to 90.
+  double specular_threshold_degrees = 0.5;
+
+  /// The altitude stays where it is until it is to change by at least this: 0 to 1e6 m.
+  double altitude_threshold_m = 1.0;
+
+  /// How long it takes from an old curve or old reflections to new ones, in the caller's seconds: 0 (at once) to 3600.
+  double blend_seconds = 0.5;
+
+  Priority priority = Priority::normal;  ///< of what is posted
+};
+
+/// A prefiltered sky, and how it is to be used now.
+struct SkyReflections {
+  std::shared_ptr<const PrefilteredSpecular> specular;  ///< of intensity 1; null: none yet
+  /// From where the sun was when it was made to where it is now, about the vertical: what came from direction d comes
+  /// from rotation * d.
+  glm::dmat3 rotation{1.0};
+  double weight = 0.0;  ///< of its light
+};
+
+/// The light of a frame.
+struct SkyLightFrame {
+  bool ready = false;    ///< false until the first curve has come: all is black
+  bool settled = false;  ///< nothing is being made or blended: the light is exactly what the direct calls give
+
+  SphericalHarmonics radiance;  ///< sky and ground, intensity included; the disc apart
+  Sun sun;                      ///< as a directional light, intensity included
+
+  /// Newer and older; both weights add up to 1 once there are any, times the intensity.
+  std::array<SkyReflections, 2> reflections;
+};
+
+/// What was done and what was not, since the object was made.
+struct SkyLightCounters {
+  std::uint64_t frames = 0;           ///< calls of `update`
+  std::uint64_t lights = 0;           ///< of them those that computed coefficients: others had nothing to do
+  std::uint64_t moves_ignored = 0;    ///< of sun or altitude, below their thresholds
+  std::uint64_t turns = 0;            ///< moves of the azimuth alone
+  std::uint64_t elevations = 0;       ///< moves of the elevation
+  std::uint64_t intensities = 0;      ///< changes of the intensity
+  std::uint64_t specular_spared = 0;  ///< moves of the elevation that asked for no reflections
+  std::uint64_t posts = 0;            ///< requests given to the worker
+  std::uint64_t tables_baked = 0;     ///< tables, curves and reflections that were made
+  std::uint64_t curves_baked = 0;
+  std::uint64_t speculars_baked = 0;
+  std::uint64_t given_up = 0;  ///< bakes that were stopped as a newer atmosphere, or the end, overtook them
+  std::uint64_t failures = 0;  ///< bakes that ended with an error
+};
+
+/// One at a time in the worker's hands: a change that comes while something is made is looked at when that is done, the
+/// last one only; a new atmosphere stops what is made for the old one. So a sun that never rests still gets new
+/// reflections, and a storm of moves costs no more than one.
+///
+/// If the worker lets go of a request (it is full, or was terminated), `error()` says so, the light stays what it was,
+/// and the next call of any `set_` asks again.
+///
+/// For one thread at a time. The worker must outlive it.
+class SkyLight {
+ public:
+  /// Asks for the first tables; the sun stands in the zenith. Throws `Error` (invalid_argument) for an atmosphere or
+  /// options that cannot be computed, and what `Worker::post` throws.
+  SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options = {});
+  /// The same with tables that are there, whose options count.
+  SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options = {});
+  /// Stops what is being made; does not wait.
+  ~SkyLight();
+  SkyLight(const SkyLight&) = delete;
+  SkyLight& operator=(const SkyLight&) = delete;
+
+  // These look and compare; they post a request (which allocates, and waits if the worker is full and its options say
+  // so) only if there is something to make and nothing is being made. All throw `Error` (invalid_argument).
+
+  /// Degrees; azimuth from +z towards +x.
+  void set_sun(double elevation_degrees, double azimuth_degrees);
+  /// Towards it, of any length.
+  void set_sun(const glm::dvec3& direction);
+  /// A factor of all light, 0 to 1e12.
+  void set_intensity(double intensity);
+  void set_altitude(double altitude_m);
+  /// New tables unless it is the same but for its name. (Brighter sunlight alone is better said by `set_intensity`.)
+  void set_atmosphere(const Atmosphere& atmosphere);
+
+  /// Takes what has come, goes on with what is being blended, and gives the light. Never waits, never allocates.
+  /// Throws `Error` (invalid_argument) for a negative time or one that is no number.
+  const SkyLightFrame& update(double seconds);
+  /// As of the last `update`.
+  [[nodiscard]] const SkyLightFrame& light() const noexcept;
+
+  [[nodiscard]] SkyLightCounters counters() const;
+  /// What the last bake that failed threw, null if none did since the last change that asked for one. What was there
+  /// before stays in use.
+  [[nodiscard]] std::exception_ptr error() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace welkin

@@ -1,0 +1,168 @@
+#include "welkin/atmosphere.h"
+
+#include <cmath>
+#include <cstddef>
+#include <sstream>
+#include <string>
+
+#include "sky/wavelengths.h"
+#include "tables/trigonometry.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+// Far beyond any air, near enough that no product of them overflows a float's table.
+constexpr double kLargestCoefficient = 1e6;   // 1/m
+constexpr double kLargestIrradiance = 1e12;   // W/m2/nm
+constexpr double kLargestDensityTerm = 1e15;  // any term of a layer's formula
+constexpr double kLargestThickness = 1e12;    // m
+constexpr double kLargestAsymmetry = 0.999;   // narrower lobes cannot be told from light that goes straight on
+constexpr std::size_t kMostLayers = 8;
+constexpr std::size_t kMostAbsorbers = 4;
+constexpr std::size_t kFewestWavelengths = 3;
+constexpr std::size_t kMostWavelengths = 96;
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+std::string text(double value) {
+  std::ostringstream out;
+  out.precision(10);
+  out << value;
+  return out.str();
+}
+
+/// `not in range` also of a NaN.
+void require(const std::string& what, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  refuse("the atmosphere's " + what + " is " + text(value) + "; it must be from " + text(low) + " to " + text(high));
+}
+
+std::string at(const std::string& what, std::size_t index) { return what + "[" + std::to_string(index) + "]"; }
+
+void check_values(const std::string& what, const std::vector<double>& values, std::size_t wavelengths, double highest) {
+  if (values.empty()) return;
+  if (values.size() != wavelengths) {
+    refuse("the atmosphere's " + what + " has " + std::to_string(values.size()) + " values for " +
+           std::to_string(wavelengths) + " wavelengths; it must have one for each, or none");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) require(at(what, i), values[i], 0.0, highest);
+}
+
+void check_layer(const std::string& what, const DensityLayer& layer) {
+  require(what + ".thickness_m", layer.thickness_m, 0.0, kLargestThickness);
+  const double most = kLargestDensityTerm;
+  require(what + ".exponential_term", layer.exponential_term, -most, most);
+  require(what + ".exponential_scale_per_m", layer.exponential_scale_per_m, -most, most);
+  require(what + ".linear_term_per_m", layer.linear_term_per_m, -most, most);
+  require(what + ".constant_term", layer.constant_term, -most, most);
+}
+
+void check_constituent(const std::string& what, const Constituent& matter, std::size_t wavelengths) {
+  if (matter.density.size() > kMostLayers) {
+    refuse("the atmosphere's " + what + ".density has " + std::to_string(matter.density.size()) +
+           " layers; it may have " + std::to_string(kMostLayers));
+  }
+  for (std::size_t i = 0; i < matter.density.size(); ++i) check_layer(at(what + ".density", i), matter.density[i]);
+  check_values(what + ".scattering_per_m", matter.scattering_per_m, wavelengths, kLargestCoefficient);
+  check_values(what + ".absorption_per_m", matter.absorption_per_m, wavelengths, kLargestCoefficient);
+}
+
+void check_absorbers(const Atmosphere& air) {
+  if (air.absorbers.size() > kMostAbsorbers) {
+    refuse("the atmosphere has " + std::to_string(air.absorbers.size()) + " absorbers; it may have " +
+           std::to_string(kMostAbsorbers));
+  }
+  for (std::size_t i = 0; i < air.absorbers.size(); ++i) {
+    const std::string what = at("absorbers", i);
+    check_constituent(what, air.absorbers[i], air.wavelengths_nm.size());
+    if (!air.absorbers[i].scattering_per_m.empty()) {
+      refuse("the atmosphere's " + what + ".scattering_per_m has values; an absorber does not scatter: it must be " +
+             "empty (what scatters is rayleigh or aerosol)");
+    }
+  }
+}
+
+}  // namespace
+
+void sky::check_wavelengths(const std::vector<double>& wavelengths) {
+  if (wavelengths.size() < kFewestWavelengths || wavelengths.size() > kMostWavelengths) {
+    refuse("the atmosphere has " + std::to_string(wavelengths.size()) + " wavelengths; it must have from " +
+           std::to_string(kFewestWavelengths) + " to " + std::to_string(kMostWavelengths));
+  }
+  for (std::size_t i = 0; i < wavelengths.size(); ++i) require(at("wavelengths_nm", i), wavelengths[i], 1.0, 1e6);
+  const bool rising = wavelengths[1] > wavelengths[0];
+  for (std::size_t i = 1; i < wavelengths.size(); ++i) {
+    if (rising ? wavelengths[i] > wavelengths[i - 1] : wavelengths[i] < wavelengths[i - 1]) continue;
+    refuse("the atmosphere's " + at("wavelengths_nm", i) + " is " + text(wavelengths[i]) + " after " +
+           text(wavelengths[i - 1]) + "; they must all rise or all fall");
+  }
+}
+
+void check(const Atmosphere& atmosphere) {
+  sky::check_wavelengths(atmosphere.wavelengths_nm);
+  const std::size_t wavelengths = atmosphere.wavelengths_nm.size();
+  require("bottom_radius_m", atmosphere.bottom_radius_m, 1.0, 1e9);
+  require("top_radius_m", atmosphere.top_radius_m, atmosphere.bottom_radius_m, 11.0 * atmosphere.bottom_radius_m);
+  if (!(atmosphere.top_radius_m > atmosphere.bottom_radius_m)) {
+    refuse("the atmosphere's top_radius_m is " + text(atmosphere.top_radius_m) +
+           ", that of its ground; it must be above it");
+  }
+  check_constituent("rayleigh", atmosphere.rayleigh, wavelengths);
+  check_constituent("aerosol", atmosphere.aerosol, wavelengths);
+  check_absorbers(atmosphere);
+  require("aerosol_asymmetry", atmosphere.aerosol_asymmetry, -kLargestAsymmetry, kLargestAsymmetry);
+  if (atmosphere.aerosol_phase != AerosolPhase::cornette_shanks &&
+      atmosphere.aerosol_phase != AerosolPhase::henyey_greenstein) {
+    refuse("the atmosphere's aerosol_phase is none that there is");
+  }
+  check_values("ground_albedo", atmosphere.ground_albedo, wavelengths, 1.0);
+  if (atmosphere.solar_irradiance.empty()) {
+    refuse("the atmosphere has no solar_irradiance; it must have one for each wavelength (0: no light)");
+  }
+  check_values("solar_irradiance", atmosphere.solar_irradiance, wavelengths, kLargestIrradiance);
+  require("sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees, 0.0, 10.0);
+}
+
+std::vector<DensityLayer> exponential_profile(double scale_height_m) {
+  if (!(scale_height_m > 0.0) || !std::isfinite(scale_height_m)) {
+    refuse("the scale height is " + text(scale_height_m) + " m; it must be above 0 and finite");
+  }
+  return {{.exponential_term = 1.0, .exponential_scale_per_m = -1.0 / scale_height_m}};
+}
+
+std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m) {
+  if (!(centre_m >= 0.0) || !std::isfinite(centre_m)) {
+    refuse("the tent's centre is " + text(centre_m) + " m; it must be 0 or above and finite");
+  }
+  if (!(half_width_m > 0.0) || !std::isfinite(half_width_m)) {
+    refuse("the tent's half width is " + text(half_width_m) + " m; it must be above 0 and finite");
+  }
+  const double slope = 1.0 / half_width_m;
+  const double centre = centre_m / half_width_m;
+  return {{.thickness_m = centre_m, .linear_term_per_m = slope, .constant_term = 1.0 - centre},
+          {.linear_term_per_m = -slope, .constant_term = 1.0 + centre}};
+}
+
+Atmosphere without_aerosol(Atmosphere atmosphere) {
+  atmosphere.aerosol = {};
+  return atmosphere;
+}
+
+Atmosphere with_ground_albedo(Atmosphere atmosphere, double albedo) {
+  require("ground albedo", albedo, 0.0, 1.0);
+  atmosphere.ground_albedo.assign(atmosphere.wavelengths_nm.size(), albedo);
+  return atmosphere;
+}
+
+glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees) {
+  require("sun's elevation", elevation_degrees, -90.0, 90.0);
+  if (!(std::abs(azimuth_degrees) <= 1e6)) {
+    refuse("the sun's azimuth is " + text(azimuth_degrees) + " degrees; it must be from -1e6 to 1e6");
+  }
+  const tables::SineCosine elevation = tables::sine_cosine_of_turns(elevation_degrees / 360.0);
+  const tables::SineCosine azimuth = tables::sine_cosine_of_turns(azimuth_degrees / 360.0);
+  return {azimuth.sine * elevation.cosine, elevation.sine, azimuth.cosine * elevation.cosine};
+}
+
+}  // namespace welkin

@@ -1,0 +1,190 @@
+#include "sky/ray_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sky/sky_geometry.h"
+#include "tables/trigonometry.h"
+
+namespace welkin::sky {
+namespace {
+
+constexpr std::size_t kLanes = simd::kLanes;
+constexpr double kNegligible = 1e-7;        ///< share of what a panel scatters that is left out
+constexpr std::size_t kMostSunNodes = 256;  ///< of a row of sunlight
+
+std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+/// Place of an angle of that cosine among nodes evenly from 0 to pi.
+double place_of_angle(double cosine, int nodes) noexcept {
+  const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+  return 2.0 * tables::turns_of(sine, cosine) * (nodes - 1);
+}
+
+struct Between {
+  int node;
+  double fraction;
+};
+
+Between between(double position, int nodes) noexcept {
+  const double inside = std::clamp(position, 0.0, static_cast<double>(nodes - 1));
+  const int node = std::min(static_cast<int>(inside), nodes - 2);
+  return {node, inside - node};
+}
+
+/// What a panel sends on of light that is nearly the same all over it: one sample in the middle of what scatters, which
+/// is exact for sources that vary linearly along the panel.
+struct ScatteringPanel {
+  double distance = 0.0;
+  double whole = 0.0;
+  double shares[2]{};      ///< of molecules and aerosol
+  double weights[2][3]{};  ///< likewise, at each wavelength
+};
+
+ScatteringPanel scattering_of(const RayNode* nodes, const WavelengthGroup& group, bool with_aerosol) noexcept {
+  ScatteringPanel panel;
+  double moment = 0.0;
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    const RayNode& node = nodes[k];
+    double here = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double seen = node.weight * node.transmittance[c];
+      const double rayleigh = seen * node.density[kRayleigh] * group.rayleigh[c];
+      const double aerosol = with_aerosol ? seen * node.density[kAerosol] * group.aerosol[c] : 0.0;
+      panel.weights[kRayleigh][c] += rayleigh;
+      panel.weights[kAerosol][c] += aerosol;
+      panel.shares[kRayleigh] += rayleigh;
+      panel.shares[kAerosol] += aerosol;
+      here += rayleigh + aerosol;
+    }
+    panel.whole += here;
+    moment += here * node.distance;
+  }
+  panel.distance = panel.whole > 0.0 ? moment / panel.whole : 0.0;
+  return panel;
+}
+
+}  // namespace
+
+simd::SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
+  const double tangent = mapping.sun_tangent() / mapping.bottom_radius();
+  const double shortest = mapping.sun_thickness() / mapping.bottom_radius();
+  return {static_cast<float>(tangent * tangent), static_cast<float>(shortest),
+          static_cast<float>(1.0 / (tangent - shortest)), static_cast<float>(1.0 / mapping.lowest_sun()), nodes};
+}
+
+WavelengthGroup wavelength_group(const Air& air, std::size_t group) {
+  WavelengthGroup wavelengths;
+  const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t wavelength = std::min(last, 3 * group + c);
+    for (std::size_t i = 0; i < air.constituents(); ++i) {
+      wavelengths.extinctions[c][i] = air.extinction(i, wavelength);
+    }
+    wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
+    wavelengths.aerosol[c] = air.scattering(kAerosol, wavelength);
+    wavelengths.albedo[c] = air.albedo(wavelength);
+    wavelengths.solar[c] = air.atmosphere().solar_irradiance[wavelength];
+  }
+  return wavelengths;
+}
+
+RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
+    : count_(count),
+      padded_(padded(count)),
+      nodes_(air),
+      zenith_cosine_(padded_),
+      angle_cosine_(padded_),
+      row_(padded_),
+      row_fraction_(padded_),
+      sums_(8 * padded_),
+      scratch_(4 * std::max(shape.picture(), kMostSunNodes)) {
+  for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
+}
+
+simd::SkySuns RayLight::suns() const noexcept {
+  return {zenith_cosine_.data(), angle_cosine_.data(), row_.data(), row_fraction_.data(), static_cast<int>(padded_)};
+}
+
+void RayLight::place(const Air& air, const Ray& ray, const WavelengthGroup& group, double coarseness) noexcept {
+  ray_ = ray;
+  nodes_.place(air, ray, group.extinctions, coarseness);
+}
+
+const float* RayLight::sunlight(const simd::Kernels& kernels, const Air& air, const Sunlight& light) noexcept {
+  std::fill_n(sums_.data(), 8 * padded_, 0.0F);
+  const double radius = air.bottom_radius() + ray_.altitude;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const RayNode& node = nodes_[n];
+    const double here = air.bottom_radius() + node.altitude;
+    simd::SunlitSample sample{};
+    light.at(node.altitude, sample);
+    sample.start_ratio = static_cast<float>(radius / here);
+    sample.distance_ratio = static_cast<float>(node.distance / here);
+    for (std::size_t c = 0; c < 3; ++c) sample.transmittance[c] = static_cast<float>(node.transmittance[c]);
+    const double view_cosine = std::clamp((radius * ray_.zenith_cosine + node.distance) / here, -1.0, 1.0);
+    const double from = altitude_along(air.bottom_radius(), node.altitude, view_cosine, -0.5 * node.weight);
+    const double to = altitude_along(air.bottom_radius(), node.altitude, view_cosine, 0.5 * node.weight);
+    const auto slope = static_cast<double>(sample.disc_slope);
+    sample.view_cosine = static_cast<float>(view_cosine);
+    sample.turning = static_cast<float>(0.5 * slope * node.weight / here);
+    sample.sinking = static_cast<float>(0.5 * slope *
+                                        (horizon_cosine(air.bottom_radius(), std::max(0.0, to)) -
+                                         horizon_cosine(air.bottom_radius(), std::max(0.0, from))));
+    sample.rayleigh = static_cast<float>(node.weight * node.density[kRayleigh]);
+    sample.aerosol = static_cast<float>(node.weight * node.density[kAerosol]);
+    kernels.sky.add_sunlight(sample, light.nodes(), suns(), scratch_.data(), sums_.data());
+  }
+  return sums_.data();
+}
+
+const float* RayLight::scattered(const simd::Kernels& kernels, const Air& air, const WavelengthGroup& group,
+                                 const ScatteringSource& source, const TableMapping& mapping) noexcept {
+  const SourceShape& shape = source.shape;
+  const std::size_t picture = 4 * shape.picture();
+  for (std::size_t i = 0; i < padded_; ++i) {
+    const Between angle = between(place_of_angle(this->angle_cosine(i), shape.angles), shape.angles);
+    row_.data()[i] = angle.node * shape.suns;
+    row_fraction_.data()[i] = static_cast<float>(angle.fraction);
+  }
+  std::fill_n(sums_.data(), 4 * padded_, 0.0F);
+  const simd::SunAxis axis = sun_axis(mapping, shape.suns);
+  const double radius = air.bottom_radius() + ray_.altitude;
+  const bool with_aerosol = !source.aerosol.empty();
+  for (std::size_t n = 0; n < nodes_.size(); n += kPanelNodes) {
+    const ScatteringPanel panel = scattering_of(&nodes_[n], group, with_aerosol);
+    if (!(panel.whole > 0.0)) continue;
+    const double altitude = std::clamp(
+        altitude_along(air.bottom_radius(), ray_.altitude, ray_.zenith_cosine, panel.distance), 0.0, air.thickness());
+    const double here = air.bottom_radius() + altitude;
+    const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + panel.distance) / here, -1.0, 1.0);
+    const Between height = between(mapping.height_coordinate(altitude) * (shape.heights - 1), shape.heights);
+    const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
+    simd::SourceSample sample{};
+    sample.start_ratio = static_cast<float>(radius / here);
+    sample.distance_ratio = static_cast<float>(panel.distance / here);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool upper = k >= 2;
+      const bool next = k % 2 == 1;
+      const double share =
+          (upper ? height.fraction : 1.0 - height.fraction) * (next ? zenith.fraction : 1.0 - zenith.fraction);
+      const auto row =
+          static_cast<std::size_t>(height.node + (upper ? 1 : 0)) * static_cast<std::size_t>(shape.zeniths) +
+          static_cast<std::size_t>(zenith.node + (next ? 1 : 0));
+      for (std::size_t matter = 0; matter < 2; ++matter) {
+        if (!(panel.shares[matter] > kNegligible * panel.whole)) continue;  // nothing at all too
+        const std::vector<float>& values = matter == kRayleigh ? source.rayleigh : source.aerosol;
+        sample.pictures[sample.count] = values.data() + row * picture;
+        for (std::size_t c = 0; c < 3; ++c) {
+          sample.weights[sample.count][c] = static_cast<float>(share * panel.weights[matter][c]);
+        }
+        ++sample.count;
+      }
+    }
+    kernels.sky.add_source(sample, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
+                           sums_.data());
+  }
+  return sums_.data();
+}
+
+}  // namespace welkin::sky

@@ -1,0 +1,196 @@
+#include "sky/ray_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sky/sky_geometry.h"
+#include "tables/exponential.h"
+#include "tables/gauss_legendre.h"
+
+namespace welkin::sky {
+namespace {
+
+/// A panel's length against its distance from the planet's centre: the sun's elevation changes by as much.
+constexpr double kLongestAngle = 0.03;
+/// A panel that dims the light by more is halved...
+constexpr double kThickest = 0.8;
+/// ... unless too little light comes from it and from behind it.
+constexpr double kFaintest = 0.01;
+constexpr double kDark = 1e-9;
+
+/// Four Gauss nodes on [0, 1], and the integrals from 0 to each of them of the polynomials that are 1 at one node and 0
+/// at the others: how much air lies before a node follows from densities at all four.
+struct Collocation {
+  std::array<double, kPanelNodes> nodes;
+  std::array<double, kPanelNodes> weights;
+  std::array<std::array<double, kPanelNodes>, kPanelNodes> before;  ///< [node][polynomial]
+};
+
+/// The integral of polynomial j from 0 to x, by the same rule scaled: exact for its degree.
+double integral(const Collocation& rule, std::size_t j, double x) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    const double at = x * rule.nodes[k];
+    double value = 1.0;
+    for (std::size_t i = 0; i < kPanelNodes; ++i) {
+      if (i != j) value *= (at - rule.nodes[i]) / (rule.nodes[j] - rule.nodes[i]);
+    }
+    sum += rule.weights[k] * value;
+  }
+  return x * sum;
+}
+
+Collocation make_collocation() {
+  const simd::GaussRule gauss = tables::gauss_legendre(static_cast<int>(kPanelNodes));
+  Collocation rule{};
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    rule.nodes[k] = 0.5 + 0.5 * gauss.nodes[k];
+    rule.weights[k] = 0.5 * gauss.weights[k];
+  }
+  for (std::size_t i = 0; i < kPanelNodes; ++i) {
+    for (std::size_t j = 0; j < kPanelNodes; ++j) rule.before[i][j] = integral(rule, j, rule.nodes[i]);
+  }
+  return rule;
+}
+
+const Collocation& collocation() {
+  static const Collocation rule = make_collocation();
+  return rule;
+}
+
+}  // namespace
+
+RayPanels::RayPanels(const Air& air) {
+  ends_.reserve(2 * air.shells().size() + 8);
+  static_cast<void>(collocation());  // made here, where memory may run out, and not inside a tile
+}
+
+void RayPanels::add(double place, double length) noexcept {
+  if (place > ends_.back() + 1e-12 * length && place < length * (1.0 - 1e-12)) ends_.push_back(place);
+}
+
+// A sphere of altitude b is passed at -r mu -+ sqrt(D), D = (r mu)^2 + (b - h) (2 R + b + h): the way down passes
+// spheres below the start, from the highest on; the way up those above the lowest point.
+void RayPanels::cut(const Air& air, const Ray& ray) noexcept {
+  const std::vector<double>& shells = air.shells();
+  const double along = (air.bottom_radius() + ray.altitude) * ray.zenith_cosine;
+  const auto inside = [&](double shell) {
+    return (shell - ray.altitude) * (2.0 * air.bottom_radius() + shell + ray.altitude);
+  };
+  ends_.clear();
+  ends_.push_back(0.0);
+  if (along < 0.0) {
+    for (std::size_t i = shells.size(); i-- > 0;) {
+      const double below = inside(shells[i]);
+      const double square = along * along + below;
+      if (below >= 0.0) continue;
+      if (!(square > 0.0)) break;
+      add(below / (along - std::sqrt(square)), ray.length);
+    }
+    if (!ray.ground) add(-along, ray.length);
+  }
+  if (!ray.ground) {
+    for (const double shell : shells) {
+      const double above = inside(shell);
+      const double square = along * along + above;
+      if (!(square > 0.0) || (along >= 0.0 && above <= 0.0)) continue;
+      const double root = std::sqrt(square);
+      add(along > 0.0 ? above / (along + root) : root - along, ray.length);
+    }
+  }
+  ends_.push_back(ray.length);
+}
+
+Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcept {
+  const Collocation& rule = collocation();
+  panels.cut(air, ray);
+  Amounts sums{};
+  Amounts density;
+  for (std::size_t panel = 1; panel < panels.ends().size(); ++panel) {
+    const double from = panels.ends()[panel - 1];
+    const double size = panels.ends()[panel] - from;
+    for (std::size_t k = 0; k < kPanelNodes; ++k) {
+      const double at = from + size * rule.nodes[k];
+      air.densities(altitude_along(air.bottom_radius(), ray.altitude, ray.zenith_cosine, at), density);
+      for (std::size_t i = 0; i < air.constituents(); ++i) sums[i] += size * rule.weights[k] * density[i];
+    }
+  }
+  return sums;
+}
+
+double optical_depth(const Amounts& extinction, const Amounts& lengths) noexcept {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kMostConstituents; ++i) sum += extinction[i] * lengths[i];
+  return sum;
+}
+
+RayNodes::RayNodes(const Air& air) : panels_(air), nodes_(kMostRayNodes) { pending_.reserve(128); }
+
+// Fills in four nodes from `count_` on and says whether they will do.
+bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
+                         bool last_chance) noexcept {
+  const Collocation& rule = collocation();
+  const double size = to - from;
+  const double radius = air.bottom_radius() + ray.altitude;
+  if (!last_chance && size > coarseness_ * kLongestAngle * radius_along(radius, ray.zenith_cosine, 0.5 * (from + to))) {
+    return false;
+  }
+  RayNode* const nodes = nodes_.data() + count_;
+  Amounts whole{};
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    RayNode& node = nodes[k];
+    node.distance = from + size * rule.nodes[k];
+    node.weight = size * rule.weights[k];
+    node.altitude = std::clamp(altitude_along(air.bottom_radius(), ray.altitude, ray.zenith_cosine, node.distance), 0.0,
+                               air.thickness());
+    air.densities(node.altitude, node.density);
+    for (std::size_t i = 0; i < air.constituents(); ++i) whole[i] += node.weight * node.density[i];
+  }
+  std::array<double, 3> after{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double depth = optical_depth(extinctions[c], whole);
+    after[c] = transmittance_[c] * tables::exponential(-depth);
+    if (!last_chance && depth > kThickest && transmittance_[c] > kFaintest) return false;
+  }
+  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      double depth = 0.0;
+      for (std::size_t i = 0; i < air.constituents(); ++i) {
+        double before = 0.0;
+        for (std::size_t j = 0; j < kPanelNodes; ++j) before += rule.before[k][j] * nodes[j].density[i];
+        depth += extinctions[c][i] * before;
+      }
+      nodes[k].transmittance[c] = transmittance_[c] * tables::exponential(-std::max(0.0, size * depth));
+    }
+  }
+  transmittance_ = after;
+  count_ += kPanelNodes;
+  return true;
+}
+
+void RayNodes::place(const Air& air, const Ray& ray, const Extinctions& extinctions, double coarseness) noexcept {
+  panels_.cut(air, ray);
+  const std::vector<double>& ends = panels_.ends();
+  count_ = 0;
+  transmittance_ = {1.0, 1.0, 1.0};
+  coarseness_ = coarseness;
+  for (std::size_t panel = 1; panel < ends.size(); ++panel) {
+    double from = ends[panel - 1];
+    pending_.assign(1, ends[panel]);
+    while (!pending_.empty()) {
+      if (*std::max_element(transmittance_.begin(), transmittance_.end()) < kDark) return;
+      const std::size_t left = ends.size() - panel + pending_.size();
+      const double to = pending_.back();
+      const bool full = count_ / kPanelNodes + left + 1 >= kMostPanels || pending_.size() >= 48;
+      if (count_ + kPanelNodes > kMostRayNodes) return;
+      if (try_panel(air, ray, extinctions, from, to, full)) {
+        from = to;
+        pending_.pop_back();
+      } else {
+        pending_.push_back(from + 0.5 * (to - from));
+      }
+    }
+  }
+}
+
+}  // namespace welkin::sky

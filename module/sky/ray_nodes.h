@@ -1,0 +1,82 @@
+// Where integrals along a ray through the air take their samples, and how much air lies before each of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "sky/air.h"
+
+namespace welkin::sky {
+
+inline constexpr std::size_t kPanelNodes = 4;    ///< of Gauss and Legendre
+inline constexpr std::size_t kMostPanels = 384;  ///< of one ray
+inline constexpr std::size_t kMostRayNodes = kPanelNodes * kMostPanels;
+
+/// A ray: from an altitude along a zenith cosine, to the ground or the top.
+struct Ray {
+  double altitude;
+  double zenith_cosine;
+  bool ground;
+  double length;  ///< metres
+};
+
+/// Places along a ray, rising, at which it passes shells and where it is nearest to the ground; 0 and its length too.
+/// Scratch of a fixed size: nothing is allocated after construction.
+class RayPanels {
+ public:
+  explicit RayPanels(const Air& air);
+  /// A copy's vector would have lost its room.
+  RayPanels(const RayPanels&) = delete;
+  RayPanels& operator=(const RayPanels&) = delete;
+  RayPanels(RayPanels&&) noexcept = default;
+  RayPanels& operator=(RayPanels&&) noexcept = default;
+  ~RayPanels() = default;
+
+  void cut(const Air& air, const Ray& ray) noexcept;
+  [[nodiscard]] const std::vector<double>& ends() const noexcept { return ends_; }
+
+ private:
+  void add(double place, double length) noexcept;
+  std::vector<double> ends_;
+};
+
+/// Density integrated along a whole ray, metres, each constituent's. Relative error some 1e-6.
+[[nodiscard]] Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcept;
+
+/// Extinction of each constituent at three wavelengths, 1/m.
+using Extinctions = std::array<Amounts, 3>;
+[[nodiscard]] double optical_depth(const Amounts& extinction, const Amounts& lengths) noexcept;
+
+struct RayNode {
+  double distance;
+  double altitude;
+  double weight;  ///< metres that it stands for
+  Amounts density;
+  std::array<double, 3> transmittance;  ///< from the ray's start
+};
+
+/// Samples of a ray such that integrals of density, transmittance and smooth light are right to some 1e-4: Gauss nodes
+/// on panels that end at shells, are short against the planet's curve, and thin to the eye at three wavelengths.
+class RayNodes {
+ public:
+  explicit RayNodes(const Air& air);
+  /// Allocates nothing. `coarseness`: 1, or more where light is smooth: how long panels may be along the curve.
+  void place(const Air& air, const Ray& ray, const Extinctions& extinctions, double coarseness = 1.0) noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept { return count_; }
+  [[nodiscard]] const RayNode& operator[](std::size_t i) const noexcept { return nodes_[i]; }
+
+ private:
+  bool try_panel(const Air& air, const Ray& ray, const Extinctions& extinctions, double from, double to,
+                 bool last_chance) noexcept;
+
+  RayPanels panels_;
+  std::vector<RayNode> nodes_;
+  std::vector<double> pending_;
+  std::size_t count_ = 0;
+  std::array<double, 3> transmittance_{};
+  double coarseness_ = 1.0;
+};
+
+}  // namespace welkin::sky

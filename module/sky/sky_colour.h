@@ -1,0 +1,29 @@
+// The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "welkin/sky_tables.h"
+
+namespace welkin::sky {
+
+/// Weights of the wavelengths in the three channels.
+class ColourFold {
+ public:
+  ColourFold(const Atmosphere& atmosphere, SkyColour colour);
+
+  /// Sunlight above the air: W/m2/nm, or lux in linear sRGB. Not negative.
+  [[nodiscard]] const glm::dvec3& sunlight() const noexcept { return sunlight_; }
+
+  /// By channel the mean of something that each wavelength has (a transmittance, an albedo), as sunlight weighs it:
+  /// sunlight() times it is what is left. Not below 0.
+  [[nodiscard]] glm::dvec3 share(std::span<const double> values) const noexcept;
+
+ private:
+  std::vector<glm::dvec3> weights_;  ///< sunlight of each wavelength
+  glm::dvec3 sunlight_{};
+};
+
+}  // namespace welkin::sky

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "jobs/floating_point_scope.h"
+#include "jobs/tiles.h"
+#include "sky/curve_nodes.h"
+#include "sky/sky_geometry.h"
+#include "sky/sky_projection.h"
+#include "sky/sky_projector_access.h"
+#include "sky/vertical_harmonics.h"
+#include "welkin/error.h"
+#include "welkin/sky_harmonics.h"
+
+namespace welkin {
+namespace {
+
+constexpr int kSunNodes = 2;  ///< of the sun's irradiance for each of the sky's
+
+SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
+  if (options.nodes < 8 || options.nodes > 4096) {
+    throw Error(ErrorCode::invalid_argument,
+                "sky curve: " + std::to_string(options.nodes) + " nodes; 8 to 4096 are possible");
+  }
+  SkyHarmonicsOptions projection = options.projection;
+  projection.bands = options.bands;
+  return projection;
+}
+
+/// What (l, m) is divided by before it is interpolated: a coefficient is sin^m(zenith angle) times an even function,
+/// so this leaves a smooth function of the sine of the elevation.
+double foot(int m, double zenith_sine) { return m == 0 ? 1.0 : (m % 2 == 1 ? zenith_sine : zenith_sine * zenith_sine); }
+
+double horizon_of(const SkyView& view) {
+  return sky::horizon_cosine(view.tables()->atmosphere.bottom_radius_m, view.altitude_m());
+}
+
+sky::SunAngles at_azimuth_zero(double sine) {
+  return {.zenith_cosine = sine, .zenith_sine = std::sqrt(std::max(0.0, (1.0 - sine) * (1.0 + sine)))};
+}
+
+}  // namespace
+
+struct SkyCurve::Nodes {
+  int bands;
+  sky::CurveAxis axis;
+  sky::CurveValues sky;  ///< [(l, m)][channel]
+  sky::CurveAxis direct_axis;
+  sky::CurveValues direct;  ///< the sun's irradiance, [channel]
+
+  Nodes(const SkyView& view, const SkyCurveOptions& options, const SkyProjector& projector, const Control& control);
+
+  void bake_sky(const SkyProjector& projector, const Control& control);
+  void bake_sun(const SkyView& view);
+  void extrapolate_end(int node, int inwards);
+};
+
+SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, const SkyProjector& projector,
+                       const Control& control)
+    : bands(options.bands),
+      axis(options.nodes, -1.0, horizon_of(view)),
+      direct_axis(kSunNodes * options.nodes, -1.0, horizon_of(view)) {
+  bake_sky(projector, control);
+  bake_sun(view);
+}
+
+/// (l, m > 0) over its foot has no value in the zenith or straight below: from four nodes beside it.
+void SkyCurve::Nodes::extrapolate_end(int node, int inwards) {
+  for (int l = 1; l < bands; ++l) {
+    for (int m = 1; m <= l; ++m) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t i = sky::even_index(l, m) * 3 + c;
+        sky.value(node, i) = 4.0 * (sky.value(node + inwards, i) + sky.value(node + 3 * inwards, i)) -
+                             6.0 * sky.value(node + 2 * inwards, i) - sky.value(node + 4 * inwards, i);
+      }
+    }
+  }
+}
+
+void SkyCurve::Nodes::bake_sky(const SkyProjector& projector, const Control& control) {
+  const sky::SkyProjection& projection = SkyProjectorAccess::projection(projector);
+  const int count = axis.count();
+  sky.functions = sky::even_count(bands) * 3;
+  sky.values.resize(static_cast<std::size_t>(count) * sky.functions * 2);
+  jobs::run_tiles(static_cast<std::size_t>(count), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena),
+                  control, [&](std::size_t tile, std::size_t) {
+                    const auto node = static_cast<int>(tile);
+                    const sky::SunAngles sun = at_azimuth_zero(axis.sine(node));
+                    std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
+                    projection.project(sun, even);
+                    for (int l = 0; l < bands; ++l) {
+                      for (int m = 0; m <= l; ++m) {
+                        const std::size_t i = sky::even_index(l, m);
+                        const double divisor = sun.zenith_sine > 0.0 ? foot(m, sun.zenith_sine) : 1.0;
+                        for (int c = 0; c < 3; ++c) {
+                          const double value = even[i][c] / divisor;
+                          sky.value(node, i * 3 + static_cast<std::size_t>(c)) = i == 0 ? std::max(value, 0.0) : value;
+                        }
+                      }
+                    }
+                  });
+  extrapolate_end(count - 1, -1);
+  extrapolate_end(0, 1);
+  for (std::size_t c = 0; c < 3; ++c) {
+    sky::set_slopes_of_positive(sky, count, c);
+    for (std::size_t i = 1; i < sky::even_count(bands); ++i) sky::set_slopes_by_ratio(sky, count, i * 3 + c, c);
+  }
+}
+
+void SkyCurve::Nodes::bake_sun(const SkyView& view) {
+  const int count = direct_axis.count();
+  direct.functions = 3;
+  direct.values.resize(static_cast<std::size_t>(count) * direct.functions * 2);
+  for (int node = 0; node < count; ++node) {
+    const sky::SunAngles angles = at_azimuth_zero(direct_axis.sine(node));
+    const glm::dvec3 irradiance = view.sun({0.0, angles.zenith_cosine, angles.zenith_sine}).irradiance;
+    for (int c = 0; c < 3; ++c) direct.value(node, static_cast<std::size_t>(c)) = std::max(irradiance[c], 0.0);
+  }
+  for (std::size_t c = 0; c < 3; ++c) sky::set_slopes_of_positive(direct, count, c);
+}
+
+SkyCurve::SkyCurve(const SkyView& view, const SkyCurveOptions& options, const Control& control) {
+  const jobs::FloatingPointScope environment;
+  nodes_ = std::make_shared<const Nodes>(view, options, SkyProjector(view, checked(options)), control);
+}
+
+int SkyCurve::bands() const noexcept { return nodes_->bands; }
+
+void SkyCurve::at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const {
+  const int bands = nodes_->bands;
+  sky::check_room(coefficients.size(), bands);
+  const jobs::FloatingPointScope environment;
+  const sky::SunAngles angles = sky::sun_angles(sun);
+  std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
+  std::array<double, 3 * sky::even_count(kMaximumBands)> values;
+  nodes_->sky.at(nodes_->axis.place(angles.zenith_cosine), values.data());
+  for (int l = 0; l < bands; ++l) {
+    for (int m = 0; m <= l; ++m) {
+      const std::size_t i = sky::even_index(l, m);
+      even[i] = foot(m, angles.zenith_sine) * glm::dvec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+    }
+  }
+  sky::turn_even(even, bands, angles, coefficients);
+}
+
+SphericalHarmonics SkyCurve::at(const glm::dvec3& sun) const {
+  SphericalHarmonics result(bands());
+  at(sun, result.coefficients());
+  return result;
+}
+
+glm::dvec3 SkyCurve::sun_irradiance(const glm::dvec3& sun) const {
+  const jobs::FloatingPointScope environment;
+  const sky::SunAngles angles = sky::sun_angles(sun);
+  double results[3];
+  nodes_->direct.at(nodes_->direct_axis.place(angles.zenith_cosine), results);
+  return {results[0], results[1], results[2]};
+}
+
+std::uint64_t SkyCurve::bytes() const noexcept {
+  return sizeof(Nodes) + (nodes_->sky.values.size() + nodes_->direct.values.size()) * sizeof(double);
+}
+
+}  // namespace welkin

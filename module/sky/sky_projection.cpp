@@ -1,0 +1,340 @@
+#include "sky/sky_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "simd/kernels.h"
+#include "sky/phase_functions.h"
+#include "sky/phase_spectrum.h"
+#include "sky/sky_geometry.h"
+#include "sky/vertical_harmonics.h"
+#include "tables/trigonometry.h"
+#include "welkin/error.h"
+
+namespace welkin::sky {
+namespace {
+
+constexpr int kRings = simd::kSkyRings;
+constexpr int kChunk = 16;  // azimuths
+constexpr std::size_t kMost = std::size_t{1} << 30U;
+
+static_assert(kRings == 16);
+
+/// Of the highest ring with any light: from space the upper edge of the air.
+double top_cosine(const SkySlice& slice, const Atmosphere& atmosphere) {
+  if (!slice.outside()) return 1.0;
+  const double above = slice.altitude() - (atmosphere.top_radius_m - atmosphere.bottom_radius_m);
+  return horizon_cosine(atmosphere.top_radius_m, above);
+}
+
+}  // namespace
+
+SkyProjection::SkyProjection(SkyView view, const SkyHarmonicsOptions& options)
+    : view_(std::move(view)),
+      options_(options),
+      slice_(SkyViewAccess::slice(view_)),
+      aerosol_(aerosol_lobe(view_.tables()->atmosphere)),
+      spectrum_(aerosol_moments(view_.tables()->atmosphere, kMaximumBands)),
+      bottom_(view_.tables()->atmosphere.bottom_radius_m),
+      radius_(1.0 + slice_.altitude() / bottom_),
+      horizon_(horizon_cosine(bottom_, slice_.altitude())) {
+  prepare_turns();
+  const Atmosphere& atmosphere = view_.tables()->atmosphere;
+  const SkyRule rule = sky_rule(options, horizon_, top_cosine(slice_, atmosphere), atmosphere.aerosol_asymmetry);
+  azimuths_ = rule.azimuths;
+  directions_ = options.azimuths * static_cast<int>(rule.above.cosines.size() + rule.below.cosines.size());
+  check_size(rule.above.cosines.size() + rule.below.cosines.size());
+  for (std::size_t i = 0; i < azimuths_.cosines.size(); ++i) {
+    gaps_.push_back(static_cast<float>(aerosol_.backwards ? azimuths_.from_opposite[i] : azimuths_.from_sun[i]));
+    double before = azimuths_.cosines[i];
+    double here = 1.0;  // cos(m azimuth) by Chebyshev's recurrence
+    for (int m = 0; m < options.bands; ++m) {
+      factors_.push_back(static_cast<float>(azimuths_.weights[i] * here));
+      const double next = 2.0 * azimuths_.cosines[i] * here - before;
+      before = here;
+      here = next;
+    }
+  }
+  add_rings(rule.above, false);
+  add_rings(rule.below, true);
+}
+
+void SkyProjection::check_size(std::size_t rings) const {
+  if (slice_.outside()) return;
+  const std::size_t bytes = (rings + 2 * kRings) * static_cast<std::size_t>(options_.azimuths) *
+                            static_cast<std::size_t>(slice_.suns()) * simd::kSkyChannels * sizeof(float);
+  if (bytes <= kMost) return;
+  throw Error(ErrorCode::limit_exceeded,
+              "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(options_.azimuths) +
+                  " azimuths x " + std::to_string(slice_.suns()) +
+                  " suns take more than 1 GiB; fewer zeniths, azimuths or suns in the table would do");
+}
+
+void SkyProjection::add_rings(const RingRule& rings, bool below) {
+  const auto count = static_cast<int>(rings.cosines.size());
+  const std::size_t terms = even_count(options_.bands);
+  std::vector<double> basis(terms);
+  for (int first = 0; first < count; first += kRings) {
+    RingGroup group;
+    group.below = below;
+    group.basis.resize(terms * kRings);
+    for (int lane = 0; lane < kRings; ++lane) {
+      const auto ring = static_cast<std::size_t>(std::min(first + lane, count - 1));
+      group.cosines[lane] = rings.cosines[ring];
+      group.sines[lane] = rings.sines[ring];
+      even_basis(rings.cosines[ring], rings.sines[ring], options_.bands, basis);
+      const double weight = first + lane < count ? rings.weights[ring] : 0.0;
+      for (std::size_t k = 0; k < terms; ++k)
+        group.basis[k * kRings + static_cast<std::size_t>(lane)] = weight * basis[k];
+    }
+    if (!slice_.outside()) fill_values(group);
+    groups_.push_back(std::move(group));
+  }
+}
+
+void SkyProjection::fill_values(RingGroup& group) const {
+  const auto suns = static_cast<std::size_t>(slice_.suns());
+  const auto azimuths = static_cast<std::size_t>(options_.azimuths);
+  group.values = tables::AlignedBuffer<float>(azimuths * suns * simd::kSkyChannels * kRings);
+  std::vector<float> rows(static_cast<std::size_t>(slice_.azimuths()) * suns * kSliceRow);
+  for (std::size_t lane = 0; lane < kRings; ++lane) {
+    const ViewPlace place = slice_.view_place(group.cosines[lane]);
+    slice_.view_rows(place.taps, rows.data());
+    if (place.ground) {
+      group.ground[lane].distance = place.distance;
+      for (int c = 0; c < 3; ++c) {
+        group.ground[lane].transmittance[c] = static_cast<double>(place.transmittance[c]);
+        group.any_ground = group.any_ground || place.transmittance[c] > 0.0F;
+      }
+    }
+    for (std::size_t i = 0; i < azimuths; ++i) {
+      const Taps taps = slice_.azimuth_taps(azimuths_.cosines[i]);
+      const float* const tapped = rows.data() + static_cast<std::size_t>(taps.first) * suns * kSliceRow;
+      for (std::size_t k = 0; k < suns * simd::kSkyChannels; ++k) {
+        const std::size_t sun = k / simd::kSkyChannels;
+        const std::size_t channel = k % simd::kSkyChannels;
+        const float* const value = tapped + sun * kSliceRow + channel + channel / 3;
+        float sum = 0.0F;
+        for (std::size_t t = 0; t < 4; ++t) sum += taps.weights[t] * value[t * suns * kSliceRow];
+        group.values.data()[(i * suns * simd::kSkyChannels + k) * kRings + lane] = sum;
+      }
+    }
+  }
+}
+
+/// What the aerosol has to scatter towards the sun itself, or towards the horizon below it, times the share of the lobe
+/// that is above the horizon. Any share gives the same integral where the nodes resolve the lobe; where they do not,
+/// this one is nearly right: small lobes fall like (w^2 + angle^2)^(-3/2), w = -ln g, or nearly (1 - g) / sqrt(g),
+/// which a straight horizon cuts into 1/2 + atan(elevation / w) / pi.
+SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept {
+  Lobe lobe{};
+  if (options_.quadrature != SkyQuadrature::gauss_split || aerosol_.backwards) return lobe;
+  const double horizon_sine = std::sqrt((1.0 - horizon_) * (1.0 + horizon_));
+  const double above = sun.zenith_cosine * horizon_sine - sun.zenith_sine * horizon_;  // sine of the elevation over it
+  const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
+  const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
+  const double share =
+      0.5 + 2.0 * tables::turns_of(angle, std::sqrt(aerosol_.gap / std::max(0.5 * aerosol_.slope, 1e-3)));
+  const ViewPlace view = slice_.view_place(std::max(sun.zenith_cosine, horizon_));
+  const Taps azimuth = slice_.azimuth_taps(1.0);
+  const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
+  for (int v = 0; v < 4; ++v) {
+    for (int a = 0; a < 4; ++a) {
+      const std::ptrdiff_t row =
+          (static_cast<std::ptrdiff_t>(view.taps.first + v) * slice_.azimuths() + azimuth.first + a) * suns;
+      const double weight = static_cast<double>(view.taps.weights[v]) * static_cast<double>(azimuth.weights[a]);
+      for (int s = 0; s < 4; ++s) {
+        const float* const values = slice_.values() + (row + place.taps.first + s) * kSliceRow + 4;
+        const double part = weight * static_cast<double>(place.taps.weights[s]);
+        for (std::size_t c = 0; c < 3; ++c) lobe[c] += part * static_cast<double>(values[c]);
+      }
+    }
+  }
+  for (double& value : lobe) value = static_cast<double>(static_cast<float>(share * std::max(value, 0.0)));
+  return lobe;
+}
+
+void SkyProjection::add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const {
+  std::array<double, kMaximumBands*(kMaximumBands + 1) / 2> basis;
+  even_basis(sun.zenith_cosine, sun.zenith_sine, options_.bands, basis);
+  for (int l = 0; l < options_.bands; ++l) {
+    for (int m = 0; m <= l; ++m) {
+      const double factor = spectrum_[static_cast<std::size_t>(l)] * basis[even_index(l, m)];
+      even[even_index(l, m)] += factor * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+    }
+  }
+}
+
+/// Light of the ground under a group's rays, for azimuths from `first` on: [count][3][16].
+///
+/// Where a ray ends, the sun stands at (r mu_s + d nu) / R, which is linear in the azimuth's cosine. Rays that end near
+/// by see so little of it that a parabola through three suns is exact to rounding; others ask for each azimuth.
+void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count,
+                                float* ground) const noexcept {
+  constexpr double flat = 1e-9;
+  constexpr double gentle = 1e-3;
+  glm::dvec3 below(0.0);
+  double below_centre = std::numeric_limits<double>::quiet_NaN();
+  for (int lane = 0; lane < kRings; ++lane) {
+    const GroundRay& ray = group.ground[lane];
+    const double reach = ray.distance / bottom_;
+    const double centre = radius_ * sun.zenith_cosine + reach * group.cosines[lane] * sun.zenith_cosine;
+    const double swing = reach * group.sines[lane] * sun.zenith_sine;
+    if (centre != below_centre) below = slice_.ground_radiance(centre);  // on the ground all rays see the same
+    below_centre = centre;
+    const glm::dvec3 through(ray.transmittance[0], ray.transmittance[1], ray.transmittance[2]);
+    glm::dvec3 slope(0.0);
+    glm::dvec3 bend(0.0);
+    if (swing > flat && swing <= gentle) {
+      const glm::dvec3 near = slice_.ground_radiance(centre + swing);
+      const glm::dvec3 far = slice_.ground_radiance(centre - swing);
+      slope = 0.5 * (near - far);
+      bend = 0.5 * (near + far) - below;
+    }
+    for (int i = 0; i < count; ++i) {
+      const double cosine = azimuths_.cosines[static_cast<std::size_t>(first + i)];
+      const glm::dvec3 seen =
+          swing > gentle ? slice_.ground_radiance(centre + swing * cosine) : below + cosine * (slope + cosine * bend);
+      for (int c = 0; c < 3; ++c) {
+        ground[(3 * i + c) * kRings + lane] = static_cast<float>(std::max(through[c] * seen[c], 0.0));
+      }
+    }
+  }
+}
+
+/// What kernels need of a group under a sun, all but values, azimuths and ground.
+simd::SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun,
+                                       SunDistances& distances) const noexcept {
+  const double side = aerosol_.backwards ? -1.0 : 1.0;
+  for (int k = 0; k < kRings; ++k) {
+    const double along = group.cosines[k] * sun.zenith_cosine;
+    const double across = group.sines[k] * sun.zenith_sine;
+    distances.nearness[k] = static_cast<float>(std::max(0.0, 1.0 - side * along - across));
+    distances.breadth[k] = static_cast<float>(across);
+  }
+  simd::SkyRings rings{};
+  rings.bands = options_.bands;
+  rings.azimuths = options_.azimuths;
+  rings.azimuth_gaps = gaps_.data();
+  rings.azimuth_factors = factors_.data();
+  rings.azimuth_step = static_cast<std::ptrdiff_t>(slice_.suns()) * simd::kSkyChannels * kRings;
+  rings.nearness = distances.nearness;
+  rings.breadth = distances.breadth;
+  rings.rayleigh = static_cast<float>(rayleigh_phase(0.0));
+  rings.aerosol = static_cast<float>(aerosol_.factor);
+  rings.gap = static_cast<float>(aerosol_.gap);
+  rings.slope = static_cast<float>(aerosol_.slope);
+  rings.even = static_cast<float>(aerosol_.even);
+  return rings;
+}
+
+/// The quadrature's own integral of the aerosol's phase function over the sphere.
+double SkyProjection::lobe_integral(const SunAngles& sun) const noexcept {
+  SunDistances distances;
+  double integral = 0.0;
+  for (const RingGroup& group : groups_) {
+    alignas(64) float sums[kRings] = {};
+    simd::active_kernels().sky_rings.add_lobe(rings_of(group, sun, distances), sums);
+    for (std::size_t k = 0; k < kRings; ++k) integral += group.basis[k] * static_cast<double>(sums[k]);
+  }
+  return integral * (2.0 * std::sqrt(std::numbers::pi));
+}
+
+void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
+                              double aerosol, std::span<glm::dvec3> even) const {
+  alignas(64) float ground[kChunk * 3 * kRings];
+  alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
+  SunDistances distances;
+  simd::SkyRings rings = rings_of(group, sun, distances);
+  rings.rayleigh *= place.fade;
+  rings.aerosol = static_cast<float>(aerosol) * place.fade;
+  for (int k = 0; k < 4; ++k) rings.sun_weights[k] = place.taps.weights[k];
+  for (std::size_t c = 0; c < 3; ++c) rings.lobe[c] = static_cast<float>(lobe[c]);
+  rings.ground = group.any_ground ? ground : nullptr;
+  for (int first = 0; first < options_.azimuths; first += kChunk) {
+    rings.azimuths = std::min(kChunk, options_.azimuths - first);
+    rings.values = group.values.data() + first * rings.azimuth_step +
+                   static_cast<std::ptrdiff_t>(place.taps.first) * simd::kSkyChannels * kRings;
+    rings.azimuth_gaps = gaps_.data() + first;
+    rings.azimuth_factors = factors_.data() + static_cast<std::ptrdiff_t>(first) * options_.bands;
+    if (group.any_ground) fill_ground(group, sun, first, rings.azimuths, ground);
+    simd::active_kernels().sky_rings.add_rings(rings, sums);
+  }
+  const double* basis = group.basis.data();
+  for (int l = 0; l < options_.bands; ++l) {
+    for (int m = 0; m <= l; ++m, basis += kRings) {
+      for (int c = 0; c < 3; ++c) {
+        const float* const sum = sums + (3 * m + c) * kRings;
+        double lanes[4] = {};
+        for (int k = 0; k < kRings; ++k) lanes[k % 4] += basis[k] * static_cast<double>(sum[k]);
+        even[even_index(l, m)][c] += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+      }
+    }
+  }
+}
+
+/// The phase function's factor. Nodes that hit a lobe that is too sharp for them see too much of it: it is scaled by
+/// their own integral of it, if that is above 1.
+double SkyProjection::aerosol_factor(const SunAngles& sun) const noexcept {
+  constexpr double sharp = 0.85;
+  const bool split = options_.quadrature == SkyQuadrature::gauss_split;
+  if (!split || std::abs(view_.tables()->atmosphere.aerosol_asymmetry) <= sharp) return aerosol_.factor;
+  return aerosol_.factor / std::max(lobe_integral(sun), 1.0);
+}
+
+void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) const {
+  if (slice_.outside()) return project_plainly(sun, even);
+  const std::size_t terms = even_count(options_.bands);
+  for (std::size_t k = 0; k < terms; ++k) even[k] = glm::dvec3(0.0);
+  const SunPlace place = slice_.sun_place(sun.zenith_cosine);
+  const Lobe lobe = lobe_at(sun, place);
+  const double aerosol = aerosol_factor(sun);
+  for (const RingGroup& group : groups_) add_group(group, sun, place, lobe, aerosol, even);
+  const auto fade = static_cast<double>(place.fade);
+  add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
+}
+
+void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> even) const {
+  const std::size_t terms = even_count(options_.bands);
+  for (std::size_t k = 0; k < terms; ++k) even[k] = glm::dvec3(0.0);
+  const SunPlace place = slice_.sun_place(sun.zenith_cosine);
+  const Lobe lobe = slice_.outside() ? Lobe{} : lobe_at(sun, place);
+  const double fade = slice_.outside() ? 1.0 : static_cast<double>(place.fade);
+  const glm::dvec3 towards(0.0, sun.zenith_cosine, sun.zenith_sine);
+  for (const RingGroup& group : groups_) {
+    for (std::size_t i = 0; i < azimuths_.cosines.size(); ++i) {
+      const double cosine = azimuths_.cosines[i];
+      const double sine = std::sqrt(azimuths_.from_sun[i] * azimuths_.from_opposite[i]);
+      for (int ring = 0; ring < kRings; ++ring) {
+        const glm::dvec3 direction(group.sines[ring] * sine, group.cosines[ring], group.sines[ring] * cosine);
+        glm::dvec3 light = view_.radiance(direction, towards);
+        const double nu = direction.y * towards.y + direction.z * towards.z;
+        const double aerosol = fade * slice_.aerosol_phase(nu);
+        light -= aerosol * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+        double before = cosine;
+        double here = azimuths_.weights[i];
+        before *= here;
+        for (int m = 0; m < options_.bands; ++m) {
+          for (int l = m; l < options_.bands; ++l) {
+            even[even_index(l, m)] +=
+                here * group.basis[even_index(l, m) * kRings + static_cast<std::size_t>(ring)] * light;
+          }
+          const double next = 2.0 * cosine * here - before;
+          before = here;
+          here = next;
+        }
+      }
+    }
+  }
+  for (double value : lobe) {
+    if (value == 0.0) continue;
+    add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
+    break;
+  }
+}
+
+}  // namespace welkin::sky

@@ -1,0 +1,89 @@
+// A quadrature over a sky, ready for any sun.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "simd/sky_ring_kernels.h"
+#include "sky/aerosol_lobe.h"
+#include "sky/sky_quadrature.h"
+#include "sky/sky_slice.h"
+#include "sky/sun_angles.h"
+#include "tables/aligned_buffer.h"
+#include "welkin/sky_harmonics.h"
+
+namespace welkin::sky {
+
+/// What a ring's rays meet.
+struct GroundRay {
+  double distance = 0.0;
+  double transmittance[3]{};
+};
+
+/// Sixteen rings of one side of the horizon; the last is repeated, without weight.
+struct RingGroup {
+  double cosines[16]{};
+  double sines[16]{};
+  std::vector<double> basis;  ///< [even_count(bands)][16]: weight times Y(l, m) at azimuth 0
+  bool below = false;
+  bool any_ground = false;
+  GroundRay ground[16];
+  tables::AlignedBuffer<float> values;  ///< [azimuths][suns][6][16]; none from outside the air
+};
+
+class SkyProjection {
+ public:
+  /// Throws `Error`: invalid_argument, limit_exceeded.
+  SkyProjection(SkyView view, const SkyHarmonicsOptions& options);
+
+  /// Coefficients of the sky with the sun at azimuth 0: even_count(bands) triples. Allocates nothing.
+  void project(const SunAngles& sun, std::span<glm::dvec3> even) const;
+
+  /// By the view's own calls, in double: what the kernel is compared with.
+  void project_plainly(const SunAngles& sun, std::span<glm::dvec3> even) const;
+
+  [[nodiscard]] const SkyView& view() const noexcept { return view_; }
+  [[nodiscard]] const SkyHarmonicsOptions& options() const noexcept { return options_; }
+  [[nodiscard]] int directions() const noexcept { return directions_; }
+
+ private:
+  using Lobe = std::array<double, 3>;
+
+  /// Of sixteen rings from the sun (simd::SkyRings).
+  struct SunDistances {
+    alignas(64) float nearness[16];
+    alignas(64) float breadth[16];
+  };
+
+  void add_rings(const RingRule& rings, bool below);
+  void fill_values(RingGroup& group) const;
+  void check_size(std::size_t rings) const;
+
+  [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept;
+  void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
+  void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
+  [[nodiscard]] simd::SkyRings rings_of(const RingGroup& group, const SunAngles& sun,
+                                        SunDistances& distances) const noexcept;
+  [[nodiscard]] double lobe_integral(const SunAngles& sun) const noexcept;
+  [[nodiscard]] double aerosol_factor(const SunAngles& sun) const noexcept;
+  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe, double aerosol,
+                 std::span<glm::dvec3> even) const;
+
+  SkyView view_;
+  SkyHarmonicsOptions options_;
+  const SkySlice& slice_;
+  AerosolLobe aerosol_;
+  std::vector<double> spectrum_;
+  AzimuthRule azimuths_;
+  std::vector<float> gaps_;     ///< of the azimuths, from the lobe's axis
+  std::vector<float> factors_;  ///< [azimuths][bands]
+  std::vector<RingGroup> groups_;
+  double bottom_ = 0.0;
+  double radius_ = 0.0;  ///< the viewer's over the ground's
+  double horizon_ = 0.0;
+  int directions_ = 0;
+};
+
+}  // namespace welkin::sky

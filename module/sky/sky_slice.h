@@ -1,0 +1,106 @@
+// The tables at one altitude, made ready for looking things up: what views and quadratures share.
+//
+// Rows are eight floats: Rayleigh's and all higher orders' red, green, blue, 0; single Mie scattering's red, green,
+// blue, 0; all without phase functions. Between nodes values are cubics along each axis: taps are four rows one after
+// the other and their weights, the result is the plain weighted sum, not below 0. What is seen is
+//   fade (max(row[0..2], 0) rayleigh_phase(nu) + max(row[4..6], 0) aerosol_phase(nu)).
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "simd/kernels.h"
+#include "sky/sky_colour.h"
+#include "sky/table_mapping.h"
+#include "welkin/sky_view.h"
+
+namespace welkin::sky {
+
+inline constexpr int kSliceRow = 8;  ///< floats
+
+/// Four neighbours on an axis and their weights, whose sum is 1.
+struct Taps {
+  int first = 0;
+  float weights[4]{};
+};
+
+/// Where a sun stands.
+struct SunPlace {
+  Taps taps;          ///< of sun rows
+  float fade = 1.0F;  ///< below the tables' lowest sun
+};
+
+/// A view's zenith, and what lies at the end of its rays.
+struct ViewPlace {
+  Taps taps;  ///< of view nodes
+  bool ground = false;
+  double distance = 0.0;     ///< to the ground, metres, if there it ends
+  float transmittance[3]{};  ///< up to the ground; 0 if the view does not show it
+};
+
+/// The slice; of the top for views from above, which look into it where their rays enter (`outside()`).
+class SkySlice {
+ public:
+  SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options);
+
+  [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept { return tables_; }
+  [[nodiscard]] double altitude() const noexcept { return altitude_; }  ///< the viewer's
+  [[nodiscard]] bool outside() const noexcept { return outside_; }
+
+  /// Values are [views][azimuths][suns] rows; 4 azimuths and suns or more, and 8 views or more, of which the first half
+  /// end on the ground. (Tables with less nodes are continued to as many.)
+  [[nodiscard]] int views() const noexcept { return views_; }
+  [[nodiscard]] int azimuths() const noexcept { return azimuths_; }
+  [[nodiscard]] int suns() const noexcept { return suns_; }
+  [[nodiscard]] const float* values() const noexcept { return values_.data(); }
+
+  /// Of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
+  [[nodiscard]] ViewPlace view_place(double mu) const noexcept;
+  /// By the cosine of the azimuth between view and sun: (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
+  [[nodiscard]] Taps azimuth_taps(double cosine) const noexcept;
+  /// By the cosine between sun and zenith.
+  [[nodiscard]] SunPlace sun_place(double mu_s) const noexcept;
+
+  /// The aerosol's phase function at a cosine between view and sun, 1/sr.
+  [[nodiscard]] double aerosol_phase(double nu) const noexcept;
+
+  /// Radiance that leaves the ground where the sun's zenith cosine is `mu_s`: a ray of length d from radius r ends
+  /// where that is (r mu_s + d nu) / R. Times the view's `transmittance` it is what is seen.
+  [[nodiscard]] glm::dvec3 ground_radiance(double mu_s) const noexcept;
+
+  /// The slice's own altitude: the viewer's, or the top.
+  [[nodiscard]] double inside() const noexcept { return inside_; }
+  [[nodiscard]] const TableMapping& mapping() const noexcept { return mapping_; }
+  [[nodiscard]] const ColourFold& fold() const noexcept { return fold_; }
+
+  /// For the kernels, with a sun towards a unit direction; `of_sun` is left null.
+  [[nodiscard]] simd::SkyRun run(const glm::dvec3& sun) const noexcept;
+
+  /// Rows of one view: [azimuths][suns], interpolated between view nodes.
+  void view_rows(const Taps& view, float* rows) const noexcept;
+
+ private:
+  std::shared_ptr<const SkyTables> tables_;
+  double altitude_ = 0.0;
+  bool outside_ = false;
+  int views_ = 0, azimuths_ = 0, suns_ = 0;
+  std::vector<float> values_;
+
+  TableMapping mapping_;
+  double inside_ = 0.0;  ///< altitude of the slice
+  std::vector<float> reach_;
+  std::vector<float> ground_;
+  ColourFold fold_;
+};
+
+}  // namespace welkin::sky
+
+namespace welkin {
+
+/// A view's slice.
+struct SkyViewAccess {
+  [[nodiscard]] static const sky::SkySlice& slice(const SkyView& view) noexcept;
+};
+
+}  // namespace welkin

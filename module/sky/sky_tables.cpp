@@ -1,0 +1,307 @@
+#include "welkin/sky_tables.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "jobs/floating_point_scope.h"
+#include "jobs/tiles.h"
+#include "sky/phase_functions.h"
+#include "sky/ray_light.h"
+#include "sky/sky_geometry.h"
+#include "sky/source_solver.h"
+#include "sky/table_mapping.h"
+#include "sky/table_sizes.h"
+#include "tables/exponential.h"
+#include "tables/trigonometry.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+using sky::Air;
+using sky::Amounts;
+using sky::Ray;
+using sky::TableMapping;
+using sky::WavelengthGroup;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Node k of n, from 0 to 1.
+double coordinate(std::size_t k, int nodes) { return static_cast<double>(k) / (nodes - 1); }
+
+/// To a float of a table: nothing negative, nothing that is not finite.
+float stored(double value) {
+  if (!(value > 0.0)) return 0.0F;
+  return static_cast<float>(std::min(value, static_cast<double>(std::numeric_limits<float>::max())));
+}
+
+/// How three wavelengths become the tables' channels: as they are, or folded to colours.
+struct Fold {
+  double weights[3][3];  ///< [channel][wavelength]
+};
+
+Fold fold_of(const Atmosphere& atmosphere, const std::vector<glm::dvec3>& weights, std::size_t group) {
+  Fold fold{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t wavelength = 3 * group + k;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (weights.empty()) {
+        fold.weights[c][k] = c == k ? 1.0 : 0.0;
+      } else if (wavelength < atmosphere.wavelengths_nm.size()) {
+        fold.weights[c][k] = weights[wavelength][static_cast<glm::length_t>(c)];
+      }
+    }
+  }
+  return fold;
+}
+
+/// One computation of tables.
+class Precomputation {
+ public:
+  Precomputation(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control)
+      : options_(options),
+        air_(atmosphere),
+        mapping_(atmosphere.bottom_radius_m, atmosphere.top_radius_m,
+                 tables::sine_cosine_of_turns(options.lowest_sun_degrees / 360.0).sine),
+        control_(control),
+        groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3) {
+    if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
+    result_.atmosphere = atmosphere;
+    result_.options = options;
+  }
+
+  SkyTables run() {
+    transmittance();
+    timed("sun paths", "lengths to the sun, of no wavelength", [&] {
+      paths_ = std::make_unique<sky::SunPaths>(air_, mapping_, sky::sun_path_size(options_), part(0.02, 0.06));
+    });
+    const std::size_t texels = sky::scattering_texels(options_);
+    result_.scattering.assign(4 * texels, 0.0F);
+    if (options_.layout == ScatteringLayout::full) result_.single_mie.assign(4 * texels, 0.0F);
+    irradiance_.assign(sky::irradiance_floats(options_), 0.0);
+    for (std::size_t group = 0; group < groups_; ++group) {
+      const double share = 0.94 / static_cast<double>(groups_);
+      const double from = 0.06 + share * static_cast<double>(group);
+      compute(group, from, group + 1 == groups_ ? 1.0 : from + share);
+    }
+    if (!weights_.empty()) clip();
+    result_.irradiance.resize(irradiance_.size());
+    std::transform(irradiance_.begin(), irradiance_.end(), result_.irradiance.begin(), stored);
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] Control part(double from, double to) const { return jobs::part_of(control_, from, to); }
+
+  template <class Work>
+  void timed(const char* name, const std::string& reason, const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+    result_.passes.push_back({name, "run", reason, time.count()});
+  }
+
+  void transmittance();
+  void compute(std::size_t group, double from, double to);
+  void scatter(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
+               const sky::SourceSolver& solver, const Control& control);
+  void scatter_ray(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
+                   const sky::SourceSolver& solver, std::size_t ray, sky::RayLight& worker);
+  void store(const WavelengthGroup& group, const Fold& fold, const float* once, const float* often, std::size_t texel,
+             std::size_t i, double nu);
+  void add_irradiance(const Fold& fold, const sky::SourceSolver& solver);
+  void clip();
+
+  SkyTableOptions options_;
+  Air air_;
+  TableMapping mapping_;
+  const Control& control_;
+  std::size_t groups_;
+  std::vector<glm::dvec3> weights_;  ///< empty: three wavelengths as they are
+  std::unique_ptr<sky::SunPaths> paths_;
+  std::vector<double> irradiance_;
+  SkyTables result_;
+};
+
+void Precomputation::transmittance() {
+  const std::size_t zeniths = index(options_.transmittance_zeniths);
+  result_.transmittance.resize(sky::transmittance_floats(options_));
+  glm::dvec3 whole(0.0);  // colour of the sun's own spectrum
+  const std::vector<double>& solar = air_.atmosphere().solar_irradiance;
+  for (std::size_t i = 0; i < weights_.size(); ++i) whole += weights_[i] * solar[i];
+  const auto texel = [&](const Amounts& lengths, float* rgb) {
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = 0; i < (weights_.empty() ? 3 : weights_.size()); ++i) {
+      Amounts extinction{};
+      for (std::size_t k = 0; k < air_.constituents(); ++k) extinction[k] = air_.extinction(k, i);
+      const double through = tables::exponential(-sky::optical_depth(extinction, lengths));
+      if (weights_.empty()) {
+        sum[static_cast<glm::length_t>(i)] = through;
+      } else {
+        sum += weights_[i] * solar[i] * through;
+      }
+    }
+    for (glm::length_t c = 0; c < 3; ++c) {
+      const double value = weights_.empty() ? sum[c] : (whole[c] > 0.0 ? sum[c] / whole[c] : 0.0);
+      rgb[c] = stored(std::min(value, 1.0));
+    }
+  };
+  timed("transmittance", "along every ray to the top", [&] {
+    const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+    std::vector<sky::RayPanels> panels;
+    for (std::size_t i = 0; i < workers; ++i) panels.emplace_back(air_);
+    jobs::run_tiles(index(options_.transmittance_heights), jobs::Placement::arena, workers, part(0.0, 0.02),
+                    [&](std::size_t tile, std::size_t worker) {
+                      const double altitude = mapping_.altitude(coordinate(tile, options_.transmittance_heights));
+                      for (std::size_t k = 0; k < zeniths; ++k) {
+                        const sky::ViewRay view =
+                            mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths));
+                        const Ray ray{altitude, view.zenith_cosine, false, view.distance};
+                        texel(sky::lengths_along(air_, ray, panels[worker]),
+                              result_.transmittance.data() + 3 * (tile * zeniths + k));
+                      }
+                    });
+  });
+}
+
+void Precomputation::compute(std::size_t group, double from, double to) {
+  const WavelengthGroup wavelengths = sky::wavelength_group(air_, group);
+  const Fold fold = fold_of(air_.atmosphere(), weights_, group);
+  const sky::Sunlight light(air_, *paths_, wavelengths.extinctions);
+  const double middle = from + 0.5 * (to - from);
+  sky::SourceSolver solver(air_, mapping_, light, wavelengths, sky::source_shape(options_));
+  timed("orders", "what each order of scattering leaves for the next, and what reaches the ground",
+        [&] { solver.solve({.orders = options_.orders, .until_change = options_.until_change}, part(from, middle)); });
+  timed("scattering", "along every ray of the table", [&] {
+    scatter(wavelengths, fold, light, solver, part(middle, to));
+    add_irradiance(fold, solver);
+  });
+  result_.orders = std::max(result_.orders, solver.orders());
+  result_.last_change = std::max(result_.last_change, solver.last_change());
+}
+
+void Precomputation::scatter(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
+                             const sky::SourceSolver& solver, const Control& control) {
+  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+  const std::size_t count = index(sky::angles_of(options_)) * index(options_.sun_zeniths);
+  std::vector<sky::RayLight> scratch;
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, sky::source_shape(options_), count);
+  jobs::run_tiles(
+      index(options_.heights) * index(options_.view_zeniths), jobs::Placement::arena, workers, control,
+      [&](std::size_t tile, std::size_t worker) { scatter_ray(group, fold, light, solver, tile, scratch[worker]); });
+}
+
+// Compact tables have no azimuth: theirs is that at right angles to the sun's.
+void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
+                                 const sky::SourceSolver& solver, std::size_t ray, sky::RayLight& worker) {
+  const int angles = sky::angles_of(options_);
+  const std::size_t suns = index(options_.sun_zeniths);
+  const double altitude = mapping_.altitude(coordinate(ray / index(options_.view_zeniths), options_.heights));
+  const sky::ViewRay view =
+      mapping_.view_ray(altitude, static_cast<double>(ray % index(options_.view_zeniths)), options_.view_zeniths);
+  for (std::size_t k = 0; k < suns; ++k) {
+    const double sun = mapping_.sun_zenith_cosine(coordinate(k, options_.sun_zeniths));
+    for (int a = 0; a < angles; ++a) {
+      const double x = angles > 1 ? coordinate(index(a), angles) : 0.5;
+      worker.set_sun(index(a) * suns + k, sun, TableMapping::angle_cosine(view.zenith_cosine, sun, x));
+    }
+  }
+  worker.place(air_, {altitude, view.zenith_cosine, view.ground, view.distance}, group);
+  const simd::Kernels& kernels = simd::active_kernels();
+  // the sums of one are overwritten by those of the other: sunlight first, and stored
+  const float* sums = worker.sunlight(kernels, air_, light);
+  for (std::size_t i = 0; i < worker.count(); ++i) {
+    store(group, fold, sums, nullptr, ray * worker.count() + i, i, worker.angle_cosine(i));
+  }
+  if (!solver.any()) return;
+  sums = worker.scattered(kernels, air_, group, solver.source(), mapping_);
+  for (std::size_t i = 0; i < worker.count(); ++i) {
+    store(group, fold, nullptr, sums, ray * worker.count() + i, i, worker.angle_cosine(i));
+  }
+}
+
+void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const float* once, const float* often,
+                           std::size_t texel, std::size_t i, double nu) {
+  double rayleigh[3];
+  double mie[3]{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (once != nullptr) {
+      rayleigh[k] = group.solar[k] * group.rayleigh[k] * static_cast<double>(once[8 * i + k]);
+      mie[k] = group.solar[k] * group.aerosol[k] * static_cast<double>(once[8 * i + 4 + k]);
+    } else {
+      rayleigh[k] = static_cast<double>(often[4 * i + k]) / sky::rayleigh_phase(nu);
+    }
+  }
+  float* const rgba = result_.scattering.data() + 4 * texel;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0.0;
+    double mie_sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum += fold.weights[c][k] * rayleigh[k];
+      mie_sum += fold.weights[c][k] * mie[k];
+    }
+    // folded colours may be negative until all wavelengths are in
+    rgba[c] = weights_.empty() ? stored(static_cast<double>(rgba[c]) + sum) : rgba[c] + static_cast<float>(sum);
+    if (once == nullptr) continue;
+    const float mie_value = weights_.empty() ? stored(mie_sum) : static_cast<float>(mie_sum);
+    if (c == 0) rgba[3] += mie_value;
+    if (!result_.single_mie.empty()) result_.single_mie[4 * texel + c] += mie_value;
+  }
+}
+
+// Between the solver's nodes: linear.
+void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
+  const sky::SourceShape shape = sky::source_shape(options_);
+  const std::size_t suns = index(options_.irradiance_sun_zeniths);
+  for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
+    const double height = coordinate(h, options_.irradiance_heights) * (shape.heights - 1);
+    const std::size_t below = std::min(static_cast<std::size_t>(height), index(shape.heights - 2));
+    for (std::size_t s = 0; s < suns; ++s) {
+      const double sun = coordinate(s, options_.irradiance_sun_zeniths) * (shape.suns - 1);
+      const std::size_t left = std::min(static_cast<std::size_t>(sun), index(shape.suns - 2));
+      const auto value = [&](std::size_t c, std::size_t at_height, std::size_t at_sun) {
+        return solver.irradiance()[(at_height * 3 + c) * index(shape.suns) + at_sun];
+      };
+      double irradiance[3];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double across = sun - static_cast<double>(left);
+        const double low = value(c, below, left) + across * (value(c, below, left + 1) - value(c, below, left));
+        const double high =
+            value(c, below + 1, left) + across * (value(c, below + 1, left + 1) - value(c, below + 1, left));
+        irradiance[c] = low + (height - static_cast<double>(below)) * (high - low);
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          irradiance_[3 * (h * suns + s) + c] += fold.weights[c][k] * irradiance[k];
+        }
+      }
+    }
+  }
+}
+
+// Colours that no light of linear sRGB makes become the nearest that it does.
+void Precomputation::clip() {
+  for (float& value : result_.scattering) value = stored(static_cast<double>(value));
+  for (float& value : result_.single_mie) value = stored(static_cast<double>(value));
+}
+
+}  // namespace
+
+SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control) {
+  const jobs::FloatingPointScope environment;                        // for what is computed outside of tiles
+  const std::uint64_t bytes = sky_table_bytes(atmosphere, options);  // checks both
+  if (bytes > options.memory_limit_bytes) {
+    throw Error(ErrorCode::limit_exceeded, "the sky tables need " + std::to_string(bytes) + " bytes, the limit is " +
+                                               std::to_string(options.memory_limit_bytes) +
+                                               ": take smaller tables or raise memory_limit_bytes");
+  }
+  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  static_cast<void>(simd::active_kernels());  // a process's first choice of them allocates: not inside a tile
+  return Precomputation(atmosphere, options, control).run();
+}
+
+}  // namespace welkin

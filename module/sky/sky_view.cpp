@@ -1,0 +1,147 @@
+#include "welkin/sky_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "jobs/floating_point_scope.h"
+#include "simd/kernels.h"
+#include "sky/direct_sun.h"
+#include "sky/direction.h"
+#include "sky/sky_slice.h"
+#include "sky/table_sizes.h"
+#include "tables/trigonometry.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+constexpr double kHighest = 1e9;
+constexpr int kChunk = 64;  // directions
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::invalid_argument, "sky view: " + message);
+}
+
+void check_size(const char* name, std::uint64_t found, std::uint64_t expected) {
+  if (found == expected) return;
+  refuse("the table " + std::string(name) + " holds " + std::to_string(found) + " floats where its options say " +
+         std::to_string(expected) + "; take tables as precompute_sky and load_sky_tables give them");
+}
+
+/// Tables may be filled by hand; nothing may be read past their ends.
+void check_tables(const SkyTables& tables) {
+  check(tables.atmosphere);
+  sky::check_options(tables.options);
+  if (tables.options.colour == SkyColour::spectral && tables.atmosphere.wavelengths_nm.size() != 3) {
+    refuse("the tables are of " + std::to_string(tables.atmosphere.wavelengths_nm.size()) +
+           " wavelengths; three make a spectral table, any number one of SkyColour::linear_srgb");
+  }
+  const std::uint64_t scattering = 4 * sky::scattering_texels(tables.options);
+  check_size("scattering", tables.scattering.size(), scattering);
+  check_size("single_mie", tables.single_mie.size(), tables.options.layout == ScatteringLayout::full ? scattering : 0);
+  check_size("transmittance", tables.transmittance.size(), sky::transmittance_floats(tables.options));
+  check_size("irradiance", tables.irradiance.size(), sky::irradiance_floats(tables.options));
+}
+
+const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
+  if (!tables) refuse("there are no tables; precompute_sky or load_sky_tables makes them");
+  if (!(altitude_m >= 0.0 && altitude_m <= kHighest)) {
+    refuse("the altitude is " + std::to_string(altitude_m) + " m; it must be from 0 to 1e9");
+  }
+  check_tables(*tables);
+  return tables;
+}
+
+}  // namespace
+
+struct SkyView::Slice {
+  sky::SkySlice slice;
+};
+
+SkyView::SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options)
+    : slice_([&] {
+        const jobs::FloatingPointScope scope;
+        return std::make_shared<const Slice>(Slice{sky::SkySlice(checked(tables, altitude_m), altitude_m, options)});
+      }()) {}
+
+SkyView::~SkyView() = default;
+SkyView::SkyView(const SkyView&) = default;
+SkyView::SkyView(SkyView&&) noexcept = default;
+SkyView& SkyView::operator=(const SkyView&) = default;
+SkyView& SkyView::operator=(SkyView&&) noexcept = default;
+
+const sky::SkySlice& SkyViewAccess::slice(const SkyView& view) noexcept { return view.slice_->slice; }
+
+const std::shared_ptr<const SkyTables>& SkyView::tables() const noexcept { return slice_->slice.tables(); }
+double SkyView::altitude_m() const noexcept { return slice_->slice.altitude(); }
+
+glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun) const {
+  const jobs::FloatingPointScope scope;
+  const simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
+  const glm::dvec3 towards = sky::of_moderate_length(direction);
+  const double xyz[3] = {towards.x, towards.y, towards.z};
+  float rgb[3];
+  simd::active_kernels().sky_view.radiance(run, xyz, 1, rgb);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& sun, std::span<glm::vec3> rgb) const {
+  if (rgb.size() < directions.size()) {
+    refuse("there is room for " + std::to_string(rgb.size()) + " radiances of " + std::to_string(directions.size()) +
+           " directions");
+  }
+  const simd::SkyViewKernels& kernels = simd::active_kernels().sky_view;
+  const jobs::FloatingPointScope scope;
+  simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
+  // Reducing the slice to the sun pays from some directions on; of large tables it would not fit on the stack.
+  constexpr std::size_t room = 16384;
+  alignas(64) float of_sun[room];
+  const std::size_t rows = 2 * static_cast<std::size_t>(run.half) * static_cast<std::size_t>(run.azimuths);
+  if (!run.outside && rows * simd::kSkyRow <= room && 6 * directions.size() > rows) {
+    kernels.reduce(run, of_sun);
+    run.of_sun = of_sun;
+  }
+  double xyz[3 * kChunk];
+  float out[3 * kChunk];
+  for (std::size_t first = 0; first < directions.size(); first += kChunk) {
+    const std::size_t count = std::min<std::size_t>(kChunk, directions.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        xyz[3 * i + static_cast<std::size_t>(c)] = static_cast<double>(directions[first + i][c]);
+      }
+    }
+    kernels.radiance(run, xyz, static_cast<int>(count), out);
+    for (std::size_t i = 0; i < count; ++i) rgb[first + i] = {out[3 * i], out[3 * i + 1], out[3 * i + 2]};
+  }
+}
+
+Sun SkyView::sun(const glm::dvec3& sun) const {
+  const jobs::FloatingPointScope scope;
+  const sky::SkySlice& slice = slice_->slice;
+  const double half_turns = tables()->atmosphere.sun_angular_radius_degrees / 720.0;
+  const double sine = tables::sine_cosine_of_turns(half_turns).sine;
+  Sun light;
+  light.direction = sky::sun_unit(sun);
+  light.irradiance =
+      slice.fold().sunlight() * sky::sun_share(*tables(), slice.mapping(), altitude_m(), light.direction.y);
+  light.solid_angle = 4.0 * std::numbers::pi * sine * sine;
+  if (light.solid_angle > sky::kPoint) light.radiance = light.irradiance / light.solid_angle;
+  light.angular_radius_degrees = tables()->atmosphere.sun_angular_radius_degrees;
+  return light;
+}
+
+glm::dvec3 SkyView::irradiance(const glm::dvec3& sun) const {
+  const jobs::FloatingPointScope scope;
+  const sky::SkySlice& slice = slice_->slice;
+  const double mu_s = sky::sun_unit(sun).y;
+  if (slice.outside()) return {};
+  return sky::sky_irradiance(*tables(), slice.mapping(), altitude_m(), mu_s);
+}
+
+}  // namespace welkin

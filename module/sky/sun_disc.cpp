@@ -1,0 +1,211 @@
+#include "sky/sun_disc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "image/cube_texels.h"
+#include "image/texel_geometry.h"
+#include "tables/trigonometry.h"
+
+namespace welkin::sky {
+namespace {
+
+constexpr double kFinest = 1.0 / 48.0;  // of the disc's radius: cells are cut down to that size
+constexpr int kLeastCuts = 3;           // of a texel that the rim goes through
+constexpr double kLargestTurns = 1.0 / 32.0;
+
+double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
+
+/// A rectangle of a picture, in texels.
+struct Cell {
+  double left, right, top, bottom;
+};
+
+struct CubeFace {
+  int size, face;
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
+    return image::face_direction(size, face, column, row);
+  }
+  [[nodiscard]] static bool large(const Cell&) { return false; }  // convex: its corners are what is farthest out
+  [[nodiscard]] static double area(const Cell&, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                                   const glm::dvec3& d) {
+    return 0.5 * length(glm::cross(d - a, c - b));
+  }
+};
+
+struct LatLong {
+  int width, height;
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
+    return image::lat_long_direction(width, height, column, row);
+  }
+  [[nodiscard]] bool large(const Cell& cell) const {
+    return cell.right - cell.left > kLargestTurns * width || cell.bottom - cell.top > 2.0 * kLargestTurns * height;
+  }
+  [[nodiscard]] double area(const Cell& cell, const glm::dvec3& a, const glm::dvec3&, const glm::dvec3& c,
+                            const glm::dvec3&) const {
+    return 2.0 * std::numbers::pi * (cell.right - cell.left) / width * (a.y - c.y);
+  }
+};
+
+/// Cuts a picture into cells until each is inside of the disc, outside, or small.
+template <class Picture>
+class Coverage {
+ public:
+  Coverage(const VisibleDisc& disc, const Picture& picture, std::size_t first, int columns,
+           std::vector<CoveredTexel>& found)
+      : disc_(disc),
+        picture_(picture),
+        first_(first),
+        columns_(columns),
+        found_(found),
+        // chord from the centre to the rim: 2 sin(a / 2)
+        chord_(disc.radius_sine * std::sqrt(2.0 / (1.0 + disc.radius_cosine))),
+        horizon_sine_(std::sqrt(std::max(0.0, (1.0 - disc.horizon_cosine) * (1.0 + disc.horizon_cosine)))) {}
+
+  /// Whole texels.
+  void visit(const Cell& cell) {
+    const Bound bound = bound_of(cell);
+    if (bound.outside) return;
+    const double columns = cell.right - cell.left;
+    const double rows = cell.bottom - cell.top;
+    if (columns <= 1.0 && rows <= 1.0) {
+      const double steradians = covered(cell, bound, 0);
+      const auto texel = first_ + static_cast<std::size_t>(cell.top) * static_cast<std::size_t>(columns_) +
+                         static_cast<std::size_t>(cell.left);
+      if (steradians > 0.0) found_.push_back({texel, steradians});
+    } else if (columns > rows) {
+      const double middle = std::floor(0.5 * (cell.left + cell.right));
+      visit({cell.left, middle, cell.top, cell.bottom});
+      visit({middle, cell.right, cell.top, cell.bottom});
+    } else {
+      const double middle = std::floor(0.5 * (cell.top + cell.bottom));
+      visit({cell.left, cell.right, cell.top, middle});
+      visit({cell.left, cell.right, middle, cell.bottom});
+    }
+  }
+
+ private:
+  struct Bound {
+    bool outside = false;
+    bool inside = false;
+    double radius = 0.0;       ///< chord from the middle to the farthest corner
+    double within_disc = 0.0;  ///< of the middle: how far inside of the rim
+    double above_horizon = 0.0;
+    double disc_extent = 0.0;  ///< over how much of either the corners spread
+    double horizon_extent = 0.0;
+    double steradians = 0.0;
+  };
+
+  Bound bound_of(const Cell& cell) const {
+    Bound bound;
+    const glm::dvec3 middle = picture_.direction(0.5 * (cell.left + cell.right), 0.5 * (cell.top + cell.bottom));
+    const glm::dvec3 a = picture_.direction(cell.left, cell.top);
+    const glm::dvec3 b = picture_.direction(cell.right, cell.top);
+    const glm::dvec3 c = picture_.direction(cell.left, cell.bottom);
+    const glm::dvec3 d = picture_.direction(cell.right, cell.bottom);
+    constexpr double rounder = 1.1;  // parallels bulge
+    bound.radius = rounder * std::max({length(a - middle), length(b - middle), length(c - middle), length(d - middle)});
+    bound.within_disc = chord_ - length(middle - disc_.centre);
+    bound.above_horizon = disc_.horizon_cosine > -1.0
+                              ? (middle.y - disc_.horizon_cosine) / std::max(horizon_sine_, 1e-3)
+                              : 2.0 + 2.0 * bound.radius;
+    const auto spread = [](double p, double q, double r, double t) {
+      return std::max({p, q, r, t, 1e-300}) - std::min({p, q, r, t});
+    };
+    const glm::dvec3& centre = disc_.centre;
+    bound.disc_extent = spread(length(a - centre), length(b - centre), length(c - centre), length(d - centre));
+    bound.horizon_extent = spread(a.y, b.y, c.y, d.y) / std::max(horizon_sine_, 1e-3);
+    bound.steradians = picture_.area(cell, a, b, c, d);
+    if (picture_.large(cell)) return bound;
+    bound.outside = bound.within_disc < -bound.radius || bound.above_horizon < -1.1 * bound.radius;
+    bound.inside = bound.within_disc > bound.radius && bound.above_horizon > 1.1 * bound.radius;
+    return bound;
+  }
+
+  double covered(const Cell& cell, const Bound& bound, int cuts) const {
+    if (bound.outside) return 0.0;
+    if (bound.inside && cuts > 0) return bound.steradians;
+    const bool small = bound.radius < kFinest * chord_ && cuts >= kLeastCuts;
+    if (small && !picture_.large(cell)) {
+      const auto share = [](double inside, double extent) {
+        return extent > 0.0 ? std::clamp(0.5 + inside / extent, 0.0, 1.0) : inside > 0.0 ? 1.0 : 0.0;
+      };
+      const double within = share(bound.within_disc, bound.disc_extent);
+      const double above = share(bound.above_horizon, bound.horizon_extent);
+      return bound.steradians * within * above;
+    }
+    const double column = 0.5 * (cell.left + cell.right);
+    const double row = 0.5 * (cell.top + cell.bottom);
+    double sum = 0.0;
+    for (const Cell& part : {Cell{cell.left, column, cell.top, row}, Cell{column, cell.right, cell.top, row},
+                             Cell{cell.left, column, row, cell.bottom}, Cell{column, cell.right, row, cell.bottom}}) {
+      sum += covered(part, bound_of(part), cuts + 1);
+    }
+    return sum;
+  }
+
+  const VisibleDisc& disc_;
+  Picture picture_;
+  std::size_t first_;
+  int columns_;
+  std::vector<CoveredTexel>& found_;
+  double chord_ = 0.0;
+  double horizon_sine_ = 0.0;
+};
+
+/// The disc's centre or, from below the horizon, the place above it on the horizon.
+glm::dvec3 highest(const VisibleDisc& disc) {
+  if (disc.centre.y >= disc.horizon_cosine) return disc.centre;
+  const double level = std::sqrt(disc.centre.x * disc.centre.x + disc.centre.z * disc.centre.z);
+  const double sine = std::sqrt(std::max(0.0, 1.0 - disc.horizon_cosine * disc.horizon_cosine));
+  if (!(level > 0.0)) return disc.centre;
+  return {disc.centre.x / level * sine, disc.horizon_cosine, disc.centre.z / level * sine};
+}
+
+int texel_of(double place, int count) { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
+
+void sort_and_fill(std::vector<CoveredTexel>& found, std::size_t otherwise) {
+  if (found.empty()) found.push_back({otherwise, 1.0});
+  std::sort(found.begin(), found.end(), [](const CoveredTexel& a, const CoveredTexel& b) { return a.texel < b.texel; });
+}
+
+}  // namespace
+
+std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int size) {
+  std::vector<CoveredTexel> found;
+  const std::size_t face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  const double edge = size;
+  for (int face = 0; face < 6 && disc.radius_sine > 0.0; ++face) {
+    Coverage(disc, CubeFace{size, face}, static_cast<std::size_t>(face) * face_texels, size, found)
+        .visit({0.0, edge, 0.0, edge});
+  }
+  const glm::dvec3 place = highest(disc);
+  const int face = image::face_of(place);
+  const image::Frame& frame = image::face_frame(face);
+  const double scale = 0.5 * size / glm::dot(place, frame.normal);
+  const int column = texel_of(0.5 * size + scale * glm::dot(place, frame.u), size);
+  const int row = texel_of(0.5 * size + scale * glm::dot(place, frame.v), size);
+  sort_and_fill(found, static_cast<std::size_t>(face) * face_texels +
+                           static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                           static_cast<std::size_t>(column));
+  return found;
+}
+
+std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int width, int height) {
+  std::vector<CoveredTexel> found;
+  if (disc.radius_sine > 0.0) {
+    Coverage(disc, LatLong{width, height}, 0, width, found)
+        .visit({0.0, static_cast<double>(width), 0.0, static_cast<double>(height)});
+  }
+  const glm::dvec3 place = highest(disc);
+  const double level = std::sqrt(place.x * place.x + place.z * place.z);
+  const int row = texel_of((0.25 - tables::turns_of(place.y, level)) * 2.0 * height, height);
+  const int column = texel_of((0.5 - tables::turns_of(place.x, place.z)) * width, width);
+  sort_and_fill(found,
+                static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column));
+  return found;
+}
+
+}  // namespace welkin::sky

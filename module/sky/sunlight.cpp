@@ -1,0 +1,117 @@
+#include "sky/sunlight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "jobs/tiles.h"
+#include "sky/sky_geometry.h"
+#include "tables/exponential.h"
+
+namespace welkin::sky {
+namespace {
+
+constexpr double kNearHorizon = 0.75;  ///< share of the nodes that the rational part of the axis places
+constexpr double kLeastBend = 1e-4;    ///< float tells cosines apart to 1e-7
+/// Of a disc, radians: a point, as far as float tells cosines apart.
+constexpr double kSmallestRadius = 1e-7;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+SunPaths::SunPaths(const Air& air, const TableMapping& mapping, const Size& size, const Control& control)
+    : mapping_(mapping),
+      size_(size),
+      bend_(std::clamp(4.0 * std::sqrt(2.0 * air.scale_height() / air.bottom_radius()), kLeastBend, 1.0)),
+      lengths_(index(size.heights * size.zeniths)) {
+  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+  std::vector<RayPanels> panels;
+  for (std::size_t i = 0; i < workers; ++i) panels.emplace_back(air);
+  jobs::run_tiles(
+      index(size_.heights), jobs::Placement::arena, workers, control, [&](std::size_t tile, std::size_t worker) {
+        const double altitude = mapping_.altitude(static_cast<double>(tile) / (size_.heights - 1));
+        for (int k = 0; k < size_.zeniths; ++k) {
+          const double mu = zenith_cosine(altitude, k);
+          const Ray ray{altitude, mu, false, distance_to_top(air.bottom_radius(), air.thickness(), altitude, mu)};
+          lengths_[tile * index(size_.zeniths) + index(k)] = lengths_along(air, ray, panels[worker]);
+        }
+      });
+}
+
+SunPaths::Axis SunPaths::axis(double altitude) const noexcept {
+  const double horizon = horizon_cosine(mapping_.bottom_radius(), altitude);
+  const double whole = 1.0 - horizon;
+  return {horizon, kNearHorizon * (whole + bend_) / whole, bend_, (1.0 - kNearHorizon) / whole};
+}
+
+// x (y + b) = a y + l y (y + b): l y^2 + (a + l b - x) y - x b = 0
+double SunPaths::zenith_cosine(double altitude, int node) const noexcept {
+  const Axis axis = this->axis(altitude);
+  if (node + 1 == size_.zeniths) return 1.0;
+  const double x = static_cast<double>(node) / (size_.zeniths - 1);
+  const double half = 0.5 * (axis.rational + axis.linear * axis.bend - x);
+  const double root = std::sqrt(half * half + axis.linear * x * axis.bend);
+  const double y = half > 0.0 ? x * axis.bend / (half + root) : (root - half) / axis.linear;
+  return std::min(1.0, axis.horizon + y);
+}
+
+Sunlight::Sunlight(const Air& air, const SunPaths& paths, const Extinctions& extinctions)
+    : paths_(&paths), bottom_radius_(air.bottom_radius()), row_(4 * index(paths.size().zeniths)) {
+  const double radius = air.atmosphere().sun_angular_radius_degrees * std::numbers::pi / 180.0;
+  disc_slope_ = 0.5 / std::max(radius, kSmallestRadius);
+  rows_.resize(index(paths_->size().heights) * row_);
+  float* texel = rows_.data();
+  for (int height = 0; height < paths_->size().heights; ++height) {
+    for (int k = 0; k < paths_->size().zeniths; ++k, texel += 4) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        texel[c] = static_cast<float>(tables::exponential(-optical_depth(extinctions[c], paths.lengths(height, k))));
+      }
+    }
+  }
+}
+
+// Between heights: the cubic through the four nearest.
+void Sunlight::at(double altitude, simd::SunlitSample& sample) const noexcept {
+  const SunPaths::Axis axis = paths_->axis(altitude);
+  sample.horizon = static_cast<float>(axis.horizon);
+  sample.rational = static_cast<float>(axis.rational * (paths_->size().zeniths - 1));
+  sample.bend = static_cast<float>(axis.bend);
+  sample.linear = static_cast<float>(axis.linear * (paths_->size().zeniths - 1));
+  sample.disc_slope = static_cast<float>(disc_slope_ * (bottom_radius_ + altitude) / bottom_radius_);
+  sample.disc_offset = 0.5F;
+  const double position = paths_->mapping().height_coordinate(altitude) * (paths_->size().heights - 1);
+  const int first = std::clamp(static_cast<int>(position) - 1, 0, paths_->size().heights - 4);
+  const double t = position - first;  // 0 to 3
+  const std::array<double, 4> weights{-(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0, t * (t - 2.0) * (t - 3.0) / 2.0,
+                                      -t * (t - 1.0) * (t - 3.0) / 2.0, t * (t - 1.0) * (t - 2.0) / 6.0};
+  for (int k = 0; k < 4; ++k) {
+    sample.rows[k] = rows_.data() + index(first + k) * row_;
+    sample.row_weights[k] = static_cast<float>(weights[index(k)]);
+  }
+}
+
+std::array<double, 3> Sunlight::at(double altitude, double sun_zenith_cosine) const noexcept {
+  simd::SunlitSample sample{};
+  at(altitude, sample);
+  const double above = sun_zenith_cosine - static_cast<double>(sample.horizon);
+  const double t = std::clamp(sample.disc_slope * above + sample.disc_offset, 0.0, 1.0);
+  const double y = std::max(0.0, above);
+  const double position = std::clamp(sample.rational * (y / (y + sample.bend)) + sample.linear * y, 0.0,
+                                     static_cast<double>(paths_->size().zeniths - 1));
+  const int node = std::min(static_cast<int>(position), paths_->size().zeniths - 2);
+  std::array<double, 3> light{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    double ends[2]{};
+    for (int k = 0; k < 4; ++k) {
+      const float* const row = sample.rows[k] + 4 * node + c;
+      for (int i = 0; i < 2; ++i)
+        ends[i] += static_cast<double>(sample.row_weights[k]) * static_cast<double>(row[4 * i]);
+    }
+    const double value = ends[0] + (position - node) * (ends[1] - ends[0]);
+    light[c] = std::max(0.0, value) * t * t * (3.0 - 2.0 * t);
+  }
+  return light;
+}
+
+}  // namespace welkin::sky

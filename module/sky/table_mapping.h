@@ -1,0 +1,77 @@
+// Which atmospheric state a texel of a sky table stands for, and back (after Bruneton 2017, in altitudes).
+//
+// Coordinates x are from 0 to 1: node k of n stands at x = k / (n - 1), so tables hold their own ends. Positions are
+// nodes counted from 0 to n - 1. With rho = sqrt(r^2 - R^2) and H that of the top:
+//   heights (all tables)            x = rho / H
+//   view zeniths (scattering)       half the nodes for rays that end on the ground, the horizon in the middle
+//   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
+//   sun zeniths (scattering, irradiance)   x = max(1 - a / A, 0) / (1 + a), the top no lower than 0.008 R: under a
+//       thinner shell a day's paths are all so much shorter than the horizon's that they would share an interval
+//   sun angles                      x = (1 + cos phi) / 2, phi the azimuth between view and sun
+// (Bruneton has the cosine nu between view and sun for the last. Most of its nodes are then angles that no azimuth
+// gives: they need filling, and interpolation across them has kinks; cos phi has none, and is as even about the sun's
+// plane.)
+#pragma once
+
+namespace welkin::sky {
+
+/// A ray of a table.
+struct ViewRay {
+  double zenith_cosine;
+  bool ground;      ///< ends there
+  double distance;  ///< to the ground or the top, metres
+};
+
+class TableMapping {
+ public:
+  /// Radii in metres; the sine of the lowest sun's elevation.
+  TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine) noexcept;
+
+  [[nodiscard]] double bottom_radius() const noexcept { return bottom_; }
+  [[nodiscard]] double thickness() const noexcept { return thickness_; }
+  [[nodiscard]] double top_tangent() const noexcept { return top_tangent_; }  ///< H
+
+  /// Altitudes from 0 to the thickness; others count as the nearest.
+  [[nodiscard]] double height_coordinate(double altitude) const noexcept;
+  [[nodiscard]] double altitude(double coordinate) const noexcept;
+
+  /// Position among `zeniths` (even) nodes; the side of the horizon is the ray's own.
+  [[nodiscard]] double view_position(double altitude, double zenith_cosine, int zeniths) const noexcept;
+  /// The same for a ray that is known to end on the ground or not to: at the horizon both are right.
+  [[nodiscard]] double view_position(double altitude, double zenith_cosine, bool ground, int zeniths) const noexcept;
+  /// Positions up to zeniths / 2 - 1 are rays to the ground, from zeniths / 2 on rays to the top.
+  [[nodiscard]] ViewRay view_ray(double altitude, double position, int zeniths) const noexcept;
+
+  /// Rays to the top; one below the horizon counts as the horizon's.
+  [[nodiscard]] double transmittance_coordinate(double altitude, double zenith_cosine) const noexcept;
+  [[nodiscard]] ViewRay transmittance_ray(double altitude, double coordinate) const noexcept;
+
+  /// Suns below the lowest count as the lowest.
+  [[nodiscard]] double sun_coordinate(double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double sun_zenith_cosine(double coordinate) const noexcept;
+
+  [[nodiscard]] double lowest_sun() const noexcept { return lowest_; }  ///< A
+
+  /// The top that suns' paths are measured to, metres above the ground, and its H.
+  [[nodiscard]] double sun_thickness() const noexcept { return sun_thickness_; }
+  [[nodiscard]] double sun_tangent() const noexcept { return sun_tangent_; }
+
+  /// Of a cosine nu between view and sun; 1/2 where no azimuth matters. Impossible ones count as the nearest.
+  [[nodiscard]] static double angle_coordinate(double view_zenith, double sun_zenith, double nu) noexcept;
+  /// nu = mu mu_s + sqrt(1 - mu^2) sqrt(1 - mu_s^2) cos phi.
+  [[nodiscard]] static double angle_cosine(double view_zenith, double sun_zenith, double coordinate) noexcept;
+
+ private:
+  [[nodiscard]] double scaled_sun_distance(double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double ground_coordinate(double altitude, double zenith_cosine) const noexcept;
+  [[nodiscard]] ViewRay ground_ray(double altitude, double coordinate) const noexcept;
+
+  double bottom_;
+  double thickness_;
+  double top_tangent_;
+  double sun_thickness_;
+  double sun_tangent_;
+  double lowest_;  ///< a of the lowest sun
+};
+
+}  // namespace welkin::sky

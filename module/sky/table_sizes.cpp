@@ -1,0 +1,122 @@
+#include "sky/table_sizes.h"
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+
+#include "jobs/tiles.h"
+#include "sky/ray_nodes.h"
+#include "sky/source_solver.h"
+#include "sky/sunlight.h"
+#include "welkin/error.h"
+
+namespace welkin::sky {
+namespace {
+
+template <class Value>
+void require(const char* what, Value value, Value low, Value high) {
+  if (value >= low && value <= high) return;
+  std::ostringstream message;
+  message << "sky table option " << what << " is " << value << "; it must be from " << low << " to " << high;
+  throw Error(ErrorCode::invalid_argument, message.str());
+}
+
+std::uint64_t product(std::initializer_list<int> sizes) {
+  std::uint64_t result = 1;
+  for (const int size : sizes) result *= static_cast<std::uint64_t>(size);  // each below 2^11: cannot overflow
+  return result;
+}
+
+}  // namespace
+
+void check_options(const SkyTableOptions& options) {
+  if (options.layout != ScatteringLayout::full && options.layout != ScatteringLayout::compact) {
+    throw Error(ErrorCode::invalid_argument, "sky table option layout is none that there is; take full or compact");
+  }
+  if (options.colour != SkyColour::spectral && options.colour != SkyColour::linear_srgb) {
+    throw Error(ErrorCode::invalid_argument,
+                "sky table option colour is none that there is; take spectral or linear_srgb");
+  }
+  require("heights", options.heights, 2, 128);
+  require("view_zeniths", options.view_zeniths, 4, 1024);
+  if (options.view_zeniths % 2 != 0) {
+    throw Error(ErrorCode::invalid_argument, "sky table option view_zeniths is " +
+                                                 std::to_string(options.view_zeniths) +
+                                                 "; it must be even: half of them are for rays that meet the ground");
+  }
+  require("sun_zeniths", options.sun_zeniths, 4, 256);
+  require("sun_angles", options.sun_angles, 2, 128);
+  require("transmittance_heights", options.transmittance_heights, 2, 1024);
+  require("transmittance_zeniths", options.transmittance_zeniths, 2, 2048);
+  require("irradiance_heights", options.irradiance_heights, 2, 1024);
+  require("irradiance_sun_zeniths", options.irradiance_sun_zeniths, 2, 1024);
+  require("lowest_sun_degrees", options.lowest_sun_degrees, -90.0, 0.0);
+  require("orders", options.orders, 1, 64);
+  require("until_change", options.until_change, 0.0, 1e300);
+}
+
+int angles_of(const SkyTableOptions& options) noexcept {
+  return options.layout == ScatteringLayout::full ? options.sun_angles : 1;
+}
+
+std::uint64_t scattering_texels(const SkyTableOptions& options) noexcept {
+  return product({options.heights, options.view_zeniths, angles_of(options), options.sun_zeniths});
+}
+
+std::uint64_t transmittance_floats(const SkyTableOptions& options) noexcept {
+  return product({options.transmittance_heights, options.transmittance_zeniths, 3});
+}
+
+std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept {
+  return product({options.irradiance_heights, options.irradiance_sun_zeniths, 3});
+}
+
+SourceShape source_shape(const SkyTableOptions& options) noexcept {
+  const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
+  const bool small = options.heights < 12 || options.view_zeniths < 16;
+  return {.heights = std::clamp(options.heights, 4, 32),
+          .zeniths = small ? 17 : 33,
+          .angles = small ? 13 : 25,
+          .suns = suns};
+}
+
+SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
+  return options.heights < 12 || options.view_zeniths < 16 ? SunPaths::Size{.heights = 32, .zeniths = 64}
+                                                           : SunPaths::Size{};
+}
+
+std::uint64_t result_bytes(const SkyTableOptions& options) noexcept {
+  const std::uint64_t tables = options.layout == ScatteringLayout::full ? 2 : 1;
+  return 4 * (4 * tables * scattering_texels(options) + transmittance_floats(options) + irradiance_floats(options));
+}
+
+}  // namespace welkin::sky
+
+namespace welkin {
+
+// Results; colours of spectra summed in double; paths of sunlight and their transmittances; the solver; scratch of each
+// worker that there can be.
+std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) {
+  check(atmosphere);
+  sky::check_options(options);
+  if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
+    throw Error(ErrorCode::invalid_argument,
+                "the atmosphere has " + std::to_string(atmosphere.wavelengths_nm.size()) +
+                    " wavelengths; tables of radiances hold three: take colour = linear_srgb, or three wavelengths");
+  }
+  const bool with_aerosol = !atmosphere.aerosol.density.empty() && !atmosphere.aerosol.scattering_per_m.empty();
+  const std::uint64_t sun_nodes = std::uint64_t{128} * 256;
+  const std::uint64_t sunlight = sun_nodes * (sizeof(sky::Amounts) + 4 * sizeof(float));
+  const std::uint64_t ray_suns =
+      static_cast<std::uint64_t>(sky::angles_of(options)) * static_cast<std::uint64_t>(options.sun_zeniths) + 1024;
+  const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
+  const std::uint64_t workers = jobs::worker_count(jobs::Placement::arena);
+  return sky::result_bytes(options) + sunlight + 16 * sky::irradiance_floats(options) +
+         sky::SourceSolver::bytes(sky::source_shape(options), with_aerosol) + workers * worker;
+}
+
+std::uint64_t SkyTables::bytes() const noexcept {
+  return 4 * (transmittance.size() + scattering.size() + single_mie.size() + irradiance.size());
+}
+
+}  // namespace welkin

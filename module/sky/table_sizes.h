@@ -1,0 +1,31 @@
+// What sky tables take, and whether options make sense.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sky/scattering_source.h"
+#include "sky/sunlight.h"
+#include "welkin/sky_tables.h"
+
+namespace welkin::sky {
+
+/// Throws `Error` (invalid_argument) naming the option that is out of its range.
+void check_options(const SkyTableOptions& options);
+
+/// Cosines between view and sun that a layout has: 1 if compact.
+[[nodiscard]] int angles_of(const SkyTableOptions& options) noexcept;
+
+/// Texels of the scattering table; floats of the other two.
+[[nodiscard]] std::uint64_t scattering_texels(const SkyTableOptions& options) noexcept;
+[[nodiscard]] std::uint64_t transmittance_floats(const SkyTableOptions& options) noexcept;
+[[nodiscard]] std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept;
+
+/// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
+[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options) noexcept;
+[[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
+
+/// Bytes of the tables themselves.
+[[nodiscard]] std::uint64_t result_bytes(const SkyTableOptions& options) noexcept;
+
+}  // namespace welkin::sky

@@ -1,0 +1,124 @@
+#include "sky/vertical_harmonics.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "simd/basis_recurrence.h"
+#include "tables/basis_constants.h"
+#include "tables/gauss_legendre.h"
+#include "tables/trigonometry.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::sky {
+namespace {
+
+/// One entry of a change of axes: of Welkin's coefficient `to` from the vertical one `from`.
+struct Entry {
+  int to;
+  int from;
+  double factor;
+};
+
+/// Entries of all bands, one band after the other.
+struct AxisChange {
+  std::vector<Entry> entries;
+  std::array<std::size_t, kMaximumBands + 1> first{};  ///< of a band
+};
+
+using Basis = std::array<double, kMaximumBands * kMaximumBands>;
+
+Basis basis_at(double x, double y, double z) {
+  Basis values{};
+  simd::for_each_basis_value(tables::basis_constants(), x, y, z, 1.0, kMaximumBands,
+                             [&](int index, double value) { values[static_cast<std::size_t>(index)] = value; });
+  return values;
+}
+
+/// Integrals of products of both kinds of functions, by a rule that is exact for their degree; what is not there but
+/// for rounding is left out.
+AxisChange make_axis_change() {
+  constexpr int rings = kMaximumBands;
+  constexpr int columns = 2 * kMaximumBands;
+  constexpr double pi = 3.14159265358979323846;
+  const simd::GaussRule rule = tables::gauss_legendre(rings);
+  std::vector<double> products(static_cast<std::size_t>(kMaximumBands) * kMaximumBands * (2 * kMaximumBands));
+  const auto place = [](int to, int l, int from) {
+    return static_cast<std::size_t>(to * 2 * kMaximumBands + from - l * l);
+  };
+  for (int j = 0; j < rings; ++j) {
+    const double z = rule.nodes[j];
+    const double sine = std::sqrt(1.0 - z * z);
+    for (int i = 0; i < columns; ++i) {
+      const tables::SineCosine azimuth = tables::sine_cosine_of_turns(static_cast<double>(i) / columns);
+      const double x = sine * azimuth.cosine;
+      const double y = sine * azimuth.sine;
+      const Basis own = basis_at(x, y, z);
+      const Basis vertical = basis_at(z, x, y);
+      for (int l = 0; l < kMaximumBands; ++l) {
+        for (int to = l * l; to < (l + 1) * (l + 1); ++to) {
+          const double weighted = rule.weights[j] * (2.0 * pi / columns) * own[static_cast<std::size_t>(to)];
+          for (int from = l * l; from < (l + 1) * (l + 1); ++from) {
+            products[place(to, l, from)] += weighted * vertical[static_cast<std::size_t>(from)];
+          }
+        }
+      }
+    }
+  }
+  AxisChange change;
+  for (int l = 0; l < kMaximumBands; ++l) {
+    change.first[static_cast<std::size_t>(l)] = change.entries.size();
+    for (int to = l * l; to < (l + 1) * (l + 1); ++to) {
+      for (int from = l * l; from < (l + 1) * (l + 1); ++from) {
+        const double factor = products[place(to, l, from)];
+        if (factor * factor > 1e-24) change.entries.push_back({to, from, factor});
+      }
+    }
+  }
+  change.first[kMaximumBands] = change.entries.size();
+  return change;
+}
+
+const AxisChange& axis_change() {
+  static const AxisChange change = make_axis_change();
+  return change;
+}
+
+}  // namespace
+
+void prepare_turns() { (void)axis_change(); }
+
+void even_basis(double zenith_cosine, double zenith_sine, int bands, std::span<double> values) {
+  int l = 0;
+  const Basis all = basis_at(zenith_sine, 0.0, zenith_cosine);
+  for (; l < bands; ++l) {
+    for (int m = 0; m <= l; ++m) values[even_index(l, m)] = all[SphericalHarmonics::index(l, m)];
+  }
+}
+
+void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
+               std::span<glm::dvec3> coefficients) noexcept {
+  std::array<double, kMaximumBands> cosines{1.0};
+  std::array<double, kMaximumBands> sines{};
+  for (std::size_t m = 1; m < static_cast<std::size_t>(bands); ++m) {
+    cosines[m] = cosines[m - 1] * sun.azimuth_cosine - sines[m - 1] * sun.azimuth_sine;
+    sines[m] = sines[m - 1] * sun.azimuth_cosine + cosines[m - 1] * sun.azimuth_sine;
+  }
+  std::array<glm::dvec3, kMaximumBands * kMaximumBands> turned;
+  for (int l = 0; l < bands; ++l) {
+    turned[SphericalHarmonics::index(l, 0)] = even[even_index(l, 0)];
+    for (int m = 1; m <= l; ++m) {
+      turned[SphericalHarmonics::index(l, m)] = cosines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
+      turned[SphericalHarmonics::index(l, -m)] = sines[static_cast<std::size_t>(m)] * even[even_index(l, m)];
+    }
+  }
+  for (int i = 0; i < bands * bands; ++i) coefficients[static_cast<std::size_t>(i)] = glm::dvec3(0.0);
+  const AxisChange& change = axis_change();
+  const std::size_t end = change.first[static_cast<std::size_t>(bands)];
+  for (std::size_t k = 0; k < end; ++k) {
+    const Entry& entry = change.entries[k];
+    coefficients[static_cast<std::size_t>(entry.to)] += entry.factor * turned[static_cast<std::size_t>(entry.from)];
+  }
+}
+
+}  // namespace welkin::sky

@@ -1,0 +1,32 @@
+// Harmonics about the vertical, and what turns them into Welkin's.
+//
+// About the vertical means: polar axis y, azimuth from +z towards +x, the same basis functions. A sky whose sun is at
+// azimuth 0 is even in azimuth: its coefficients (l, m >= 0) are all there is, at even_index(l, m).
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "sky/sun_angles.h"
+
+namespace welkin::sky {
+
+[[nodiscard]] constexpr std::size_t even_index(int l, int m) noexcept {
+  return static_cast<std::size_t>(l * (l + 1) / 2 + m);
+}
+[[nodiscard]] constexpr std::size_t even_count(int bands) noexcept { return even_index(bands, 0); }
+
+/// Y(l, m) for all l < bands, 0 <= m <= l, at azimuth 0.
+void even_basis(double zenith_cosine, double zenith_sine, int bands, std::span<double> values);
+
+/// Computes what `turn_even` needs, once in the process: some milliseconds, and the only time that it allocates.
+void prepare_turns();
+
+/// Coefficients about the vertical with the sun at azimuth 0, to Welkin's (bands^2 of them) with the sun at its own:
+///   c(l, m) cos(m azimuth) and c(l, m) sin(m azimuth), then y z x become x y z.
+/// Allocates nothing.
+void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun,
+               std::span<glm::dvec3> coefficients) noexcept;
+
+}  // namespace welkin::sky

@@ -1,0 +1,82 @@
+#include "sky_harmonics.h"
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "sky_subjects.h"
+#include "subjects.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_light.h"
+
+namespace welkin::perf {
+namespace {
+
+/// A sun that climbs from 5 to 65 degrees and turns, over and over; no two the same, and no libm in the loop.
+class MovingSun {
+ public:
+  glm::dvec3 next() {
+    step_ = (step_ + 1) % 1024;
+    const double part = static_cast<double>(step_) / 1024.0;
+    return {0.2 + part, 0.1 + 1.5 * part, 1.0 - part};
+  }
+
+ private:
+  int step_ = 0;
+};
+
+void add_projection(const SkyMethod& method) {
+  add_benchmark("SkyHarmonics", method.name, method.directions, 1, 1.0, 0.0, [=]() -> std::function<void()> {
+    const auto projector = std::make_shared<const SkyProjector>(SkyView(earth_tables(), 0.0), method.options);
+    const auto light = std::make_shared<SphericalHarmonics>(method.options.bands);
+    const auto sun = std::make_shared<MovingSun>();
+    return [=] { projector->project(sun->next(), light->coefficients()); };
+  });
+}
+
+/// They would be made beside it, on the worker: here the frame's own cost is asked for.
+SkyLightOptions without_reflections() {
+  SkyLightOptions options;
+  options.specular.size = 0;
+  return options;
+}
+
+void add_curve(int bands) {
+  add_benchmark("SkyCurve", "at", std::to_string(bands), 1, 1.0, 0.0, [=]() -> std::function<void()> {
+    const auto curve = std::make_shared<const SkyCurve>(SkyView(earth_tables(), 0.0), SkyCurveOptions{.bands = bands});
+    const auto light = std::make_shared<SphericalHarmonics>(bands);
+    const auto sun = std::make_shared<MovingSun>();
+    return [=] { curve->at(sun->next(), light->coefficients()); };
+  });
+}
+
+}  // namespace
+
+void add_sky_harmonics(const std::vector<int>& thread_counts) {
+  for (const SkyMethod& method : sky_methods()) add_projection(method);
+  for (const int bands : {1, 3, 9, 16}) add_curve(bands);
+  for (const int threads : thread_counts) {
+    add_benchmark("SkyCurve", "bake", std::to_string(SkyCurveOptions{}.nodes), threads, 1.0, 0.0,
+                  [=]() -> std::function<void()> {
+                    const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
+                    return [=] { benchmark::DoNotOptimize(SkyCurve(*view)); };
+                  });
+  }
+  add_benchmark("SkyLight", "update", "3", 1, 1.0, 0.0, [=]() -> std::function<void()> {
+    struct Live {
+      Worker worker{WorkerOptions{.threads = 1}};
+      SkyLight sky;
+      MovingSun sun;
+      Live() : sky(worker, earth_tables(), without_reflections()) {}
+    };
+    const auto live = std::make_shared<Live>();
+    while (!live->sky.update(1.0).settled) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return [=] {
+      live->sky.set_sun(live->sun.next());
+      live->sky.update(0.016);
+    };
+  });
+}
+
+}  // namespace welkin::perf

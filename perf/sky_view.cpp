@@ -1,0 +1,100 @@
+#include "sky_view.h"
+
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+
+#include "subjects.h"
+#include "welkin/sky_view.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr double kTexelBytes = 12.0;
+
+/// Earth in two orders: how many there are does not matter to who looks.
+std::shared_ptr<const SkyTables> tables() {
+  static const auto made = [] {
+    SkyTableOptions options;
+    options.orders = 2;
+    return std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+  }();
+  return made;
+}
+
+/// Directions spread evenly over the sphere along a spiral.
+std::vector<glm::vec3> spiral(int count) {
+  std::vector<glm::vec3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double y = 1.0 - (2.0 * i + 1.0) / count;
+    const glm::dvec3 level = sun_direction(0.0, 137.50776 * i);
+    const glm::dvec3 towards = std::sqrt(1.0 - y * y) * level + glm::dvec3(0.0, y, 0.0);
+    directions.emplace_back(towards);
+  }
+  return directions;
+}
+
+void add_radiance(const std::string& variant, double altitude, int count) {
+  add_benchmark("SkyRadiance", variant, std::to_string(count), 1, count, kTexelBytes * count,
+                [=]() -> std::function<void()> {
+                  const auto view = std::make_shared<const SkyView>(tables(), altitude);
+                  const auto directions = std::make_shared<const std::vector<glm::vec3>>(spiral(count));
+                  const auto rgb = std::make_shared<std::vector<glm::vec3>>(directions->size());
+                  const glm::dvec3 sun = sun_direction(20.0, 30.0);
+                  if (variant == "single") {
+                    return [=] {
+                      for (const glm::vec3& towards : *directions) {
+                        benchmark::DoNotOptimize(view->radiance(glm::dvec3(towards), sun));
+                      }
+                    };
+                  }
+                  return [=] { view->radiance(*directions, sun, *rgb); };
+                });
+}
+
+void add_making() {
+  for (const double altitude : {0.0, 2000.0}) {
+    add_benchmark(
+        "SkyView", "full", std::to_string(static_cast<int>(altitude)), 1, 1.0, 0.0,
+        [=]() -> std::function<void()> { return [=] { benchmark::DoNotOptimize(SkyView(tables(), altitude)); }; });
+  }
+}
+
+void add_pictures(int threads) {
+  const auto add = [=](const std::string& subject, const std::string& variant, int size, double texels,
+                       const std::function<void(const SkyView&, const glm::dvec3&)>& work) {
+    add_benchmark(subject, variant, std::to_string(size), threads, texels, kTexelBytes * texels,
+                  [=]() -> std::function<void()> {
+                    const auto view = std::make_shared<const SkyView>(tables(), 0.0);
+                    return [=] { work(*view, sun_direction(20.0, 30.0)); };
+                  });
+  };
+  for (const int size : {32, 256}) {
+    for (const bool disc : {false, true}) {
+      add("SkyCubemap", disc ? "disc" : "apart", size, 6.0 * size * size,
+          [=](const SkyView& view, const glm::dvec3& sun) {
+            benchmark::DoNotOptimize(sky_cubemap(view, sun, size, {.sun_disc = disc}));
+          });
+    }
+  }
+  add("SkyLatLong", "apart", 512, 2.0 * 512 * 512,
+      [](const SkyView& view, const glm::dvec3& sun) { benchmark::DoNotOptimize(sky_lat_long(view, sun, 512)); });
+  add("SkySpecular", "apart", 32, 6.0 * 32 * 32, [](const SkyView& view, const glm::dvec3& sun) {
+    benchmark::DoNotOptimize(sky_specular(view, sun, {.size = 32}));
+  });
+}
+
+}  // namespace
+
+void add_sky_views(const std::vector<int>& thread_counts) {
+  for (const int count : {1, 64, 512, 4096}) add_radiance("batch", 0.0, count);
+  add_radiance("single", 0.0, 512);
+  add_radiance("space", 400'000.0, 512);
+  add_making();
+  for (const int threads : thread_counts) add_pictures(threads);
+}
+
+}  // namespace welkin::perf

@@ -1,0 +1,49 @@
+// Tables that several tests look things up in: precomputed once a program.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "welkin/sky_tables.h"
+
+namespace welkin::test {
+
+/// Earth, single scattering, the default sizes. The ground is lit by the direct sun only, as in the reference.
+[[nodiscard]] inline const std::shared_ptr<const SkyTables>& single_tables() {
+  static const auto tables = [] {
+    SkyTableOptions options;
+    options.orders = 1;
+    SkyTables made = precompute_sky(earth(), options);
+    std::fill(made.irradiance.begin(), made.irradiance.end(), 0.0F);
+    return std::make_shared<const SkyTables>(std::move(made));
+  }();
+  return tables;
+}
+
+/// Small ones with two orders.
+[[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth(),
+                                                                   ScatteringLayout layout = ScatteringLayout::full,
+                                                                   SkyColour colour = SkyColour::spectral) {
+  SkyTableOptions options;
+  options.layout = layout;
+  options.colour = colour;
+  options.heights = 6;
+  options.view_zeniths = 16;
+  options.sun_zeniths = 12;
+  options.sun_angles = 5;
+  options.transmittance_heights = 16;
+  options.transmittance_zeniths = 64;
+  options.irradiance_heights = 4;
+  options.irradiance_sun_zeniths = 16;
+  options.orders = 2;
+  return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options));
+}
+
+/// The same for all of a program.
+[[nodiscard]] inline const std::shared_ptr<const SkyTables>& small_view_tables() {
+  static const std::shared_ptr<const SkyTables> tables = small_tables();
+  return tables;
+}
+
+}  // namespace welkin::test

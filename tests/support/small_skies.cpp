@@ -1,0 +1,46 @@
+#include "support/small_skies.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace welkin::test {
+
+SkyTableOptions tiny_tables() {
+  SkyTableOptions options;
+  options.heights = 4;
+  options.view_zeniths = 16;
+  options.sun_zeniths = 8;
+  options.sun_angles = 4;
+  options.transmittance_heights = 16;
+  options.transmittance_zeniths = 64;
+  options.irradiance_heights = 4;
+  options.irradiance_sun_zeniths = 16;
+  options.orders = 1;
+  return options;
+}
+
+std::shared_ptr<const SkyTables> small_earth() {
+  static const std::shared_ptr<const SkyTables> tables = [] {
+    SkyTableOptions options;
+    options.heights = 8;
+    options.orders = 2;
+    return std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+  }();
+  return tables;
+}
+
+double relative_difference(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
+  double worst = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    double difference = 0.0;
+    double size = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      difference += (a[i][c] - b[i][c]) * (a[i][c] - b[i][c]);
+      size += b[i][c] * b[i][c];
+    }
+    worst = std::max(worst, std::sqrt(size > 0.0 ? difference / size : difference));
+  }
+  return worst;
+}
+
+}  // namespace welkin::test
