@@ -27,7 +27,15 @@ void check(const BakeCommandOptions& options) {
   check_input_is_kept(options, bake);
 }
 
-std::string bake(const BakeCommandOptions& options) {
+void run(const BakeCommandOptions& options) {
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = bake_to_folder(options); });
+  print_result(text);
+}
+
+}  // namespace
+
+std::string bake_to_folder(const BakeCommandOptions& options) {
   check(options);
   ProgressBar bar;
   const Control control = bar.control();
@@ -39,14 +47,6 @@ std::string bake(const BakeCommandOptions& options) {
   write_text_file(folder.place(kManifestName), manifest);
   return options.common.json ? manifest : bake_table(baked, options, folder);
 }
-
-void run(const BakeCommandOptions& options) {
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = bake(options); });
-  print_result(text);
-}
-
-}  // namespace
 
 void add_bake_command(CLI::App& program) {
   const auto options = std::make_shared<BakeCommandOptions>();

@@ -153,6 +153,22 @@ void write_lat_longs(const CubemapChain& background, const Job& job) {
   }
 }
 
+/// What was computed, to the last bit: baked again it gives the same files.
+void write_computed(const LatLongImage& picture, const Job& job) {
+  if (picture.width == 0) return;
+  WriteOptions options;
+  options.type = SampleType::float32;
+  const std::string& file = job.options.picture_name;
+  write_environment(job.folder.place(file), picture.view(), options, {job.control.stop, {}});
+  job.folder.add({file,
+                  "what was baked, a lat-long",
+                  "OpenEXR float",
+                  0,
+                  0,
+                  "",
+                  {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
+}
+
 void turn_to_engine(BakeResult& light, Engine engine, const Control& control) {
   const glm::dmat3 symmetry = faces_of(engine);
   if (symmetry == glm::dmat3(1.0)) return;
@@ -188,6 +204,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   timed(baked.passes, "write", "all other files", [&] {
     BakeResult& light = baked.light;
     const Job job{options, folder, control};
+    write_computed(baked.picture, job);
     write_lat_longs(light.background, job);  // before it is turned
     turn_to_engine(light, options.turn.to, control);
     write_cubemap({"background", "the environment itself, with plain mips", light.background.views(), {}, "radiance"},

@@ -23,7 +23,8 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
   report.axes = axes_text(options.turn);
   report.engine = options.turn.to;
-  report.sun_wanted = options.sun.take_out;
+  report.sky = baked.sky;
+  report.sun_wanted = baked.sun_wanted;
   report.sun = baked.sun;
   if (report.sun) report.sun->direction = matrix * report.sun->direction;
   report.dominant = dominant_light(report.projection.radiance);

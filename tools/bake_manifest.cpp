@@ -158,7 +158,8 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   if (options.previews) {
     json["previews"] = {{"exposure", tone_map.exposure}, {"curve", "x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)"}};
   }
-  if (options.sun.take_out) json["sun"] = sun_json(baked, options);
+  if (baked.sky) json["sky"] = sky_json(*baked.sky);
+  if (baked.sun_wanted) json["sun"] = sun_json(baked, options);
   json["diagnostics"] = diagnostics_json(baked);
   json["notes"] = bake_notes(baked, folder);
   json["times"] = times_json(baked);

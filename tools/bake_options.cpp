@@ -18,7 +18,8 @@ constexpr int kMostSamples = 1 << 20;
 constexpr std::array<Container, 6> kContainers = {Container::ktx2, Container::dds, Container::exr,
                                                   Container::hdr,  Container::pfm, Container::env};
 
-CLI::Option* add_size(CLI::App& command, const char* option, int& size, int least, int largest, const char* text) {
+CLI::Option* add_size(CLI::App& command, const char* option, int& size, int least, int largest,
+                      const std::string& text) {
   return command.add_option(option, size, text)->check(CLI::Range(least, largest).description(""))->type_name("N");
 }
 
@@ -104,15 +105,16 @@ void add_container_options(CLI::App& command, BakeCommandOptions& options) {
 
 void add_specular_options(CLI::App& command, BakeCommandOptions& options) {
   add_size(command, "--size", options.specular.size, 1, kLargestFace,
-           "Texels along an edge of the specular cubemap's faces; default 256");
+           "Texels along an edge of the specular cubemap's faces; default " + std::to_string(options.specular.size));
   add_size(command, "--background-size", options.bake.background_size, 0, kLargestFace,
-           "The same of the background, which is not blurred; 0, the default: as --size");
+           "The same of the background, which is not blurred; 0: as --size; default " +
+               std::to_string(options.bake.background_size));
   command
       .add_option_function<std::string>(
           "--mips", [&options](const std::string& word) { choose_mips(word, options); },
-          "Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many as --roughness has "
-          "numbers, "
-          "else down to 16 texels, where roughness 1 needs no more")
+          std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many as --roughness "
+                      "has numbers, else ") +
+              (options.all_mips ? "all" : "down to 16 texels, where roughness 1 needs no more"))
       ->type_name("N|all");
   command
       .add_option_function<std::vector<std::string>>(
@@ -143,8 +145,6 @@ void add_diffuse_options(CLI::App& command, BakeCommandOptions& options) {
   add_choice<IrradianceMethod>(command, "--irradiance-method", options.bake.irradiance_method,
                                {{"harmonics", IrradianceMethod::harmonics}, {"direct", IrradianceMethod::direct}},
                                "From the spherical harmonics (default), or by direct integration: exact, and slow");
-  add_size(command, "--bands", options.bake.bands, 0, kMaximumBands,
-           "Bands of spherical harmonics; default 3; 0: none, and no files of them");
   CLI::Option* none = command.add_flag("--no-brdf", options.no_brdf, "No BRDF table");
   command
       .add_option_function<int>(
@@ -181,6 +181,12 @@ std::string RoughnessChoice::words() const {
   return text;
 }
 
+void add_result_options(CLI::App& command, BakeCommandOptions& options) {
+  add_specular_options(command, options);
+  add_diffuse_options(command, options);
+  add_container_options(command, options);
+}
+
 void add_bake_options(CLI::App& command, BakeCommandOptions& options) {
   CLI::Option* input =
       command
@@ -192,9 +198,9 @@ void add_bake_options(CLI::App& command, BakeCommandOptions& options) {
       ->required()
       ->type_name("DIR");
   add_json_option(command, options.common);
-  add_specular_options(command, options);
-  add_diffuse_options(command, options);
-  add_container_options(command, options);
+  add_result_options(command, options);
+  add_size(command, "--bands", options.bake.bands, 0, kMaximumBands,
+           "Bands of spherical harmonics; default 3; 0: none, and no files of them");
   add_turn_options(command, options.turn);
   add_pixel_options(command, options.bake.pixels, options.clamp);
   // The sun is looked for in radiance, before pixels are decoded.

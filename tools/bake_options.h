@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/computed_picture.h"
 #include "tools/options.h"
 #include "tools/pixel_options.h"
 #include "tools/sun_options.h"
@@ -32,7 +33,9 @@ struct RoughnessChoice {
 
 struct BakeCommandOptions {
   CommonOptions common;
-  std::optional<std::string> input;  ///< none: the built-in sky
+  std::optional<std::string> input;  ///< none: what `compute` makes
+  ComputePicture compute;            ///< none: the built-in sky
+  std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
   std::set<Container> containers{Container::ktx2, Container::env};
   TextureOptions texture;
@@ -52,6 +55,9 @@ struct BakeCommandOptions {
 
 /// Adds all options to the command. `options` must outlive it.
 void add_bake_options(CLI::App& command, BakeCommandOptions& options);
+
+/// Those that say what comes out: --size, --mips, --irradiance, --brdf, --formats and so on; not --bands.
+void add_result_options(CLI::App& command, BakeCommandOptions& options);
 
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/progress_bar.h"
-#include "welkin/analytic_sky.h"
+#include "tools/sky_model.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/resampling.h"
@@ -46,7 +46,9 @@ BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control
 
 std::uint64_t BakeSource::bytes() const noexcept {
   constexpr std::uint64_t kTexelBytes = 12;
-  if (!file_) return sizeof(float) * (pixels_.cubemap.pixels.size() + pixels_.lat_long.pixels.size());
+  if (!file_) {
+    return sizeof(float) * (pixels_.cubemap.pixels.size() + pixels_.lat_long.pixels.size() + picture_.pixels.size());
+  }
   const auto face = static_cast<std::uint64_t>(file_->face_size());
   const auto texels = static_cast<std::uint64_t>(file_->info.width) * static_cast<std::uint64_t>(file_->info.height);
   return kTexelBytes * (face > 0 ? 6 * face * face : texels);
@@ -54,8 +56,12 @@ std::uint64_t BakeSource::bytes() const noexcept {
 
 void BakeSource::read(const BakeCommandOptions& options, const Control& control) {
   if (!options.input) {
-    pixels_.lat_long = analytic_sky();
-    description_ = built_in_sky(pixels_.lat_long.width, pixels_.lat_long.height);
+    ComputedPicture computed = options.compute ? options.compute(control) : built_in_sky(control);
+    pixels_.lat_long = std::move(computed.image);
+    description_ = std::move(computed.source);
+    sky_ = std::move(computed.sky);
+    sun_ = computed.sun;
+    if (!options.picture_name.empty()) picture_ = pixels_.lat_long;
     return;
   }
   file_ = read_environment(*options.input, options.common.read, control);

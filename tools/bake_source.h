@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "tools/bake_options.h"
 #include "tools/pixels.h"
@@ -18,7 +19,11 @@ class BakeSource {
   BakeSource(const BakeCommandOptions& options, const Control& control);
 
   [[nodiscard]] const Source& description() const noexcept { return description_; }
-  [[nodiscard]] const std::optional<Sun>& sun() const noexcept { return sun_; }  ///< in Welkin's axes
+  /// That was taken out, or never in; in Welkin's axes.
+  [[nodiscard]] const std::optional<Sun>& sun() const noexcept { return sun_; }
+  [[nodiscard]] const std::optional<SkyReport>& sky() const noexcept { return sky_; }  ///< of a computed one
+  /// What was computed, if it is to be kept.
+  [[nodiscard]] LatLongImage take_picture() noexcept { return std::move(picture_); }
   /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
   /// taken out, clamped or decoded: then the pixels alone tell.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
@@ -39,6 +44,8 @@ class BakeSource {
   std::optional<Environment> file_;  // as it was read,
   Pixels pixels_;                    // or what was made of it
   Source description_;
+  std::optional<SkyReport> sky_;
+  LatLongImage picture_;
   std::optional<Sun> sun_;
   std::optional<Projection> stored_light_;
 };

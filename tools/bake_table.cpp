@@ -62,7 +62,7 @@ std::string bake_table(const Baked& baked, const BakeCommandOptions& options, co
                      std::to_string(source.height) + ' ' + source.layout + ", " + printable(source.format) + '\n';
   text += printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' + file_lines(folder);
   text += mip_lines(baked.light.specular->mips);
-  if (options.sun.take_out) {
+  if (baked.sun_wanted) {
     std::optional<Sun> sun = baked.sun;
     TurnOptions to_engine;
     to_engine.to = options.turn.to;

@@ -44,10 +44,12 @@ void use_stored_light(Baked& baked, const Control& control) {
 Baked bake_source(const BakeCommandOptions& options, const Control& control) {
   Baked baked;
   baked.options = library_options(options);
-  const BakeSource source =
+  BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();
+  baked.sky = source.sky();
   baked.sun = source.sun();
+  baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
   baked.stored_light = source.stored_light();
   const PrefilterOptions env = env_options(*baked.options.specular);
   const bool wants_env = options.containers.contains(Container::env);
@@ -73,6 +75,7 @@ Baked bake_source(const BakeCommandOptions& options, const Control& control) {
           [&](const auto& view) { return prefilter_specular(view, env, part_of(control, kBaked, 1.0)); });
     });
   }
+  baked.picture = source.take_picture();
   if (wants_env) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
   return baked;
 }

@@ -15,6 +15,9 @@ namespace welkin::tool {
 /// All directions and faces in Welkin's axes.
 struct Baked {
   Source source;
+  std::optional<SkyReport> sky;  ///< of a computed one
+  LatLongImage picture;          ///< of it, if it is to be kept
+  bool sun_wanted = false;       ///< it was to be taken out, or is apart
   std::optional<Sun> sun;
   BakeOptions options;
   BakeResult light;

@@ -12,6 +12,7 @@ constexpr std::string_view kProgramFooter =
   welkin sh                          the spherical harmonics of a built-in sky
   welkin sh studio.hdr               ... of a photograph, as a table
   welkin sh studio.hdr --for three   ... as three.js wants them
+  welkin sky --sun-elevation 20      ... of a clear sky, computed
   welkin info studio.hdr             what is in the file
   welkin convert studio.hdr faces.exr --layout vertical-strip
                                      a lat-long to the faces of a cube
@@ -22,7 +23,7 @@ Files: OpenEXR, Radiance .hdr, PFM, PNG. A sphere is a lat-long picture, or six
 faces in a strip, a cross or six files; header, shape or name tell which.
 
 Units: radiance is whatever the file holds, W/(m2 sr) say; irradiance is then
-W/m2, flux W/m2 too. Directions: y is up, a lat-long's centre looks along +z.
+W/m2, flux W/m2 too. Skies are computed in W/(m2 sr nm) or cd/m2. Directions: y is up, a lat-long's centre looks along +z.
 
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;

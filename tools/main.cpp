@@ -14,6 +14,7 @@
 #include "tools/info_command.h"
 #include "tools/output.h"
 #include "tools/sh_command.h"
+#include "tools/sky_command.h"
 #include "tools/testmap_command.h"
 #include "welkin/error.h"
 #include "welkin/instruction_set.h"
@@ -57,6 +58,7 @@ ExitCode run(int argument_count, char** arguments) {
   try {
     add_bake_command(program);
     add_sh_command(program);
+    add_sky_command(program);
     add_info_command(program);
     add_convert_command(program);
     add_testmap_command(program);

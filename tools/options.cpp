@@ -1,5 +1,7 @@
 #include "tools/options.h"
 
+#include "tools/number_text.h"
+
 namespace welkin::tool {
 namespace {
 
@@ -16,6 +18,16 @@ CLI::Validator size_in_bytes() {
 }
 
 }  // namespace
+
+CLI::Validator finite_between(double least, double most) {
+  return {[least, most](const std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return good ? std::string()
+                        : text + " is not a number from " + significant(least) + " to " + significant(most);
+          },
+          ""};
+}
 
 void add_json_option(CLI::App& command, CommonOptions& options) {
   command.add_flag("--json", options.json, "JSON on standard output instead of a table");

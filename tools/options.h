@@ -26,6 +26,9 @@ CLI::Option* add_memory_limit_option(CLI::App& command, CommonOptions& options);
 void add_read_options(CLI::App& command, CommonOptions& options, CLI::Option* input,
                       const std::string& layout_option = "--layout");
 
+/// A number from `least` to `most`. (CLI11's own range lets NaN through.)
+[[nodiscard]] CLI::Validator finite_between(double least, double most);
+
 /// The layouts' words.
 [[nodiscard]] std::vector<std::pair<std::string, Layout>> layout_choices();
 

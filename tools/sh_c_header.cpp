@@ -91,7 +91,9 @@ std::string harmonics_arrays(const std::string& name, const ShReport& report) {
 }
 
 std::string sun_arrays(const std::string& name, const Sun& sun) {
-  return comment("The sun that was taken out: unit direction towards it, irradiance on a surface that faces it.") +
+  return comment(
+             "The sun, which is not in the harmonics: unit direction towards it, irradiance on a surface that faces "
+             "it.") +
          array_start(name + "_sun", 2) + row(sun.direction, "direction") + row(sun.irradiance, "irradiance") + "};\n";
 }
 

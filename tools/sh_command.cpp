@@ -12,7 +12,16 @@
 namespace welkin::tool {
 namespace {
 
-std::string formatted(const ShReport& report, ShFormat format) {
+void run(ShOptions options) {
+  options.clamp.apply(options.projection);
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = sh_formatted(measure_sh(options), options.format); });
+  print_result(text);
+}
+
+}  // namespace
+
+std::string sh_formatted(const ShReport& report, ShFormat format) {
   switch (format) {
     case ShFormat::json: return sh_json(report);
     case ShFormat::text: return sh_text(report);
@@ -21,15 +30,6 @@ std::string formatted(const ShReport& report, ShFormat format) {
   }
   return sh_table(report);
 }
-
-void run(ShOptions options) {
-  options.clamp.apply(options.projection);
-  std::string text;
-  run_with_threads(options.common.threads, [&] { text = formatted(measure_sh(options), options.format); });
-  print_result(text);
-}
-
-}  // namespace
 
 void add_sh_command(CLI::App& program) {
   const auto options = std::make_shared<ShOptions>();

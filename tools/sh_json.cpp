@@ -22,8 +22,9 @@ Json babylon_json(const BabylonPolynomial& polynomial) {
           {"yz", json_triple(polynomial.yz)}, {"zx", json_triple(polynomial.zx)}, {"xy", json_triple(polynomial.xy)}};
 }
 
-Json settings_json(const ProjectionOptions& options) {
-  Json settings = {{"quadrature", quadrature_name(options.quadrature)},
+Json settings_json(const ShReport& report) {
+  const ProjectionOptions& options = report.options;
+  Json settings = {{"quadrature", quadrature_name(report)},
                    {"target_size", options.target_size},
                    {"clamp", nullptr},
                    {"preserve_clamped", options.clamp && options.clamp->preserve_colour},
@@ -49,7 +50,7 @@ Json diagnostics_json(const ShReport& report) {
           {"flux", json_triple(diagnostics.flux)},
           {"average", json_triple(average_radiance(report.projection.radiance))},
           {"error_estimate", diagnostics.error_estimate},
-          {"settings", settings_json(report.options)},
+          {"settings", settings_json(report)},
           {"passes", passes}};
 }
 
@@ -122,6 +123,7 @@ std::string sh_json(const ShReport& report) {
                {"window", window_json(report)},
                {"dominant_light", dominant_json(report.dominant)}};
   if (!report.engine_lights.empty()) json["engines"] = engines_json(report.engine_lights);
+  if (report.sky) json["sky"] = sky_json(*report.sky);
   if (report.sun_wanted) json["sun"] = sun_json(report.sun);
   if (!report.irradiance_errors.empty()) json["irradiance_errors"] = irradiance_errors_json(report.irradiance_errors);
   json["diagnostics"] = diagnostics_json(report);

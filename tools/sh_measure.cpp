@@ -2,16 +2,19 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "tools/pixels.h"
 #include "tools/progress_bar.h"
-#include "welkin/analytic_sky.h"
+#include "tools/sky_model.h"
 #include "welkin/environment_file.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
 
 // What `project` would put in an infinity's place.
 float infinity_of(const ProjectionOptions& options) { return options.clamp ? options.clamp->maximum : 65504.0F; }
@@ -58,9 +61,11 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const bool in_memory = options.sun.take_out || options.irradiance_error;
   if (!options.input) {
     Pixels pixels;
-    pixels.lat_long = analytic_sky();
-    report.source = built_in_sky(pixels.lat_long.width, pixels.lat_long.height);
-    project_pixels(pixels, options, control, report);
+    ComputedPicture sky = built_in_sky(part_of(control, 0.0, kComputed));
+    pixels.lat_long = std::move(sky.image);
+    report.source = sky.source;
+    report.sky = sky.sky;
+    project_pixels(pixels, options, part_of(control, kComputed, 1.0), report);
     return false;
   }
   const ReadOptions& read = options.common.read;
@@ -89,23 +94,16 @@ void turn(const glm::dmat3& matrix, ShReport& report) {
 
 }  // namespace
 
-const char* quadrature_name(Quadrature quadrature) noexcept {
-  return quadrature == Quadrature::exact ? "exact" : "midpoint";
+const char* quadrature_name(const ShReport& report) noexcept {
+  if (report.sky && report.sky->quadrature) return name(report.sky->quadrature->quadrature);
+  return report.options.quadrature == Quadrature::exact ? "exact" : "midpoint";
 }
 
-ShReport measure_sh(const ShOptions& options) {
-  ShReport report;
-  report.options = options.projection;
-  report.sun_wanted = options.sun.take_out;
+void complete(ShReport& report, const ShOptions& options) {
   report.window = options.window;
   report.engine = options.turn.to;
   report.axes = axes_text(options.turn);
   report.threads = thread_count(options.common);
-  {
-    ProgressBar bar;
-    const bool cubemap = project_source(options, bar.control(), report);
-    turn(turn_of_light(options.turn, cubemap), report);
-  }
   SphericalHarmonics& radiance = report.projection.radiance;
   report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
   report.windowed = apply_window(radiance, options.window, options.window_width);
@@ -113,6 +111,18 @@ ShReport measure_sh(const ShOptions& options) {
   report.irradiance = irradiance_from_radiance(radiance);
   report.polynomial = babylon_polynomial(radiance);
   if (has_engine_light(report.engine)) report.engine_light = engine_light_in_place(radiance, report.engine);
+}
+
+ShReport measure_sh(const ShOptions& options) {
+  ShReport report;
+  report.options = options.projection;
+  report.sun_wanted = options.sun.take_out;
+  {
+    ProgressBar bar;
+    const bool cubemap = project_source(options, bar.control(), report);
+    turn(turn_of_light(options.turn, cubemap), report);
+  }
+  complete(report, options);
   return report;
 }
 

@@ -1,11 +1,8 @@
 #include "tools/sh_options.h"
 
 namespace welkin::tool {
-namespace {
 
-constexpr int kLargestTargetSize = 16384;
-
-void add_format_options(CLI::App& command, ShOptions& options) {
+CLI::Option* add_format_options(CLI::App& command, ShOptions& options) {
   CLI::Option* format = add_choice<ShFormat>(
       command, "--format", options.format,
       {{"table", ShFormat::table}, {"json", ShFormat::json}, {"text", ShFormat::text}, {"c", ShFormat::c_header}},
@@ -14,12 +11,35 @@ void add_format_options(CLI::App& command, ShOptions& options) {
       .add_flag_callback(
           "--json", [&options] { options.format = ShFormat::json; }, "The same as --format json")
       ->excludes(format);
+  return format;
 }
 
-void add_projection_options(CLI::App& command, ShOptions& options) {
+void add_bands_option(CLI::App& command, ShOptions& options) {
   command.add_option("--bands", options.projection.bands, "Bands, 1 (ambient colour only) to 16; default 3")
       ->check(CLI::Range(1, kMaximumBands).description(""))
       ->type_name("N");
+}
+
+void add_window_options(CLI::App& command, ShOptions& options) {
+  add_choice<Window>(command, "--window", options.window,
+                     {{name(Window::none), Window::none},
+                      {name(Window::hanning), Window::hanning},
+                      {name(Window::lanczos), Window::lanczos},
+                      {name(Window::least), Window::least}},
+                     "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0");
+  command
+      .add_option("--window-width", options.window_width,
+                  "Width of a hanning or lanczos window in bands; default: the number of bands")
+      ->check(finite_and_positive())
+      ->type_name("W");
+}
+
+namespace {
+
+constexpr int kLargestTargetSize = 16384;
+
+void add_projection_options(CLI::App& command, ShOptions& options) {
+  add_bands_option(command, options);
   add_choice<Quadrature>(command, "--quadrature", options.projection.quadrature,
                          {{"exact", Quadrature::exact}, {"midpoint", Quadrature::midpoint}},
                          "exact (default) integrates over each texel's area; midpoint takes its centre, as Babylon.js");
@@ -32,17 +52,7 @@ void add_projection_options(CLI::App& command, ShOptions& options) {
 }
 
 void add_light_options(CLI::App& command, ShOptions& options) {
-  add_choice<Window>(command, "--window", options.window,
-                     {{name(Window::none), Window::none},
-                      {name(Window::hanning), Window::hanning},
-                      {name(Window::lanczos), Window::lanczos},
-                      {name(Window::least), Window::least}},
-                     "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0");
-  command
-      .add_option("--window-width", options.window_width,
-                  "Width of a hanning or lanczos window in bands; default: the number of bands")
-      ->check(finite_and_positive())
-      ->type_name("W");
+  add_window_options(command, options);
   // The sun is looked for in radiance, before pixels are decoded.
   add_sun_options(command, options.sun)->excludes(command.get_option("--gamma"));
   command.add_flag("--irradiance-error", options.irradiance_error,

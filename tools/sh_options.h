@@ -29,6 +29,12 @@ struct ShOptions {
   bool irradiance_error = false;
 };
 
+/// --format, which is returned, and --json.
+CLI::Option* add_format_options(CLI::App& command, ShOptions& options);
+void add_bands_option(CLI::App& command, ShOptions& options);
+/// --window and --window-width.
+void add_window_options(CLI::App& command, ShOptions& options);
+
 /// Adds all options to the command. `options` must outlive it.
 void add_sh_options(CLI::App& command, ShOptions& options);
 

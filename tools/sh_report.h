@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/sky_report.h"
 #include "tools/source.h"
 #include "welkin/babylon.h"
 #include "welkin/directional_light.h"
@@ -26,8 +27,10 @@ struct ShReport {
   Window window = Window::none;
   Windowed windowed;  ///< what the window did; minima also where there is none
 
+  std::optional<SkyReport> sky;  ///< of a computed one
+
   bool sun_wanted = false;
-  std::optional<Sun> sun;                 ///< that was taken out, if there was one
+  std::optional<Sun> sun;                 ///< that was taken out or never in, if there is one
   std::optional<DominantLight> dominant;  ///< of what is left, before the window
   std::optional<EngineLight> engine_light;
   std::vector<EngineLight> engine_lights;          ///< of every engine that has a form, each in its own axes, if wanted
@@ -38,7 +41,8 @@ struct ShReport {
   int threads = 1;
 };
 
-[[nodiscard]] const char* quadrature_name(Quadrature quadrature) noexcept;
+/// Of the harmonics: how texels are integrated, or along which directions a sky is looked at.
+[[nodiscard]] const char* quadrature_name(const ShReport& report) noexcept;
 
 [[nodiscard]] std::string sh_json(const ShReport& report);
 [[nodiscard]] std::string sh_table(const ShReport& report);

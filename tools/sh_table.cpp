@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kLabelWidth = 13;
 constexpr std::size_t kNumberWidth = 10;
+constexpr std::size_t kPassWidth = 10;
 constexpr int kNamedBands = 4;
 
 /// The polynomial in (x, y, z) that Y(l, m) is a multiple of; for higher bands the Legendre function of z
@@ -90,9 +91,14 @@ std::string babylon_lines(const BabylonPolynomial& polynomial) {
   return text;
 }
 
-std::string source_lines(const Source& source) {
-  std::string text = source.path + ": " + std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' +
-                     source.layout + ", " + source.format + "\n  (" + source.detail + ")\n";
+std::string source_lines(const ShReport& report) {
+  const Source& source = report.source;
+  std::string text = source.path + ": ";
+  if (source.width > 0) {
+    text += std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' + source.layout + ", ";
+  }
+  text += source.format + "\n  (" + source.detail + ")\n";
+  if (report.sky) text += sky_lines(*report.sky);
   for (const std::string& note : source.notes) text += "  note: " + printable(note) + '\n';
   return text;
 }
@@ -187,15 +193,18 @@ std::string clamp_sentence(const ShReport& report) {
 std::string diagnostics_lines(const ShReport& report) {
   const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
   std::string text = "\nDiagnostics\n";
-  text += "  " + counted(diagnostics.texels, "texel") + " projected, " + quadrature_name(report.options.quadrature) +
-          " quadrature, " + counted(static_cast<std::uint64_t>(report.threads), "thread") + ", " +
-          name(active_instruction_set()) + '\n';
+  const bool texels = !(report.sky && report.sky->quadrature);
+  text += "  " + counted(diagnostics.texels, texels ? "texel" : "direction") + (texels ? " projected, " : " asked, ") +
+          quadrature_name(report) + " quadrature, " + counted(static_cast<std::uint64_t>(report.threads), "thread") +
+          ", " + name(active_instruction_set()) + '\n';
   text += "  " + replaced_sentence(diagnostics) + '\n';
   text += "  " + clamp_sentence(report) + '\n';
   text += "  total flux (integral over the sphere) " + significant(diagnostics.flux) + '\n';
   text += "  estimated relative error of the coefficients " + significant(diagnostics.error_estimate, 2) + '\n';
+  std::size_t width = kPassWidth;
+  for (const PassRecord& pass : diagnostics.passes) width = std::max(width, pass.name.size() + 1);
   for (const PassRecord& pass : diagnostics.passes) {
-    text += "  pass " + pad_right(pass.name, 10) + pad_right(pass.action, 6) +
+    text += "  pass " + pad_right(pass.name, width) + pad_right(pass.action, 6) +
             pad_left(duration(pass.milliseconds), 9) + "  " + pass.reason + '\n';
   }
   return text;
@@ -205,8 +214,8 @@ std::string diagnostics_lines(const ShReport& report) {
 
 std::string sh_table(const ShReport& report) {
   const SphericalHarmonics& radiance = report.projection.radiance;
-  std::string text = source_lines(report.source) + convention_lines(radiance.bands()) +
-                     indented("Axes: " + report.axes) + coefficient_lines(radiance, report.irradiance);
+  std::string text = source_lines(report) + convention_lines(radiance.bands()) + indented("Axes: " + report.axes) +
+                     coefficient_lines(radiance, report.irradiance);
   text += report.engine_light ? engine_lines(*report.engine_light) : babylon_lines(report.polynomial);
   return text + "\nAverage colour (mean radiance of the sphere)  " + significant(average_radiance(radiance)) + '\n' +
          window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +

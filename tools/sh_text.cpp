@@ -49,7 +49,9 @@ std::string harmonics_of_both(const ShReport& report) {
 }
 
 std::string sun_lines(const Sun& sun) {
-  return remark("the sun that was taken out: unit direction towards it, irradiance on a surface that faces it") +
+  return remark(
+             "the sun, which is not in the harmonics: unit direction towards it, irradiance on a surface that faces "
+             "it") +
          term_line("sun.direction", sun.direction) + term_line("sun.irradiance", sun.irradiance) + "sun.solid_angle " +
          all_digits(sun.solid_angle) + '\n';
 }

@@ -20,7 +20,4 @@ struct Source {
 
 [[nodiscard]] Source source_of(const std::string& path, const EnvironmentInfo& info);
 
-/// The sky that is taken where no file is named.
-[[nodiscard]] Source built_in_sky(int width, int height);
-
 }  // namespace welkin::tool

@@ -24,10 +24,13 @@ CLI::Option* add_sun_options(CLI::App& command, SunChoice& choice) {
 
 std::string sun_text(const std::optional<Sun>& sun, bool z_is_up) {
   if (!sun) return "Sun: none found; nothing was taken out\n";
-  return "Sun, taken out\n  towards     " + direction_text(sun->direction, z_is_up) + "\n  irradiance  " +
-         significant(sun->irradiance) + "  on a surface that faces it\n  radiance    " + significant(sun->radiance) +
-         "  its mean\n  extent      " + significant(sun->solid_angle) + " sr (" + counted(sun->texels, "texel") +
-         " changed), a disc of " + significant(sun->angular_radius_degrees, 3) + " degrees radius\n";
+  const bool was_in_pixels = sun->texels > 0;
+  return std::string(was_in_pixels ? "Sun, taken out" : "Sun, apart") + "\n  towards     " +
+         direction_text(sun->direction, z_is_up) + "\n  irradiance  " + significant(sun->irradiance) +
+         "  on a surface that faces it\n  radiance    " + significant(sun->radiance) + "  its mean\n  extent      " +
+         significant(sun->solid_angle) + " sr" +
+         (was_in_pixels ? " (" + counted(sun->texels, "texel") + " changed)" : "") + ", a disc of " +
+         significant(sun->angular_radius_degrees, 3) + " degrees radius\n";
 }
 
 }  // namespace welkin::tool

@@ -17,7 +17,7 @@ struct SunChoice {
 /// --take-out-sun, which is returned, and --sun-threshold, --sun-radius, --sun-contrast, --sun-share.
 CLI::Option* add_sun_options(CLI::App& command, SunChoice& choice);
 
-/// Some lines for a person about the sun that was taken out, or that there was none.
+/// Some lines for a person about the sun that was taken out or is apart, or that there was none.
 [[nodiscard]] std::string sun_text(const std::optional<Sun>& sun, bool z_is_up);
 
 }  // namespace welkin::tool

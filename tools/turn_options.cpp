@@ -64,13 +64,17 @@ void set_rotation(TurnOptions& options, const std::vector<double>& values) {
 
 }  // namespace
 
+void add_engine_option(CLI::App& command, TurnOptions& options) {
+  add_choice<Engine>(command, "--for", options.to, engine_words(),
+                     "Whose axes the result is in, so that the surroundings look the same there");
+}
+
 void add_turn_options(CLI::App& command, TurnOptions& options) {
   add_choice<Engine>(
       command, "--from", options.from, engine_words(),
       "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture "
       "for all)");
-  add_choice<Engine>(command, "--for", options.to, engine_words(),
-                     "Whose axes the result is in, so that the surroundings look the same there");
+  add_engine_option(command, options);
   command
       .add_option("--yaw", options.yaw_degrees,
                   "Turn the environment about the vertical by DEGREES, counter-clockwise from above: what was at +z "

@@ -18,6 +18,9 @@ struct TurnOptions {
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
 };
 
+/// --for alone: of light that was never in a file.
+void add_engine_option(CLI::App& command, TurnOptions& options);
+
 /// --from, --for, --yaw, --mirror, --rotation.
 void add_turn_options(CLI::App& command, TurnOptions& options);
 

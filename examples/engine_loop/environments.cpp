@@ -1,10 +1,11 @@
 #include "environments.h"
 
-#include <welkin/analytic_sky.h>
 #include <welkin/environment_writer.h>
+#include <welkin/sky_view.h>
 #include <welkin/test_map.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace engine_loop {
 
@@ -27,11 +28,19 @@ std::vector<std::filesystem::path> write_environments(const std::filesystem::pat
     welkin::write_environment(files.back(), image.view(), options);
   };
   const int half = std::max(1, height / 2);
-  const welkin::LatLongImage sky = welkin::analytic_sky(height);
+  // An afternoon of Earth; small tables will do.
+  welkin::SkyTableOptions tables;
+  tables.heights = 8;
+  tables.view_zeniths = 64;
+  tables.sun_zeniths = 16;
+  const welkin::SkyView view(std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth(), tables)),
+                             0.0);
+  const glm::dvec3 sun = welkin::sun_direction(40.0, 25.0);
+  const welkin::LatLongImage sky = welkin::sky_lat_long(view, sun, height, {.sun_disc = true});
   write("sky.exr", sky);
   write("sky_float.exr", sky, {welkin::Layout::automatic, welkin::SampleType::float32});
   write("sky.hdr", sky);
-  write("small_sky.hdr", welkin::analytic_sky(half));
+  write("small_sky.hdr", welkin::sky_lat_long(view, sun, half, {.sun_disc = true}));
   write("test_map.exr", welkin::test_map_lat_long(2 * half, half));
   write("test_map_faces.exr", welkin::test_map_cubemap(half));
   return files;

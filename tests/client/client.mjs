@@ -110,10 +110,12 @@ function pictures() {
   const run = (...words) => execFileSync(welkin, words, { stdio: ["ignore", "ignore", "inherit"] });
   const width = `${8 * SIZE}`; // two by two pixels to a texel of the cube
   run("testmap", "-o", join(files, "labels.hdr"), "--size", width);
-  run("bake", "-o", files, "--formats", "hdr", "--size", "1", "--background-size", `${2 * SIZE}`, "--irradiance", "0",
-      "--no-brdf", "--no-previews"); // the built-in sky
+  // A computed sky without the sun's disc: Babylon.js takes the nearest pixel, and would miss or double so small a spot.
+  run("sky", "--sun-elevation", "40", "--sun-azimuth", "90", "-o", files, "--formats", "hdr", "--size", "1",
+      "--background-size", `${2 * SIZE}`, "--picture-height", `${4 * SIZE}`, "--irradiance", "0", "--no-brdf",
+      "--no-previews");
   const list = [{ picture: "labels.hdr", tolerance: TOLERANCE },
-                { picture: "environment.hdr", tolerance: TOLERANCE_WITH_SUN }];
+                { picture: "environment.hdr", tolerance: TOLERANCE }];
   for (const [name, tolerance] of [["venice_sunset_1k.hdr", TOLERANCE_WITH_SUN], ["potsdamer_platz_1k.hdr", TOLERANCE]]) {
     const path = flag("--shared") && join(flag("--shared"), "env", name);
     if (!path || !existsSync(path)) continue;

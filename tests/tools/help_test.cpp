@@ -8,7 +8,7 @@ using namespace welkin::test;
 
 TEST_CASE("command: --help teaches", "[tools]") {
   for (const char* arguments :
-       {"--help", "bake --help", "sh --help", "info --help", "convert --help", "testmap --help", "-h"}) {
+       {"--help", "bake --help", "sh --help", "sky --help", "info --help", "convert --help", "testmap --help", "-h"}) {
     const CommandResult result = run_welkin(arguments);
     INFO("welkin " << arguments);
     CHECK(result.exit_code == 0);
@@ -25,6 +25,42 @@ TEST_CASE("command: sh --help names every option", "[tools]") {
   for (const char* option : {"INPUT", "--json", "--bands", "--quadrature exact|midpoint", "--target-size", "--layout",
                              "vertical-strip", "--clamp", "--preserve-clamped", "--gamma", "--nan", "--infinity",
                              "--negative keep|replace|reject", "--threads", "--memory-limit"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: sky --help names every option", "[tools][sky]") {
+  const CommandResult result = run_welkin("sky --help");
+  for (const char* option : {"--sun-elevation",
+                             "--sun-azimuth",
+                             "--altitude",
+                             "--no-ground",
+                             "--preset earth|earth-hillaire|mars|no-aerosol",
+                             "--atmosphere FILE",
+                             "--wavelengths",
+                             "--ground-albedo",
+                             "--print-atmosphere",
+                             "--orders",
+                             "--until-change",
+                             "--colour spectral|srgb",
+                             "--layout full|compact",
+                             "--table-size",
+                             "--tables FILE",
+                             "--quadrature article|gauss|gauss-split",
+                             "--directions",
+                             "--json",
+                             "--bands",
+                             "--for",
+                             "--sweep FILE.png",
+                             "--sweep-to",
+                             "--output",
+                             "--picture-height",
+                             "--sun-disc",
+                             "--size",
+                             "--formats",
+                             "--memory-limit",
+                             "--threads"}) {
     INFO(option);
     CHECK(contains(result.output, option));
   }

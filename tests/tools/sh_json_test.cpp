@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "tools/built_in_sky.h"
 #include "tools/command.h"
 #include "tools/pfm_file.h"
 #include "tools/temporary_folder.h"
-#include "welkin/analytic_sky.h"
 #include "welkin/babylon.h"
 #include "welkin/environment_file.h"
 #include "welkin/projection.h"
@@ -75,8 +75,10 @@ TEST_CASE("sh --json: the built-in sky to the last bit", "[tools]") {
   const nlohmann::json document = run_sh_json("");
   CHECK(document.at("source").at("path") == "built-in sky");
   CHECK(document.at("source").at("layout") == "lat-long");
+  CHECK(document.at("sky").at("unit") == "W/m2/sr/nm at 680, 550, 440 nm");
+  CHECK(document.at("sky").at("sun_elevation_degrees") == 40.0);
 
-  const LatLongImage sky = analytic_sky();
+  const LatLongImage sky = built_in_sky();
   const Projection light = project(sky.view());
   const SphericalHarmonics irradiance = irradiance_from_radiance(light.radiance);
   CHECK(document.at("diagnostics").at("texels") == light.diagnostics.texels);
@@ -140,7 +142,7 @@ TEST_CASE("sh --json: valid JSON whatever the file is called", "[tools]") {
 }
 
 TEST_CASE("sh: the options reach the projection", "[tools]") {
-  const LatLongImage sky = analytic_sky();
+  const LatLongImage sky = built_in_sky();
   const auto check = [&](const std::string& arguments, auto&& set) {
     ProjectionOptions options;
     set(options);

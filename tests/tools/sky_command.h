@@ -1,0 +1,55 @@
+// Runs `welkin sky` with tables that are quickly made.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+
+#include "support/catch.h"
+#include "tools/command.h"
+#include "welkin/sky_tables.h"
+
+namespace welkin::test {
+
+inline const std::string kSmallSky = "--table-size 4,16,8,4 --orders 2 ";
+
+inline SkyTableOptions small_sky_options() {
+  SkyTableOptions options;
+  options.heights = 4;
+  options.view_zeniths = 16;
+  options.sun_zeniths = 8;
+  options.sun_angles = 4;
+  options.orders = 2;
+  return options;
+}
+
+inline std::shared_ptr<const SkyTables> small_sky(const Atmosphere& atmosphere = earth()) {
+  return std::make_shared<const SkyTables>(precompute_sky(atmosphere, small_sky_options()));
+}
+
+/// Runs `welkin sky --json` with small tables and more arguments, requires success and silence; the JSON.
+inline nlohmann::json sky_json(const std::string& arguments, const std::string& environment = "") {
+  const CommandResult result = run_welkin("sky --json " + kSmallSky + arguments, environment);
+  INFO("arguments: " << arguments << "\nstandard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return nlohmann::json::parse(result.output);
+}
+
+/// Runs `welkin ARGUMENTS`, requires failure with that exit code and silence on standard output; the message.
+inline std::string sky_failure(const std::string& arguments, int exit_code) {
+  const CommandResult result = run_welkin("sky " + arguments);
+  INFO("welkin sky " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(result.errors.rfind("welkin: ", 0) == 0);
+  return result.errors;
+}
+
+inline glm::dvec3 rgb_of(const nlohmann::json& value) {
+  REQUIRE(value.is_array());
+  REQUIRE(value.size() == 3);
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,215 @@
+// `welkin sky --json` is what `welkin sh --json` is, and holds every digit of what the library computes.
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <limits>
+#include <set>
+
+#include "tools/sky_command.h"
+#include "welkin/babylon.h"
+#include "welkin/convention.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/instruction_set.h"
+#include "welkin/irradiance.h"
+#include "welkin/resampling.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_view.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+std::set<std::string> names(const nlohmann::json& object) {
+  std::set<std::string> all;
+  for (const auto& [key, value] : object.items()) all.insert(key);
+  return all;
+}
+
+void require_coefficients(const nlohmann::json& list, const SphericalHarmonics& expected) {
+  REQUIRE(list.size() == expected.coefficients().size());
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    INFO("coefficient " << i);
+    CHECK(rgb_of(list.at(i)) == expected.coefficients()[i]);
+  }
+}
+
+double relative_difference(const nlohmann::json& a, const SphericalHarmonics& b) {
+  double difference = 0.0;
+  double power = 0.0;
+  for (std::size_t i = 0; i < b.coefficients().size(); ++i) {
+    difference = std::max(difference, glm::length(rgb_of(a.at(i)) - b.coefficients()[i]));
+    power = std::max(power, glm::length(b.coefficients()[i]));
+  }
+  return difference / power;
+}
+
+SphericalHarmonics harmonics_of(const nlohmann::json& list, int bands) {
+  SphericalHarmonics harmonics(bands);
+  for (int l = 0; l < bands; ++l) {
+    for (int m = -l; m <= l; ++m) harmonics.at(l, m) = rgb_of(list.at(static_cast<std::size_t>(l * (l + 1) + m)));
+  }
+  return harmonics;
+}
+
+nlohmann::json without_times(nlohmann::json document) {
+  for (auto& pass : document.at("diagnostics").at("passes")) pass.erase("ms");
+  return document;
+}
+
+}  // namespace
+
+TEST_CASE("sky --json: all that sh --json has, and more", "[tools][sky]") {
+  const nlohmann::json sh = run_sh_json("");
+  for (const int bands : {1, 2, 3, 6}) {
+    const nlohmann::json sky = sky_json("--sun-elevation 20 --bands " + std::to_string(bands));
+    for (const auto& [key, value] : sh.items()) {
+      INFO(key);
+      REQUIRE(sky.contains(key));
+      if (key == "dominant_light" && bands == 1) continue;  // one band has no direction
+      CHECK(sky.at(key).type() == value.type());
+      if (value.is_object() && key != "sky") CHECK(names(sky.at(key)) == names(value));
+    }
+    const auto count = static_cast<std::size_t>(bands * bands);
+    CHECK(sky.at("bands") == bands);
+    CHECK(sky.at("radiance").size() == count);
+    CHECK(sky.at("irradiance").size() == count);
+    const nlohmann::json& about = sky.at("sky");
+    CHECK(about.at("sun_elevation_degrees") == 20.0);
+    CHECK(about.at("sun_azimuth_degrees") == 0.0);
+    CHECK(about.at("altitude_m") == 0.0);
+    CHECK(about.at("orders") == 2);
+    CHECK(about.at("unit") == "W/m2/sr/nm at 680, 550, 440 nm");
+    CHECK(about.at("tables").at("view_zeniths") == 16);
+    CHECK(about.at("parameters").at("ground_albedo") == nlohmann::json({0.1, 0.1, 0.1}));
+  }
+}
+
+TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky]") {
+  struct Case {
+    const char* arguments;
+    double elevation, azimuth, altitude;
+    SkyHarmonicsOptions options;
+  };
+  SkyHarmonicsOptions article;
+  article.quadrature = SkyQuadrature::article;
+  SkyHarmonicsOptions coarse{.bands = 2, .quadrature = SkyQuadrature::gauss, .zeniths = 8, .azimuths = 9};
+  const auto tables = small_sky();
+  for (const Case& each : {Case{"--sun-elevation 20", 20.0, 0.0, 0.0, {}},
+                           Case{"--sun-elevation -4 --sun-azimuth 115", -4.0, 115.0, 0.0, {}},
+                           Case{"--sun-elevation 60 --altitude 8000 --quadrature article", 60.0, 0.0, 8000.0, article},
+                           Case{"--sun-elevation 3 --quadrature gauss --directions 8,9 --bands 2", 3, 0, 0, coarse}}) {
+    INFO(each.arguments);
+    const nlohmann::json json = sky_json(each.arguments);
+    const SkyView view(tables, each.altitude);
+    const glm::dvec3 sun = sun_direction(each.elevation, each.azimuth);
+    const SkyProjector projector(view, each.options);
+    const SphericalHarmonics radiance = projector.project(sun);
+    require_coefficients(json.at("radiance"), radiance);
+    require_coefficients(json.at("irradiance"), irradiance_from_radiance(radiance));
+    CHECK(json.at("diagnostics").at("texels") == projector.directions());
+    const Sun light = view.sun(sun);
+    CHECK(rgb_of(json.at("sun").at("direction")) == light.direction);
+    CHECK(rgb_of(json.at("sun").at("irradiance")) == light.irradiance);
+    CHECK(rgb_of(json.at("sun").at("radiance")) == light.radiance);
+    CHECK(json.at("sun").at("solid_angle") == light.solid_angle);
+    CHECK(rgb_of(json.at("sky").at("sky_irradiance")) == view.irradiance(sun));
+    if (each.options.bands >= 3) {
+      CHECK(rgb_of(json.at("babylon").at("zx")) == babylon_polynomial(radiance).zx);
+    }
+  }
+}
+
+TEST_CASE("sky: the sun's azimuth turns the light and nothing else", "[tools][sky]") {
+  const nlohmann::json front = sky_json("--sun-elevation 12");
+  const SphericalHarmonics before = harmonics_of(front.at("radiance"), 3);
+  for (const double azimuth : {90.0, -37.0, 180.0, 360.0}) {
+    const nlohmann::json turned = sky_json("--sun-elevation 12 --sun-azimuth " + std::to_string(azimuth));
+    CHECK(relative_difference(turned.at("radiance"), transform(before, turn_about_y(azimuth))) < 1e-6);
+    const glm::dvec3 sun = rgb_of(turned.at("sun").at("direction"));
+    CHECK(glm::length(sun - sun_direction(12.0, azimuth)) < 1e-15);
+    CHECK(rgb_of(turned.at("sun").at("irradiance")) == rgb_of(front.at("sun").at("irradiance")));
+  }
+  CHECK(glm::length(rgb_of(sky_json("--sun-elevation 0 --sun-azimuth 90").at("sun").at("direction")) -
+                    glm::dvec3(1, 0, 0)) < 1e-15);
+}
+
+TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky]") {
+  const nlohmann::json welkin_axes = sky_json("--sun-elevation 12 --sun-azimuth 30");
+  for (const Engine engine : {Engine::unreal, Engine::unity, Engine::three}) {
+    const Convention& of = convention(engine);
+    const nlohmann::json json = sky_json("--sun-elevation 12 --sun-azimuth 30 --for " + std::string(of.name));
+    INFO(of.name);
+    CHECK(json.at("axes").at("engine") == of.name);
+    const SphericalHarmonics expected = transform(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
+    CHECK(relative_difference(json.at("radiance"), expected) < 1e-12);
+    CHECK(glm::length(rgb_of(json.at("sun").at("direction")) -
+                      of.from_welkin * rgb_of(welkin_axes.at("sun").at("direction"))) < 1e-14);
+    CHECK(json.at("engine").at("name") == of.name);
+  }
+}
+
+TEST_CASE("sky: each option reaches the tables", "[tools][sky]") {
+  const nlohmann::json plain = sky_json("--sun-elevation 20");
+  const auto check = [&](const std::string& arguments, const Atmosphere& atmosphere, SkyTableOptions options) {
+    INFO(arguments);
+    const nlohmann::json json = sky_json("--sun-elevation 20 " + arguments);
+    const auto tables = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options));
+    const SphericalHarmonics expected = SkyProjector(SkyView(tables, 0.0)).project(sun_direction(20.0, 0.0));
+    require_coefficients(json.at("radiance"), expected);
+    CHECK(json.at("radiance") != plain.at("radiance"));
+  };
+  const SkyTableOptions small = small_sky_options();
+  check("--ground-albedo 0.7", with_ground_albedo(earth(), 0.7), small);
+  check("--preset no-aerosol", without_aerosol(earth()), small);
+  check("--preset earth-hillaire", earth_hillaire(), small);
+  check("--preset mars", mars(), small);
+  check("--wavelengths 615,535,445", earth({615.0, 535.0, 445.0}), small);
+  SkyTableOptions options = small;
+  options.layout = ScatteringLayout::compact;
+  check("--layout compact", earth(), options);
+  options = small;
+  options.until_change = 0.9;
+  options.orders = 2;
+  CHECK(sky_json("--sun-elevation 20 --until-change 0.9").at("sky").at("tables").at("until_change") == 0.9);
+  options = small;
+  options.colour = SkyColour::linear_srgb;
+  check("--colour srgb --wavelengths 450,500,550,600,650", earth({450.0, 500.0, 550.0, 600.0, 650.0}), options);
+  CHECK(sky_json("--colour srgb").at("sky").at("unit") == "cd/m2, linear sRGB");
+  const nlohmann::json air_only = sky_json("--sun-elevation 20 --no-ground");
+  CHECK(rgb_of(air_only.at("radiance").at(0)).x < rgb_of(plain.at("radiance").at(0)).x);
+}
+
+TEST_CASE("sky: the flux is the sky's, and with the sun's before", "[tools][sky]") {
+  const nlohmann::json json = sky_json("--sun-elevation 20");
+  const glm::dvec3 flux = rgb_of(json.at("diagnostics").at("flux"));
+  CHECK(flux.x == Approx(std::sqrt(4.0 * std::acos(-1.0)) * rgb_of(json.at("radiance").at(0)).x).epsilon(1e-12));
+  CHECK(rgb_of(json.at("sun").at("flux_after")) == flux);
+  CHECK(rgb_of(json.at("sun").at("flux_before")) == flux + rgb_of(json.at("sun").at("irradiance")));
+  CHECK(json.at("diagnostics").at("error_estimate").get<double>() < 0.01);
+  const nlohmann::json coarse = sky_json("--sun-elevation 20 --quadrature gauss --directions 2,2");
+  CHECK(coarse.at("diagnostics").at("error_estimate").get<double>() > 0.01);
+}
+
+TEST_CASE("sky: every elevation gives finite light", "[tools][sky]") {
+  for (const char* elevation : {"90", "0", "-0.3", "-18", "-45", "-90"}) {
+    for (const char* altitude : {"0", "60000", "1e9"}) {
+      const nlohmann::json json = sky_json(std::string("--sun-elevation ") + elevation + " --altitude " + altitude);
+      for (const auto& rgb : json.at("radiance")) {
+        for (int c = 0; c < 3; ++c) CHECK(std::isfinite(rgb_of(rgb)[c]));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky: the same output on any number of threads and every instruction set", "[tools][sky]") {
+  const std::string arguments = "--sun-elevation 3 --bands 5 ";
+  const nlohmann::json expected = without_times(sky_json(arguments + "--threads 1"));
+  for (const char* threads : {"--threads 2", "--threads 5", ""}) {
+    CHECK(without_times(sky_json(arguments + threads)) == expected);
+  }
+  for (const InstructionSet set : available_instruction_sets()) {
+    INFO(name(set));
+    CHECK(without_times(sky_json(arguments, std::string("WELKIN_ISA=") + name(set))) == expected);
+  }
+}
