@@ -117,6 +117,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   /// Hands on what was attached to a job that is done.
   void pass_on(JobRecord& job, Leftovers& leftovers);
   void abandon(Leftovers leftovers);
+  ComputationList fail_orphans(Leftovers& leftovers);
+  static void let_go(const ComputationList& ended, const DeliveryList& late);
   void stop_running();
   [[nodiscard]] static std::uint64_t next_id() noexcept;
 
@@ -153,6 +155,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   std::uint64_t bytes_ = 0;
   std::uint64_t events_ = 0;  ///< computations started or ended: whether anything moves
   std::size_t calling_ = 0;   ///< threads that ask a lent arena for hands
+  std::size_t ending_ = 0;    ///< threads in `terminate` that are giving jobs their errors
   bool watching_ = false;     ///< the watching thread looks by itself for now
   bool closed_ = false;       ///< terminated: nothing starts any more
   bool abandoned_ = false;    ///< nobody will drain any more

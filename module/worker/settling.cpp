@@ -111,6 +111,12 @@ void Scheduler::pass_on(JobRecord& job, Leftovers& leftovers) {
 }
 
 void Scheduler::abandon(Leftovers leftovers) {
+  const ComputationList ended = fail_orphans(leftovers);
+  let_go(ended, leftovers.late);
+}
+
+/// No code of the user's runs in here.
+ComputationList Scheduler::fail_orphans(Leftovers& leftovers) {
   // One continuation after the other, not each inside its parent's end: a chain may be long. And all jobs get their
   // errors before any coroutine goes on: it may wait for one of them.
   ComputationList ended;
@@ -128,6 +134,10 @@ void Scheduler::abandon(Leftovers leftovers) {
     }
     for (const std::shared_ptr<JobRecord>& job : jobs) fail(*job, *job->withdrawn, leftovers);
   }
+  return ended;
+}
+
+void Scheduler::let_go(const ComputationList& ended, const DeliveryList& late) {
   for (const std::shared_ptr<Computation>& computation : ended) computation->release();
   // A coroutine that throws out of itself has nobody to throw to here, as on a thread of the worker.
   const auto go_on = [](const auto& resume) {
@@ -137,7 +147,7 @@ void Scheduler::abandon(Leftovers leftovers) {
     }
   };
   for (const std::shared_ptr<Computation>& computation : ended) go_on([&] { computation->abandon(); });
-  for (const Delivery& delivery : leftovers.late) {
+  for (const Delivery& delivery : late) {
     if (delivery.even_at_the_end) go_on(delivery.run);
   }
 }
@@ -245,14 +255,21 @@ void Scheduler::terminate() {
     }
     room_.notify_all();
     watch_.notify_all();
+    ++ending_;
+  }
+  const ComputationList ended = fail_orphans(left);
+  {
+    const Lock lock(mutex_);
+    --ending_;
+    idle_.notify_all();
   }
   stop_running();
-  abandon(std::move(left));
+  let_go(ended, left.late);
   crew_->dismiss();
   if (Crew::serves(*this)) return;
   {
     Lock lock(mutex_);
-    idle_.wait(lock, [&] { return running_.empty() && calling_ == 0; });
+    idle_.wait(lock, [&] { return running_.empty() && calling_ == 0 && ending_ == 0; });
   }
   crew_->join();
 }
