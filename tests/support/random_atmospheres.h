@@ -20,7 +20,7 @@ namespace welkin::test {
 /// twenty times as many, for an hour when nobody waits.
 inline int trials(int usual) {
   if (const char* const factor = std::getenv("WELKIN_RANDOM_TRIALS")) return usual * std::max(1, std::atoi(factor));
-  return kSanitized ? std::max(1, usual / 20) : usual;
+  return kSanitized ? std::max(1, usual / 10) : usual;
 }
 
 class RandomAtmospheres {
