@@ -2,7 +2,8 @@
 # Asks the real npm packages again and compares with what is recorded of them.
 #   live_test.sh RECORDER_DIR DATA_FILE WORK_DIR
 # RECORDER_DIR holds record.mjs and the package.json with the pinned packages, which are installed into WORK_DIR (once,
-# about 10 seconds). Exit code 77, for ctest to call it skipped, where Node.js or the packages cannot be had.
+# 10 seconds; minutes where disks and processors are busy). Exit code 77, for ctest to call it skipped, where Node.js
+# or the packages cannot be had.
 set -eu
 here=$1
 data=$2
@@ -23,7 +24,7 @@ if ! cmp -s "$here/package-lock.json" "$work/package-lock.json" || ! [ -e "$work
   cp "$here/package-lock.json" "$work/"
   installed=no
   for _ in first second; do
-    if (cd "$work" && timeout 20 npm ci --prefer-offline --fetch-retries=1 --fetch-timeout=15000 >npm.log 2>&1); then
+    if (cd "$work" && timeout --kill-after=10 150 npm ci --prefer-offline --fetch-retries=1 --fetch-timeout=15000 >npm.log 2>&1); then
       installed=yes
       break
     fi
