@@ -33,6 +33,10 @@ find_package(ZSTD REQUIRED)
 # Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
 find_package(WebP REQUIRED)
 
+# Hashes of contents, by which results are found again, and checksums of stored results. Header only, inlined.
+# (libxxhash-dev) cmake/FindXXHASH.cmake finds it.
+find_package(XXHASH REQUIRED)
+
 # JSON: the manifest of .env files; the command's output, recorded test values, reports. Headers only, and in no header
 # of ours. (nlohmann-json3-dev)
 find_package(nlohmann_json REQUIRED)

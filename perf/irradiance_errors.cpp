@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "report/error_norms.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"
@@ -41,13 +42,6 @@ std::vector<IrradianceError> errors_of(const Environment& environment, const Sph
   return irradiance_errors(environment.lat_long(), radiance, kNormals);
 }
 
-/// Root mean square of the irradiance over all normals.
-double rms_of_irradiance(const SphericalHarmonics& radiance) {
-  double squares = 0.0;
-  for (const glm::dvec3& value : irradiance_from_radiance(radiance).coefficients()) squares += glm::dot(value, value);
-  return std::sqrt(squares / (4.0 * std::numbers::pi));
-}
-
 /// What is left without the sun, and how far its irradiance is from that of its bands.
 struct WithoutSun {
   Sun sun;
@@ -61,7 +55,7 @@ std::optional<WithoutSun> without_sun(Image image, const ProjectionOptions& opti
   if (!sun) return std::nullopt;
   const SphericalHarmonics rest = project(image.view(), options).radiance;
   return WithoutSun{*sun, irradiance_errors(image.view(), rest, kNormals),
-                    rms_of_irradiance(rest) / rms_of_irradiance(whole)};
+                    report::rms_of_irradiance(rest) / report::rms_of_irradiance(whole)};
 }
 
 std::optional<WithoutSun> without_sun(const Environment& environment, const ProjectionOptions& options,

@@ -4,6 +4,7 @@
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
+//   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -23,6 +24,8 @@
 #include "ratio_reporter.h"
 #include "read_bandwidth.h"
 #include "resampling.h"
+#include "result_cache.h"
+#include "scenes.h"
 #include "sky_errors.h"
 #include "sky_harmonics.h"
 #include "sky_tables.h"
@@ -71,6 +74,9 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
   }
+  if (argc > 1 && std::string(argv[1]) == "--scenes") {
+    return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);
+  }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
   const std::vector<int> sizes{32, 64, 128, 256, 512, 1024, 2048};
@@ -85,6 +91,7 @@ int main(int argc, char** argv) {
   perf::add_tables();
   perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
+  perf::add_result_cache();
   perf::add_transform(thread_counts);
   perf::add_sky_harmonics(thread_counts);
   perf::add_worker_latency(thread_counts);

@@ -5,13 +5,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
-#include <glm/geometric.hpp>
 #include <map>
 #include <optional>
 #include <random>
 #include <sstream>
 
-#include "image/texel_geometry.h"
+#include "report/cube_probes.h"
 #include "welkin/environment_file.h"
 #include "welkin/error.h"
 #include "welkin/image.h"
@@ -19,9 +18,6 @@
 
 namespace welkin::perf {
 namespace {
-
-/// Truth below this share of a mip's mean counts as that much: what is black is not measured against 0.
-constexpr double kFloor = 1e-6;
 
 struct Settings {
   int texels = 256;
@@ -72,81 +68,16 @@ std::vector<Picture> made_up_pictures() {
   return all;
 }
 
-/// Where a mip is looked at.
-struct Probe {
-  std::int64_t texel;
-  double weight;  ///< of its square in the rms: the solid angle it stands for
-};
-
-/// All texels, or one of each of `count` equal runs and beside them the brightest and darkest: these have no weight in
-/// the rms.
-std::vector<Probe> probes_of(const CubemapChain& chain, int level, int count, std::mt19937& random) {
-  const int size = chain.level_size(level);
-  const std::int64_t texels = std::int64_t{6} * size * size;
-  const auto solid_angle = [&](std::int64_t texel) {
-    const double u = (2.0 * static_cast<double>(texel % size) + 1.0) / size - 1.0;
-    const double v = (2.0 * static_cast<double>(texel / size % size) + 1.0) / size - 1.0;
-    return std::pow(1.0 + u * u + v * v, -1.5);
-  };
-  std::vector<Probe> probes;
-  if (texels <= count + 16) {
-    for (std::int64_t k = 0; k < texels; ++k) probes.push_back({k, solid_angle(k)});
-    return probes;
-  }
-  for (std::int64_t k = 0; k < count; ++k) {
-    const std::int64_t first = texels * k / count;
-    const std::int64_t length = texels * (k + 1) / count - first;
-    const std::int64_t texel = first + static_cast<std::int64_t>(random()) % length;
-    probes.push_back({texel, solid_angle(texel)});
-  }
+float least_of(const CubemapChain& chain, int level) {
   const float* const rgb = chain.face(level, 0);
-  std::vector<std::int64_t> order(static_cast<std::size_t>(texels));
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::int64_t>(k);
-  const auto less = [&](std::int64_t a, std::int64_t b) { return rgb[3 * a + 1] < rgb[3 * b + 1]; };
-  std::nth_element(order.begin(), order.begin() + 8, order.end(), less);
-  for (int k = 0; k < 8; ++k) probes.push_back({order[static_cast<std::size_t>(k)], 0.0});
-  std::nth_element(order.begin(), order.end() - 8, order.end(), less);
-  for (int k = 1; k <= 8; ++k) probes.push_back({*(order.end() - k), 0.0});
-  return probes;
-}
-
-struct Errors {
-  double rms = 0.0;
-  double maximum = 0.0;
-  double truth_there = 0.0;
-  float least = 0.0F;
-};
-
-Errors errors_at(const CubemapChain& chain, int level, const std::vector<Probe>& probes,
-                 const std::vector<glm::dvec3>& truth, const glm::dvec3& mean) {
-  const float* const rgb = chain.face(level, 0);
-  double squares = 0.0;
-  double whole = 0.0;
-  Errors errors;
-  for (std::size_t k = 0; k < probes.size(); ++k) {
-    for (int c = 0; c < 3; ++c) {
-      const double got = static_cast<double>(rgb[3 * probes[k].texel + c]);
-      const double error = std::abs(got - truth[k][c]);
-      squares += probes[k].weight * error * error;
-      whole += probes[k].weight * truth[k][c] * truth[k][c];
-      const double relative = error / std::max(truth[k][c], kFloor * mean[c]);
-      if (relative > errors.maximum) {
-        errors.maximum = relative;
-        errors.truth_there = truth[k][c] / mean[c];
-      }
-    }
-  }
-  errors.rms = std::sqrt(squares / whole);
-  const std::int64_t values = std::int64_t{18} * chain.level_size(level) * chain.level_size(level);
-  errors.least = *std::min_element(rgb, rgb + values);
-  return errors;
+  return *std::min_element(rgb, rgb + std::int64_t{18} * chain.level_size(level) * chain.level_size(level));
 }
 
 std::string rows_of(const Picture& picture, const Settings& settings) {
   std::fprintf(stderr, "%s\n", picture.name.c_str());
   std::string rows;
   std::mt19937 random(11);
-  std::map<int, std::vector<Probe>> probes;
+  std::map<int, std::vector<report::Probe>> probes;
   std::map<int, std::vector<glm::dvec3>> truths;
   for (const PrefilterMethod method : settings.methods) {
     PrefilterOptions options;
@@ -158,22 +89,16 @@ std::string rows_of(const Picture& picture, const Settings& settings) {
       const MipRecord& mip = result.mips[level];
       const auto key = static_cast<int>(level);
       if (probes.count(key) == 0) {
-        probes[key] = probes_of(result.cubemap, key, settings.texels, random);
-        std::vector<glm::dvec3> directions;
-        for (const Probe& probe : probes[key]) {
-          const std::int64_t texels = std::int64_t{mip.size} * mip.size;
-          directions.push_back(image::face_direction(mip.size, static_cast<int>(probe.texel / texels),
-                                                     static_cast<double>(probe.texel % mip.size) + 0.5,
-                                                     static_cast<double>(probe.texel / mip.size % mip.size) + 0.5));
-        }
-        truths[key] = reference_specular(picture.image.view(), mip.roughness, directions);
+        probes[key] = report::probes_of(result.cubemap, key, settings.texels, random);
+        truths[key] =
+            reference_specular(picture.image.view(), mip.roughness, report::directions_of(probes[key], mip.size));
       }
-      const Errors errors = errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
+      const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
       rows += "| " + picture.name + " | " + mip.method + " | " + std::to_string(level) + " | " +
               number("%.3f", mip.roughness) + " | " + std::to_string(mip.bands) + " | " +
-              std::to_string(mip.bright_texels) + " | " + number("%.2g", 100.0 * errors.rms) + " | " +
-              number("%.2g", 100.0 * errors.maximum) + " | " + number("%.2g", errors.truth_there) + " | " +
-              number("%.2g", errors.least) + " | " + number("%.1f", mip.milliseconds) + " |\n";
+              std::to_string(mip.bright_texels) + " | " + number("%.2g", 100.0 * errors.norms.rms) + " | " +
+              number("%.2g", 100.0 * errors.norms.maximum) + " | " + number("%.2g", errors.truth_there) + " | " +
+              number("%.2g", least_of(result.cubemap, key)) + " | " + number("%.1f", mip.milliseconds) + " |\n";
     }
   }
   return rows;

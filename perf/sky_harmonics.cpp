@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "report/sky_passes.h"
 #include "sky_subjects.h"
 #include "subjects.h"
 #include "welkin/sky_harmonics.h"
@@ -26,10 +27,10 @@ class MovingSun {
   int step_ = 0;
 };
 
-void add_projection(const SkyMethod& method) {
-  add_benchmark("SkyHarmonics", method.name, method.directions, 1, 1.0, 0.0, [=]() -> std::function<void()> {
-    const auto projector = std::make_shared<const SkyProjector>(SkyView(earth_tables(), 0.0), method.options);
-    const auto light = std::make_shared<SphericalHarmonics>(method.options.bands);
+void add_projection(const report::SkySetting& setting) {
+  add_benchmark("SkyHarmonics", setting.name, setting.directions, 1, 1.0, 0.0, [=]() -> std::function<void()> {
+    const auto projector = std::make_shared<const SkyProjector>(SkyView(earth_tables(), 0.0), setting.options);
+    const auto light = std::make_shared<SphericalHarmonics>(setting.options.bands);
     const auto sun = std::make_shared<MovingSun>();
     return [=] { projector->project(sun->next(), light->coefficients()); };
   });
@@ -54,7 +55,7 @@ void add_curve(int bands) {
 }  // namespace
 
 void add_sky_harmonics(const std::vector<int>& thread_counts) {
-  for (const SkyMethod& method : sky_methods()) add_projection(method);
+  for (const report::SkySetting& setting : report::sky_settings()) add_projection(setting);
   for (const int bands : {1, 3, 9, 16}) add_curve(bands);
   for (const int threads : thread_counts) {
     add_benchmark("SkyCurve", "bake", std::to_string(SkyCurveOptions{}.nodes), threads, 1.0, 0.0,

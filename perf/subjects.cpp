@@ -35,20 +35,6 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
 
 }  // namespace
 
-std::string name(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::rgb_f32: return "rgb32f";
-    case PixelFormat::rgba_f32: return "rgba32f";
-    case PixelFormat::rgb_f16: return "rgb16f";
-    case PixelFormat::rgba_f16: return "rgba16f";
-    case PixelFormat::rgb_u8: return "rgb8";
-    case PixelFormat::rgba_u8: return "rgba8";
-    case PixelFormat::rgb_srgb8: return "rgb8srgb";
-    case PixelFormat::rgba_srgb8: return "rgba8srgb";
-  }
-  return "unknown";
-}
-
 CubemapView noise_cubemap(PixelFormat format, int size) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   const std::byte* const pixels = noise_pixels(format, 6 * face_texels);

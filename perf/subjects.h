@@ -7,12 +7,12 @@
 #include <functional>
 #include <string>
 
+#include "report/pixel_formats.h"
 #include "welkin/image_view.h"
 
 namespace welkin::perf {
 
-/// "rgb32f", "rgba32f", "rgba16f", "rgb16f", "rgb8", "rgb8srgb", ...
-[[nodiscard]] std::string name(PixelFormat format);
+using report::name;
 
 /// A cubemap of positive noise, kept until another format or size is asked for: the largest takes 400 MB.
 [[nodiscard]] CubemapView noise_cubemap(PixelFormat format, int size);

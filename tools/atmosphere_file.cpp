@@ -1,28 +1,14 @@
 #include "tools/atmosphere_file.h"
 
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "tools/json_members.h"
 #include "welkin/error.h"
 
 namespace welkin::tool {
 namespace {
-
-constexpr std::size_t kLongestText = std::size_t{1} << 20U;  // sound ones have some kilobytes
-constexpr int kDeepestNesting = 8;                           // sound ones have 5
-constexpr std::size_t kMostElements = 4096;                  // of a list; what sense they make, `check` knows
-
-/// What is wrong; the file's name is put before it where it is known.
-struct Flaw {
-  std::string message;
-};
 
 Json layers_json(const std::vector<DensityLayer>& layers) {
   Json list = Json::array();
@@ -40,56 +26,6 @@ Json constituent_json(const Constituent& constituent) {
   return {{"density", layers_json(constituent.density)},
           {"scattering_per_m", constituent.scattering_per_m},
           {"absorption_per_m", constituent.absorption_per_m}};
-}
-
-/// A member that an object may have, and what reads it.
-struct Member {
-  const char* name;
-  std::function<void(const Json& value, const std::string& where)> read;
-};
-
-/// Reads an object's members; `where` names it in messages.
-Flaw unknown_member(const std::string& where, const std::string& key, const std::string& known) {
-  return {where + " has a member \"" + key + "\"; it can have " + known};
-}
-
-void read_object(const Json& object, const std::string& where, const std::vector<Member>& members) {
-  if (!object.is_object()) throw Flaw{where + " is no object in braces"};
-  for (const auto& [key, value] : object.items()) {
-    const Member* found = nullptr;
-    std::string known;
-    for (const Member& member : members) {
-      if (!known.empty()) known += ", ";
-      known += member.name;
-      if (key == member.name) found = &member;
-    }
-    if (found == nullptr) throw unknown_member(where, key, known);
-    found->read(value, std::string(where).append(".").append(key));
-  }
-}
-
-void read_list(const Json& list, const std::string& where,
-               const std::function<void(const Json& element, const std::string& where)>& read) {
-  if (!list.is_array()) throw Flaw{where + " is no list in brackets"};
-  if (list.size() > kMostElements) throw Flaw{where + " has " + std::to_string(list.size()) + " elements"};
-  for (std::size_t i = 0; i < list.size(); ++i) read(list[i], where + '[' + std::to_string(i) + ']');
-}
-
-Member number(const char* name, double& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_number()) throw Flaw{where + " is no number"};
-            target = value.get<double>();
-          }};
-}
-
-Member numbers(const char* name, std::vector<double>& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            target.clear();
-            read_list(value, where, [&](const Json& element, const std::string& at) {
-              if (!element.is_number()) throw Flaw{at + " is no number"};
-              target.push_back(element.get<double>());
-            });
-          }};
 }
 
 Member layers(const char* name, std::vector<DensityLayer>& target) {
@@ -115,13 +51,6 @@ void read_constituent(const Json& value, const std::string& where, Constituent& 
 
 Member constituent(const char* name, Constituent& target) {
   return {name, [&target](const Json& value, const std::string& where) { read_constituent(value, where, target); }};
-}
-
-Member text(const char* name, std::string& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_string()) throw Flaw{where + " is no text in quotes"};
-            target = value.get<std::string>();
-          }};
 }
 
 void read_phase(const Json& value, const std::string& where, AerosolPhase& target) {
@@ -159,37 +88,6 @@ Atmosphere atmosphere_of(const Json& json) {
   return air;
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::error_code none;
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path, none)) {
-    throw Error(ErrorCode::file_access, path.string() + ": cannot be read (" +
-                                            (errno != 0 ? std::strerror(errno) : "it is a directory") +
-                                            "); 'welkin sky --print-atmosphere' writes one to begin with");
-  }
-  std::string text(kLongestText + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kLongestText) {
-    throw Error(ErrorCode::limit_exceeded,
-                path.string() + ": has more than a megabyte; an atmosphere has some kilobytes");
-  }
-  return text;
-}
-
-Json parsed(const std::string& text) {
-  const auto not_too_deep = [](int depth, Json::parse_event_t /*event*/, Json& /*value*/) {
-    if (depth > kDeepestNesting) throw Flaw{"nests deeper than an atmosphere does"};
-    return true;
-  };
-  try {
-    return Json::parse(text, not_too_deep);
-  } catch (const Json::exception& flaw) {
-    throw Flaw{std::string("is no JSON (") + flaw.what() + ")"};
-  }
-}
-
 }  // namespace
 
 const char* name(AerosolPhase phase) noexcept {
@@ -214,14 +112,15 @@ Json atmosphere_json(const Atmosphere& atmosphere) {
 }
 
 Atmosphere read_atmosphere(const std::filesystem::path& path) {
-  const std::string text = text_of(path);
+  constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
   try {
-    Atmosphere atmosphere = atmosphere_of(parsed(text));
+    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith));
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {
     throw Error(ErrorCode::corrupt_file, path.string() + ": " + flaw.message);
   } catch (const Error& error) {
+    if (error.code() != ErrorCode::invalid_argument) throw;
     throw Error(ErrorCode::corrupt_file, path.string() + ": " + error.what());
   }
 }

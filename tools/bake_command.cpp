@@ -8,6 +8,7 @@
 #include "tools/bake_manifest.h"
 #include "tools/bake_options.h"
 #include "tools/help_text.h"
+#include "tools/needs_file.h"
 #include "tools/output.h"
 #include "tools/output_folder.h"
 #include "tools/progress_bar.h"
@@ -27,9 +28,16 @@ void check(const BakeCommandOptions& options) {
   check_input_is_kept(options, bake);
 }
 
+std::string planned(const BakeCommandOptions& options) {
+  ProgressBar bar;
+  const Plan plan = plan_ahead(options, bar.control());
+  return options.common.json ? json_text(plan_json(plan)) : plan_text(plan);
+}
+
 void run(const BakeCommandOptions& options) {
   std::string text;
-  run_with_threads(options.common.threads, [&] { text = bake_to_folder(options); });
+  run_with_threads(options.common.threads,
+                   [&] { text = options.scene.plan_only ? planned(options) : bake_to_folder(options); });
   print_result(text);
 }
 

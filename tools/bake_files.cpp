@@ -172,9 +172,9 @@ void write_computed(const LatLongImage& picture, const Job& job) {
 void turn_to_engine(BakeResult& light, Engine engine, const Control& control) {
   const glm::dmat3 symmetry = faces_of(engine);
   if (symmetry == glm::dmat3(1.0)) return;
-  light.background = turned(light.background, symmetry, control);
-  light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
-  light.irradiance = turned(light.irradiance, symmetry, control);
+  if (light.background.levels() > 0) light.background = turned(light.background, symmetry, control);
+  if (light.specular) light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
+  if (light.irradiance.size > 0) light.irradiance = turned(light.irradiance, symmetry, control);
 }
 
 std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
@@ -195,7 +195,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     timed(baked.passes, "previews", "drawn and written", [&] { write_previews(baked, folder); });
   }
   progress(kPreviews);
-  if (options.containers.contains(Container::env)) {
+  if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {
     timed(baked.passes, "write .env", "environment.env",
           [&] { write_env(baked, folder, part_of(control, kPreviews, kEnv)); });
     baked.env.reset();
@@ -209,9 +209,11 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     turn_to_engine(light, options.turn.to, control);
     write_cubemap({"background", "the environment itself, with plain mips", light.background.views(), {}, "radiance"},
                   job);
-    write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
-                   roughness_of(*light.specular), "radiance"},
-                  job);
+    if (light.specular) {
+      write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
+                     roughness_of(*light.specular), "radiance"},
+                    job);
+    }
     if (light.irradiance.size > 0) {
       write_cubemap({"irradiance",
                      "irradiance: divide by pi for what a white surface shows",

@@ -40,7 +40,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
 }  // namespace
 
 void write_harmonics(const Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
-  if (options.bake.bands == 0) return;
+  if (options.bake.bands == 0 || !baked.light.radiance) return;
   const ShReport report = report_of(baked, options);
   const Json details = {{"bands", report.projection.radiance.bands()}};
   write_text_file(folder.place("sh.json"), sh_json(report));

@@ -1,7 +1,10 @@
 #include "tools/bake_manifest.h"
 
+#include <algorithm>
+
 #include "tools/brdf_files.h"
 #include "tools/json_text.h"
+#include "tools/needs_file.h"
 #include "tools/number_text.h"
 #include "welkin/version.h"
 
@@ -21,8 +24,8 @@ Json axes_json(const BakeCommandOptions& options) {
 }
 
 Json options_json(const Baked& baked, const BakeCommandOptions& options) {
-  const PrefilterOptions& specular = *baked.options.specular;
-  const ProjectionOptions& pixels = baked.options.pixels;
+  const PrefilterOptions& specular = *baked.whole.specular;
+  const ProjectionOptions& pixels = baked.whole.pixels;
   Json json = {
       {"size", specular.size},
       {"mips", specular.mips},
@@ -31,9 +34,9 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
       {"samples", specular.samples},
       {"rms_error", specular.rms_error},
       {"maximum_error", specular.maximum_error},
-      {"background_size", baked.options.background_size},
-      {"irradiance_size", baked.options.irradiance_size},
-      {"irradiance_method", baked.options.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
+      {"background_size", baked.whole.background_size},
+      {"irradiance_size", baked.whole.irradiance_size},
+      {"irradiance_method", baked.whole.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
       {"bands", options.bake.bands},
       {"from", convention(options.turn.from).name},
       {"yaw_degrees", options.turn.yaw_degrees},
@@ -110,12 +113,18 @@ Json times_json(const Baked& baked) {
           {{"name", pass.name}, {"action", pass.action}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
     }
   }
-  for (std::size_t mip = 0; mip < baked.light.specular->mips.size(); ++mip) {
-    const MipRecord& record = baked.light.specular->mips[mip];
+  const std::vector<PassRecord>& passes = baked.light.diagnostics.passes;
+  const bool reused = std::any_of(passes.begin(), passes.end(), [](const PassRecord& pass) {
+    return pass.name == "specular" && pass.action == "reuse";
+  });
+  const std::vector<MipRecord> mips = baked.light.specular ? baked.light.specular->mips : std::vector<MipRecord>();
+  for (std::size_t mip = 0; mip < mips.size(); ++mip) {
+    const MipRecord& record = mips[mip];
+    const bool taken = reused || record.milliseconds == 0.0;  // by itself too: a cache found it
     list.push_back({{"name", "specular mip " + std::to_string(mip)},
-                    {"action", "run"},
+                    {"action", taken ? "reuse" : "run"},
                     {"reason", record.method},
-                    {"ms", record.milliseconds}});
+                    {"ms", taken ? 0.0 : record.milliseconds}});
   }
   return list;
 }
@@ -134,6 +143,9 @@ std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& fold
                     significant(baked.options.pixels.clamp ? baked.options.pixels.clamp->maximum : 0.0));
   }
   for (const std::string& note : folder.clamp_notes()) notes.push_back(note);
+  for (const std::string& note : baked.notes) notes.push_back(note);
+  if (baked.env_left_out)
+    notes.emplace_back("no environment.env: it is a prefiltered cubemap, which no material of the scene reads");
   return notes;
 }
 
@@ -146,7 +158,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                {"axes", axes_json(options)},
                {"options", options_json(baked, options)},
                {"files", files},
-               {"specular", mips_json(baked.light.specular->mips)}};
+               {"specular", baked.light.specular ? mips_json(baked.light.specular->mips) : Json::array()}};
   if (!baked.env_mips.empty()) json["environment_env"] = mips_json(baked.env_mips);
   if (baked.light.brdf) {
     const BrdfTableOptions& brdf = baked.light.brdf->options;
@@ -160,6 +172,8 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   }
   if (baked.sky) json["sky"] = sky_json(*baked.sky);
   if (baked.sun_wanted) json["sun"] = sun_json(baked, options);
+  if (options.scene.any()) json["needs"] = needs_json(options.scene.needs());
+  if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
   json["notes"] = bake_notes(baked, folder);
   json["times"] = times_json(baked);

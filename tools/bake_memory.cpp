@@ -22,6 +22,12 @@ std::uint64_t chain_bytes(int size, int levels) {
   return bytes;
 }
 
+/// 0: there is none.
+int background_size(const BakeOptions& bake) {
+  if (!bake.background) return 0;
+  return bake.background_size > 0 || !bake.specular ? bake.background_size : bake.specular->size;
+}
+
 struct Step {
   std::uint64_t bytes;
   const char* what;
@@ -41,9 +47,9 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
 }
 
 void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
-  const int size = bake.background_size > 0 ? bake.background_size : bake.specular->size;
-  const std::uint64_t background = chain_bytes(size, full_chain_levels(size));
-  const std::uint64_t specular = chain_bytes(bake.specular->size, bake.specular->mips);
+  const int size = background_size(bake);
+  const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
+  const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips) : 0;
   const std::uint64_t results = background + specular + cubemap_bytes(bake.irradiance_size);
   // 4 size x 2 size texels.
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/cache_option.h"
 #include "tools/number_text.h"
 #include "welkin/error.h"
 
@@ -201,6 +202,7 @@ void add_bake_options(CLI::App& command, BakeCommandOptions& options) {
   add_result_options(command, options);
   add_size(command, "--bands", options.bake.bands, 0, kMaximumBands,
            "Bands of spherical harmonics; default 3; 0: none, and no files of them");
+  add_needs_options(command, options.scene);
   add_turn_options(command, options.turn);
   add_pixel_options(command, options.bake.pixels, options.clamp);
   // The sun is looked for in radiance, before pixels are decoded.
@@ -208,6 +210,7 @@ void add_bake_options(CLI::App& command, BakeCommandOptions& options) {
   add_read_options(command, options.common, input);
   command.get_option("--memory-limit")->remove_needs(input);  // a bake of the built-in sky takes memory too
   add_threads_option(command, options.common);
+  add_cache_option(command, options.common);
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/computed_picture.h"
+#include "tools/needs_options.h"
 #include "tools/options.h"
 #include "tools/pixel_options.h"
 #include "tools/sun_options.h"
@@ -48,6 +49,7 @@ struct BakeCommandOptions {
   BrdfTableOptions brdf;
   bool no_brdf = false;
 
+  NeedsChoice scene;
   ClampChoice clamp;
   TurnOptions turn;
   SunChoice sun;

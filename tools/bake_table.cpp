@@ -31,16 +31,27 @@ std::string file_lines(const OutputFolder& folder) {
 }
 
 std::string mip_lines(const std::vector<MipRecord>& mips) {
-  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  texels apart  error, about\n";
+  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  texels apart  largest error, about\n";
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
             pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(mip.method, 10) +
             pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
             pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 14) +
-            pad_left(significant(mip.error_estimate, 2), 14) + '\n';
+            pad_left(significant(mip.error_estimate, 2), 22) + '\n';
   }
   return text;
+}
+
+/// Of the library's bake, and the .env's chain beside it.
+std::vector<PassRecord> measured_passes(const Baked& baked) {
+  std::vector<PassRecord> passes = baked.light.diagnostics.passes;
+  for (const PassRecord& pass : baked.passes) {
+    const auto planned = std::ranges::find(baked.plan.passes, pass.name, &PlannedPass::name);
+    const auto known = std::ranges::find(passes, pass.name, &PassRecord::name);
+    if (planned != baked.plan.passes.end() && known == passes.end()) passes.push_back(pass);
+  }
+  return passes;
 }
 
 std::string time_lines(const Baked& baked) {
@@ -61,7 +72,7 @@ std::string bake_table(const Baked& baked, const BakeCommandOptions& options, co
   std::string text = printable(source.path) + ": " + std::to_string(source.width) + " x " +
                      std::to_string(source.height) + ' ' + source.layout + ", " + printable(source.format) + '\n';
   text += printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' + file_lines(folder);
-  text += mip_lines(baked.light.specular->mips);
+  if (baked.light.specular) text += mip_lines(baked.light.specular->mips);
   if (baked.sun_wanted) {
     std::optional<Sun> sun = baked.sun;
     TurnOptions to_engine;
@@ -70,6 +81,7 @@ std::string bake_table(const Baked& baked, const BakeCommandOptions& options, co
     text += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
   }
   text += time_lines(baked);
+  if (options.scene.explains()) text += '\n' + plan_text(baked.plan, measured_passes(baked));
   for (const std::string& note : bake_notes(baked, folder)) text += "note: " + printable(note) + '\n';
   return text;
 }

@@ -1,7 +1,12 @@
 #include "tools/baked.h"
 
+#include <algorithm>
+#include <iostream>
+
 #include "tools/bake_memory.h"
 #include "tools/bake_source.h"
+#include "tools/cache_option.h"
+#include "tools/number_text.h"
 #include "tools/progress_bar.h"
 #include "welkin/cubemap_chain.h"
 #include "welkin/harmonic_transforms.h"
@@ -12,7 +17,10 @@ namespace {
 
 // Shares of the progress.
 constexpr double kRead = 0.15;
+constexpr double kJudged = 0.45;  // the pixels, for an error budget
 constexpr double kBaked = 0.75;
+
+constexpr const char* kEnvPass = "specular for .env";
 
 /// What the .env needs: Babylon.js computes the mip from the roughness by a formula of its own, down to one texel.
 PrefilterOptions env_options(const PrefilterOptions& specular) {
@@ -39,44 +47,203 @@ void use_stored_light(Baked& baked, const Control& control) {
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), baked.options.irradiance_size, {control.stop, {}});
 }
 
-}  // namespace
+/// The .env wants its polynomial, whatever else reads it.
+SceneNeeds needs_of(const BakeCommandOptions& options) {
+  constexpr int kPolynomialBands = 3;
+  SceneNeeds needs = options.scene.needs();
+  if (!options.containers.contains(Container::env) || !needs.glossy) return needs;
+  // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
+  const PrefilterOptions whole = *library_options(options).specular;
+  if (env_options(whole) == whole) needs.glossy = RoughnessRange{};
+  if (needs.diffuse_bands <= 1) needs.irradiance_cubemap = false;
+  needs.diffuse_bands = std::max(needs.diffuse_bands, kPolynomialBands);
+  return needs;
+}
 
-Baked bake_source(const BakeCommandOptions& options, const Control& control) {
-  Baked baked;
-  baked.options = library_options(options);
+/// The .env's chain beside the bake's own.
+struct EnvChain {
+  PrefilterOptions options;
+  bool wanted = false;       ///< an .env is asked for, and materials would read it
+  bool is_specular = false;  ///< the bake's own chain would do
+
+  [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
+};
+
+/// With the bounds that were picked for the bake's, if they were.
+EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const BakeOptions& planned) {
+  EnvChain chain{env_options(*whole.specular)};
+  if (!options.containers.contains(Container::env) || !planned.specular) return chain;
+  chain.wanted = true;
+  chain.options.rms_error = planned.specular->rms_error;
+  chain.options.maximum_error = planned.specular->maximum_error;
+  chain.is_specular = chain.options == *planned.specular;
+  return chain;
+}
+
+/// What the library's bake does not make stands in the plan too.
+template <class Source>
+void plan_env(const Source& source, const EnvChain& chain, const CostModel& costs, Plan& planned) {
+  if (!chain.second()) return;
+  const Plan env = plan(source, SceneNeeds(), second_bake_options(chain.options), costs);
+  PlannedPass pass = env.pass("specular");
+  pass.name = kEnvPass;
+  pass.reason = "Babylon.js has a roughness of its own for each mip: " + pass.reason;
+  planned.result_bytes += env.result_bytes;
+  planned.working_bytes = std::max(planned.working_bytes, env.working_bytes);
+  planned.passes.push_back(std::move(pass));
+}
+
+/// What a file carries may be taken if nothing is to be done to it. (Of an .env more is made than a plan knows.)
+bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
+  if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
+    return false;
+  if (options.containers.contains(Container::env)) return false;
+  TurnOptions into_welkin = options.turn;
+  into_welkin.to = Engine::welkin;
+  const glm::dmat3 identity(1.0);
+  return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
+}
+
+void explain(const BakeCommandOptions& options, const Plan& plan) {
+  if (options.scene.explains()) std::cerr << plan_text(plan) << std::flush;
+}
+
+/// From the file, with what it carries, as `baked.plan` has it.
+void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked,
+                 const Control& control) {
+  baked.source = source_of(*options.input, file.info);
+  baked.options = baked.plan.options;
+  if (!options.common.cache.empty()) baked.notes.emplace_back("the cache was not asked: results are in the file");
+  explain(options, baked.plan);
+  const std::uint64_t held = baked.plan.streams ? 0 : baked.plan.pass("read").bytes;
+  check_memory({baked.source.path, held, baked.plan.result_bytes + baked.plan.working_bytes, 0, 0}, options,
+               baked.options);
+  baked.light = timed(baked.passes, "bake", "what the scene needs", [&] { return bake(file, baked.plan, control); });
+}
+
+/// What was left out is left out for the plan's reasons, which a cache does not know.
+void take_reasons(const Plan& plan, std::vector<PassRecord>& passes) {
+  const char* const skip = name(PassAction::skip);
+  for (const PlannedPass& planned : plan.passes) {
+    for (PassRecord& pass : passes) {
+      if (planned.action == PassAction::skip && pass.name == planned.name && pass.action == skip)
+        pass.reason = planned.reason;
+    }
+  }
+}
+
+BakeResult bake_light(const BakeSource& source, const Plan& plan, ResultCache* cache, const Control& control) {
+  return source.visit([&](const auto& view) {
+    if (cache == nullptr) return bake(view, plan, control);
+    BakeResult light = cache->bake(view, plan.options, control);
+    take_reasons(plan, light.diagnostics.passes);
+    return light;
+  });
+}
+
+PrefilteredSpecular prefilter_env(const BakeSource& source, const PrefilterOptions& env, ResultCache* cache,
+                                  const Control& control) {
+  return source.visit([&](const auto& view) {
+    return cache != nullptr ? cache->prefilter_specular(view, env, control) : prefilter_specular(view, env, control);
+  });
+}
+
+/// Whether light that lies beside the pixels may replace what is computed of them. Its error is in no budget.
+bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
+  return !needs.error_budget && (needs.stored_results || !options.scene.any());
+}
+
+/// Of a chain without its sharpest mips there is no sharp environment.
+void note_blur(const BakeCommandOptions& options, Baked& baked) {
+  if (!options.input) return;
+  const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+  const auto level = static_cast<std::size_t>(std::max(0, options.common.read.level));
+  if (level >= file.roughness.size() || file.roughness[level] <= 0.0) return;
+  baked.notes.push_back("the input's pixels are reflections of roughness " + significant(file.roughness[level], 3) +
+                        ": all that is made of them is blurred by that");
+}
+
+/// From the pixels.
+void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
-  baked.stored_light = source.stored_light();
-  const PrefilterOptions env = env_options(*baked.options.specular);
-  const bool wants_env = options.containers.contains(Container::env);
-  baked.env_is_specular = wants_env && env == *baked.options.specular;
-  const bool second_chain = wants_env && !baked.env_is_specular;
-  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, env.size};
+  if (takes_light(options, needs)) baked.stored_light = source.stored_light();
+  note_blur(options, baked);
+  const CostModel costs = options.scene.costs();
+  const Plan planned = source.visit([&](const auto& view) {
+    return plan(view, needs, baked.whole, costs, part_of(control, kRead, needs.error_budget ? kJudged : kRead));
+  });
+  const double judged = needs.error_budget ? kJudged : kRead;
+  baked.options = planned.options;
+  const EnvChain env = env_chain(options, baked.whole, baked.options);
+  baked.env_left_out = options.containers.contains(Container::env) && !env.wanted;
+  baked.env_is_specular = env.is_specular;
+  baked.plan = planned;
+  source.visit([&](const auto& view) { plan_env(view, env, costs, baked.plan); });
+  explain(options, baked.plan);
+  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, env.options.size};
   source.visit([&](const auto& view) {
     memory.bake = bake_bytes(view, baked.options);
-    if (second_chain) memory.second_bake = bake_bytes(view, second_bake_options(env));
+    if (env.second()) memory.second_bake = bake_bytes(view, second_bake_options(env.options));
   });
   check_memory(memory, options, baked.options);  // which holds the library's limit too
-  const double end = second_chain ? kBaked : 1.0;
-  baked.light = timed(baked.passes, "bake", "all that was asked for", [&] {
-    return source.visit([&](const auto& view) { return bake(view, baked.options, part_of(control, kRead, end)); });
+  const double end = env.second() ? kBaked : 1.0;
+  const std::string reason = options.scene.any() ? "what the scene needs" : "all that was asked for";
+  with_cache(options.common, baked.notes, [&](ResultCache* cache) {
+    baked.light = timed(baked.passes, "bake", reason,
+                        [&] { return bake_light(source, planned, cache, part_of(control, judged, end)); });
+    if (!env.second()) return;
+    baked.env = timed(baked.passes, kEnvPass, "Babylon.js has a roughness of its own for each mip",
+                      [&] { return prefilter_env(source, env.options, cache, part_of(control, kBaked, 1.0)); });
   });
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
           [&] { use_stored_light(baked, control); });
   }
-  if (second_chain) {
-    baked.env = timed(baked.passes, "specular for .env", "Babylon.js has a roughness of its own for each mip", [&] {
-      return source.visit(
-          [&](const auto& view) { return prefilter_specular(view, env, part_of(control, kBaked, 1.0)); });
-    });
-  }
   baked.picture = source.take_picture();
-  if (wants_env) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
+  if (env.wanted) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
+}
+
+}  // namespace
+
+Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
+  const SceneNeeds needs = needs_of(options);
+  const BakeOptions whole = library_options(options);
+  const CostModel costs = options.scene.costs();
+  if (options.input && !needs.error_budget) {  // which is judged by pixels
+    const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+    Plan planned =
+        takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
+    plan_env(file.shape, env_chain(options, whole, planned.options), costs, planned);
+    return planned;
+  }
+  const BakeSource source(options, part_of(control, 0.0, kRead));
+  return source.visit([&](const auto& view) {
+    Plan planned = plan(view, needs, whole, costs, part_of(control, kRead, 1.0));
+    plan_env(view, env_chain(options, whole, planned.options), costs, planned);
+    return planned;
+  });
+}
+
+Baked bake_source(const BakeCommandOptions& options, const Control& control) {
+  Baked baked;
+  baked.whole = library_options(options);
+  const SceneNeeds needs = needs_of(options);
+  if (takes_stored(options, needs)) {
+    const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+    baked.plan = plan(file, needs, baked.whole, options.scene.costs());
+    const bool carries = baked.plan.take_specular || baked.plan.take_levels || baked.plan.take_light;
+    // What a file does not carry is made of its pixels, and those a cache knows.
+    if (carries || options.common.cache.empty()) {
+      bake_stored(file, options, baked, control);
+      return baked;
+    }
+  }
+  bake_pixels(options, needs, baked, control);
   return baked;
 }
 

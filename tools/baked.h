@@ -9,6 +9,7 @@
 #include "tools/bake_options.h"
 #include "tools/source.h"
 #include "welkin/bake.h"
+#include "welkin/plan.h"
 
 namespace welkin::tool {
 
@@ -19,13 +20,17 @@ struct Baked {
   LatLongImage picture;          ///< of it, if it is to be kept
   bool sun_wanted = false;       ///< it was to be taken out, or is apart
   std::optional<Sun> sun;
-  BakeOptions options;
+  BakeOptions whole;    ///< all that the options ask for
+  BakeOptions options;  ///< what the scene needs of it
+  Plan plan;
   BakeResult light;
   std::optional<PrefilteredSpecular> env;  ///< the .env's chain, if the specular one would not do
   std::optional<Projection> stored_light;  ///< of an .env: three bands that its pixels, clipped, do not have
   bool env_is_specular = false;            ///< it would
+  bool env_left_out = false;               ///< no material of the scene would read it
   std::vector<MipRecord> env_mips;         ///< of the .env's chain; empty without an .env
   std::vector<PassRecord> passes;          ///< of the command itself: what lies around the library's
+  std::vector<std::string> notes;          ///< of this run alone: what its cache could not do
 };
 
 /// Runs `work` and notes how long it took.
@@ -43,7 +48,11 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
   return work();
 }
 
-/// Reads and bakes what the options ask for.
+/// The plan by itself; of a file only the header is read.
+[[nodiscard]] Plan plan_ahead(const BakeCommandOptions& options, const Control& control);
+
+/// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
+/// before, if it is to be explained.
 [[nodiscard]] Baked bake_source(const BakeCommandOptions& options, const Control& control);
 
 }  // namespace welkin::tool

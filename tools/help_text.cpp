@@ -14,6 +14,7 @@ constexpr std::string_view kProgramFooter =
   welkin sh studio.hdr --for three   ... as three.js wants them
   welkin sky --sun-elevation 20      ... of a clear sky, computed
   welkin info studio.hdr             what is in the file
+  welkin report --quick              how good each setting is, and how fast
   welkin convert studio.hdr faces.exr --layout vertical-strip
                                      a lat-long to the faces of a cube
   welkin testmap -o labels.exr       an environment that shows how it is turned
@@ -57,6 +58,17 @@ Examples:
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
   welkin bake city.hdr -o out --take-out-sun          the sun as a light apart
+  welkin bake city.hdr -o out --no-glossy --explain   less than all, and why
+  welkin bake city.hdr -o out --glossy 0.4,1          the mips that are looked up
+  welkin bake city.hdr -o out --needs scene.json --plan-only
+
+What the scene needs: --needs, --glossy, --no-glossy, --no-background and
+  --no-diffuse say what it uses; passes that nothing of it needs are left out,
+  and what is left comes out with the bits of a bake of everything. What an .env
+  or a KTX2 carries is then taken as it is, unless it is to be turned, clamped
+  or written as an .env. --explain says which passes run, are reused or left
+  out, why and at what cost, on standard error; when it is done, how that
+  compares with what was measured.
 
 Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
   axes. --for says after whose axes the cubemaps' faces are named; the .env is

@@ -13,6 +13,7 @@
 #include "tools/help_text.h"
 #include "tools/info_command.h"
 #include "tools/output.h"
+#include "tools/report_command.h"
 #include "tools/sh_command.h"
 #include "tools/sky_command.h"
 #include "tools/testmap_command.h"
@@ -62,6 +63,7 @@ ExitCode run(int argument_count, char** arguments) {
     add_info_command(program);
     add_convert_command(program);
     add_testmap_command(program);
+    add_report_command(program);
     program.parse(argument_count, arguments);
     if (!program.get_subcommands().empty()) return ExitCode::success;
     return complain(ExitCode::bad_usage, "nothing to do\n'welkin --help' tells what can be asked for.");

@@ -15,6 +15,7 @@ struct CommonOptions {
   bool json = false;
   int threads = 0;  ///< 0: as many as the process may use
   ReadOptions read;
+  std::string cache;  ///< a folder; empty: results are not kept
 };
 
 void add_json_option(CLI::App& command, CommonOptions& options);

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "tools/cache_option.h"
 #include "tools/pixels.h"
 #include "tools/progress_bar.h"
 #include "tools/sky_model.h"
@@ -29,7 +30,12 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
     }
     report.sun = take_out_sun(pixels, options.sun.options);
   }
-  report.projection = with_view(pixels, [&](const auto& view) { return project(view, options.projection, control); });
+  with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
+    report.projection = with_view(pixels, [&](const auto& view) {
+      return cache != nullptr ? cache->project(view, options.projection, {}, control)
+                              : project(view, options.projection, control);
+    });
+  });
   report.projection.diagnostics.infinities_replaced += infinities;
   if (options.irradiance_error) {
     constexpr int kNormals = 500;
@@ -82,7 +88,10 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   }
   const EnvironmentInfo info = inspect_environment(*options.input, read);
   report.source = source_of(*options.input, info);
-  report.projection = project_file(*options.input, read, options.projection, control);
+  with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
+    report.projection = cache != nullptr ? cache->project_file(*options.input, read, options.projection, control)
+                                         : project_file(*options.input, read, options.projection, control);
+  });
   return is_cubemap(info);
 }
 

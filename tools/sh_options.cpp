@@ -1,5 +1,7 @@
 #include "tools/sh_options.h"
 
+#include "tools/cache_option.h"
+
 namespace welkin::tool {
 
 CLI::Option* add_format_options(CLI::App& command, ShOptions& options) {
@@ -75,6 +77,7 @@ void add_sh_options(CLI::App& command, ShOptions& options) {
   add_light_options(command, options);
   add_read_options(command, options.common, input);
   add_threads_option(command, options.common);
+  add_cache_option(command, options.common);
 }
 
 }  // namespace welkin::tool

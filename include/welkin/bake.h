@@ -43,6 +43,11 @@ struct BakeOptions {
   IrradianceMethod irradiance_method = IrradianceMethod::harmonics;
   int bands = 3;  ///< harmonic bands that are returned, and that the irradiance cubemap is made from; 0: none
 
+  /// Bands that are projected at least, of which the first `bands` are kept: the same bits as those of a bake with that
+  /// many, from which fewer bands by themselves differ by rounding.
+  int projected_bands = 0;
+  bool flux = true;  ///< of no bands one is projected all the same, for the diagnostics' flux; off: it stays 0
+
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 
   /// Clamp, gamma and policies for NaN, infinities and negatives, for all passes alike; nothing else of it is used.

@@ -7,6 +7,7 @@
 
 #include "welkin/atmosphere.h"
 #include "welkin/control.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 
@@ -39,6 +40,23 @@ struct ReferenceSkyOptions {
 [[nodiscard]] std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& direction, const glm::dvec3& sun,
                                                          const ReferenceSkyOptions& options = {});
+
+struct ReferenceHarmonicsOptions {
+  int bands = 3;      ///< 1 to kMaximumBands
+  int zeniths = 40;   ///< on either side of the horizon, 2 to 128
+  int azimuths = 32;  ///< over half the circle, closer together about the sun; mirrored: 2 to 256
+  ReferenceSkyOptions radiance{};
+};
+
+/// Radiance coefficients of singly scattered sunlight, disc apart: `reference_sky_radiance` integrated ring by ring
+/// with the places and weights of `SkyQuadrature::gauss_split`, nothing taken out. What tables and projectors are
+/// measured against. Of the Earth's nine at the default setting 1e-5 by day, 1e-4 in twilight (against twice as many
+/// places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads. Throws
+/// `Error`: invalid_argument (also for other than three wavelengths), cancelled.
+[[nodiscard]] SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m,
+                                                         const glm::dvec3& sun,
+                                                         const ReferenceHarmonicsOptions& options = {},
+                                                         const Control& control = {});
 
 /// Irradiance of the direct sun on a surface that faces it, at each of the wavelengths: W/m2/nm. Throws `Error`
 /// (invalid_argument).

@@ -66,7 +66,7 @@ struct SkyTables {
   /// irradiance; in a single Mie scattering's first channel, likewise without phase function.
   std::vector<float> scattering;
 
-  /// Full layout: single Mie scattering's channels (and 0), same shape. Compact: empty.
+  /// Full layout: single Mie scattering's channels (and 0), same shape. Compact, or no aerosol that scatters: empty.
   std::vector<float> single_mie;
 
   /// Irradiance of the sky, without direct sun, on horizontal ground facing up: [irradiance_heights]

@@ -35,6 +35,11 @@ struct PrefilterOptions {
   /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(linear, mips, size)`. 0: no blur.
   std::vector<double> roughness{};
 
+  /// Mips that are not made: so many at the chain's sharp end, and at its rough end; one at least stays. The others are
+  /// the very bits of the whole chain's, and level 0 of the result has size >> leave_out_sharp texels along an edge.
+  int leave_out_sharp = 0;
+  int leave_out_rough = 0;
+
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;      ///< bound on a mip's relative root mean square error, by solid angle
@@ -69,7 +74,7 @@ struct PrefilteredSpecular {
 };
 
 /// Prefilters. Mip 0 of roughness 0 is the source resampled by area (`to_cubemap`; the very texels of a cubemap of the
-/// same size). Never negative where the source is not; a uniform environment stays what it is.
+/// same size). Not negative where the source is not; uniform ones stay so to 1e-6, ranges to `maximum_error` of an end.
 /// The same bits on any number of threads and instruction set.
 /// Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no method reaches), cancelled.
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},

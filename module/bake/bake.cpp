@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "jobs/tiles.h"
 #include "specular/brdf_integration.h"
 #include "specular/clean_source.h"
+#include "specular/extreme_values.h"
 #include "specular/prefilter.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
@@ -26,8 +28,6 @@ namespace welkin {
 namespace baking {
 namespace {
 
-std::string edge(int size) { return std::to_string(size) + " x " + std::to_string(size); }
-
 /// What a pass came to.
 struct Outcome {
   std::string action = "run";
@@ -37,14 +37,9 @@ struct Outcome {
 template <class View>
 class Baking {
  public:
-  Baking(const View& source, const BakeOptions& options, const BakePlan& plan, const SphericalHarmonics* stored,
+  Baking(const View& source, const BakeOptions& options, const BakePlan& plan, const StoredResults& stored,
          BakeResult& result)
-      : source_(source),
-        shape_(shape_of(source)),
-        options_(options),
-        plan_(plan),
-        stored_(stored != nullptr && options.bands > 0 && options.bands <= stored->bands() ? stored : nullptr),
-        result_(result) {}
+      : source_(source), shape_(shape_of(source)), options_(options), plan_(plan), stored_(stored), result_(result) {}
 
   void run(const Control& control) {
     prepare_results();
@@ -54,12 +49,13 @@ class Baking {
   }
 
  private:
+  static constexpr std::size_t kSkipped = static_cast<std::size_t>(-1);
+  using Work = Outcome (Baking::*)(const Control&);
+
   struct Step {
-    std::string name;
     Outcome outcome;
     std::size_t pass = kSkipped;  ///< of the graph
   };
-  static constexpr std::size_t kSkipped = static_cast<std::size_t>(-1);
 
   /// Makes room for the results, in what is there if it has the right size.
   void prepare_results() {
@@ -75,73 +71,46 @@ class Baking {
     result_.peak_bytes = 0;
   }
 
-  /// A step that runs as a pass of the graph.
-  template <class Work>
-  std::size_t add(std::string name, double cost, Work work, const std::vector<std::size_t>& after) {
-    const std::size_t step = steps_.size();
-    const std::size_t pass = graph_.add(
-        cost, [this, step, work](const Control& control) { steps_[step].outcome = work(control); }, after);
-    steps_.push_back({std::move(name), {}, pass});
-    return pass;
+  [[nodiscard]] Work work_of(BakePass pass) const {
+    switch (pass) {
+      case BakePass::clean: return &Baking::clean;
+      case BakePass::specular: return plan_.stored_specular ? &Baking::take_specular : &Baking::prefilter;
+      case BakePass::background: return &Baking::fill_background;
+      case BakePass::background_mips: return &Baking::fill_levels;
+      case BakePass::project: return &Baking::project_source;
+      case BakePass::irradiance:
+        return options_.irradiance_method == IrradianceMethod::direct ? &Baking::convolve_irradiance
+                                                                      : &Baking::evaluate_irradiance;
+      case BakePass::brdf: break;
+    }
+    return &Baking::look_up_brdf;
   }
 
-  void skip(std::string name, std::string reason) { steps_.push_back({std::move(name), {"skip", std::move(reason)}}); }
-
+  /// What the plan runs or reuses are passes of the graph; what it skips is only recorded.
   void add_passes() {
-    std::vector<std::size_t> cleaned;
-    if (plan_.cleans) {
-      cleaned.push_back(add("clean", plan_.costs.clean, [this](const Control& c) { return clean(c); }, {}));
-    } else {
-      skip("clean", "no pass wants pixels but the projection, which cleans on the fly");
-    }
-    add_specular(cleaned);
-    add_background(cleaned);
-    const std::size_t projected =
-        add("project", plan_.costs.project, [this](const Control& c) { return project_source(c); }, {});
-    add_irradiance(cleaned, projected);
-    if (options_.brdf) {
-      add("brdf", plan_.costs.brdf, [this](const Control& c) { return look_up_brdf(c); }, {});
-    } else {
-      skip("brdf", "not asked for");
-    }
-  }
-
-  void add_background(const std::vector<std::size_t>& cleaned) {
-    if (plan_.background_size == 0) {
-      skip("background", "not asked for");
-      skip("background mips", "there is no background");
-      return;
-    }
-    const std::vector<std::size_t> after = plan_.same_level ? std::vector{specular_} : cleaned;
-    const std::size_t background = add(
-        "background", plan_.costs.background, [this](const Control& c) { return fill_background(c); }, after);
-    if (plan_.background_levels > 1) {
-      add("background mips", plan_.costs.background_mips, [this](const Control& c) { return fill_levels(c); },
-          {background});
-    } else {
-      skip("background mips", options_.background_mips ? "level 0 is 1 texel" : "not asked for");
+    constexpr double kLeastCost = 10'000.0;  // nanoseconds: what a pass takes to begin. Nothing would be no weight
+    constexpr double kNanoseconds = 1e6;     // in a millisecond
+    for (std::size_t k = 0; k < plan_.steps.size(); ++k) {
+      const BakeStep& step = plan_.steps[k];
+      const PlannedPass& planned = step.planned;
+      steps_[k].outcome = {name(planned.action), planned.reason};
+      if (planned.action == PassAction::skip) continue;
+      std::vector<std::size_t> after;
+      for (const BakePass earlier : step.after) {
+        const std::size_t pass = steps_[static_cast<std::size_t>(earlier)].pass;
+        if (pass != kSkipped) after.push_back(pass);
+      }
+      const Work work = work_of(step.pass);
+      steps_[k].pass = graph_.add(
+          std::max(kLeastCost, kNanoseconds * planned.predicted_milliseconds),
+          [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); }, after);
     }
   }
 
-  void add_specular(const std::vector<std::size_t>& cleaned) {
-    if (options_.specular) {
-      specular_ = add(
-          "specular", plan_.costs.specular, [this](const Control& c) { return prefilter(c); }, cleaned);
-    } else {
-      skip("specular", "not asked for");
-    }
-  }
-
-  void add_irradiance(const std::vector<std::size_t>& cleaned, std::size_t projected) {
-    if (options_.irradiance_size == 0) {
-      skip("irradiance", "not asked for");
-    } else if (options_.irradiance_method == IrradianceMethod::direct) {
-      add(
-          "irradiance", plan_.costs.irradiance, [this](const Control& c) { return convolve_irradiance(c); }, cleaned);
-    } else {
-      add("irradiance", plan_.costs.irradiance, [this](const Control& c) { return evaluate_irradiance(c); },
-          {projected});
-    }
+  /// As planned.
+  [[nodiscard]] Outcome done(BakePass pass) const {
+    const PlannedPass& planned = plan_.step(pass).planned;
+    return {name(planned.action), planned.reason};
   }
 
   Outcome clean(const Control& control) {
@@ -150,20 +119,15 @@ class Baking {
     return {"run", "a copy as RGB floats, clamped and replaced as asked for"};
   }
 
-  [[nodiscard]] const View& clean_view() const {
-    if constexpr (std::is_same_v<View, CubemapView>) {
-      return clean_->cube();
-    } else {
-      return clean_->lat_long();
-    }
-  }
+  [[nodiscard]] const View& clean_view() const { return specular::view_of(*clean_, source_); }
 
   Outcome fill_background(const Control& control) {
     CubemapChain& chain = result_.background;
     const int size = chain.size();
-    if (plan_.same_level) {
+    // A chain of huge values went through a scale and back, which loses what is very dark.
+    if (plan_.same_level && !(clean_ && specular::safe_scale(*clean_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
-      return {"reuse", "mip 0 of the specular cubemap is the same"};
+      return done(BakePass::background);
     }
     if constexpr (std::is_same_v<View, LatLongView>) {
       image::fill_cubemap(clean_view(), chain, ResampleFilter::area, control);
@@ -171,7 +135,7 @@ class Baking {
       const CubemapImage image = to_cubemap(clean_view(), size, glm::dmat3(1.0), control);
       std::copy(image.pixels.begin(), image.pixels.end(), chain.face(0, 0));
     }
-    return {"run", shape_.words() + " to faces of " + edge(size) + ", by area"};
+    return done(BakePass::background);
   }
 
   /// Level 0, a tile for some rows of all that lies one after the other in memory.
@@ -190,9 +154,29 @@ class Baking {
   }
 
   Outcome fill_levels(const Control& control) {
+    if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
     fill_mips(result_.background, options_.mip_filter, control);
-    return {"run", std::to_string(plan_.background_levels) + " levels, each from the one above, by " +
-                       (options_.mip_filter == MipFilter::box ? "plain mean" : "solid angle")};
+    if (plan_.stored_background) return {"run", "those that came with the pixels are not all finite"};
+    return done(BakePass::background_mips);
+  }
+
+  /// Below level 0, which went through all the others' policies. False if some are no numbers: then nothing is copied.
+  bool copy_stored_levels() {
+    CubemapChain& chain = result_.background;
+    const auto values = [&](int level) {
+      const auto edge = static_cast<std::size_t>(chain.level_size(level));
+      return std::span<const float>(stored_.levels->face(level, 0), 18 * edge * edge);
+    };
+    for (int level = 1; level < chain.levels(); ++level) {
+      if (!std::ranges::all_of(values(level), [](float value) { return std::isfinite(value); })) return false;
+    }
+    for (int level = 1; level < chain.levels(); ++level) std::ranges::copy(values(level), chain.face(level, 0));
+    return true;
+  }
+
+  Outcome take_specular(const Control& /*control*/) {
+    result_.specular = std::move(*stored_.specular);
+    return done(BakePass::specular);
   }
 
   Outcome prefilter(const Control& control) {
@@ -200,51 +184,54 @@ class Baking {
     prefiltering.pixels = {};
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
     result_.specular = specular::prefilter(clean_view(), prefiltering, 0, std::move(room), control).specular;
-    return {"run", std::to_string(plan_.specular_mips) + " mips from " + edge(plan_.specular_size)};
+    return done(BakePass::specular);
   }
 
   Outcome project_source(const Control& control) {
-    if (stored_ != nullptr) {
-      projection_ = Projection{with_bands(*stored_, options_.bands), {}};
-      return {"reuse", "the harmonics that came with the pixels"};
+    if (plan_.stored_harmonics) {
+      projection_ = Projection{with_bands(*stored_.harmonics, options_.bands), {}};
+    } else {
+      projection_ = project(source_, plan_.projecting, control);
+      if (options_.bands > 0 && options_.bands < plan_.projecting.bands)
+        projection_->radiance = with_bands(projection_->radiance, options_.bands);
     }
-    projection_ = project(source_, plan_.projecting, control);
-    if (options_.bands == 0) return {"run", "1 band, for the flux: no coefficients were asked for"};
-    return {"run", std::to_string(options_.bands) + " bands from the source's own texels"};
+    return done(BakePass::project);
   }
 
   Outcome evaluate_irradiance(const Control& control) {
     const SphericalHarmonics irradiance = irradiance_from_radiance(projection_->radiance);
     result_.irradiance = irradiance_cubemap(irradiance, options_.irradiance_size, control);
-    return {"run", edge(options_.irradiance_size) + " from " + std::to_string(options_.bands) + " bands"};
+    return done(BakePass::irradiance);
   }
 
   Outcome convolve_irradiance(const Control& control) {
     result_.irradiance = direct_irradiance_cubemap(clean_view(), options_.irradiance_size, control);
-    return {"run", edge(options_.irradiance_size) + " by direct convolution in double"};
+    return done(BakePass::irradiance);
   }
 
   Outcome look_up_brdf(const Control& control) {
     bool made = false;
     result_.brdf = specular::shared_brdf(*options_.brdf, control, made);
-    const std::string size = std::to_string(options_.brdf->width) + " x " + std::to_string(options_.brdf->height);
-    if (made) return {"run", size + " by quadrature"};
-    return {"reuse", size + ", made before: it depends on no scene"};
+    if (made) return done(BakePass::brdf);
+    return {"reuse", "made before: it depends on no scene"};
   }
 
   void finish() {
     ProjectionDiagnostics& diagnostics = result_.diagnostics;
-    diagnostics = std::move(projection_->diagnostics);
-    if (stored_ != nullptr) {
+    if (projection_) diagnostics = std::move(projection_->diagnostics);
+    if (!projection_ || plan_.stored_harmonics) {
       if (clean_) diagnostics = clean_->diagnostics();
       diagnostics.texels = shape_.texels();
-      diagnostics.flux = stored_->at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+    }
+    if (plan_.stored_harmonics) {
+      diagnostics.flux = stored_.harmonics->at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
       diagnostics.flux_before_clamp = diagnostics.flux;
     }
     diagnostics.passes.clear();
     if (options_.bands > 0) result_.radiance = std::move(projection_->radiance);
-    for (Step& step : steps_) {
-      diagnostics.passes.push_back({std::move(step.name), std::move(step.outcome.action),
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      Step& step = steps_[k];
+      diagnostics.passes.push_back({plan_.steps[k].planned.name, std::move(step.outcome.action),
                                     std::move(step.outcome.reason),
                                     step.pass == kSkipped ? 0.0 : graph_.milliseconds(step.pass)});
     }
@@ -255,11 +242,10 @@ class Baking {
   SourceShape shape_;
   const BakeOptions& options_;
   const BakePlan& plan_;
-  const SphericalHarmonics* stored_;  ///< null if the pixels are to be projected
+  const StoredResults& stored_;
   BakeResult& result_;
   PassGraph graph_;
-  std::vector<Step> steps_;
-  std::size_t specular_ = kSkipped;
+  std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
   std::optional<specular::CleanSource> clean_;
   std::optional<Projection> projection_;
 };
@@ -270,24 +256,46 @@ std::uint64_t bytes_of(const View& source, const BakeOptions& options) {
   return plan.result_bytes + plan.working_bytes;
 }
 
+/// A plan knows why the scene needs none of it, or what its error budget picked.
+void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
+  for (BakeStep& step : plan.steps) {
+    for (const PlannedPass& said : planned) {
+      const bool same = said.name == step.planned.name && said.action == step.planned.action;
+      if (same) step.planned.reason = said.reason;
+    }
+  }
+}
+
 template <class View>
-void bake_view(BakeResult& result, const View& source, const BakeOptions& options, const SphericalHarmonics* stored,
-               const Control& control) {
-  const BakePlan plan = plan_bake(shape_of(source), options);
-  require_memory(plan, options);
+void bake_view(BakeResult& result, const View& source, const BakeOptions& options, const StoredResults& stored,
+               std::span<const PlannedPass> planned, const Control& control) {
+  BakePlan plan = plan_bake(shape_of(source), options, stored.kinds());
+  require_memory(plan.result_bytes, plan.working_bytes, options);
+  take_reasons(planned, plan);
   Baking<View>(source, options, plan, stored, result).run(control);
 }
 
 }  // namespace
 
-void bake_source(BakeResult& result, const CubemapView& source, const BakeOptions& options,
-                 const SphericalHarmonics* stored, const Control& control) {
-  bake_view(result, source, options, stored, control);
+StoredKinds StoredResults::kinds() const noexcept {
+  StoredKinds kinds;
+  if (harmonics != nullptr) kinds.harmonics_bands = harmonics->bands();
+  if (specular != nullptr) {
+    kinds.specular_mips = specular->cubemap.levels();
+    kinds.specular_size = specular->cubemap.size();
+  }
+  if (levels != nullptr) kinds.background_levels = levels->levels();
+  return kinds;
 }
 
-void bake_source(BakeResult& result, const LatLongView& source, const BakeOptions& options,
-                 const SphericalHarmonics* stored, const Control& control) {
-  bake_view(result, source, options, stored, control);
+void bake_source(BakeResult& result, const CubemapView& source, const BakeOptions& options, const StoredResults& stored,
+                 std::span<const PlannedPass> planned, const Control& control) {
+  bake_view(result, source, options, stored, planned, control);
+}
+
+void bake_source(BakeResult& result, const LatLongView& source, const BakeOptions& options, const StoredResults& stored,
+                 std::span<const PlannedPass> planned, const Control& control) {
+  bake_view(result, source, options, stored, planned, control);
 }
 
 }  // namespace baking
@@ -301,11 +309,11 @@ std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options) 
 }
 
 void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options, const Control& control) {
-  baking::bake_source(result, source, options, nullptr, control);
+  baking::bake_source(result, source, options, {}, {}, control);
 }
 
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options, const Control& control) {
-  baking::bake_source(result, source, options, nullptr, control);
+  baking::bake_source(result, source, options, {}, {}, control);
 }
 
 BakeResult bake(const LatLongView& source, const BakeOptions& options, const Control& control) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 
 #include "bake/bake_plan.h"
 #include "image/sphere_grid.h"
@@ -41,44 +42,143 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const specular::Prefilt
                                                                 static_cast<std::uint64_t>(grid.columns + border);
   }
   // The chain that is sampled, with a border, from level 0 down.
-  if (plan.sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.mips.front().size + 4);
+  if (plan.sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
   return bytes;
 }
 
 double cube_texels(int edge) { return 6.0 * edge * edge; }
 
-}  // namespace
+double texels_of_chain(int size, int levels) { return static_cast<double>(chain_texels(size, levels)); }
 
-std::uint64_t working_bytes(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
-  std::uint64_t bytes = 0;
-  if (plan.cleans) bytes += kTexelBytes * source.texels();
-  if (source.cubemap && plan.background_size > 0 && !plan.same_level)
-    bytes += kTexelBytes * 6 * squared(plan.background_size);
-  if (options.specular) bytes += prefilter_bytes(source, specular::plan_prefilter(*options.specular));
-  return bytes + kSmallChange;
+/// How a cubemap is reduced by a power of two: as its mips are.
+bool halves(int source_size, int size) {
+  return source_size % size == 0 && std::has_single_bit(static_cast<unsigned>(source_size / size));
 }
 
-PassCosts expected_costs(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
-  const auto source_texels = static_cast<double>(source.texels());
-  // A texel of the result takes at least a look; where it is coarser than the source, all of what it covers.
-  const auto resampling = [&](int size) { return 6.0 * cube_texels(size) + 1.5 * source_texels; };
-  PassCosts costs;
-  costs.clean = 0.5 * source_texels;
-  costs.background = resampling(plan.background_size);
-  costs.background_mips = 1.5 * cube_texels(plan.background_size);
-  costs.specular = 20.0 * source_texels + 6.0 * cube_texels(plan.specular_size);
-  costs.project = 0.5 * source_texels * std::max(1.0, plan.projecting.bands / 3.0);
-  const double irradiance_texels = cube_texels(options.irradiance_size);
-  costs.irradiance = options.irradiance_method == IrradianceMethod::direct
-                         ? 5.0 * source_texels * irradiance_texels
-                         : 2.0 * irradiance_texels * plan.projecting.bands * plan.projecting.bands;
-  if (options.brdf) costs.brdf = 500.0 * static_cast<double>(specular::brdf_values(*options.brdf));
-  // A cost of nothing would be no weight: at least what a pass takes to begin.
-  for (double* cost : {&costs.clean, &costs.background, &costs.background_mips, &costs.specular, &costs.project,
-                       &costs.irradiance, &costs.brdf}) {
-    *cost = std::max(*cost, 10'000.0);
+/// A texel of the result takes a look; where it is coarser than the source, all of what it covers.
+double resampling(const SourceShape& source, int size, const CostModel& costs) {
+  if (source.cubemap && source.columns == size) return costs.copy_texel * cube_texels(size);
+  if (source.cubemap && halves(source.columns, size)) return costs.mip_texel * static_cast<double>(source.texels());
+  if (source.cubemap) {
+    return costs.resample_cube_texel * cube_texels(size) +
+           costs.resample_cube_source * static_cast<double>(source.texels());
   }
-  return costs;
+  return costs.resample_texel * cube_texels(size) + costs.resample_source * static_cast<double>(source.texels());
+}
+
+double projecting(double texels, int bands, const CostModel& costs) {
+  return texels * (costs.project_texel + 0.5 * costs.project_sum * bands * (bands + 1));
+}
+
+/// Both halves of a transform: rings by Fourier, orders by Legendre. Functions vanish near the poles: half of them
+/// count.
+double transforming(double rings, double columns, int bands, const CostModel& costs) {
+  return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
+}
+
+double prefiltering(const SourceShape& source, const specular::PrefilterPlan& plan, int samples,
+                    const CostModel& costs) {
+  const double rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const double columns = source.cubemap ? 2.0 * rings : source.columns;
+  double cost = 0.0;
+  if (plan.bands > 0) {
+    if (source.cubemap) cost += costs.ring_texel * rings * columns;
+    cost += costs.bright_texel * rings * columns + transforming(rings, columns, plan.bands, costs);
+  }
+  if (plan.sampled) {
+    cost += resampling(source, plan.size, costs) + (costs.mip_texel + costs.copy_texel) * cube_texels(plan.size);
+  }
+  for (const specular::MipPlan& mip : plan.mips) {
+    const double texels = cube_texels(mip.size);
+    cost += projecting(texels, 1, costs);  // its mean
+    if (mip.copy) {
+      cost += resampling(source, mip.size, costs);
+    } else if (mip.method == PrefilterMethod::sampled) {
+      cost += costs.tap * texels * samples;
+    } else if (mip.method == PrefilterMethod::reference) {
+      cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
+    } else {
+      const specular::GridSize grid = specular::grid_for_bands(mip.bands.bands());
+      cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
+    }
+  }
+  return cost;
+}
+
+double irradiating(const SourceShape& source, const BakeOptions& options, const CostModel& costs) {
+  const double texels = cube_texels(options.irradiance_size);
+  if (options.irradiance_method == IrradianceMethod::direct)
+    return texels * (costs.irradiance_pair * static_cast<double>(source.texels()) + costs.irradiance_direction);
+  return costs.irradiance_term * texels * options.bands * options.bands;
+}
+
+double tabulating(const BrdfTableOptions& options, const CostModel& costs) {
+  return (options.sheen ? costs.sheen_texel : costs.brdf_texel) * options.width * options.height;
+}
+
+/// Nanoseconds of one thread.
+double cost_of(BakePass pass, const SourceShape& source, const BakeOptions& options, const CostModel& costs,
+               const BakePlan& plan) {
+  const bool reuse = plan.step(pass).planned.action == PassAction::reuse;
+  switch (pass) {
+    case BakePass::clean: return costs.clean_texel * static_cast<double>(source.texels());
+    case BakePass::specular:
+      if (reuse) return costs.copy_texel * texels_of_chain(plan.specular_size, plan.specular_mips);
+      return prefiltering(source, specular::plan_prefilter(*options.specular), options.specular->samples, costs);
+    case BakePass::background:
+      if (reuse) return costs.copy_texel * cube_texels(plan.background_size);
+      return resampling(source, plan.background_size, costs);
+    case BakePass::background_mips:
+      if (reuse) return costs.copy_texel / 3.0 * cube_texels(plan.background_size);
+      return costs.mip_texel * cube_texels(plan.background_size);
+    case BakePass::project:
+      if (reuse) return 0.0;
+      return projecting(static_cast<double>(source.texels()), plan.projecting.bands, costs);
+    case BakePass::irradiance: return irradiating(source, options, costs);
+    case BakePass::brdf: break;
+  }
+  return tabulating(*options.brdf, costs);
+}
+
+/// Result and working memory; `BakePlan` adds them up.
+struct Bytes {
+  std::uint64_t result = 0;
+  std::uint64_t working = 0;
+};
+
+Bytes bytes_of(BakePass pass, const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
+  const bool reuse = plan.step(pass).planned.action == PassAction::reuse;
+  const std::uint64_t level = kTexelBytes * chain_texels(plan.background_size, 1);
+  switch (pass) {
+    case BakePass::clean: return {0, kTexelBytes * source.texels()};  // reuse is a hope: the pixels may not be clean
+    case BakePass::specular: {
+      const std::uint64_t chain = kTexelBytes * chain_texels(plan.specular_size, plan.specular_mips);
+      return {chain, reuse ? 0 : prefilter_bytes(source, specular::plan_prefilter(*options.specular))};
+    }
+    case BakePass::background: return {level, source.cubemap && !reuse ? level : 0};
+    case BakePass::background_mips:
+      return {kTexelBytes * chain_texels(plan.background_size, plan.background_levels) - level, 0};
+    case BakePass::project: return {};
+    case BakePass::irradiance: return {kTexelBytes * 6 * squared(options.irradiance_size), 0};
+    case BakePass::brdf: break;
+  }
+  return {sizeof(float) * specular::brdf_values(*options.brdf), 0};
+}
+
+}  // namespace
+
+void predict(const SourceShape& source, const BakeOptions& options, const CostModel& costs, BakePlan& plan) {
+  constexpr double kNanoseconds = 1e6;  ///< in a millisecond
+  plan.result_bytes = 0;
+  plan.working_bytes = kSmallChange;
+  for (BakeStep& step : plan.steps) {
+    if (step.planned.action == PassAction::skip) continue;
+    const Bytes bytes = bytes_of(step.pass, source, options, plan);
+    step.planned.bytes = bytes.result + bytes.working;
+    step.planned.predicted_milliseconds = cost_of(step.pass, source, options, costs, plan) / kNanoseconds;
+    plan.result_bytes += bytes.result;
+    plan.working_bytes += bytes.working;
+  }
 }
 
 }  // namespace welkin::baking

@@ -58,7 +58,7 @@ BakeResult bake_babylon_file(const std::filesystem::path& path, const ReadOption
   if (environment.polynomial) stored = project_file(path, read_options, {}, {control.stop, {}}).radiance;
   BakeResult result;
   naming_file(path, [&] {
-    baking::bake_source(result, chain.view(0), options, stored ? &*stored : nullptr,
+    baking::bake_source(result, chain.view(0), options, {.harmonics = stored ? &*stored : nullptr}, {},
                         jobs::part_of(control, kReadingShare, 1.0));
   });
   put_first(result,

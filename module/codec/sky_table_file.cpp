@@ -26,7 +26,7 @@ using codec::ByteFile;
 using codec::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;  // 1 had a table of single Mie scattering for air without aerosol too
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;
@@ -191,7 +191,7 @@ void for_each_table(Tables& tables, const Use& use) {
   use(tables.transmittance, sky::transmittance_floats(tables.options));
   const std::uint64_t scattering = 4 * sky::scattering_texels(tables.options);
   use(tables.scattering, scattering);
-  use(tables.single_mie, tables.options.layout == ScatteringLayout::full ? scattering : 0);
+  use(tables.single_mie, sky::single_mie_floats(tables.atmosphere, tables.options));
   use(tables.irradiance, sky::irradiance_floats(tables.options));
 }
 
@@ -277,7 +277,7 @@ SkyTables load_sky_tables(const std::filesystem::path& path, std::uint64_t memor
   std::uint32_t sum = checksum(0, start.data() + kSummedFrom, start.size() - kSummedFrom);
   sum = checksum(sum, bytes.data(), bytes.size());
   SkyTables tables = read_parameters(bytes, path);
-  const std::uint64_t size = sky::result_bytes(tables.options);
+  const std::uint64_t size = sky::result_bytes(tables.atmosphere, tables.options);
   if (size != following - sizeof stated - stated) {
     throw file_error(ErrorCode::corrupt_file, path, "its tables are not of the size that its options give");
   }

@@ -17,10 +17,13 @@
 #include <cstdlib>
 #include <numbers>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "image/formats.h"
 #include "jobs/tiles.h"
+#include "sh/error_estimate.h"
 #include "sh/frame_transform.h"
 #include "sh/pixel_policy.h"
 #include "sh/tile_sums.h"
@@ -40,6 +43,13 @@ constexpr int kClasses = simd::kMaximumClasses;
 /// How many chunks a tile has: some 64 tiles a cubemap, enough for many cores, of 4 to 16 chunks, 24 576 to 98 304
 /// texels, 10 to 50 microseconds: long against the microsecond that a tile's own work takes.
 int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16); }
+
+constexpr std::array<int, kFaces> kAllFaces{0, 1, 2, 3, 4, 5};
+
+tables::TexelWeightsKey weights_key(int size, const ProjectionOptions& options) {
+  return {size, options.bands, options.quadrature == Quadrature::midpoint,
+          options.target_size > 0 ? options.target_size : size};
+}
 
 constexpr std::ptrdiff_t kCacheLine = 64;
 
@@ -97,10 +107,21 @@ struct RowRun {
   int position;  ///< of the first one in the chunk's planes
 };
 
+Projection projection_of(SphericalHarmonics radiance, const CleaningRecord& record, int size) {
+  throw_if_rejected(record, true);
+  Projection projection{std::move(radiance), {}};
+  // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
+  projection.diagnostics = diagnostics_of(projection.radiance, record, 2.0 * std::sqrt(std::numbers::pi));
+  projection.diagnostics.texels =
+      static_cast<std::uint64_t>(kFaces) * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
+  return projection;
+}
+
 class CubemapProjection {
  public:
-  CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options)
+  CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces)
       : cubemap_(cubemap),
+        faces_(faces),
         policy_(options),
         functions_(options.bands * options.bands),
         bands_(options.bands),
@@ -109,14 +130,46 @@ class CubemapProjection {
         kernels_(simd::active_kernels()),
         direct_fold_(direct_fold(cubemap.format)),
         fetches_ahead_(options.bands == 3 && std::abs(row_bytes_) * cubemap.size * kFaces > kSecondLevelCache),
-        weights_(tables::TexelWeights::get({cubemap.size, options.bands, options.quadrature == Quadrature::midpoint,
-                                            options.target_size > 0 ? options.target_size : cubemap.size})),
+        weights_(tables::TexelWeights::get(weights_key(cubemap.size, options))),
         tile_chunks_(chunks_per_tile(weights_->chunk_count())),
-        tile_count_((weights_->chunk_count() + tile_chunks_ - 1) / tile_chunks_),
-        sums_(static_cast<std::size_t>(tile_count_), options.bands) {}
+        tile_count_((weights_->chunk_count() + tile_chunks_ - 1) / tile_chunks_) {}
 
   Projection run(const Control& control) {
-    const std::int64_t texels = std::int64_t{kFaces} * cubemap_.size * cubemap_.size;
+    TileSums sums(static_cast<std::size_t>(tile_count_), bands_);
+    // Shared tables are built here, not inside a tile.
+    for (int face = 0; face < kFaces; ++face) static_cast<void>(face_transform(face, bands_));
+    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const CleaningRecord& record) {
+      face_transform(face, bands_).add(face_sums, weights_->place().data(), sums.values(tile));
+      sums.record(tile).add(record);
+    });
+    return projection_of(sums.total(), sums.total_record(), cubemap_.size);
+  }
+
+  SixFaceSums run_faces(const Control& control) {
+    std::array<std::shared_ptr<FaceSums>, kFaces> kept;
+    for (const int face : faces_) {
+      kept[static_cast<std::size_t>(face)] = std::make_shared<FaceSums>(static_cast<std::size_t>(tile_count_), bands_);
+    }
+    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const CleaningRecord& record) {
+      FaceSums& sums = *kept[static_cast<std::size_t>(face)];
+      std::copy_n(face_sums, 3 * functions_, sums.tile(tile));
+      sums.records[tile] = record;
+    });
+    CleaningRecord all;
+    for (const int face : faces_) {
+      for (const CleaningRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
+    }
+    throw_if_rejected(all, true);
+    SixFaceSums result;
+    std::move(kept.begin(), kept.end(), result.begin());
+    return result;
+  }
+
+ private:
+  /// Calls keep(tile, face, sums, record) for all tiles and faces, from whichever thread.
+  template <class Keep>
+  void run_tiles(const Control& control, const Keep& keep) {
+    const auto texels = static_cast<std::int64_t>(faces_.size()) * cubemap_.size * cubemap_.size;
     const jobs::Placement placement = jobs::placement_for(texels);
     std::vector<Scratch> scratch;
     const std::size_t workers = jobs::worker_count(placement);
@@ -124,20 +177,10 @@ class CubemapProjection {
     for (std::size_t worker = 0; worker < workers; ++worker) {
       scratch.emplace_back(functions_, weights_->scratch_size());
     }
-    // Shared tables are built here, not inside a tile.
-    for (int face = 0; face < kFaces; ++face) static_cast<void>(face_transform(face, bands_));
     jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, workers, control,
-                    [&](std::size_t tile, std::size_t worker) { project_tile(tile, scratch[worker]); });
-    const CleaningRecord record = sums_.total_record();
-    throw_if_rejected(record, true);
-    Projection projection{sums_.total(), {}};
-    // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
-    projection.diagnostics = diagnostics_of(projection.radiance, record, 2.0 * std::sqrt(std::numbers::pi));
-    projection.diagnostics.texels = static_cast<std::uint64_t>(texels);
-    return projection;
+                    [&](std::size_t tile, std::size_t worker) { sum_tile(tile, scratch[worker], keep); });
   }
 
- private:
   simd::FoldQuadrants direct_fold(PixelFormat format) const {
     if (policy_.looks_at_every_texel()) return nullptr;
     switch (format) {
@@ -159,12 +202,14 @@ class CubemapProjection {
     return {first, std::min(first + tile_chunks_, weights_->chunk_count())};
   }
 
-  void project_tile(std::size_t tile, Scratch& scratch) {
+  template <class Keep>
+  void sum_tile(std::size_t tile, Scratch& scratch, const Keep& keep) {
     if (direct_fold_ != nullptr) sum_directly(chunks_of(tile), scratch);
-    for (int face = 0; face < kFaces; ++face) {
+    for (const int face : faces_) {
+      CleaningRecord record;
       const bool summed = direct_fold_ != nullptr && fold_face(face, scratch);
-      if (!summed) sum_cleaned(chunks_of(tile), face, scratch, sums_.record(tile));
-      face_transform(face, bands_).add(scratch.face_sums().data(), weights_->place().data(), sums_.values(tile));
+      if (!summed) sum_cleaned(chunks_of(tile), face, scratch, record);
+      keep(tile, face, scratch.face_sums().data(), record);
     }
   }
 
@@ -180,12 +225,13 @@ class CubemapProjection {
 
   /// The fast way: all faces of a chunk while its weights are at hand.
   void sum_directly(const Chunks& chunks, Scratch& scratch) {
-    for (int face = 0; face < kFaces; ++face) clear_lanes(face, scratch);
+    for (const int face : faces_) clear_lanes(face, scratch);
     for (int index = chunks.first; index < chunks.end; ++index) {
       const QuadrantChunk chunk = weights_->chunk(index);
       const float* const weights = weights_->chunk_weights(index, scratch.weights());
-      for (int face = 0; face < kFaces; ++face) {
-        const simd::FetchAhead ahead = read_next(index, face);
+      for (std::size_t at = 0; at < faces_.size(); ++at) {
+        const int face = faces_[at];
+        const simd::FetchAhead ahead = read_next(index, at);
         fold_directly(chunk, face, ahead, scratch);
         sum_planes(chunk, face, weights, ahead, scratch);
       }
@@ -222,12 +268,12 @@ class CubemapProjection {
   /// What is read after a chunk on a face: the same chunk on the next face, or the next chunk on the first.
   /// Several short rows count as one stretch each at the top and at the bottom, as if rows were packed.
   /// (The next tile's first chunk too: as a rule the same thread goes on with it.)
-  [[nodiscard]] simd::FetchAhead read_next(int index, int face) const {
+  [[nodiscard]] simd::FetchAhead read_next(int index, std::size_t at) const {
     if (!fetches_ahead_) return {};
-    const bool last_face = face + 1 == kFaces;
+    const bool last_face = at + 1 == faces_.size();
     if (last_face && index + 1 == weights_->chunk_count()) return {};
     const QuadrantChunk chunk = weights_->chunk(last_face ? index + 1 : index);
-    const int next_face = (face + 1) % kFaces;
+    const int next_face = faces_[last_face ? 0 : at + 1];
     const RowRun first = row_run(chunk, next_face, 0);
     const RowRun last = row_run(chunk, next_face, chunk.row_count - 1);
     const std::byte* const bottom = last.bottom != nullptr ? last.bottom : last.top;
@@ -391,6 +437,7 @@ class CubemapProjection {
   }
 
   const CubemapView& cubemap_;
+  std::span<const int> faces_;
   PixelPolicy policy_;
   int functions_;
   int bands_;
@@ -402,13 +449,49 @@ class CubemapProjection {
   std::shared_ptr<const tables::TexelWeights> weights_;
   int tile_chunks_;
   int tile_count_;
-  TileSums sums_;
 };
 
 }  // namespace
 
 Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
-  return CubemapProjection(cubemap, options).run(control);
+  return CubemapProjection(cubemap, options, kAllFaces).run(control);
+}
+
+SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
+                      const Control& control) {
+  return CubemapProjection(cubemap, options, faces).run_faces(control);
+}
+
+std::size_t tiles_of_face(int size, const ProjectionOptions& options) {
+  const int chunks = tables::TexelWeights::get(weights_key(size, options))->chunk_count();
+  return static_cast<std::size_t>((chunks + chunks_per_tile(chunks) - 1) / chunks_per_tile(chunks));
+}
+
+Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
+  const std::shared_ptr<const tables::TexelWeights> weights = tables::TexelWeights::get(weights_key(size, options));
+  TileSums sums(faces.front()->records.size(), options.bands);
+  for (std::size_t tile = 0; tile < faces.front()->records.size(); ++tile) {
+    for (int face = 0; face < kFaces; ++face) {
+      const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
+      face_transform(face, options.bands).add(kept.tile(tile), weights->place().data(), sums.values(tile));
+      sums.record(tile).add(kept.records[tile]);
+    }
+  }
+  return projection_of(sums.total(), sums.total_record(), size);
+}
+
+void describe_projection(Projection& projection, int size, const ProjectionOptions& options) {
+  ProjectionDiagnostics& diagnostics = projection.diagnostics;
+  const int target = options.target_size;
+  const bool midpoint = options.quadrature == Quadrature::midpoint;
+  diagnostics.error_estimate =
+      estimate_error(projection.radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(target)});
+  if (target > 0) {
+    diagnostics.passes.push_back(
+        {"reduce", "skip", "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
+  }
+  diagnostics.passes.push_back(
+      {"project", "run", "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
 }
 
 }  // namespace welkin::sh

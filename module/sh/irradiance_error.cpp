@@ -4,35 +4,14 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "sh/basis.h"
-#include "tables/trigonometry.h"
-#include "welkin/error.h"
+#include "sh/spiral.h"
 #include "welkin/irradiance.h"
 
 namespace welkin {
 namespace {
-
-constexpr int kMostNormals = 100'000;
-
-/// Points of equal area: equal steps in height, each turned by the golden angle from the one before.
-std::vector<glm::dvec3> spiral(int count) {
-  if (count < 1 || count > kMostNormals) {
-    throw Error(ErrorCode::invalid_argument,
-                std::to_string(count) + " normals; 1 to " + std::to_string(kMostNormals) + " are possible");
-  }
-  const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
-  std::vector<glm::dvec3> normals;
-  for (int i = 0; i < count; ++i) {
-    const double y = 1.0 - (2.0 * i + 1.0) / count;
-    const double ring = std::sqrt((1.0 - y) * (1.0 + y));
-    const tables::SineCosine azimuth = tables::sine_cosine_of_turns(golden * i);
-    normals.emplace_back(ring * azimuth.sine, y, ring * azimuth.cosine);
-  }
-  return normals;
-}
 
 double ratio(double difference, double whole) {
   if (difference == 0.0) return 0.0;
@@ -76,13 +55,13 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 
 std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
-  const std::vector<glm::dvec3> directions = spiral(normals);
+  const std::vector<glm::dvec3> directions = sh::spiral(normals);
   return errors_at(directions, direct_irradiance(cubemap, directions, options, control), radiance);
 }
 
 std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
-  const std::vector<glm::dvec3> directions = spiral(normals);
+  const std::vector<glm::dvec3> directions = sh::spiral(normals);
   return errors_at(directions, direct_irradiance(lat_long, directions, options, control), radiance);
 }
 

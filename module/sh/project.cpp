@@ -43,10 +43,6 @@ void check_chain(std::span<const CubemapView> mips) {
   }
 }
 
-PassRecord cubemap_pass(int size) {
-  return {"project", "run", "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"};
-}
-
 Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
   const int target = sh::effective_target(cubemap.size, options);
   const bool midpoint = options.quadrature == Quadrature::midpoint;
@@ -69,15 +65,8 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
   }
   const Stopwatch projecting;
   Projection projection = sh::project_cubemap(cubemap, options, control);
-  ProjectionDiagnostics& diagnostics = projection.diagnostics;
-  diagnostics.error_estimate = sh::estimate_error(
-      projection.radiance, {midpoint ? static_cast<double>(cubemap.size) : 0.0, static_cast<double>(target)});
-  if (target > 0) {
-    diagnostics.passes.push_back(
-        {"reduce", "skip", "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
-  }
-  diagnostics.passes.push_back(cubemap_pass(cubemap.size));
-  diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  sh::describe_projection(projection, cubemap.size, options);
+  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
   return projection;
 }
 

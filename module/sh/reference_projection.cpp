@@ -49,12 +49,23 @@ struct Picture {
   }
 };
 
-/// Points along an edge that integrate a harmonic over a texel to double precision.
-int gauss_order(int texels) { return texels < 4 ? 28 : texels < 16 ? 12 : texels < 64 ? 6 : 4; }
+/// How a texel is integrated along each edge: equal panels of it, each by a Gauss rule.
+struct TexelRule {
+  int order;
+  int panels;
+};
+
+/// Integrates a harmonic over a texel to double precision, `texels` of which make an edge of a face, or go round the
+/// sphere: a lone one sees all 15 waves of the highest band, more than one rule follows.
+TexelRule texel_rule(int texels) {
+  if (texels < 2) return {28, 2};
+  return {texels < 4 ? 28 : texels < 16 ? 12 : texels < 64 ? 6 : 4, 1};
+}
+
+using AddPoint = std::function<void(const glm::dvec3& direction, double solid_angle)>;
 
 /// Int f over the rectangle, each point weighted with its solid angle; f adds to what it keeps.
-void integrate(const Domain& domain, const Rectangle& r, int order,
-               const std::function<void(const glm::dvec3& direction, double solid_angle)>& f) {
+void integrate_panel(const Domain& domain, const Rectangle& r, int order, const AddPoint& f) {
   const simd::GaussRule rule = tables::gauss_legendre(order);
   const double half_x = 0.5 * (r.x1 - r.x0);
   const double half_y = 0.5 * (r.y1 - r.y0);
@@ -66,9 +77,21 @@ void integrate(const Domain& domain, const Rectangle& r, int order,
   }
 }
 
-double solid_angle(const Domain& domain, const Rectangle& r, int order) {
+void integrate(const Domain& domain, const Rectangle& r, const TexelRule& rule, const AddPoint& f) {
+  const double dx = (r.x1 - r.x0) / rule.panels;
+  const double dy = (r.y1 - r.y0) / rule.panels;
+  for (int j = 0; j < rule.panels; ++j) {
+    for (int i = 0; i < rule.panels; ++i) {
+      const double x = r.x0 + i * dx;
+      const double y = r.y0 + j * dy;
+      integrate_panel(domain, {x, x + dx, y, y + dy}, rule.order, f);
+    }
+  }
+}
+
+double solid_angle(const Domain& domain, const Rectangle& r, const TexelRule& rule) {
   double sum = 0.0;
-  integrate(domain, r, order, [&](const glm::dvec3&, double weight) { sum += weight; });
+  integrate(domain, r, rule, [&](const glm::dvec3&, double weight) { sum += weight; });
   return sum;
 }
 
@@ -87,7 +110,7 @@ Picture reduce(const Domain& domain, const Picture& picture, int width, int heig
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<double> areas(count);
   reduced.radiance.resize(count);
-  const int order = gauss_order(std::min(picture.width, picture.height));
+  const TexelRule rule = texel_rule(std::min(picture.width, picture.height));
   for (int row = 0; row < picture.height; ++row) {
     for (int column = 0; column < picture.width; ++column) {
       const glm::dvec3 radiance =
@@ -95,7 +118,7 @@ Picture reduce(const Domain& domain, const Picture& picture, int width, int heig
                            static_cast<std::size_t>(column)];
       for_each_cell(row, picture.height, height, [&](int cell_row, double row0, double row1) {
         for_each_cell(column, picture.width, width, [&](int cell_column, double column0, double column1) {
-          const double area = by_solid_angle ? solid_angle(domain, picture.texels(column0, column1, row0, row1), order)
+          const double area = by_solid_angle ? solid_angle(domain, picture.texels(column0, column1, row0, row1), rule)
                                              : (column1 - column0) * (row1 - row0);
           const auto cell = static_cast<std::size_t>(cell_row) * static_cast<std::size_t>(width) +
                             static_cast<std::size_t>(cell_column);
@@ -115,18 +138,18 @@ void add_picture(const Domain& domain, const Picture& picture, Quadrature quadra
     sh::evaluate_basis(direction.x, direction.y, direction.z, sum.bands(), basis.data());
     for (std::size_t k = 0; k < basis.size(); ++k) sum.coefficients()[k] += flux * basis[k];
   };
-  const int order = gauss_order(std::min(picture.width, picture.height));
+  const TexelRule rule = texel_rule(std::min(picture.width, picture.height));
   std::size_t index = 0;
   for (int row = 0; row < picture.height; ++row) {
     for (int column = 0; column < picture.width; ++column, ++index) {
       const glm::dvec3& radiance = picture.radiance[index];
       const Rectangle texel = picture.texels(column, column + 1.0, row, row + 1.0);
       if (quadrature == Quadrature::exact) {
-        integrate(domain, texel, order,
+        integrate(domain, texel, rule,
                   [&](const glm::dvec3& direction, double weight) { add(direction, weight * radiance); });
       } else {
         const glm::dvec3 centre = domain(0.5 * (texel.x0 + texel.x1), 0.5 * (texel.y0 + texel.y1)).direction;
-        add(centre, solid_angle(domain, texel, order) * radiance);
+        add(centre, solid_angle(domain, texel, rule) * radiance);
       }
     }
   }

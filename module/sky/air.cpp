@@ -34,9 +34,12 @@ Air::Air(const Atmosphere& atmosphere)
       thickness_(atmosphere.top_radius_m - atmosphere.bottom_radius_m),
       scale_height_(thickness_) {
   matter_ = {&atmosphere.rayleigh, &atmosphere.aerosol};
-  for (const Constituent& absorber : atmosphere.absorbers) matter_.push_back(&absorber);
+  for (const Constituent& absorber : atmosphere.absorbers) {
+    if (matters(absorber)) matter_.push_back(&absorber);
+  }
   std::vector<double> breaks{0.0, thickness_};
   for (const Constituent* const matter : matter_) {
+    if (!matters(*matter)) continue;
     const std::vector<double> own = density_breaks(matter->density, thickness_);
     breaks.insert(breaks.end(), own.begin(), own.end());
     for (const DensityLayer& layer : matter->density) {
@@ -53,12 +56,19 @@ Air::Air(const Atmosphere& atmosphere)
   shells_.back() = thickness_;
 }
 
+bool Air::matters(const Constituent& constituent) noexcept {
+  const auto acts = [](const std::vector<double>& coefficients) {
+    return std::any_of(coefficients.begin(), coefficients.end(), [](double value) { return value > 0.0; });
+  };
+  return !constituent.density.empty() && (acts(constituent.scattering_per_m) || acts(constituent.absorption_per_m));
+}
+
 // The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
 // end (falling ones) or at the upper (rising ones).
 double Air::steepness(double low, double high) const noexcept {
   double steepest = 0.0;
   for (const Constituent* const matter : matter_) {
-    if (matter->density.empty()) continue;
+    if (!matters(*matter)) continue;
     const DensityLayer& layer = layer_at(matter->density, 0.5 * (low + high));
     const double slope = layer.exponential_scale_per_m;
     if (layer.exponential_term == 0.0) continue;

@@ -44,6 +44,8 @@ class Air {
 
  private:
   void divide(double low, double high);
+  /// Whether it has any effect: what has none must not cut the air into shells.
+  [[nodiscard]] static bool matters(const Constituent& constituent) noexcept;
   [[nodiscard]] double steepness(double low, double high) const noexcept;
 
   const Atmosphere* atmosphere_;

@@ -81,7 +81,7 @@ class Precomputation {
     });
     const std::size_t texels = sky::scattering_texels(options_);
     result_.scattering.assign(4 * texels, 0.0F);
-    if (options_.layout == ScatteringLayout::full) result_.single_mie.assign(4 * texels, 0.0F);
+    result_.single_mie.assign(sky::single_mie_floats(result_.atmosphere, options_), 0.0F);
     irradiance_.assign(sky::irradiance_floats(options_), 0.0);
     for (std::size_t group = 0; group < groups_; ++group) {
       const double share = 0.94 / static_cast<double>(groups_);

@@ -44,7 +44,7 @@ void check_tables(const SkyTables& tables) {
   }
   const std::uint64_t scattering = 4 * sky::scattering_texels(tables.options);
   check_size("scattering", tables.scattering.size(), scattering);
-  check_size("single_mie", tables.single_mie.size(), tables.options.layout == ScatteringLayout::full ? scattering : 0);
+  check_size("single_mie", tables.single_mie.size(), sky::single_mie_floats(tables.atmosphere, tables.options));
   check_size("transmittance", tables.transmittance.size(), sky::transmittance_floats(tables.options));
   check_size("irradiance", tables.irradiance.size(), sky::irradiance_floats(tables.options));
 }

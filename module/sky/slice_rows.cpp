@@ -79,9 +79,12 @@ void add_texels(const SkyTables& tables, std::size_t first, std::size_t count, f
     }
     return;
   }
-  const float* const mie = tables.single_mie.data() + 4 * first;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t c = 0; c < 3; ++c) rows[kRow * i + c] += weight * scattering[4 * i + c];
+  }
+  if (tables.single_mie.empty()) return;  // no aerosol: nothing to add
+  const float* const mie = tables.single_mie.data() + 4 * first;
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t c = 0; c < 3; ++c) rows[kRow * i + 4 + c] += weight * mie[4 * i + c];
   }
 }

@@ -8,6 +8,7 @@
 #include "sky/even_legendre.h"
 #include "sky/phase_functions.h"
 #include "sky/sky_geometry.h"
+#include "sky/table_sizes.h"
 #include "tables/exponential.h"
 #include "tables/trigonometry.h"
 
@@ -53,7 +54,7 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       group_(group),
       shape_(shape),
       spectrum_(phase_spectrum(air.atmosphere())),
-      with_aerosol_(!air.atmosphere().aerosol.density.empty() && !air.atmosphere().aerosol.scattering_per_m.empty()),
+      with_aerosol_(scatters(air.atmosphere().aerosol)),
       radiance_(index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns)),
       source_(shape, with_aerosol_),
       total_(shape, with_aerosol_),

@@ -85,9 +85,19 @@ SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
                                                            : SunPaths::Size{};
 }
 
-std::uint64_t result_bytes(const SkyTableOptions& options) noexcept {
-  const std::uint64_t tables = options.layout == ScatteringLayout::full ? 2 : 1;
-  return 4 * (4 * tables * scattering_texels(options) + transmittance_floats(options) + irradiance_floats(options));
+bool scatters(const Constituent& constituent) noexcept {
+  return !constituent.density.empty() &&
+         std::any_of(constituent.scattering_per_m.begin(), constituent.scattering_per_m.end(),
+                     [](double coefficient) { return coefficient > 0.0; });
+}
+
+std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
+  return options.layout == ScatteringLayout::full && scatters(atmosphere.aerosol) ? 4 * scattering_texels(options) : 0;
+}
+
+std::uint64_t result_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
+  return sizeof(float) * (4 * scattering_texels(options) + single_mie_floats(atmosphere, options) +
+                          transmittance_floats(options) + irradiance_floats(options));
 }
 
 }  // namespace welkin::sky
@@ -104,14 +114,14 @@ std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOption
                 "the atmosphere has " + std::to_string(atmosphere.wavelengths_nm.size()) +
                     " wavelengths; tables of radiances hold three: take colour = linear_srgb, or three wavelengths");
   }
-  const bool with_aerosol = !atmosphere.aerosol.density.empty() && !atmosphere.aerosol.scattering_per_m.empty();
+  const bool with_aerosol = sky::scatters(atmosphere.aerosol);
   const std::uint64_t sun_nodes = std::uint64_t{128} * 256;
   const std::uint64_t sunlight = sun_nodes * (sizeof(sky::Amounts) + 4 * sizeof(float));
   const std::uint64_t ray_suns =
       static_cast<std::uint64_t>(sky::angles_of(options)) * static_cast<std::uint64_t>(options.sun_zeniths) + 1024;
   const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
   const std::uint64_t workers = jobs::worker_count(jobs::Placement::arena);
-  return sky::result_bytes(options) + sunlight + 16 * sky::irradiance_floats(options) +
+  return sky::result_bytes(atmosphere, options) + sunlight + 16 * sky::irradiance_floats(options) +
          sky::SourceSolver::bytes(sky::source_shape(options), with_aerosol) + workers * worker;
 }
 

@@ -21,11 +21,17 @@ void check_options(const SkyTableOptions& options);
 [[nodiscard]] std::uint64_t transmittance_floats(const SkyTableOptions& options) noexcept;
 [[nodiscard]] std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept;
 
+/// Of the table of single Mie scattering: none where the layout is compact, or where no aerosol scatters.
+[[nodiscard]] std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
+
+/// Whether there is any of it, and it scatters light.
+[[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
+
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options) noexcept;
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
 
 /// Bytes of the tables themselves.
-[[nodiscard]] std::uint64_t result_bytes(const SkyTableOptions& options) noexcept;
+[[nodiscard]] std::uint64_t result_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
 }  // namespace welkin::sky

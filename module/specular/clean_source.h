@@ -65,4 +65,12 @@ class CleanSource {
   glm::dvec3 clamped_flux_{};
 };
 
+/// The clean pixels of a source that was made of such a view.
+[[nodiscard]] inline const LatLongView& view_of(const CleanSource& source, const LatLongView& /*view*/) noexcept {
+  return source.lat_long();
+}
+[[nodiscard]] inline const CubemapView& view_of(const CleanSource& source, const CubemapView& /*view*/) noexcept {
+  return source.cube();
+}
+
 }  // namespace welkin::specular

@@ -18,7 +18,7 @@
 #include "specular/bright_texels.h"
 #include "specular/clean_source.h"
 #include "specular/cube_rings.h"
-#include "specular/huge_values.h"
+#include "specular/extreme_values.h"
 #include "specular/lobe_integrals.h"
 #include "specular/lobe_splats.h"
 #include "specular/padded_cube.h"
@@ -84,7 +84,7 @@ class Prefilter {
             CubemapChain room)
       : view_(view), source_(source), options_(options), plan_(std::move(plan)) {
     const auto levels = static_cast<int>(plan_.mips.size());
-    result_.specular.cubemap = image::shaped(std::move(room), options.size, levels);
+    result_.specular.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels);
     result_.specular.mips.resize(plan_.mips.size());
     memory_.take(source.bytes());
   }
@@ -184,7 +184,7 @@ void Prefilter<View>::run_spectral(int bands, const Control& control) {
   const Stopwatch watch;
   Rings rings;
   const CleanSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
-  bright_ = find_bright_texels(lat_long, plan_.least_alpha(), kMostBright, {control.stop, {}});
+  bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
   take_out(bright_, lat_long, rings);
   memory_.take(rings.bytes());
   note("bright texels", std::to_string(bright_.size()) + " apart", watch.milliseconds());
@@ -223,7 +223,7 @@ void Prefilter<View>::spectral_mip(std::size_t level, const Spectrum& spectrum, 
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
   synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.5));
-  const std::string name = "mip " + std::to_string(level);
+  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(options_.leave_out_sharp));
   note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
   image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
@@ -300,18 +300,6 @@ void Prefilter<View>::finish() {
   result_.specular.peak_bytes = memory_.peak();
 }
 
-/// What was read. The flux is that of the mip with the most texels: centres stand for texels there.
-void describe_pixels(const CleanSource& source, PrefilteredSpecular& specular) {
-  std::vector<PassRecord> passes = std::move(specular.pixels.passes);
-  specular.pixels = source.diagnostics();
-  specular.pixels.passes = std::move(passes);
-  specular.pixels.flux = 4.0 * std::numbers::pi * specular.mips.front().mean;
-  specular.pixels.flux_before_clamp = specular.pixels.flux + source.clamped_flux();
-}
-
-const LatLongView& view_of(const CleanSource& source, const LatLongView& /*view*/) { return source.lat_long(); }
-const CubemapView& view_of(const CleanSource& source, const CubemapView& /*view*/) { return source.cube(); }
-
 template <class View>
 Prefiltered run(const View& view, const PrefilterOptions& options, int bands, CubemapChain room,
                 const Control& control) {
@@ -320,20 +308,29 @@ Prefiltered run(const View& view, const PrefilterOptions& options, int bands, Cu
   const CleanSource source(view, options.pixels, jobs::part_of(control, 0.0, 0.05));
   const Control rest = jobs::part_of(control, 0.05, 1.0);
   Prefiltered result;
-  if (has_huge_values(source)) {
-    const auto smaller = scaled_down(source, view);
-    const CleanSource small_source(smaller.view(), {}, {control.stop, {}});
-    result = Prefilter<View>(view_of(small_source, view), small_source, options, std::move(plan), std::move(room))
+  if (const float scale = safe_scale(source); scale != 1.0F) {
+    const auto pixels = scaled(source, view, scale);
+    const CleanSource scaled_source(pixels.view(), {}, {control.stop, {}});
+    result = Prefilter<View>(view_of(scaled_source, view), scaled_source, options, std::move(plan), std::move(room))
                  .run(bands, rest);
-    scale_up(result);
+    undo_scale(result, scale);
   } else {
     result = Prefilter<View>(view_of(source, view), source, options, std::move(plan), std::move(room)).run(bands, rest);
   }
-  describe_pixels(source, result.specular);
+  describe_pixels(source.diagnostics(), source.clamped_flux(), result.specular);
   return result;
 }
 
 }  // namespace
+
+void describe_pixels(const ProjectionDiagnostics& cleaned, const glm::dvec3& clamped_flux,
+                     PrefilteredSpecular& specular) {
+  std::vector<PassRecord> passes = std::move(specular.pixels.passes);
+  specular.pixels = cleaned;
+  specular.pixels.passes = std::move(passes);
+  specular.pixels.flux = 4.0 * std::numbers::pi * specular.mips.front().mean;
+  specular.pixels.flux_before_clamp = specular.pixels.flux + clamped_flux;
+}
 
 Prefiltered prefilter(const LatLongView& source, const PrefilterOptions& options, int bands, CubemapChain room,
                       const Control& control) {

@@ -62,9 +62,8 @@ void choose_method(const PrefilterOptions& options, double reach, MipPlan& mip) 
   mip.method = options.method == PrefilterMethod::automatic ? PrefilterMethod::spectral : options.method;
   if (mip.method != PrefilterMethod::spectral) return;
   const int bands = bands_for(mip.alpha, reach);
-  if (bands <= kMaximumSpectrumBands) {
-    mip.bands = choose_bands(mip.alpha, reach, kMaximumSpectrumBands);
-  } else if (options.method == PrefilterMethod::automatic) {
+  if (bands <= kMaximumSpectrumBands) return;
+  if (options.method == PrefilterMethod::automatic) {
     mip.method = PrefilterMethod::sampled;
   } else {
     refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
@@ -73,26 +72,31 @@ void choose_method(const PrefilterOptions& options, double reach, MipPlan& mip) 
   }
 }
 
-}  // namespace
-
-double PrefilterPlan::least_alpha() const noexcept {
-  double least = 1.0;
-  for (const MipPlan& mip : mips) {
-    if (mip.bands.bands() > 0) least = std::min(least, mip.alpha);
-  }
-  return least;
+void check_left_out(const PrefilterOptions& options, int mips) {
+  image::require_range("leave_out_sharp", options.leave_out_sharp, 0, mips - 1);
+  image::require_range("leave_out_rough", options.leave_out_rough, 0, mips - 1 - options.leave_out_sharp);
 }
 
-int PrefilterPlan::rows_for_cubemap(int size) const noexcept {
-  const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha()), 64.0, 2048.0);
-  const int least = size <= 512 ? 2 : 1;  // a ring's texel blurs too
-  return 2 * size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * size))));
+}  // namespace
+
+int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
+  const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha), 64.0, 2048.0);
+  const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
+  return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
 }
 
 double PrefilterPlan::loss_at_peak() const noexcept {
   double loss = 0.0;
   for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
   return loss;
+}
+
+std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  const int mips = mips_of(options);
+  std::vector<double> roughness = roughness_of(options, mips);
+  roughness.resize(static_cast<std::size_t>(mips));
+  return roughness;
 }
 
 PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
@@ -108,8 +112,11 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   sh::check_options(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
+  check_left_out(options, mips);
   PrefilterPlan plan;
+  plan.size = options.size;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
+  int bands_of_chain = 0;
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);
@@ -117,10 +124,18 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
     mip.alpha = mip.roughness * mip.roughness;
     mip.copy = mip.alpha < kLeastAlpha;
     choose_method(options, plan.reach, mip);
+    const bool spectral = !mip.copy && mip.method == PrefilterMethod::spectral;
+    if (spectral) {
+      plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
+      mip.bands = choose_bands(mip.alpha, plan.reach, kMaximumSpectrumBands);
+      bands_of_chain = std::max(bands_of_chain, mip.bands.bands());
+    }
+    if (level < options.leave_out_sharp || level >= mips - options.leave_out_rough) continue;
     plan.bands = std::max(plan.bands, mip.bands.bands());
     plan.sampled = plan.sampled || (!mip.copy && mip.method == PrefilterMethod::sampled);
     plan.mips.push_back(std::move(mip));
   }
+  if (plan.bands > 0) plan.bands = bands_of_chain;
   return plan;
 }
 

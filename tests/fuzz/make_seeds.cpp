@@ -1,10 +1,12 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env|sky DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env|sky|entry DIRECTORY
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
 #include <cstdio>
 #include <string>
 
+#include "cache/entry_format.h"
+#include "cache/payloads.h"
 #include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
@@ -13,7 +15,11 @@
 #include "support/temporary_directory.h"
 #include "support/webp_env.h"
 #include "welkin/babylon_environment.h"
+#include "welkin/face_harmonics.h"
+#include "welkin/image.h"
+#include "welkin/mip_chain.h"
 #include "welkin/sky_tables.h"
+#include "welkin/specular.h"
 #include "welkin/texture_file.h"
 
 namespace {
@@ -189,6 +195,26 @@ void make_sky_seeds(const std::filesystem::path& directory) {
   save_sky_tables(precompute_sky(mars(), options), directory / "compact.sky");
 }
 
+void write_entry(const std::filesystem::path& path, cache::EntryKind kind, const cache::Bytes& payload) {
+  const cache::EntryHeader header = cache::entry_header({kind, {1, 2}}, payload);
+  std::vector<char> bytes(header.begin(), header.end());
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  test::write_bytes(path, bytes);
+}
+
+void make_entry_seeds(const std::filesystem::path& directory) {
+  const std::vector<float> pixels(6 * 4 * 4 * 3, 0.5F);
+  const CubemapImage image{4, pixels};
+  using Kind = cache::EntryKind;
+  write_entry(directory / "projection", Kind::projection, cache::encode(project(image.view())));
+  const PrefilteredSpecular chain = prefilter_specular(image.view(), {.size = 2});
+  write_entry(directory / "mip", Kind::specular_mip, cache::encode_mip(chain.mips.front(), chain.cubemap.face(0, 0)));
+  write_entry(directory / "cubemap", Kind::cubemap, cache::encode(build_mips(image.view())));
+  write_entry(directory / "faces", Kind::face_sums, cache::encode(*project_faces(image.view()).face(0)));
+  SkyTableOptions options{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
+  write_entry(directory / "sky", Kind::sky_tables, cache::encode(precompute_sky(earth(), options)));
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -208,8 +234,10 @@ int main(int argument_count, char** arguments) {
     make_env_seeds(arguments[2]);
   } else if (format == "sky") {
     make_sky_seeds(arguments[2]);
+  } else if (format == "entry") {
+    make_entry_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env|sky DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env|sky|entry DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

@@ -142,4 +142,19 @@ TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") 
   }
 }
 
+TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, for the twin too", "[sh][projection]") {
+  ProjectionOptions options;
+  options.bands = kMaximumBands;
+  for (const int height : {1, 2, 7}) {
+    const TestLatLong image = make_lat_long(Content::uniform, 1, height, 0);
+    for (const SphericalHarmonics& c :
+         {project(image.view(), options).radiance, reference_projection(image.view(), options)}) {
+      for (std::size_t k = 1; k < c.coefficients().size(); ++k) {
+        CAPTURE(height, k);
+        CHECK(std::abs(c.coefficients()[k].x) <= 1e-9 * c.coefficients()[0].x);
+      }
+    }
+  }
+}
+
 }  // namespace welkin::test

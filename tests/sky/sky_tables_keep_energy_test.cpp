@@ -108,8 +108,9 @@ class Leaving {
           (((options_.heights - 1) * options_.view_zeniths + v) * options_.sun_angles + a) * options_.sun_zeniths +
           sun);
       const Atmosphere& air = tables_.atmosphere;
+      const bool has_mie = !tables_.single_mie.empty();
       value += weight * (static_cast<double>(tables_.scattering[4 * at]) * sky::rayleigh_phase(nu) +
-                         static_cast<double>(tables_.single_mie[4 * at]) *
+                         (has_mie ? static_cast<double>(tables_.single_mie[4 * at]) : 0.0) *
                              sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, nu));
     }
     return value;

@@ -6,14 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "report/brdf_truth.h"
 #include "simd/kernels.h"
 #include "specular/brdf_quadrature.h"
-#include "specular/brdf_truth.h"
 #include "support/catch.h"
 #include "welkin/instruction_set.h"
 
 namespace welkin::test {
 namespace {
+
+using report::BrdfTruth;
+using report::ggx_truth;
+using report::sheen_truth;
 
 using Sixteen = std::array<float, simd::kLanes>;
 

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "report/brdf_truth.h"
 #include "specular/brdf_integration.h"
-#include "specular/brdf_truth.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"
@@ -23,6 +23,10 @@
 
 namespace welkin::test {
 namespace {
+
+using report::BrdfTruth;
+using report::ggx_truth;
+using report::sheen_truth;
 
 float value(const BrdfTable& table, int column, int row, int channel) {
   return table.values[static_cast<std::size_t>((row * table.options.width + column) * table.channels + channel)];

@@ -80,6 +80,21 @@ TEST_CASE("Values at the end of the floats do not end at infinity", "[specular][
   CHECK(result.pixels.flux == plain.pixels.flux * 0x1p126);
 }
 
+TEST_CASE("The darkest floats lose no digits that floats have", "[specular][prefilter]") {
+  TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
+  TestLatLong dark = source;
+  for (float& value : dark.pixels) value = std::ldexp(value, -115);
+  const PrefilterOptions options{.size = 16, .roughness = {0.0, 0.02, 0.3, 1.0}, .samples = 32};
+  const PrefilteredSpecular plain = prefilter_specular(source.view(), options);
+  const PrefilteredSpecular result = prefilter_specular(dark.view(), options);
+  for (int level = 0; level < 4; ++level) {
+    const auto x = level_of(plain.cubemap, level);
+    const auto y = level_of(result.cubemap, level);
+    for (std::size_t k = 0; k < x.size(); ++k) REQUIRE(y[k] == std::ldexp(x[k], -115));
+  }
+  CHECK(result.pixels.flux == plain.pixels.flux * 0x1p-115);
+}
+
 TEST_CASE("The flux that is reported is the picture's", "[specular][prefilter]") {
   const TestLatLong source = sun_at(32, 38, 1e4F, 0.2F);
   const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 64});

@@ -66,7 +66,7 @@ inline LevelError level_error(const CubemapChain& chain, int level, const std::v
       error.maximum = std::max(error.maximum, off / std::max(std::abs(t), 1e-30));
     }
   }
-  error.rms = std::sqrt(squares / whole);
+  error.rms = squares > 0.0 ? std::sqrt(squares / whole) : 0.0;
   return error;
 }
 

@@ -555,6 +555,7 @@ TEST_CASE("bake: odd names do no harm", "[tools][bake]") {
 TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
   const TemporaryFolder scratch;
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(scratch.path() / "city.hdr")).exit_code == 0);
+  std::ofstream(scratch.path() / "scene.json") << R"({"glossy": null})";
   std::istringstream help(run_welkin("bake --help").output);
   int examples = 0;
   for (std::string line; std::getline(help, line);) {
@@ -562,7 +563,7 @@ TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
     ++examples;
     std::string arguments = line.substr(line.find("bake"));
     arguments = arguments.substr(0, arguments.find("   "));  // what follows says what it does
-    for (const std::string path : {"city.hdr", "out"}) {
+    for (const std::string path : {"city.hdr", "out", "scene.json"}) {
       const std::size_t at = arguments.find(" " + path);
       if (at != std::string::npos) arguments.replace(at + 1, path.size(), quoted(scratch.path() / path));
     }

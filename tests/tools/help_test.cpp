@@ -7,8 +7,8 @@
 using namespace welkin::test;
 
 TEST_CASE("command: --help teaches", "[tools]") {
-  for (const char* arguments :
-       {"--help", "bake --help", "sh --help", "sky --help", "info --help", "convert --help", "testmap --help", "-h"}) {
+  for (const char* arguments : {"--help", "bake --help", "sh --help", "sky --help", "info --help", "convert --help",
+                                "testmap --help", "report --help", "-h"}) {
     const CommandResult result = run_welkin(arguments);
     INFO("welkin " << arguments);
     CHECK(result.exit_code == 0);
@@ -94,6 +94,16 @@ TEST_CASE("command: bake --help names every option", "[tools]") {
                              "--memory-limit"}) {
     INFO(option);
     CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: report --help names every option and pass", "[tools][report]") {
+  const CommandResult result = run_welkin("report --help");
+  for (const char* part : {"--output", "--json", "--csv", "--plots", "--scale", "--quick", "--passes", "--environment",
+                           "--threads", "--against", "--error-factor", "--time-factor", "--node-modules", "--no-peers",
+                           "--stability", "project-cubemap", "prefilter-file", "sky-tables"}) {
+    INFO(part);
+    CHECK(contains(result.output, part));
   }
 }
 

@@ -1,4 +1,4 @@
-#include "specular/brdf_truth.h"
+#include "report/brdf_truth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "tables/gauss_legendre.h"
 
-namespace welkin::test {
+namespace welkin::report {
 namespace {
 
 constexpr int kOrder = 12;
@@ -124,4 +124,4 @@ double sheen_truth(double normal_view, double alpha) {
   return sum;
 }
 
-}  // namespace welkin::test
+}  // namespace welkin::report

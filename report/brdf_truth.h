@@ -1,7 +1,7 @@
 // Directional albedo over the light's hemisphere, in double: the truth that BRDF tables are measured against.
 #pragma once
 
-namespace welkin::test {
+namespace welkin::report {
 
 struct BrdfTruth {
   double scale;
@@ -14,4 +14,4 @@ BrdfTruth ggx_truth(double normal_view, double alpha);
 /// Int D V (n.l) dl of Charlie sheen with Neubelt's visibility. To 1e-8 of what is above 1.
 double sheen_truth(double normal_view, double alpha);
 
-}  // namespace welkin::test
+}  // namespace welkin::report

@@ -1,0 +1,129 @@
+// Results that were computed before, found again by what they were computed from.
+//
+//   welkin::ResultCache cache({.folder = "cache"});
+//   welkin::BakeResult light = cache.bake(panorama, options);   // the second time, in any process, it is read
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <memory>
+#include <string>
+
+#include "welkin/bake.h"
+#include "welkin/content_hash.h"
+#include "welkin/control.h"
+#include "welkin/projection.h"
+#include "welkin/sky_tables.h"
+#include "welkin/specular.h"
+
+namespace welkin {
+
+struct CacheOptions {
+  std::filesystem::path folder{};                          ///< made if it is not there; empty: nothing on disk
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20U;  ///< held in this process; 0: nothing
+  /// In the folder. Each process goes by what it held at the last look and its own entries since: several may be above
+  /// it together until one of them looks again.
+  std::uint64_t disk_bytes = std::uint64_t{4} << 30U;
+};
+
+/// What has become of requests so far. A bake asks once for each of its parts, a chain once for each of its mips.
+struct CacheStatistics {
+  std::uint64_t memory_hits = 0;
+  std::uint64_t disk_hits = 0;
+  std::uint64_t misses = 0;
+  std::uint64_t damaged = 0;         ///< entries that were not what they should be; taken away, and computed anew
+  std::uint64_t write_failures = 0;  ///< entries that could not be stored: a full disk, a folder that is none
+  std::string last_failure;          ///< of those, in the system's words
+  std::uint64_t memory_bytes = 0;    ///< held now
+};
+
+/// What is done to light that was projected before.
+struct LightChange {
+  double exposure = 1.0;                    ///< factor to the light as gamma and clamp have left it; finite, >= 0
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  ///< what came from direction d comes from rotation * d
+
+  /// Keeps the sums of faces too, which `FaceHarmonics` holds: of a cubemap that is seen again with some faces changed,
+  /// those alone are projected. No use for lat-longs, nor for a target size with the midpoint rule.
+  bool keep_faces = false;
+};
+
+/// A light changed without a look at its pixels: exposure is a factor, rotation a transform of the coefficients, both
+/// in double. The diagnostics' flux follows the exposure. Throws `Error` (invalid_argument).
+[[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
+
+/// Each call gives the bits of the call of the same name without a cache; hits differ in their passes (action "reuse",
+/// and "cache" says what was found where), in times (a mip that was found took 0 ms) and in a prefilter's `peak_bytes`.
+/// Keys are `ContentHash`es of pixels, of options and of the library's version. What is refused without a cache is
+/// refused with one.
+///
+/// A specular chain is kept mip by mip, for prefilters and bakes alike. Whatever chain a mip was made for, it serves
+/// all in which its bits are the same: same source and cleaning of pixels, same size and roughness, same method, and
+/// - copied (roughness below 0.001) and reference mips: nothing else;
+/// - sampled ones: same `samples`, same size of mip 0, whose mips the taps read;
+/// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain, those that are
+///   left out too. It decides which bright texels are taken out, and which rings a cubemap goes through.
+/// So a mip can be added or removed at the rough end, or changed there, and ends can be left out: only what is missing
+/// is made, from the first such mip to the last. What cannot be served: the spectral mips of a chain whose narrowest
+/// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear, the
+/// default, and filament), as every roughness changes with it. By the babylon schedule or a list none does.
+///
+/// Entries on disk are files of their own with a checksum: written beside and renamed. Any number of processes and
+/// threads may share a folder; a damaged, cut or foreign file is never believed. Nobody waits for the disk: a killed
+/// process leaves whole entries or none, and what a power failure cuts is found out. Above the limit the entries that
+/// were used least recently go. Nothing that happens to the folder makes a call fail.
+///
+/// Thread-safe. Two threads that miss the same entry at the same time both compute it. A hit costs hashing the source
+/// (bounded by memory) and copying the result, from disk also reading and checking it: far less than a bake, a
+/// prefilter or sky tables. A projection of pixels in memory is about as fast as their hash: there it is files, many
+/// bands and faces that are worth keeping. A miss costs writing the entries besides, and of a file reading it twice
+/// more for its hash. Memory beside the call's own: the largest entry twice, and of a chain of which a part was found
+/// that part.
+class ResultCache {
+ public:
+  explicit ResultCache(const CacheOptions& options = {});
+  ~ResultCache();
+  ResultCache(ResultCache&&) noexcept;
+  ResultCache& operator=(ResultCache&&) noexcept;
+
+  [[nodiscard]] Projection project(const CubemapView& cubemap, const ProjectionOptions& options = {},
+                                   const LightChange& change = {}, const Control& control = {});
+  [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
+                                   const LightChange& change = {}, const Control& control = {});
+
+  /// By the file's bytes: a hit decodes nothing. A folder of six faces is not kept.
+  [[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
+                                        const ProjectionOptions& options = {}, const Control& control = {});
+
+  [[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
+                                                       const Control& control = {});
+  [[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},
+                                                       const Control& control = {});
+
+  /// Part by part: background, mips of the specular cubemap, irradiance, coefficients. What was there is read, the rest
+  /// is baked.
+  [[nodiscard]] BakeResult bake(const CubemapView& source, const BakeOptions& options = {},
+                                const Control& control = {});
+  [[nodiscard]] BakeResult bake(const LatLongView& source, const BakeOptions& options = {},
+                                const Control& control = {});
+
+  [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
+                                         const Control& control = {});
+
+  [[nodiscard]] CacheStatistics statistics() const;
+
+ private:
+  class Store;
+  template <class View>
+  [[nodiscard]] Projection project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
+                                        const Control& control);
+  template <class View>
+  [[nodiscard]] PrefilteredSpecular prefilter_view(const View& view, const PrefilterOptions& options,
+                                                   const Control& control);
+  template <class View>
+  [[nodiscard]] BakeResult bake_view(const View& view, const BakeOptions& options, const Control& control);
+
+  std::unique_ptr<Store> store_;
+};
+
+}  // namespace welkin

@@ -1,0 +1,80 @@
+// Plans for computed skies: which tables, and what of the light.
+//
+//   const welkin::SkyPlan plan = welkin::plan(welkin::earth(), {.glossy = std::nullopt});
+//   const welkin::SkyBake sky = welkin::bake(plan, welkin::sun_direction(20.0, 145.0));
+//   const auto light = sky.curve->at(sun);    // each frame
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "welkin/atmosphere.h"
+#include "welkin/brdf_table.h"
+#include "welkin/control.h"
+#include "welkin/cost_model.h"
+#include "welkin/image.h"
+#include "welkin/planned_pass.h"
+#include "welkin/scene_needs.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
+#include "welkin/specular.h"
+
+namespace welkin {
+
+struct SkyBakeOptions {
+  SkyTableOptions tables{};
+  double altitude_m = 0.0;
+  int bands = 3;                    ///< 0 to kMaximumBands; those of `curve` and `harmonics` are not read
+  SkyCurveOptions curve{};          ///< of a sun that moves
+  SkyHarmonicsOptions harmonics{};  ///< of one that does not
+  std::optional<PrefilterOptions> specular = PrefilterOptions{.size = 32};
+  int background_size = 256;  ///< of a cubemap of the sky; 0: none
+  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};
+
+  friend bool operator==(const SkyBakeOptions&, const SkyBakeOptions&) = default;
+};
+
+struct SkyPlan {
+  Atmosphere atmosphere;
+  std::string source;               ///< for a person
+  std::vector<PlannedPass> passes;  ///< of the tables as `SkyTables::passes` names them, and what follows
+  SkyBakeOptions options;           ///< what the scene does not need is left out of them
+  bool tables = true;               ///< whether anything looks into them
+  bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
+  std::uint64_t result_bytes = 0;
+
+  [[nodiscard]] double milliseconds(int threads = 1) const noexcept;
+  [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
+};
+
+/// Plans. What a planet has not is planned without: no aerosol, no second table of scattering; no absorbers, no shells
+/// of theirs; of one order nothing of the others. An error budget is
+/// refused (invalid_argument): a sky's settings are judged by tables, so what picks them makes some; ask
+/// `choose_sky_tables`, `choose_sky_orders` and `choose_sky_harmonics` once for a kind of planet, and pass their
+/// settings in `whole`. Throws `Error` (invalid_argument) as `check` and `precompute_sky`.
+[[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {},
+                           const CostModel& costs = {});
+
+struct SkyBake {
+  std::shared_ptr<const SkyTables> tables;      ///< null if nothing is needed
+  std::optional<SkyCurve> curve;                ///< of a sun that moves
+  std::optional<SphericalHarmonics> radiance;   ///< of one that does not: what `SkyProjector` gives
+  Sun sun;                                      ///< as a directional light
+  std::optional<PrefilteredSpecular> specular;  ///< for this sun; about the vertical it can be turned
+  CubemapImage background;
+  std::shared_ptr<const BrdfTable> brdf;
+  std::vector<PassRecord> passes;  ///< in the plan's order; of tables for more wavelengths than three some come again
+};
+
+/// Carries it out, for one sun. The same bits on any number of threads. Throws `Error` as the calls that it makes.
+[[nodiscard]] SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control = {});
+
+/// As `plan_text` of plan.h.
+[[nodiscard]] std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured = {});
+
+}  // namespace welkin

@@ -1,0 +1,235 @@
+#include "welkin/result_cache.h"
+
+#include <array>
+#include <cmath>
+#include <system_error>
+#include <type_traits>
+
+#include "cache/cleaned_pixels.h"
+#include "cache/result_store.h"
+#include "cache/stored_chain.h"
+#include "jobs/tiles.h"
+#include "sh/check_arguments.h"
+#include "sh/cubemap_projection.h"
+#include "sh/level_choice.h"
+#include "specular/prefilter.h"
+#include "welkin/error.h"
+#include "welkin/face_harmonics.h"
+#include "welkin/harmonic_transforms.h"
+
+namespace welkin {
+namespace {
+
+using cache::EntryKind;
+using cache::EntryName;
+using cache::projection_name;
+
+constexpr double kHashing = 0.1;  ///< of the progress
+
+void finished(const Control& control) {
+  if (control.progress) control.progress(1.0);
+}
+
+bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change) {
+  return change.keep_faces &&
+         (options.quadrature == Quadrature::exact || sh::effective_target(cubemap.size, options) == 0);
+}
+
+EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {
+  return {EntryKind::face_sums, cache::result_key("face sums", {face, hash_options(options)})};
+}
+
+/// By way of the sums of faces, of which `found_faces` were there.
+template <class Store>
+Projection project_by_faces(Store& store, const CubemapView& cubemap, const std::array<ContentHash, 6>& hashes,
+                            const ProjectionOptions& options, std::size_t& found_faces, const Control& control) {
+  FaceHarmonics faces(cubemap.size, options);
+  ProjectionOptions effective = options;
+  effective.target_size = sh::effective_target(cubemap.size, options);
+  const std::size_t tiles = sh::tiles_of_face(cubemap.size, effective);
+  const auto decode = [&](cache::ByteSpan bytes) { return cache::decode_face_sums(bytes, options.bands, tiles); };
+  std::vector<int> missing;
+  for (int face = 0; face < 6; ++face) {
+    if (auto found = store.find(face_name(hashes[static_cast<std::size_t>(face)], options), decode)) {
+      faces.set_face(face, std::move(found->value));
+    } else {
+      missing.push_back(face);
+    }
+  }
+  update_faces(faces, cubemap, missing, control);
+  for (const int face : missing) {
+    store.store(face_name(hashes[static_cast<std::size_t>(face)], options), cache::encode(*faces.face(face)));
+  }
+  found_faces = 6 - missing.size();
+  return total(faces);
+}
+
+/// A file that was written to, or is gone, is not what was hashed. What was made of it is sound all the same.
+bool is_still(const std::filesystem::path& path, const ContentHash& bytes) {
+  try {
+    return hash_file(path) == bytes;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void check(const LightChange& change) {
+  if (!(change.exposure >= 0.0) || !std::isfinite(change.exposure)) {
+    throw Error(ErrorCode::invalid_argument,
+                "exposure is " + std::to_string(change.exposure) + "; it must be a finite factor of at least 0");
+  }
+  // Refuses what is no rotation.
+  static_cast<void>(rotate(SphericalHarmonics(1), change.rotation));
+}
+
+}  // namespace
+
+Projection changed(const Projection& projection, const LightChange& change) {
+  check(change);
+  Projection result = projection;
+  if (change.exposure != 1.0) {
+    result.radiance = scale(result.radiance, glm::dvec3(change.exposure));
+    result.diagnostics.flux *= change.exposure;
+    result.diagnostics.flux_before_clamp *= change.exposure;
+    result.diagnostics.passes.push_back({"exposure", "run", "a factor to the coefficients"});
+  }
+  if (change.rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) {
+    result.radiance = rotate(result.radiance, change.rotation);
+    result.diagnostics.passes.push_back({"rotation", "run", "a transform of the coefficients"});
+  }
+  return result;
+}
+
+ResultCache::ResultCache(const CacheOptions& options) : store_(std::make_unique<Store>(options)) {}
+ResultCache::~ResultCache() = default;
+ResultCache::ResultCache(ResultCache&&) noexcept = default;
+ResultCache& ResultCache::operator=(ResultCache&&) noexcept = default;
+
+CacheStatistics ResultCache::statistics() const { return store_->statistics(); }
+
+template <class View>
+Projection ResultCache::project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
+                                     const Control& control) {
+  sh::check_options(options);
+  check(change);
+  const Control hashing = jobs::part_of(control, 0.0, kHashing);
+  std::array<ContentHash, 6> faces{};
+  ContentHash pixels;
+  if constexpr (std::is_same_v<View, CubemapView>) {
+    faces = hash_faces(view, hashing);
+    pixels = hash_of_faces(faces);
+  } else {
+    pixels = hash_pixels(view, hashing);
+  }
+  const EntryName name = projection_name(pixels, options);
+  if (auto found = store_->find_projection(name, options.bands)) {
+    finished(control);
+    return changed(*found, change);
+  }
+  const Control rest = jobs::part_of(control, kHashing, 1.0);
+  Projection projection;
+  std::size_t found_faces = 0;
+  if constexpr (std::is_same_v<View, CubemapView>) {
+    projection = keeps_faces(view, options, change) ? project_by_faces(*store_, view, faces, options, found_faces, rest)
+                                                    : welkin::project(view, options, rest);
+  } else {
+    projection = welkin::project(view, options, rest);
+  }
+  store_->store(name, cache::encode(projection));
+  if (found_faces > 0) {
+    std::vector<PassRecord>& passes = projection.diagnostics.passes;
+    const std::string words = std::to_string(found_faces) + " of 6 faces were projected before";
+    passes.insert(passes.begin(), {"faces", "reuse", words});
+  }
+  return changed(projection, change);
+}
+
+Projection ResultCache::project(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change,
+                                const Control& control) {
+  return project_view(cubemap, options, change, control);
+}
+
+Projection ResultCache::project(const LatLongView& lat_long, const ProjectionOptions& options,
+                                const LightChange& change, const Control& control) {
+  return project_view(lat_long, options, change, control);
+}
+
+Projection ResultCache::project_file(const std::filesystem::path& path, const ReadOptions& read_options,
+                                     const ProjectionOptions& options, const Control& control) {
+  sh::check_options(options);
+  std::error_code none;
+  const bool whole = std::filesystem::is_regular_file(path, none) &&
+                     inspect_environment(path, read_options).layout != Layout::six_files;
+  if (!whole) return welkin::project_file(path, read_options, options, control);
+  const ContentHash bytes = hash_file(path, {control.stop, {}});
+  // The name says what kind of file some are, and which sixth of a cubemap. The limit decides whether it is refused.
+  const std::string ending = path.extension().string();
+  const std::uint64_t limit = read_options.memory_limit_bytes;
+  const EntryName name{EntryKind::projection,
+                       cache::result_key("project file", {bytes, hash_bytes(ending.data(), ending.size()),
+                                                          hash_bytes(&limit, sizeof limit), hash_options(read_options),
+                                                          hash_options(options)})};
+  if (auto found = store_->find_projection(name, options.bands)) {
+    finished(control);
+    return std::move(*found);
+  }
+  Projection projection = welkin::project_file(path, read_options, options, control);
+  if (is_still(path, bytes)) store_->store(name, cache::encode(projection));
+  return projection;
+}
+
+template <class View>
+PrefilteredSpecular ResultCache::prefilter_view(const View& view, const PrefilterOptions& options,
+                                                const Control& control) {
+  const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
+  cache::StoredChain chain(pixels, options);
+  chain.find(*store_);
+  const EntryName cleaned_entry = cache::cleaned_name(pixels, options.pixels);
+  auto cleaned = cache::find_cleaned(*store_, cleaned_entry);
+  std::uint64_t clean_bytes = 0;
+  if (!cleaned || !chain.complete()) {
+    const specular::CleanSource source(view, options.pixels, {control.stop, {}});
+    clean_bytes = source.bytes();
+    cleaned = cache::store_cleaned(*store_, cleaned_entry, source);
+    if (!chain.complete()) {
+      PrefilterOptions missing = chain.missing();
+      missing.pixels = {};
+      const View& clean = specular::view_of(source, view);
+      chain.add(*store_, welkin::prefilter_specular(clean, missing, jobs::part_of(control, kHashing, 1.0)));
+    }
+  }
+  PrefilteredSpecular specular = chain.take();
+  specular::describe_pixels(cleaned->diagnostics, cleaned->clamped_flux, specular);
+  specular.peak_bytes += clean_bytes;
+  finished(control);
+  return specular;
+}
+
+PrefilteredSpecular ResultCache::prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
+                                                    const Control& control) {
+  return prefilter_view(source, options, control);
+}
+
+PrefilteredSpecular ResultCache::prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
+                                                    const Control& control) {
+  return prefilter_view(source, options, control);
+}
+
+SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                                      const Control& control) {
+  const EntryName name{EntryKind::sky_tables,
+                       cache::result_key("sky tables", {hash_options(atmosphere), hash_options(options)})};
+  // Checks the arguments; what is refused without a cache is refused here.
+  const bool within_limit = sky_table_bytes(atmosphere, options) <= options.memory_limit_bytes;
+  const auto decode = [&](cache::ByteSpan entry) { return cache::decode_sky_tables(entry, atmosphere, options); };
+  if (auto found = within_limit ? store_->find(name, decode) : std::nullopt) {
+    cache::mark_reused(found->value.passes, found->where, found->milliseconds);
+    finished(control);
+    return std::move(found->value);
+  }
+  SkyTables tables = welkin::precompute_sky(atmosphere, options, control);
+  store_->store(name, cache::encode(tables));
+  return tables;
+}
+
+}  // namespace welkin

@@ -1,0 +1,128 @@
+#include "result_cache.h"
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "scratch_files.h"
+#include "subjects.h"
+#include "welkin/bake.h"
+#include "welkin/content_hash.h"
+#include "welkin/face_harmonics.h"
+#include "welkin/image.h"
+#include "welkin/result_cache.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr int kWidth = 1024;
+constexpr int kHeight = 512;
+constexpr int kFace = 1024;
+constexpr int kThreads = 2;
+
+using Body = std::function<void()>;
+
+void add(const std::string& variant, bool cubemap, const std::function<Body()>& prepare) {
+  const double texels = cubemap ? 6.0 * kFace * kFace : 1.0 * kWidth * kHeight;
+  add_benchmark("Cache", variant, cubemap ? std::to_string(kFace) : "1024x512", kThreads, texels, 12.0 * texels,
+                prepare);
+}
+
+LatLongView source() { return noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight); }
+
+BakeOptions whole_bake() {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = 256, .roughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}};
+  return options;
+}
+
+/// A cache on disk alone, or in memory alone; its folder is gone in the end.
+struct Cached {
+  std::filesystem::path folder;
+  ResultCache cache;
+
+  Cached(const std::string& name, bool on_disk)
+      : folder(on_disk ? scratch_file(name, [](const auto& path) { std::filesystem::create_directory(path); }) : ""),
+        cache({.folder = folder,
+               .memory_bytes = on_disk ? 0 : std::uint64_t{256} << 20U,
+               .disk_bytes = std::uint64_t{128} << 20U}) {}
+  ~Cached() {
+    if (!folder.empty()) std::filesystem::remove_all(folder);
+  }
+  Cached(const Cached&) = delete;
+  Cached& operator=(const Cached&) = delete;
+};
+
+/// Never the same picture twice.
+void add_first_time(const std::string& variant, bool on_disk) {
+  add(variant, false, [=]() -> Body {
+    const LatLongView noise = source();
+    const auto* const first = static_cast<const float*>(noise.pixels);
+    const std::ptrdiff_t count = std::ptrdiff_t{3} * kWidth * kHeight;
+    auto picture = std::make_shared<LatLongImage>(LatLongImage{kWidth, kHeight, {first, first + count}});
+    auto cached = std::make_shared<Cached>(variant, on_disk);
+    return [=] {
+      picture->pixels.front() += 1.0F;
+      benchmark::DoNotOptimize(cached->cache.bake(picture->view(), whole_bake()));
+    };
+  });
+}
+
+void add_found(const std::string& variant, bool on_disk, bool other_mip) {
+  add(variant, false, [=]() -> Body {
+    auto cached = std::make_shared<Cached>(variant, on_disk);
+    auto options = std::make_shared<BakeOptions>(whole_bake());
+    const LatLongView picture = source();
+    static_cast<void>(cached->cache.bake(picture, *options));
+    return [=] {
+      if (other_mip) options->specular->roughness.back() -= 1e-6;
+      benchmark::DoNotOptimize(cached->cache.bake(picture, *options));
+    };
+  });
+}
+
+void add_bakes_and_hashes() {
+  add("bake-computed", false, []() -> Body {
+    const LatLongView picture = source();
+    return [=] { benchmark::DoNotOptimize(bake(picture, whole_bake())); };
+  });
+  add_first_time("bake-first-in-memory", false);
+  add_first_time("bake-first-on-disk", true);
+  add_found("bake-found-in-memory", false, false);
+  add_found("bake-found-on-disk", true, false);
+  add_found("bake-last-mip-changed", false, true);
+  add("hash", false, []() -> Body {
+    const LatLongView picture = source();
+    return [=] { benchmark::DoNotOptimize(hash_pixels(picture)); };
+  });
+}
+
+void add_cubemaps() {
+  const auto view = [] { return noise_cubemap(PixelFormat::rgb_f32, kFace); };
+  add("cubemap-hash", true,
+      [=]() -> Body { return [cubemap = view()] { benchmark::DoNotOptimize(hash_pixels(cubemap)); }; });
+  add("cubemap-projected", true,
+      [=]() -> Body { return [cubemap = view()] { benchmark::DoNotOptimize(project(cubemap)); }; });
+  add("cubemap-face-changed", true, [=]() -> Body {
+    auto kept = std::make_shared<FaceHarmonics>(project_faces(view()));
+    return [kept, cubemap = view()] {
+      update_faces(*kept, cubemap, std::array{2});
+      benchmark::DoNotOptimize(total(*kept));
+    };
+  });
+  add("cubemap-faces-added-up", true, [=]() -> Body {
+    auto kept = std::make_shared<FaceHarmonics>(project_faces(view()));
+    return [kept] { benchmark::DoNotOptimize(total(*kept)); };
+  });
+}
+
+}  // namespace
+
+void add_result_cache() {
+  add_bakes_and_hashes();
+  add_cubemaps();
+}
+
+}  // namespace welkin::perf

@@ -1,0 +1,94 @@
+// Entries of the result cache. Their sums are made right first: a fuzzer would never get past them.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "cache/byte_writer.h"
+#include "cache/entry_format.h"
+#include "cache/payloads.h"
+
+namespace {
+
+using namespace welkin::cache;
+
+/// What is decoded must be the whole of it: it is the same bytes again.
+template <class Decode, class Encode>
+void round_trip(ByteSpan payload, const Decode& decode, const Encode& encode_again) {
+  const auto result = decode(payload);
+  if (!result) return;
+  const Bytes again = encode_again(*result);
+  const auto once_more = decode(again);
+  if (!once_more || encode_again(*once_more) != again) std::abort();
+}
+
+/// Of the size that it states, as far as bytes are there for it; and of another, which it must not be taken for.
+void decode_mips(ByteSpan payload) {
+  std::uint64_t size = 0;
+  ByteReader(payload).get(size);
+  if (size < 1 || 72 * size * size > payload.size() || size > 4096) size = 1;
+  std::vector<float> texels(18 * size * size);
+  const auto mip = decode_mip(payload, static_cast<int>(size), texels.data());
+  if (!mip) return;
+  const Bytes again = encode_mip(*mip, texels.data());
+  const auto once_more = decode_mip(again, mip->size, texels.data());
+  if (!once_more || encode_mip(*once_more, texels.data()) != again) std::abort();
+  std::vector<float> larger(18 * (size + 1) * (size + 1));
+  if (decode_mip(payload, static_cast<int>(size) + 1, larger.data())) std::abort();
+}
+
+/// The smallest that there can be.
+welkin::SkyTableOptions small_tables() {
+  return {.layout = welkin::ScatteringLayout::compact,
+          .heights = 2,
+          .view_zeniths = 4,
+          .sun_zeniths = 4,
+          .transmittance_heights = 2,
+          .transmittance_zeniths = 2,
+          .irradiance_heights = 2,
+          .irradiance_sun_zeniths = 2};
+}
+
+/// Each asked for with the shape that the bytes state, if there is such a one, and with one that they may not have.
+void decode_all(ByteSpan payload) {
+  std::uint64_t first = 0;
+  std::uint64_t second = 0;
+  ByteReader reader(payload);
+  reader.get(first);
+  reader.get(second);
+  const int bands = static_cast<int>(std::clamp<std::uint64_t>(first, 1, welkin::kMaximumBands));
+  const int size = static_cast<int>(std::clamp<std::uint64_t>(first, 1, 4096));
+  const int levels = static_cast<int>(std::clamp<std::uint64_t>(second, 1, welkin::full_chain_levels(size)));
+  const int root = static_cast<int>(std::sqrt(static_cast<double>(std::min<std::uint64_t>(first, 1024))));
+  const int functions_bands = std::clamp(root, 1, welkin::kMaximumBands);
+  const auto plain = [](const auto& value) { return encode(value); };
+  round_trip(
+      payload, [=](ByteSpan bytes) { return decode_projection(bytes, bands); }, plain);
+  round_trip(
+      payload, [=](ByteSpan bytes) { return decode_cubemap(bytes, size, levels); }, plain);
+  decode_mips(payload);
+  for (const std::size_t tiles : {std::size_t{1}, static_cast<std::size_t>(std::min<std::uint64_t>(second, 4096))}) {
+    round_trip(
+        payload, [=](ByteSpan bytes) { return decode_face_sums(bytes, functions_bands, tiles); },
+        [](const auto& sums) { return encode(*sums); });
+  }
+  const welkin::Atmosphere air;
+  round_trip(
+      payload, [&](ByteSpan bytes) { return decode_sky_tables(bytes, air, small_tables()); }, plain);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* first, std::size_t count) {
+  const ByteSpan bytes(first, count);
+  const auto stated = read_entry_header(bytes);
+  if (stated && is_payload_of(*stated, bytes.subspan(kEntryHeaderBytes))) decode_all(bytes.subspan(kEntryHeaderBytes));
+  if (count < kEntryHeaderBytes) return 0;
+  const ByteSpan payload = bytes.subspan(kEntryHeaderBytes);
+  const EntryHeader header = entry_header({EntryKind::projection, {1, 2}}, payload);
+  const auto own = read_entry_header(header);
+  if (!own || !is_payload_of(*own, payload)) std::abort();
+  decode_all(payload);
+  return 0;
+}

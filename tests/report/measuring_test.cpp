@@ -1,0 +1,158 @@
+// What measurements are made with: norms, probes, lights, formats, the stopwatch, other programs.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "image/texel_geometry.h"
+#include "report/cube_probes.h"
+#include "report/environment.h"
+#include "report/error_norms.h"
+#include "report/number_words.h"
+#include "report/pixel_formats.h"
+#include "report/process.h"
+#include "report/stopwatch.h"
+#include "support/catch.h"
+#include "support/temporary_directory.h"
+#include "welkin/mip_chain.h"
+#include "welkin/projection.h"
+
+using namespace welkin;
+using namespace welkin::report;
+
+TEST_CASE("report: probes are the texels' centres", "[report]") {
+  for (const int size : {1, 2, 7}) {
+    std::vector<Probe> probes;
+    for (std::int64_t k = 0; k < std::int64_t{6} * size * size; ++k) probes.push_back({k, 1.0});
+    const std::vector<glm::dvec3> directions = directions_of(probes, size);
+    std::size_t k = 0;
+    for (int face = 0; face < 6; ++face) {
+      for (int row = 0; row < size; ++row) {
+        for (int column = 0; column < size; ++column, ++k) {
+          CHECK(glm::length(directions[k] - image::face_direction(size, face, column + 0.5, row + 0.5)) < 1e-15);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("report: errors at probes are by solid angle, the largest by its own truth", "[report]") {
+  CubemapChain chain(1, 1);
+  for (int face = 0; face < 6; ++face) std::fill_n(chain.face(0, face), 3, 1.0F);
+  std::mt19937 random(1);
+  const std::vector<Probe> probes = probes_of(chain, 0, 100, random);
+  REQUIRE(probes.size() == 6);
+  std::vector<glm::dvec3> truth(6, glm::dvec3(1.0));
+  CHECK(errors_at(chain, 0, probes, truth, glm::dvec3(1.0)).norms.rms == 0.0);
+  truth[2].g = 0.5;
+  const ProbeErrors errors = errors_at(chain, 0, probes, truth, glm::dvec3(1.0));
+  CHECK(errors.norms.rms == Approx(std::sqrt(0.25 / 17.25)));
+  CHECK(errors.norms.maximum == Approx(1.0));
+  CHECK(errors.truth_there == Approx(0.5));
+}
+
+TEST_CASE("report: many texels are probed evenly, and where they are brightest and darkest", "[report]") {
+  const ReportEnvironment light = built_in_environment(64);
+  CubemapChain chain(16, 1);
+  for (std::size_t k = 0; k < std::size_t{6} * 256 * 3; ++k) chain.face(0, 0)[k] = light.image.pixels[k];
+  chain.face(0, 3)[3 * 77 + 1] = 1e6F;
+  chain.face(0, 5)[3 * 5 + 1] = -1.0F;
+  std::mt19937 random(1);
+  const std::vector<Probe> probes = probes_of(chain, 0, 40, random);
+  REQUIRE(probes.size() == 56);
+  const auto among = [&](std::int64_t texel) {
+    return std::any_of(probes.begin() + 40, probes.end(),
+                       [&](const Probe& p) { return p.texel == texel && p.weight == 0.0; });
+  };
+  CHECK(among(3 * 256 + 77));
+  CHECK(among(5 * 256 + 5));
+  for (std::int64_t k = 0; k < 40; ++k) CHECK(probes[static_cast<std::size_t>(k)].texel / (1536 / 40) - k <= 1);
+}
+
+TEST_CASE("report: norms of harmonics", "[report]") {
+  SphericalHarmonics truth(3);
+  truth.at(0, 0) = glm::dvec3(3.0, 4.0, 0.0);
+  SphericalHarmonics found = truth;
+  CHECK(harmonic_errors(found, truth).rms == 0.0);
+  CHECK(harmonic_errors(found, truth).maximum == 0.0);
+  found.at(0, 0).g = 4.5;
+  CHECK(relative_error(found, truth) == Approx(0.1));
+  CHECK(harmonic_errors(found, truth).maximum == Approx(0.1));  // band 0 is the same everywhere
+  SphericalHarmonics positive = truth;
+  positive.at(0, 0).b = 1.0;
+  found.at(0, 0).b = 1.0;
+  CHECK(worst_channel_error(found, positive) == Approx(0.125));
+  const ErrorNorms both[] = {{3.0, 1.0}, {4.0, 2.0}};
+  CHECK(together(both).rms == Approx(std::sqrt(12.5)));
+  CHECK(together(both).maximum == 2.0);
+}
+
+TEST_CASE("report: the built-in light is nearly the same at any width", "[report]") {
+  const SphericalHarmonics fine = project(built_in_environment(1024).image.view()).radiance;
+  const SphericalHarmonics coarse = project(built_in_environment(512).image.view()).radiance;
+  CHECK(relative_error(coarse, fine) < 0.1);  // the sun is 1.7 texels across there
+  for (const float value : built_in_environment(64).image.pixels) CHECK((value >= 0.0F && value < 1e5F));
+}
+
+TEST_CASE("report: formats hold what they can", "[report]") {
+  CubemapImage image{1, std::vector<float>(18, 0.5F)};
+  image.pixels[0] = 2.0F;
+  for (const PixelFormat format :
+       {PixelFormat::rgb_f32, PixelFormat::rgba_f32, PixelFormat::rgb_f16, PixelFormat::rgba_f16, PixelFormat::rgb_u8,
+        PixelFormat::rgba_u8, PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8}) {
+    INFO(name(format));
+    const bool bytes = bytes_per_texel(format) <= 4;
+    const FormattedCubemap formatted(image, format);
+    const glm::dvec3 mean = average_radiance(project(formatted.view()).radiance);
+    CHECK(mean.r == Approx((bytes ? 1.0 + 2.5 : 2.0 + 2.5) / 6.0).epsilon(6e-3));
+    CHECK(mean.g == Approx(0.5).epsilon(6e-3));
+  }
+}
+
+TEST_CASE("report: the stopwatch runs work as often as it may", "[report]") {
+  int calls = 0;
+  const auto work = [&] { ++calls; };
+  CHECK(Stopwatch{1, 0.0, 1000}.seconds(work) >= 0.0);
+  CHECK(calls == 1);
+  CHECK(Stopwatch{2, 60.0, 1}.seconds(work) >= 0.0);
+  CHECK(calls == 2);
+  CHECK(Stopwatch{1, 0.005, 1000}.seconds(work) >= 0.0);
+  CHECK(calls > 10);
+  CHECK(Stopwatch{1}.clock() == Clock::processor);
+  CHECK(Stopwatch{2}.clock() == Clock::wall);
+  CHECK_THROWS_AS(Stopwatch{1}.seconds([] { throw 5; }), int);
+}
+
+TEST_CASE("report: other programs are run, timed and told apart by how they end", "[report]") {
+  const test::TemporaryDirectory folder;
+  const ProcessResult said =
+      run_process({"sh", "-c", "echo $0; echo no >&2", "word"}, 1, Clock::wall, folder.file("said"));
+  CHECK(said.exit_code == 0);
+  std::ifstream stream(folder.file("said"));
+  std::string line;
+  std::getline(stream, line);
+  CHECK(line == "word");
+  CHECK(run_process({"sh", "-c", "exit 3"}, 0, Clock::processor).exit_code == 3);
+  CHECK(run_process({"sh", "-c", "kill -9 $$"}, 1, Clock::wall).exit_code == -1);
+  CHECK(run_process({"welkin-there-is-no-such-program"}, 1, Clock::wall).exit_code == -1);
+  CHECK(run_process({"sleep", "0.02"}, 1, Clock::wall).seconds >= 0.02);
+  CHECK_FALSE(process_seconds({"false"}, Stopwatch{}).has_value());
+  CHECK(process_seconds({"true"}, Stopwatch{1, 0.0}).has_value());
+  CHECK(on_path("sh"));
+  CHECK_FALSE(on_path("welkin-there-is-no-such-program"));
+}
+
+TEST_CASE("report: errors and times read well", "[report]") {
+  CHECK(percent(0.0) == "0 %");
+  CHECK(percent(0.05) == "5 %");
+  CHECK(percent(0.001) == "0.1 %");
+  CHECK(percent(1.234) == "123 %");
+  CHECK(percent(1e-7) == "1.0e-05 %");
+  CHECK(percent(std::nan("")) == "no number");
+  CHECK(duration(2.5e-7) == "250 ns");
+  CHECK(duration(9.9996e-7) == "1 us");
+  CHECK(duration(1.5e-3) == "1.5 ms");
+  CHECK(duration(12.0) == "12 s");
+}

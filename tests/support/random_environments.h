@@ -1,0 +1,51 @@
+// Seeded environments of every kind that an error estimate may meet: suns of any size and strength, noise,
+// checkerboards and stripes of any period, gradients, horizons, nearly uniform ones, and sums of them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <random>
+#include <string>
+
+#include "welkin/image.h"
+
+namespace welkin::test {
+
+class RandomEnvironments {
+ public:
+  explicit RandomEnvironments(std::uint32_t seed) : engine_(seed) {}
+
+  /// Edge of a face drawn from `sizes`' span, odd ones too. What it is made of is said in `description()`.
+  [[nodiscard]] CubemapImage cubemap(int least_size, int most_size);
+  /// Twice as wide as high as a rule, now and then of another shape.
+  [[nodiscard]] LatLongImage lat_long(int least_height, int most_height);
+
+  /// Of the last one: kinds and size.
+  [[nodiscard]] const std::string& description() const noexcept { return description_; }
+
+  double number() { return static_cast<double>(engine_()) * 0x1p-32; }  ///< in [0, 1)
+  double between(double low, double high) { return low + (high - low) * number(); }
+  double scale(double low, double high);  ///< even in the logarithm
+  bool chance(double share) { return number() < share; }
+  int whole(int low, int high) { return low + static_cast<int>(engine_() % static_cast<unsigned>(high - low + 1)); }
+  glm::dvec3 direction();
+  glm::dvec3 colour();
+
+ private:
+  /// Radiance towards a direction; (u, v) in texels are for patterns that follow the picture's own rows and columns.
+  using Radiance = std::function<glm::dvec3(const glm::dvec3& direction, double u, double v)>;
+
+  Radiance part(double size);
+  Radiance gradient(double strength);
+  Radiance noise(double strength);
+  Radiance pattern(double size);
+  Radiance suns();
+  Radiance horizon();
+  Radiance environment(double size);
+
+  std::mt19937 engine_;
+  std::string description_;
+};
+
+}  // namespace welkin::test

@@ -1,0 +1,209 @@
+// `welkin bake` with a scene's needs: what is left out is not in the folder, what is left is as it was, and the plan
+// says why.
+#include <fstream>
+
+#include "tools/baked_folder.h"
+#include "tools/temporary_folder.h"
+#include "welkin/cost_model.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 --formats ktx2 ";
+
+std::filesystem::path needs_file(const TemporaryFolder& folder, const std::string& text) {
+  std::ofstream(folder.path() / "needs.json") << text;
+  return folder.path() / "needs.json";
+}
+
+bool has(const std::filesystem::path& folder, const std::string& name) {
+  return std::filesystem::exists(folder / name);
+}
+
+}  // namespace
+
+TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "[command][plan]") {
+  const TemporaryFolder folder;
+  bake_into(folder.path() / "all", kSmall);
+  const std::filesystem::path needs = needs_file(folder, R"({"glossy": null, "diffuse_bands": 3})");
+  const nlohmann::json manifest = bake_into(folder.path() / "some", kSmall + ("--needs " + quoted(needs)));
+  for (const char* name : {"background.ktx2", "irradiance.ktx2", "sh.json"}) {
+    INFO(name);
+    CHECK(file_text(folder.path() / "some" / name) == file_text(folder.path() / "all" / name));
+  }
+  for (const char* name : {"specular.ktx2", "brdf.ktx2", "preview_mips.png"}) {
+    INFO(name);
+    CHECK(has(folder.path() / "all", name));
+    CHECK(!has(folder.path() / "some", name));
+  }
+  CHECK(names_in(folder.path() / "some") == names_of(manifest));
+  CHECK(manifest.at("needs").at("glossy").is_null());
+}
+
+TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]") {
+  const TemporaryFolder folder;
+  const nlohmann::json all = bake_into(folder.path() / "all", "--size 32 --roughness 0,0.3,0.6,1 --formats ktx2");
+  const nlohmann::json some =
+      bake_into(folder.path() / "some", "--size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --glossy 0.6,1");
+  REQUIRE(some.at("specular").size() == 2);
+  CHECK(some.at("specular")[0].at("mean") == all.at("specular")[2].at("mean"));
+  CHECK(file_of(some, "specular.ktx2").at("size") == 8);
+  CHECK(file_of(some, "background.ktx2").at("size") == 32);
+}
+
+TEST_CASE("A bake explains itself", "[command][plan]") {
+  const TemporaryFolder folder;
+  const std::string bake = "bake" + std::string(kSmall) + "--no-glossy -o " + quoted(folder.path() / "out");
+  const CommandResult ahead = run_welkin(bake + " --plan-only");
+  CHECK(ahead.exit_code == 0);
+  CHECK(contains(ahead.output, "no glossy materials"));
+  CHECK(!std::filesystem::exists(folder.path() / "out"));
+  const nlohmann::json plan = nlohmann::json::parse(run_welkin(bake + " --plan-only --json").output);
+  CHECK(plan.at("passes").size() == 7);
+  const CommandResult after = run_welkin(bake + " --explain");
+  INFO(after.errors);
+  CHECK(after.exit_code == 0);
+  CHECK(contains(after.errors, "predicted ms"));  // before it begins
+  CHECK(!contains(after.errors, "measured ms"));
+  CHECK(contains(after.output, "measured ms"));
+  const CommandResult json = run_welkin(bake + " --explain --json");
+  CHECK(nlohmann::json::parse(json.output).at("plan").at("passes").size() == 7);
+}
+
+TEST_CASE("An error budget is judged by the input, planned and baked", "[command][plan]") {
+  const TemporaryFolder folder;
+  const std::string bake = "bake --size 16 --roughness 0,0.5,1 --irradiance 8 --brdf 16 --formats ktx2,env -o " +
+                           quoted(folder.path() / "out");
+  const auto reason_of = [](const nlohmann::json& plan, const std::string& name) {
+    for (const auto& pass : plan.at("passes")) {
+      if (pass.at("name") == name) return pass.at("reason").get<std::string>();
+    }
+    return std::string();
+  };
+  const CommandResult ahead = run_welkin(bake + " --error-budget 0.5 --plan-only --json");
+  INFO(ahead.errors);
+  REQUIRE(ahead.exit_code == 0);
+  CHECK(contains(reason_of(nlohmann::json::parse(ahead.output), "project"), "picked: estimated error of irradiance"));
+  CHECK(contains(reason_of(nlohmann::json::parse(ahead.output), "specular"), "picked: estimated error of the worst"));
+  const CommandResult baked =
+      run_welkin(bake + " --needs " + quoted(needs_file(folder, R"({"error_budget": 0.5})")) + " --explain --json");
+  INFO(baked.errors);
+  REQUIRE(baked.exit_code == 0);
+  const nlohmann::json manifest = nlohmann::json::parse(baked.output);
+  CHECK(manifest.at("needs").at("error_budget") == 0.5);
+  CHECK(contains(reason_of(manifest.at("plan"), "specular"), "picked"));
+  CHECK(has(folder.path() / "out", "environment.env"));
+  CHECK(run_welkin(bake + " --error-budget 2").exit_code == 2);
+}
+
+TEST_CASE("The .env's chain of its own is planned, and none is made where the bake's would do", "[command][plan]") {
+  const TemporaryFolder folder;
+  const std::string out = " --size 16 --irradiance 0 --brdf 16 -o " + quoted(folder.path() / "out");
+  const auto planned = [&](const std::string& options) {
+    const CommandResult result = run_welkin("bake --plan-only --json " + options + out);
+    INFO(result.errors);
+    REQUIRE(result.exit_code == 0);
+    const nlohmann::json plan = nlohmann::json::parse(result.output);
+    for (const auto& pass : plan.at("passes")) {
+      if (pass.at("name") == "specular for .env") return pass.at("predicted_ms").get<double>();
+    }
+    return 0.0;
+  };
+  CHECK(planned("--roughness 0,0.5,1 --formats env") > 0.0);
+  CHECK(planned("--roughness 0,0.5,1 --formats ktx2") == 0.0);
+  CHECK(planned("--roughness 0,0.5,1 --formats env --no-glossy") == 0.0);
+  CHECK(planned("--roughness babylon --mips all --formats env") == 0.0);
+  CHECK(planned("--roughness babylon --mips all --formats env --glossy 0.5,1") == 0.0);
+}
+
+TEST_CASE("Light beside an .env's pixels is not taken where pixels are to tell", "[command][plan]") {
+  const TemporaryFolder folder;
+  bake_into(folder.path() / "first", "--size 16 --irradiance 0 --brdf 16 --formats env");
+  const std::filesystem::path env = folder.path() / "first" / "environment.env";
+  const auto takes = [&](const std::string& options) {
+    const CommandResult result =
+        run_welkin("bake " + quoted(env) + " --json --formats pfm --irradiance 8 --brdf 16 -o " +
+                   quoted(folder.path() / "second") + " " + options);
+    INFO(result.errors);
+    REQUIRE(result.exit_code == 0);
+    return contains(result.output, "stored light");
+  };
+  CHECK(takes(""));
+  CHECK(takes("--no-glossy --yaw 10"));
+  CHECK_FALSE(takes("--yaw 10 --needs " + quoted(needs_file(folder, R"({"stored_results": false})"))));
+  CHECK_FALSE(takes("--error-budget 0.5"));
+}
+
+TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& text, const std::string& key) {
+    const std::filesystem::path needs = needs_file(folder, text);
+    const CommandResult result =
+        run_welkin("bake --needs " + quoted(needs) + " --plan-only -o " + quoted(folder.path() / "out"));
+    INFO(text << "\n" << result.errors);
+    return result.exit_code != 0 && result.output.empty() && contains(result.errors, "needs.json") &&
+           contains(result.errors, key);
+  };
+  CHECK(refused(R"({"difuse_bands": 3})", "difuse_bands"));
+  CHECK(refused(R"({"diffuse_bands": 2.5})", "needs.diffuse_bands"));
+  CHECK(refused(R"({"diffuse_bands": 99})", "needs.diffuse_bands"));
+  CHECK(refused(R"({"background": "yes"})", "needs.background"));
+  CHECK(refused(R"({"glossy": {"least": 0.9, "greatest": 0.1}})", "needs.glossy"));
+  CHECK(refused(R"({"glossy": {"smallest": 0.1}})", "smallest"));
+  CHECK(refused(R"({"error_budget": 0})", "needs.error_budget"));
+  CHECK(refused(R"({"error_budget": "1 %"})", "needs.error_budget"));
+  CHECK(refused("[1]", "braces"));
+  CHECK(refused("{", "JSON"));
+}
+
+TEST_CASE("Costs come from a file", "[command][plan]") {
+  const TemporaryFolder folder;
+  const auto predicted = [&](const std::string& costs) {
+    std::ofstream(folder.path() / "costs.json") << costs;
+    const CommandResult result = run_welkin("bake --plan-only --json --costs " + quoted(folder.path() / "costs.json") +
+                                            kSmall + "-o " + quoted(folder.path() / "out"));
+    INFO(result.errors);
+    REQUIRE(result.exit_code == 0);
+    const nlohmann::json plan = nlohmann::json::parse(result.output);
+    for (const auto& pass : plan.at("passes")) {
+      if (pass.at("name") == "brdf") return pass.at("predicted_ms").get<double>();
+    }
+    FAIL("no brdf pass");
+    return 0.0;
+  };
+  std::ofstream(folder.path() / "costs.json") << R"({"sheen_texel": 1e308})";
+  CHECK(run_welkin("bake --plan-only --costs " + quoted(folder.path() / "costs.json")).exit_code != 0);
+  CHECK(predicted(R"({"sheen_texel": 2000})") == Approx(2.0 * predicted(R"({"sheen_texel": 1000})")));
+}
+
+TEST_CASE("What a calibration writes, a plan reads", "[command][plan]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "costs.json";
+  const CommandResult calibrated = run_welkin("report --calibrate -o " + quoted(file));
+  INFO(calibrated.errors);
+  REQUIRE(calibrated.exit_code == 0);
+  CHECK(contains(calibrated.output, "costs.json"));
+  const nlohmann::json costs = nlohmann::json::parse(file_text(file));
+  CHECK(costs.size() == cost_units().size());
+  for (const CostUnit& unit : cost_units()) {
+    INFO(unit.name);
+    CHECK(costs.at(unit.name).get<double>() > 0.0);
+  }
+  const CommandResult planned =
+      run_welkin("bake --plan-only --json --costs " + quoted(file) + kSmall + "-o " + quoted(folder.path() / "out"));
+  INFO(planned.errors);
+  REQUIRE(planned.exit_code == 0);
+  constexpr double kTableTexels = 16.0 * 16.0;
+  constexpr double kNanoseconds = 1e6;  // in a millisecond
+  bool found = false;
+  const nlohmann::json plan = nlohmann::json::parse(planned.output);
+  for (const auto& pass : plan.at("passes")) {
+    if (pass.at("name") != "brdf") continue;
+    found = true;
+    CHECK(pass.at("predicted_ms").get<double>() ==
+          Approx(costs.at("sheen_texel").get<double>() * kTableTexels / kNanoseconds));
+  }
+  CHECK(found);
+}

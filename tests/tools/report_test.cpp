@@ -1,0 +1,119 @@
+// `welkin report`: pages and figures from the command line.
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/catch.h"
+#include "tools/command.h"
+#include "tools/temporary_folder.h"
+
+using namespace welkin::test;
+
+namespace {
+
+/// Small enough for a test: one pass at the tests' scale.
+const std::string kTiny = "report --scale tiny --no-peers --passes irradiance ";
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+CommandResult run_well(const std::string& arguments) {
+  CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  return result;
+}
+
+void require_refused(const std::string& arguments, int exit_code, const std::string& part) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(contains(result.errors, part));
+}
+
+}  // namespace
+
+TEST_CASE("report: a page, figures and plots", "[tools][report]") {
+  const TemporaryFolder folder;
+  const std::string base = (folder.path() / "r").string();
+  const CommandResult result = run_well(kTiny + "-o " + base + ".html --json " + base + ".json --csv " + base +
+                                        ".csv --plots " + quoted(folder.path() / "plots"));
+  CHECK(contains(result.output, "Which setting to take"));
+  CHECK(contains(result.output, base + ".html"));
+  CHECK(contains(text_of(base + ".html"), "<!DOCTYPE html>"));
+  CHECK(contains(text_of(base + ".html"), "Irradiance by bands"));
+  CHECK(contains(text_of(base + ".csv"), "irradiance,harmonics,3 bands,,"));
+  CHECK(contains(text_of(folder.path() / "plots" / "irradiance.svg"), "<svg xmlns"));
+  const auto figures = nlohmann::json::parse(text_of(base + ".json"));
+  CHECK(figures.at("format") == "welkin report");
+  CHECK(figures.at("machine").at("threads") == 1);
+  REQUIRE(figures.at("measurements").size() > 5);
+  for (const auto& one : figures.at("measurements")) {
+    CHECK(one.at("pass") == "irradiance");
+    CHECK(one.at("seconds") > 0.0);
+    CHECK(one.at("error_rms") > 0.0);
+  }
+}
+
+TEST_CASE("report: two reports have the same errors, and are compared", "[tools][report]") {
+  const TemporaryFolder folder;
+  const std::string old = quoted(folder.path() / "old.json");
+  run_well(kTiny + "--json " + old);
+  require_refused("report --quick --against " + old, 2, "--scale tiny");
+  const CommandResult again =
+      run_well(kTiny + "--threads 2 -o " + quoted(folder.path() / "new.html") + " --against " + old);
+  CHECK(contains(again.output, "none is worse"));
+  CHECK(contains(again.output, "threads or clocks differ"));
+  CHECK(contains(text_of(folder.path() / "new.html"), "Against the older report"));
+
+  auto figures = nlohmann::json::parse(text_of(folder.path() / "old.json"));
+  for (auto& one : figures.at("measurements")) {
+    if (one.at("setting") == "2 bands") one["error_rms"] = 0.5 * one.at("error_rms").get<double>();
+  }
+  std::ofstream(folder.path() / "better.json") << figures;
+  const CommandResult worse = run_well(kTiny + "--threads 2 -o " + quoted(folder.path() / "worse.html") +
+                                       " --against " + quoted(folder.path() / "better.json"));
+  CHECK(contains(worse.output, "Larger error"));
+  CHECK(contains(worse.output, "harmonics, 2 bands"));
+  CHECK(contains(worse.output, "some are worse"));
+}
+
+TEST_CASE("report: raw figures alone come without a page", "[tools][report]") {
+  const TemporaryFolder folder;
+  const CommandResult result = run_well(kTiny + "--csv " + quoted(folder.path() / "figures.csv"));
+  CHECK_FALSE(contains(result.output, ".html"));
+}
+
+TEST_CASE("report: the stability suite as a table and as JSON", "[tools][report]") {
+  const TemporaryFolder folder;
+  CHECK(contains(run_well("report --stability --quick --stability-subject windows").output, "hold"));
+  run_well("report --stability --quick --stability-subject windows --json " + quoted(folder.path() / "s.json"));
+  CHECK_FALSE(nlohmann::json::parse(text_of(folder.path() / "s.json")).at("cases").empty());
+}
+
+TEST_CASE("report: what cannot be done is refused before any work", "[tools][report]") {
+  const TemporaryFolder folder;
+  require_refused("report --scale huge", 2, "--scale");
+  require_refused("report --quick --scale tiny", 2, "--scale");
+  require_refused("report --passes nonsense", 2, "nonsense");
+  require_refused("report --threads -1", 2, "--threads");
+  require_refused("report --stability --passes brdf", 2, "--stability");
+  require_refused("report --calibrate --stability", 2, "--calibrate");
+  require_refused("report --calibrate --quick", 2, "--calibrate");
+  require_refused("report --calibrate -o " + quoted(folder.path() / "none" / "costs.json"), 1, "there is no folder");
+  require_refused("report --stability-subject windows", 2, "--stability");
+  require_refused("report --error-factor 2", 2, "--against");
+  require_refused("report --against old.json --time-factor 0.5", 2, "--time-factor");
+  require_refused("report --against " + quoted(folder.path() / "none.json"), 1, "none.json");
+  require_refused("report -o " + quoted(folder.path() / "none" / "page.html"), 1, "there is no folder");
+  std::ofstream(folder.path() / "cut.json") << "{\"format\": \"welkin report\", \"version\": 1";
+  require_refused("report --against " + quoted(folder.path() / "cut.json"), 1, "cut.json");
+  require_refused(
+      kTiny + "--environment " + quoted(folder.path() / "none.exr") + " --csv " + quoted(folder.path() / "c"), 1,
+      "none.exr");
+}
