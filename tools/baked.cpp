@@ -163,6 +163,37 @@ void note_blur(const BakeCommandOptions& options, Baked& baked) {
                         ": all that is made of them is blurred by that");
 }
 
+/// What is to be made of pixels.
+struct PixelWork {
+  Plan light;         ///< by the library's bake
+  EnvChain env;       ///< beside it
+  double done = 0.0;  ///< of the progress
+};
+
+/// Puts both into `baked.plan`, and refuses what would not fit into memory.
+PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& options, const SceneNeeds& needs,
+                      Baked& baked, const Control& control) {
+  const CostModel costs = options.scene.costs();
+  PixelWork work;
+  work.done = needs.error_budget ? kJudged : kRead;
+  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0};
+  source.visit([&](const auto& view) {
+    work.light = plan(view, needs, baked.whole, costs, part_of(control, kRead, work.done));
+    baked.plan = work.light;
+    baked.options = work.light.options;
+    work.env = env_chain(options, baked.whole, baked.options);
+    plan_env(view, work.env, costs, baked.plan);
+    memory.bake = bake_bytes(view, baked.options);
+    if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
+  });
+  baked.env_left_out = options.containers.contains(Container::env) && !work.env.wanted;
+  baked.env_is_specular = work.env.is_specular;
+  explain(options, baked.plan);
+  memory.env_size = work.env.options.size;
+  check_memory(memory, options, baked.options);  // which holds the library's limit too
+  return work;
+}
+
 /// From the pixels.
 void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
   BakeSource source =
@@ -173,39 +204,22 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
   note_blur(options, baked);
-  const CostModel costs = options.scene.costs();
-  const Plan planned = source.visit([&](const auto& view) {
-    return plan(view, needs, baked.whole, costs, part_of(control, kRead, needs.error_budget ? kJudged : kRead));
-  });
-  const double judged = needs.error_budget ? kJudged : kRead;
-  baked.options = planned.options;
-  const EnvChain env = env_chain(options, baked.whole, baked.options);
-  baked.env_left_out = options.containers.contains(Container::env) && !env.wanted;
-  baked.env_is_specular = env.is_specular;
-  baked.plan = planned;
-  source.visit([&](const auto& view) { plan_env(view, env, costs, baked.plan); });
-  explain(options, baked.plan);
-  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, env.options.size};
-  source.visit([&](const auto& view) {
-    memory.bake = bake_bytes(view, baked.options);
-    if (env.second()) memory.second_bake = bake_bytes(view, second_bake_options(env.options));
-  });
-  check_memory(memory, options, baked.options);  // which holds the library's limit too
-  const double end = env.second() ? kBaked : 1.0;
+  const PixelWork work = plan_pixels(source, options, needs, baked, control);
+  const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "what the scene needs" : "all that was asked for";
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, "bake", reason,
-                        [&] { return bake_light(source, planned, cache, part_of(control, judged, end)); });
-    if (!env.second()) return;
+                        [&] { return bake_light(source, work.light, cache, part_of(control, work.done, end)); });
+    if (!work.env.second()) return;
     baked.env = timed(baked.passes, kEnvPass, "Babylon.js has a roughness of its own for each mip",
-                      [&] { return prefilter_env(source, env.options, cache, part_of(control, kBaked, 1.0)); });
+                      [&] { return prefilter_env(source, work.env.options, cache, part_of(control, kBaked, 1.0)); });
   });
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
           [&] { use_stored_light(baked, control); });
   }
   baked.picture = source.take_picture();
-  if (env.wanted) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
+  if (work.env.wanted) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
 }
 
 }  // namespace

@@ -118,6 +118,18 @@ TEST_CASE("The .env's chain of its own is planned, and none is made where the ba
   CHECK(planned("--roughness babylon --mips all --formats env --glossy 0.5,1") == 0.0);
 }
 
+TEST_CASE("What is made of reflections that are blurred is said to be blurred", "[command][plan]") {
+  const TemporaryFolder folder;
+  const auto bakes_from = [&](const std::string& roughness) {
+    bake_into(folder.path() / "first", "--size 16 --irradiance 0 --brdf 16 --formats ktx2 --roughness " + roughness);
+    return bake_into(folder.path() / "second",
+                     quoted(folder.path() / "first" / "specular.ktx2") + " --irradiance 0 --brdf 16 --formats ktx2")
+        .dump();
+  };
+  CHECK(contains(bakes_from("0.3,1"), "reflections of roughness 0.3"));
+  CHECK_FALSE(contains(bakes_from("0,1"), "reflections of roughness"));
+}
+
 TEST_CASE("Light beside an .env's pixels is not taken where pixels are to tell", "[command][plan]") {
   const TemporaryFolder folder;
   bake_into(folder.path() / "first", "--size 16 --irradiance 0 --brdf 16 --formats env");

@@ -65,6 +65,10 @@ TEST_CASE("report: two reports have the same errors, and are compared", "[tools]
   const std::string old = quoted(folder.path() / "old.json");
   run_well(kTiny + "--json " + old);
   require_refused("report --quick --against " + old, 2, "--scale tiny");
+  auto elsewhere = nlohmann::json::parse(text_of(folder.path() / "old.json"));
+  elsewhere["environment"] = "a hall";
+  std::ofstream(folder.path() / "elsewhere.json") << elsewhere;
+  require_refused(kTiny + "--against " + quoted(folder.path() / "elsewhere.json"), 2, "a report on a hall");
   const CommandResult again =
       run_well(kTiny + "--threads 2 -o " + quoted(folder.path() / "new.html") + " --against " + old);
   CHECK(contains(again.output, "none is worse"));
@@ -111,6 +115,13 @@ TEST_CASE("report: what cannot be done is refused before any work", "[tools][rep
   require_refused("report --against old.json --time-factor 0.5", 2, "--time-factor");
   require_refused("report --against " + quoted(folder.path() / "none.json"), 1, "none.json");
   require_refused("report -o " + quoted(folder.path() / "none" / "page.html"), 1, "there is no folder");
+  require_refused("report -o " + quoted(folder.path()), 1, "is a directory");
+  require_refused("report --json -", 2, "is no file");
+  require_refused("report --stability --against old.json", 2, "--stability");
+  for (const char* const kind : {"--stability", "--calibrate"})
+    require_refused(std::string("report ") + kind + " --json a.json -o b.md", 2, "not both");
+  std::ofstream(folder.path() / "file") << "no folder";
+  require_refused("report --plots " + quoted(folder.path() / "file"), 1, "no folder can be made");
   std::ofstream(folder.path() / "cut.json") << "{\"format\": \"welkin report\", \"version\": 1";
   require_refused("report --against " + quoted(folder.path() / "cut.json"), 1, "cut.json");
   require_refused(
