@@ -1,0 +1,323 @@
+// Promise: bakes, whole, planned, from files, from the cache and in a worker, have the bits of before
+// (see same_as_before_test.cpp).
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/recorded_results.h"
+#include "support/small_skies.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/bake.h"
+#include "welkin/environment_writer.h"
+#include "welkin/plan.h"
+#include "welkin/requests.h"
+#include "welkin/resampling.h"
+#include "welkin/result_cache.h"
+#include "welkin/sky_light.h"
+#include "welkin/sky_requests.h"
+#include "welkin/texture_file.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+namespace {
+
+/// Small and quick, with every pass.
+BakeOptions small_bake(int size = 16) {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.2, 0.5, 1.0}};
+  options.irradiance_size = 5;
+  options.brdf = BrdfTableOptions{.width = 9, .height = 7};
+  return options;
+}
+
+BakeOptions unusual_bake() {
+  BakeOptions options = small_bake(13);
+  options.background_size = 20;
+  options.mip_filter = MipFilter::box;
+  options.irradiance_method = IrradianceMethod::direct;
+  options.irradiance_size = 2;
+  options.bands = 6;
+  options.brdf.reset();
+  options.pixels.clamp = RadianceClamp{200.0F, true};
+  options.pixels.negative = NegativePolicy::replace;
+  return options;
+}
+
+BakeOptions light_alone() {
+  BakeOptions options = small_bake();
+  options.background = false;
+  options.specular.reset();
+  options.brdf.reset();
+  options.projected_bands = 5;
+  return options;
+}
+
+LatLongImage wide_picture() { return {96, 48, make_lat_long(Content::sun_disc, 96, 48, 71).pixels}; }
+CubemapImage cube_picture() { return {24, make_cubemap(Content::high_range, 24, 3, 72).pixels}; }
+
+struct NamedNeeds {
+  const char* name;
+  SceneNeeds needs;
+};
+
+const std::vector<NamedNeeds>& scenes() {
+  static const std::vector<NamedNeeds> all{
+      {"everything", {}},
+      {"ambient_mobile",
+       {.diffuse_bands = 1, .irradiance_cubemap = false, .glossy = std::nullopt, .background = false}},
+      {"no_glossy", {.glossy = std::nullopt}},
+      {"rough", {.glossy = RoughnessRange{0.4, 1.0}}},
+      {"rough_of_other_bits", {.glossy = RoughnessRange{0.4, 1.0}, .same_bits = false}},
+      {"smooth", {.glossy = RoughnessRange{0.0, 0.3}, .background_mips = false}},
+      {"backdrop", {.diffuse_bands = 0, .irradiance_cubemap = false, .glossy = std::nullopt, .brdf_table = false}},
+      {"error_budget", {.error_budget = 0.02}},
+  };
+  return all;
+}
+
+/// Small files of each kind that carries something of its own.
+class SomeFiles {
+ public:
+  SomeFiles() {
+    write_environment(path("wide.pfm"), wide_picture().view());
+    write_environment(path("wide.hdr"), wide_picture().view());
+    const CubemapChain chain = noisy_chain(16, 5, 4);
+    const auto radiance = project(chain.view(0)).radiance;
+    write_babylon_environment(path("light.env"), to_babylon(chain, radiance));
+    write_texture(path("cube.ktx2"), chain.views(), {.metadata = {{"welkin.roughness", "0 0.2 0.5 0.8 1"}}});
+    write_texture(path("plain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
+  }
+
+  [[nodiscard]] std::filesystem::path path(const char* file_name) const { return folder_.file(file_name); }
+
+ private:
+  TemporaryDirectory folder_;
+};
+
+std::uint64_t bits_of_plan(const StoredEnvironment& stored, const SceneNeeds& needs) {
+  return bits_of(bake(stored, plan(stored, needs, small_bake())));
+}
+
+/// The bits that `call(cache)` computes. It throws if the same call then finds other bits in memory or on disk, or does
+/// not find them there.
+template <class Call>
+std::function<std::uint64_t()> computed_and_found(Call call) {
+  return [call] {
+    const TemporaryDirectory folder;
+    ResultCache cache({.folder = folder.file("cache")});
+    const std::uint64_t computed = bits_of(call(cache));
+    if (bits_of(call(cache)) != computed) throw std::runtime_error("other bits were found in memory");
+    ResultCache other({.folder = folder.file("cache")});
+    if (bits_of(call(other)) != computed) throw std::runtime_error("other bits were found on disk");
+    if (cache.statistics().memory_hits == 0) throw std::runtime_error("nothing was found in memory");
+    if (other.statistics().disk_hits == 0) throw std::runtime_error("nothing was found on disk");
+    return computed;
+  };
+}
+
+/// The light of a sky that has settled.
+std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyTables>& tables,
+                                const SkyCurveOptions& curve, const PrefilterOptions& specular) {
+  SkyLightOptions options;
+  options.curve = curve;
+  options.specular = specular;
+  options.blend_seconds = 0.0;
+  SkyLight sky(worker, tables, options);
+  sky.set_sun(17.0, 99.0);
+  sky.set_intensity(1.5);
+  while (!sky.update(0.1).settled) {
+    if (sky.error()) std::rethrow_exception(sky.error());
+    worker.wait_until_idle();
+  }
+  const SkyLightFrame& light = sky.light();
+  BitHash hash;
+  add_bits(hash, light.radiance);
+  add_bits(hash, light.sun);
+  for (const SkyReflections& reflections : light.reflections) {
+    add_bits(hash, reflections.weight);
+    if (reflections.weight == 0.0) continue;
+    add_bits(hash, reflections.specular);
+    add_bits(hash, reflections.rotation);
+  }
+  return hash.value();
+}
+
+}  // namespace
+
+TEST_CASE("Whole bakes are the same as before", "[same_as_before]") {
+  const LatLongImage wide = wide_picture();
+  const CubemapImage cube = cube_picture();
+  const TestLatLongHalf half = make_lat_long_half(Content::special_values, 61, 30, 73, 4);
+  const TestCubemap odd = make_cubemap(Content::special_values, 15, 4, 74);
+  BakeOptions without_bands = small_bake();
+  without_bands.bands = 0;
+  without_bands.irradiance_size = 0;
+  without_bands.background_mips = false;
+  require_as_recorded("bake", {
+                                  {"lat_long", [&] { return bake(wide.view(), small_bake()); }},
+                                  {"cubemap", [&] { return bake(cube.view(), small_bake()); }},
+                                  {"lat_long_unusual", [&] { return bake(half.view(), unusual_bake()); }},
+                                  {"cubemap_unusual", [&] { return bake(odd.view(), unusual_bake()); }},
+                                  {"lat_long_light", [&] { return bake(wide.view(), light_alone()); }},
+                                  {"cubemap_light", [&] { return bake(cube.view(), light_alone()); }},
+                                  {"without_bands", [&] { return bake(wide.view(), without_bands); }},
+                                  {"into_older",
+                                   [&] {
+                                     BakeResult result = bake(cube.view(), small_bake(8));
+                                     bake_into(result, wide.view(), small_bake());
+                                     return result;
+                                   }},
+                              });
+}
+
+TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
+  const LatLongImage wide = wide_picture();
+  const CubemapImage cube = cube_picture();
+  std::vector<NamedResult> results;
+  for (const NamedNeeds& scene : scenes()) {
+    std::string name = "lat_long_";
+    name += scene.name;
+    results.emplace_back(
+        name, [&wide, needs = scene.needs] { return bake(wide.view(), plan(wide.view(), needs, small_bake())); });
+    name = "cubemap_";
+    name += scene.name;
+    results.emplace_back(
+        name, [&cube, needs = scene.needs] { return bake(cube.view(), plan(cube.view(), needs, small_bake())); });
+  }
+  results.emplace_back("changed", [&] {
+    BakeResult result = bake(wide.view(), small_bake());
+    apply_change(result, small_bake(), {.turn = turn_about_y(40.0), .scale = {2.0, 1.0, 0.5}});
+    return result;
+  });
+  require_as_recorded("planned_bake", results);
+}
+
+TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
+  const SomeFiles files;
+  std::vector<NamedResult> results;
+  for (const char* file_name : {"wide.pfm", "wide.hdr", "light.env", "cube.ktx2", "plain.ktx2"}) {
+    results.emplace_back(file_name, [&files, file_name] { return bake_file(files.path(file_name), {}, small_bake()); });
+    for (const NamedNeeds& scene : {scenes()[0], scenes()[1], scenes()[3]}) {
+      std::string name = file_name;
+      name += '_';
+      name += scene.name;
+      results.emplace_back(name, [&files, file_name, needs = scene.needs] {
+        return bits_of_plan(probe_environment(files.path(file_name)), needs);
+      });
+    }
+  }
+  require_as_recorded("file_bake", results);
+}
+
+TEST_CASE("Results of the cache, computed and found, are the same as before", "[same_as_before]") {
+  const LatLongImage wide = wide_picture();
+  const CubemapImage cube = cube_picture();
+  const SomeFiles files;
+  const LightChange change{.exposure = 1.5, .rotation = glm::dquat(0.5, 0.5, -0.5, 0.5), .keep_faces = true};
+  const PrefilterOptions specular{.size = 16, .roughness = {0.0, 0.3, 1.0}};
+  require_as_recorded(
+      "cache",
+      {
+          {"project_cubemap",
+           computed_and_found([&](ResultCache& cache) { return cache.project(cube.view(), {.bands = 5}, change); })},
+          {"project_lat_long", computed_and_found([&](ResultCache& cache) { return cache.project(wide.view()); })},
+          {"project_file",
+           computed_and_found([&](ResultCache& cache) { return cache.project_file(files.path("wide.hdr")); })},
+          {"prefilter_lat_long",
+           computed_and_found([&](ResultCache& cache) { return cache.prefilter_specular(wide.view(), specular); })},
+          {"prefilter_cubemap",
+           computed_and_found([&](ResultCache& cache) { return cache.prefilter_specular(cube.view(), specular); })},
+          {"bake_lat_long",
+           computed_and_found([&](ResultCache& cache) { return cache.bake(wide.view(), small_bake()); })},
+          {"bake_cubemap",
+           computed_and_found([&](ResultCache& cache) { return cache.bake(cube.view(), unusual_bake()); })},
+          {"sky_tables",
+           computed_and_found([](ResultCache& cache) { return cache.precompute_sky(mars(), tiny_tables()); })},
+      });
+}
+
+TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
+  const auto wide = std::make_shared<const LatLongImage>(wide_picture());
+  const auto cube = std::make_shared<const CubemapImage>(cube_picture());
+  const SomeFiles files;
+  const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), tiny_tables()));
+  const glm::dvec3 sun = sun_direction(25.0, 60.0);
+  const SkyCurveOptions curve{.nodes = 9};
+  const PrefilterOptions specular{.size = 8, .roughness = {0.0, 0.4, 1.0}};
+  const auto once = Repeats::once;  // a worker has threads of its own
+  Worker worker({.threads = 2, .thread_priority = ThreadPriority::normal});
+  const auto done = [&worker](auto request) { return worker.post(std::move(request)).get(); };
+  require_as_recorded("worker",
+                      {
+                          {"project_cubemap",
+                           [&] {
+                             return done(ProjectCubemap{cube, {.bands = 4}});
+                           },
+                           once},
+                          {"project_lat_long",
+                           [&] {
+                             return done(ProjectLatLong{wide, {.bands = 4}});
+                           },
+                           once},
+                          {"project_file", [&] { return done(ProjectFile{files.path("wide.pfm")}); }, once},
+                          {"read_file", [&] { return done(ReadFile{files.path("cube.ktx2")}); }, once},
+                          {"measure_file", [&] { return done(MeasureFile{files.path("wide.hdr")}); }, once},
+                          {"lat_long_to_cubemap",
+                           [&] {
+                             return done(LatLongToCubemap{wide, 11});
+                           },
+                           once},
+                          {"cubemap_to_cubemap",
+                           [&] {
+                             return done(CubemapToCubemap{cube, 9});
+                           },
+                           once},
+                          {"cubemap_to_lat_long",
+                           [&] {
+                             return done(CubemapToLatLong{cube, 30, 15});
+                           },
+                           once},
+                          {"bake",
+                           [&] {
+                             return done(Bake{LatLongSource(wide), small_bake()});
+                           },
+                           once},
+                          {"bake_file",
+                           [&] {
+                             return done(BakeFile{files.path("light.env"), {}, small_bake()});
+                           },
+                           once},
+                          {"precompute_sky",
+                           [&] {
+                             return done(PrecomputeSky{mars(), tiny_tables()});
+                           },
+                           once},
+                          {"sky_curve",
+                           [&] {
+                             return done(BakeSkyCurve{tables, 100.0, curve}).at(sun);
+                           },
+                           once},
+                          {"sky_specular",
+                           [&] {
+                             return done(SkySpecular{tables, 100.0, sun, specular});
+                           },
+                           once},
+                          {"continuation",
+                           [&] {
+                             return worker.post(ProjectLatLong{wide})
+                                 .then([](Projection light) { return irradiance_from_radiance(light.radiance); })
+                                 .get();
+                           },
+                           once},
+                          {"sky_light", [&] { return bits_of_sky_light(worker, tables, curve, specular); }, once},
+                      });
+  CHECK(bits_of(*done(Bake{LatLongSource(wide), small_bake()})) == bits_of(bake(wide->view(), small_bake())));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,308 @@
+// Promise: files that are written have the bytes of before, and what is read from them the bits
+// (see same_as_before_test.cpp).
+//
+// Bytes that zlib or Zstandard packed are those of its version: they are on record in a group with that version's name,
+// and not compared where it is another one. What is unpacked from them is compared everywhere.
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/recorded_results.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/stored_environment.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+namespace {
+
+/// What `const char* function()` of a shared library that this program has loaded says of its version; none if there
+/// is no such function to be found.
+std::optional<std::string> library_version(const char* function) {
+  void* const symbol = dlsym(RTLD_DEFAULT, function);
+  if (symbol == nullptr) return std::nullopt;
+  return std::string(reinterpret_cast<const char* (*)()>(symbol)());
+}
+
+/// Checks bytes that a library packed against those on record for its version, if there are any.
+void require_packed_as_recorded(const char* library, const char* version_function,
+                                const std::vector<NamedResult>& results) {
+  const std::optional<std::string> version = library_version(version_function);
+  if (!version) {
+    WARN("the version of " << library << " is not known here: packed bytes are not compared");
+    return;
+  }
+  std::string group = "packed_by_";
+  group += library;
+  group += '_';
+  group += *version;
+  if (!is_on_record(group)) {
+    WARN("there is no record of bytes that " << library << " " << *version << " packs: they are not compared");
+    return;
+  }
+  require_as_recorded(group, results);
+}
+
+/// A file that `write(path)` wrote, as its bytes.
+template <class Write>
+std::vector<char> bytes_of(const char* file_name, const Write& write) {
+  const TemporaryDirectory folder;
+  const auto path = folder.file(file_name);
+  write(path);
+  return read_bytes(path);
+}
+
+/// A file that `write(path)` wrote, as `read(path)` reads it.
+template <class Write, class Read>
+auto read_back(const char* file_name, const Write& write, const Read& read) {
+  const TemporaryDirectory folder;
+  const auto path = folder.file(file_name);
+  write(path);
+  return read(path);
+}
+
+/// Texels from 2^-6 to 2^6.
+CubemapImage some_cubemap(int size) {
+  const CubemapChain chain = noisy_chain(size, 1, 6, 3);
+  return {size, {chain.face(0, 0), chain.face(0, 0) + 6 * face_values(chain, 0)}};
+}
+
+LatLongImage some_lat_long(Content content) { return {50, 25, make_lat_long(content, 50, 25, 62).pixels}; }
+
+std::vector<char> picture_bytes(const char* file_name, const LatLongImage& picture, const WriteOptions& options = {}) {
+  return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
+}
+
+std::vector<char> picture_bytes(const char* file_name, const CubemapImage& picture, const WriteOptions& options = {}) {
+  return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
+}
+
+template <class Picture>
+Environment picture_back(const char* file_name, const Picture& picture, const WriteOptions& options = {},
+                         const ReadOptions& read_options = {}) {
+  return read_back(
+      file_name, [&](const auto& path) { write_environment(path, picture.view(), options); },
+      [&](const auto& path) { return read_environment(path, read_options); });
+}
+
+std::vector<char> texture_bytes(const char* file_name, const CubemapChain& chain, const TextureOptions& options) {
+  return bytes_of(file_name, [&](const auto& path) { write_texture(path, chain.views(), options); });
+}
+
+CubemapChain texture_back(const char* file_name, const CubemapChain& chain, const TextureOptions& options) {
+  return read_back(
+      file_name, [&](const auto& path) { write_texture(path, chain.views(), options); },
+      [](const auto& path) { return read_texture(path).cubemap; });
+}
+
+constexpr std::pair<const char*, TexelFormat> kFormats[] = {{"rgba16f", TexelFormat::rgba16f},
+                                                            {"rgba32f", TexelFormat::rgba32f},
+                                                            {"b10g11r11", TexelFormat::b10g11r11},
+                                                            {"e5b9g9r9", TexelFormat::e5b9g9r9}};
+
+BabylonEnvironment some_environment(int size, bool with_irradiance) {
+  SphericalHarmonics radiance(3);
+  double value = 1.0;
+  for (glm::dvec3& c : radiance.coefficients()) {
+    c = {value, -0.5 * value, 0.25};
+    value *= 0.75;
+  }
+  BabylonEnvironment environment = to_babylon(noisy_chain(size, full_chain_levels(size), 5), radiance,
+                                              with_irradiance ? some_cubemap(4) : CubemapImage{});
+  if (with_irradiance) environment.dominant_direction = glm::dvec3(0.6, 0.0, 0.8);
+  return environment;
+}
+
+std::vector<char> environment_bytes(const BabylonEnvironment& environment) {
+  return bytes_of("light.env", [&](const auto& path) { write_babylon_environment(path, environment); });
+}
+
+std::uint64_t bits_of_environment(const BabylonEnvironment& environment) {
+  return read_back(
+      "light.env", [&](const auto& path) { write_babylon_environment(path, environment); },
+      [](const auto& path) {
+        const BabylonEnvironment e = read_babylon_environment(path);
+        return bits_of(e.version, e.specular, e.polynomial, e.lod_generation_scale, e.irradiance, e.dominant_direction);
+      });
+}
+
+}  // namespace
+
+TEST_CASE("Bytes of pictures are the same as before", "[same_as_before]") {
+  const LatLongImage wide = some_lat_long(Content::high_range);
+  const LatLongImage special = some_lat_long(Content::special_values);
+  const CubemapImage cube = some_cubemap(9);
+  require_as_recorded(
+      "picture_bytes",
+      {
+          {"hdr_lat_long", [&] { return picture_bytes("a.hdr", wide); }},
+          {"hdr_special_values", [&] { return picture_bytes("a.hdr", special); }},
+          {"hdr_vertical_strip", [&] { return picture_bytes("a.hdr", cube); }},
+          {"hdr_horizontal_cross", [&] { return picture_bytes("a.hdr", cube, {.layout = Layout::horizontal_cross}); }},
+          {"pfm_lat_long", [&] { return picture_bytes("a.pfm", wide); }},
+          {"pfm_special_values", [&] { return picture_bytes("a.pfm", special); }},
+          {"pfm_vertical_strip", [&] { return picture_bytes("a.pfm", cube); }},
+          {"pfm_horizontal_strip", [&] { return picture_bytes("a.pfm", cube, {.layout = Layout::horizontal_strip}); }},
+          {"pfm_vertical_cross", [&] { return picture_bytes("a.pfm", cube, {.layout = Layout::vertical_cross}); }},
+          {"pfm_six_files",
+           [&] {
+             const TemporaryDirectory folder;
+             const WriteReport report =
+                 write_environment(folder.file("a.pfm"), cube.view(), {.layout = Layout::six_files});
+             BitHash hash;
+             for (const auto& file : report.files) {
+               add_bits(hash, file.filename().string());
+               add_bits(hash, read_bytes(file));
+             }
+             return hash.value();
+           }},
+      });
+}
+
+TEST_CASE("Pictures that were written and read are the same as before", "[same_as_before]") {
+  const LatLongImage wide = some_lat_long(Content::high_range);
+  const LatLongImage dim = some_lat_long(Content::random);
+  const LatLongImage special = some_lat_long(Content::special_values);
+  const CubemapImage cube = some_cubemap(9);
+  const auto write_exr = [&](const auto& path) { write_environment(path, wide.view()); };
+  const SampleType f32 = SampleType::float32;
+  require_as_recorded(
+      "picture_back",
+      {
+          {"exr_half", [&] { return picture_back("a.exr", wide); }},
+          {"exr_float", [&] { return picture_back("a.exr", wide, {.type = f32}); }},
+          {"exr_special_values", [&] { return picture_back("a.exr", special, {.type = f32}); }},
+          {"exr_cubemap", [&] { return picture_back("a.exr", cube); }},
+          {"exr_cross", [&] { return picture_back("a.exr", cube, {.layout = Layout::vertical_cross, .type = f32}); }},
+          {"hdr", [&] { return picture_back("a.hdr", wide); }},
+          {"hdr_strip", [&] { return picture_back("a.hdr", cube, {.layout = Layout::horizontal_strip}); }},
+          {"pfm", [&] { return picture_back("a.pfm", special); }},
+          {"png_8", [&] { return picture_back("a.png", dim); }},
+          {"png_16", [&] { return picture_back("a.png", dim, {.type = SampleType::uint16}); }},
+          {"png_linear", [&] { return picture_back("a.png", dim, {}, {.transfer = Transfer::linear}); }},
+          {"exr_projected",
+           [&] { return read_back("a.exr", write_exr, [](const auto& path) { return project_file(path); }); }},
+          {"exr_projected_at_target",
+           [&] {
+             return read_back("a.exr", write_exr,
+                              [](const auto& path) { return project_file(path, {}, {.bands = 5, .target_size = 6}); });
+           }},
+          {"exr_measured",
+           [&] { return read_back("a.exr", write_exr, [](const auto& path) { return measure_environment(path); }); }},
+          {"pfm_measured",
+           [&] {
+             return read_back(
+                 "a.pfm", [&](const auto& path) { write_environment(path, special.view()); },
+                 [](const auto& path) { return measure_environment(path); });
+           }},
+          {"png_projected",
+           [&] {
+             return read_back(
+                 "a.png", [&](const auto& path) { write_environment(path, dim.view()); },
+                 [](const auto& path) { return project_file(path); });
+           }},
+      });
+}
+
+TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_before]") {
+  const CubemapChain chain = noisy_chain(16, 5);
+  const CubemapChain odd = noisy_chain(13, 2, 20, 5);
+  const CubemapImage square = some_cubemap(5);
+  std::vector<NamedResult> results;
+  for (const auto& [format_name, format] : kFormats) {
+    for (const auto& [file_name, kind] : {std::pair{"a.ktx2", "ktx2_"}, std::pair{"a.dds", "dds_"}}) {
+      std::string name = kind;
+      name += format_name;
+      results.emplace_back(name, [&chain, file_name = file_name, format = format] {
+        return texture_bytes(file_name, chain, {.format = format});
+      });
+      name += "_odd";
+      results.emplace_back(name, [&odd, file_name = file_name, format = format] {
+        return texture_bytes(file_name, odd, {.format = format});
+      });
+      name += "_back";
+      results.emplace_back(name, [&odd, file_name = file_name, format = format] {
+        return texture_back(file_name, odd, {.format = format});
+      });
+    }
+    for (const auto& [packing, method] :
+         {std::pair{"ktx2_zlib_back_", Supercompression::zlib}, std::pair{"ktx2_zstd_back_", Supercompression::zstd}}) {
+      std::string name = packing;
+      name += format_name;
+      results.emplace_back(name, [&chain, format = format, method = method] {
+        return texture_back("a.ktx2", chain, {.format = format, .supercompression = method});
+      });
+    }
+  }
+  for (const auto& [name, format] :
+       {std::pair{"exr_half_back", TexelFormat::rgba16f}, std::pair{"exr_float_back", TexelFormat::rgba32f}}) {
+    results.emplace_back(name, [&chain, format = format] {
+      return read_back(
+          "a.exr", [&](const auto& path) { write_texture(path, chain.views(), {.format = format}); },
+          [](const auto& path) { return bits_of(read_environment(path), read_environment(path, {.level = 1})); });
+    });
+  }
+  results.emplace_back("ktx2_with_metadata", [&] {
+    return texture_bytes("a.ktx2", chain, {.metadata = {{"welkin.roughness", "0 0.25 0.5 0.75 1"}, {"b", "c"}}});
+  });
+  for (const char* file_name : {"table.ktx2", "table.dds"}) {
+    std::string name = "two_dimensional_";
+    name += file_name;
+    results.emplace_back(name, [&square, file_name] {
+      return bytes_of(file_name, [&](const auto& path) { write_texture_2d(path, 25, 6, square.pixels.data()); });
+    });
+  }
+  require_as_recorded("texture", results);
+}
+
+TEST_CASE("Environments of Babylon.js are the same as before", "[same_as_before]") {
+  const BabylonEnvironment plain = some_environment(16, false);
+  const BabylonEnvironment full = some_environment(8, true);
+  const auto write_plain = [&](const auto& path) { write_babylon_environment(path, plain); };
+  require_as_recorded(
+      "env",
+      {
+          {"back", [&] { return bits_of_environment(plain); }},
+          {"back_with_irradiance", [&] { return bits_of_environment(full); }},
+          {"read_as_cubemap",
+           [&] { return read_back("a.env", write_plain, [](const auto& path) { return read_environment(path); }); }},
+          {"projected",
+           [&] { return read_back("a.env", write_plain, [](const auto& path) { return project_file(path); }); }},
+          {"probed",
+           [&] {
+             return read_back("a.env", write_plain, [](const auto& path) {
+               const StoredEnvironment stored = probe_environment(path);
+               return bits_of(stored.shape.columns, stored.levels, stored.has_polynomial, stored.roughness);
+             });
+           }},
+      });
+}
+
+TEST_CASE("Packed bytes are the same as before, with the same compressors", "[same_as_before]") {
+  const LatLongImage dim = some_lat_long(Content::random);
+  const CubemapChain chain = noisy_chain(16, 5);
+  const BabylonEnvironment plain = some_environment(16, false);
+  const BabylonEnvironment full = some_environment(8, true);
+  const auto ktx2 = [&chain](Supercompression method) {
+    return [&chain, method] { return texture_bytes("a.ktx2", chain, {.supercompression = method}); };
+  };
+  require_packed_as_recorded("zlib", "zlibVersion",
+                             {
+                                 {"env", [&] { return environment_bytes(plain); }},
+                                 {"env_with_irradiance", [&] { return environment_bytes(full); }},
+                                 {"ktx2", ktx2(Supercompression::zlib)},
+                                 {"png_8", [&] { return picture_bytes("a.png", dim); }},
+                                 {"png_16", [&] { return picture_bytes("a.png", dim, {.type = SampleType::uint16}); }},
+                             });
+  require_packed_as_recorded("zstd", "ZSTD_versionString", {{"ktx2", ktx2(Supercompression::zstd)}});
+}
+
+}  // namespace welkin::test

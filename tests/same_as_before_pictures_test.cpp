@@ -1,0 +1,256 @@
+// Promise: resampled, prefiltered and tabulated pictures have the bits of before (see same_as_before_test.cpp).
+#include <array>
+#include <utility>
+
+#include "support/catch.h"
+#include "support/recorded_results.h"
+#include "support/test_environments.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/brdf_table.h"
+#include "welkin/error_budget.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/mip_chain.h"
+#include "welkin/resampling.h"
+#include "welkin/roughness.h"
+#include "welkin/specular.h"
+
+namespace welkin::test {
+namespace {
+
+/// One of a cube's 48 symmetries, with a mirror in it.
+const glm::dmat3 kSymmetry(0, 0, 1, 0, -1, 0, 1, 0, 0);
+
+/// By none of a cube's symmetries. A rational rotation: exact up to the division.
+glm::dmat3 crooked_turn() { return glm::dmat3(2, -1, 2, 2, 2, -1, -1, 2, 2) / 3.0; }
+
+PrefilterOptions prefilter(PrefilterMethod method, int size, const std::vector<double>& roughness) {
+  PrefilterOptions options;
+  options.method = method;
+  options.size = size;
+  options.roughness = roughness;
+  return options;
+}
+
+PrefilterOptions scheduled(RoughnessSchedule schedule, int size, int mips) {
+  return prefilter(PrefilterMethod::automatic, size, roughness_of_mips(schedule, mips, size));
+}
+
+PrefilterOptions sampled(int size, int samples) {
+  PrefilterOptions options = prefilter(PrefilterMethod::sampled, size, {0.0, 0.1, 0.4, 1.0});
+  options.samples = samples;
+  return options;
+}
+
+PrefilterOptions bounded(double rms, double maximum) {
+  PrefilterOptions options = prefilter(PrefilterMethod::automatic, 16, {0.0, 0.2, 0.5});
+  options.rms_error = rms;
+  options.maximum_error = maximum;
+  return options;
+}
+
+const std::vector<glm::dvec3>& directions() {
+  static const std::vector<glm::dvec3> all{{1, 0, 0}, {0, 1, 0}, {1, 2, 3}, {-0.3, 0.2, -0.9}};
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("Resampled pictures are the same as before", "[same_as_before]") {
+  const TestLatLong wide = make_lat_long(Content::high_range, 128, 64, 41);
+  const TestLatLong odd_wide = make_lat_long(Content::random, 37, 19, 42, 4);
+  const TestLatLongHalf half = make_lat_long_half(Content::one_texel_sun, 96, 50, 43);
+  const TestCubemap cube = make_cubemap(Content::high_range, 32, 3, 44);
+  const TestCubemap odd_cube = make_cubemap(Content::nan_bearing, 27, 4, 45);
+  const TestCubemapBytes bytes = make_cubemap_bytes(Content::random, 16, 4, 46);
+  const glm::dmat3 same(1.0);
+  const Control control;
+  const auto bilinear = ResampleFilter::bilinear;
+  const auto area = ResampleFilter::area;
+  require_as_recorded(
+      "resampling",
+      {
+          {"lat_long_to_cubemap_smaller", [&] { return to_cubemap(wide.view(), 12); }},
+          {"lat_long_to_cubemap_larger", [&] { return to_cubemap(odd_wide.view(), 33); }},
+          {"lat_long_to_cubemap_1", [&] { return to_cubemap(wide.view(), 1); }},
+          {"lat_long_to_cubemap_f16", [&] { return to_cubemap(half.view(), 24); }},
+          {"lat_long_to_cubemap_symmetry", [&] { return to_cubemap(wide.view(), 16, kSymmetry); }},
+          {"lat_long_to_cubemap_turned", [&] { return to_cubemap(wide.view(), 16, crooked_turn()); }},
+          {"lat_long_to_cubemap_bilinear", [&] { return to_cubemap(wide.view(), 32, same, control, bilinear); }},
+          {"cubemap_moved", [&] { return to_cubemap(odd_cube.view(), 27, kSymmetry); }},
+          {"cubemap_to_half", [&] { return to_cubemap(cube.view(), 16); }},
+          {"cubemap_to_quarter_symmetry", [&] { return to_cubemap(cube.view(), 8, kSymmetry); }},
+          {"cubemap_to_odd", [&] { return to_cubemap(cube.view(), 13); }},
+          {"cubemap_to_larger", [&] { return to_cubemap(bytes.view(), 21); }},
+          {"cubemap_turned", [&] { return to_cubemap(odd_cube.view(), 15, crooked_turn()); }},
+          {"cubemap_to_lat_long", [&] { return to_lat_long(cube.view(), 64, 32); }},
+          {"cubemap_to_lat_long_odd", [&] { return to_lat_long(odd_cube.view(), 51, 33); }},
+          {"cubemap_to_lat_long_area", [&] { return to_lat_long(cube.view(), 40, 21, same, control, area); }},
+          {"cubemap_to_lat_long_area_symmetry",
+           [&] { return to_lat_long(cube.view(), 40, 20, kSymmetry, control, area); }},
+          {"cubemap_to_lat_long_turned", [&] { return to_lat_long(cube.view(), 40, 20, crooked_turn()); }},
+          {"lat_long_to_lat_long", [&] { return to_lat_long(wide.view(), 50, 31); }},
+          {"lat_long_turned", [&] { return to_lat_long(odd_wide.view(), 37, 19, crooked_turn()); }},
+          {"lat_long_by_texels", [&] { return to_lat_long(wide.view(), 128, 64, turn_about_y(45.0)); }},
+          {"lat_long_mirrored",
+           [&] { return to_lat_long(odd_wide.view(), 37, 19, glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1)); }},
+          {"turn_about_y", [] { return bits_of(turn_about_y(33.3), turn_about_y(-90.0), turn_about_y(1e5)); }},
+          {"mirrored_x", [&] { return mirrored_x(to_cubemap(cube.view(), 8)); }},
+      });
+}
+
+TEST_CASE("Mip chains are the same as before", "[same_as_before]") {
+  std::vector<NamedResult> results;
+  for (const auto& [filter_name, filter] :
+       {std::pair{"box_", MipFilter::box}, std::pair{"solid_angle_", MipFilter::solid_angle}}) {
+    for (const int size : {1, 7, 64, 97}) {
+      std::string name = filter_name;
+      name += std::to_string(size);
+      results.emplace_back(name, [cube = make_cubemap(Content::high_range, size, 4, 47), filter = filter] {
+        return build_mips(cube.view(), filter);
+      });
+    }
+  }
+  const TestCubemapHalf half = make_cubemap_half(Content::random, 30, 3, 48);
+  results.emplace_back("three_levels", [&] { return build_mips(half.view(), MipFilter::solid_angle, 3); });
+  require_as_recorded("mips", results);
+}
+
+TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_before]") {
+  const TestLatLong sunny = make_lat_long(Content::sun_disc, 128, 64, 51);
+  const TestLatLong texel = make_lat_long(Content::one_texel_sun, 96, 48, 52);
+  const TestLatLong smooth = make_lat_long(Content::smooth, 75, 38, 53, 4);
+  const TestLatLong special = make_lat_long(Content::special_values, 64, 32, 54);
+  const TestLatLongHalf half = make_lat_long_half(Content::high_range, 128, 64, 55);
+  const std::vector<double> rough{0.0, 0.15, 0.4, 0.7, 1.0};
+  PrefilterOptions left_out = scheduled(RoughnessSchedule::linear, 32, 5);
+  left_out.leave_out_sharp = 2;
+  left_out.leave_out_rough = 1;
+  PrefilterOptions clamped = prefilter(PrefilterMethod::automatic, 16, rough);
+  clamped.pixels.clamp = RadianceClamp{100.0F, true};
+  clamped.pixels.negative = NegativePolicy::replace;
+  const auto spectral = PrefilterMethod::spectral;
+  const auto reference = PrefilterMethod::reference;
+  require_as_recorded(
+      "prefilter_lat_long",
+      {
+          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); }},
+          {"filament_32",
+           [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::filament, 32, 5)); }},
+          {"babylon_64", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 64, 7)); },
+           Repeats::once},
+          {"default_schedule_8", [&] { return prefilter_specular(smooth.view(), {.size = 8}); }},
+          {"odd_19", [&] { return prefilter_specular(texel.view(), {.size = 19, .mips = 4}); }},
+          {"left_out", [&] { return prefilter_specular(sunny.view(), left_out); }},
+          {"clamped", [&] { return prefilter_specular(special.view(), clamped); }},
+          {"loose_bounds", [&] { return prefilter_specular(sunny.view(), bounded(3e-2, 0.3)); }},
+          {"tight_bounds", [&] { return prefilter_specular(smooth.view(), bounded(1e-4, 1e-3)); }},
+          {"spectral_sun",
+           [&] {
+             return prefilter_specular(sunny.view(), prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}));
+           }},
+          {"spectral_texel",
+           [&] {
+             return prefilter_specular(texel.view(), prefilter(spectral, 16, {0.25, 0.6, 1.0}));
+           }},
+          {"sampled_64", [&] { return prefilter_specular(sunny.view(), sampled(16, 64)); }},
+          {"sampled_300", [&] { return prefilter_specular(half.view(), sampled(13, 300)); }},
+          {"reference",
+           [&] {
+             return prefilter_specular(smooth.view(), prefilter(reference, 4, {0.0, 0.3, 1.0}));
+           }},
+          {"reference_at_directions",
+           [&] {
+             return bits_of(reference_specular(texel.view(), 0.3, directions()),
+                            reference_specular(smooth.view(), 0.05, directions()));
+           }},
+          {"bounds_by_budget",
+           [&] {
+             const PrefilterChoice choice = choose_prefilter(smooth.view(), {.size = 16}, {.relative = 0.01}, true);
+             BitHash hash;
+             add_bits(hash, choice.setting.rms_error);
+             add_bits(hash, choice.setting.maximum_error);
+             add_bits(hash, choice.estimated_error);
+             for (const MipNeed& mip : choice.mips) {
+               add_bits(hash, mip.source_size);
+               for (const double x : {mip.roughness, mip.estimated_error, mip.source_size_error}) add_bits(hash, x);
+             }
+             return hash.value();
+           }},
+      });
+}
+
+TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_before]") {
+  const TestCubemap sunny = make_cubemap(Content::sun_disc, 32, 3, 56);
+  const TestCubemap odd = make_cubemap(Content::special_values, 21, 4, 57);
+  const TestCubemapHalf half = make_cubemap_half(Content::high_range, 16, 4, 58);
+  PrefilterOptions left_out = prefilter(PrefilterMethod::automatic, 16, {0.0, 0.2, 0.5, 1.0});
+  left_out.leave_out_sharp = 1;
+  const auto spectral = PrefilterMethod::spectral;
+  const auto reference = PrefilterMethod::reference;
+  require_as_recorded(
+      "prefilter_cubemap",
+      {
+          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); },
+           Repeats::once},
+          {"filament_16",
+           [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::filament, 16, 4)); }},
+          {"babylon_16", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 16, 5)); }},
+          {"odd_11", [&] { return prefilter_specular(odd.view(), {.size = 11, .mips = 3}); }},
+          {"left_out", [&] { return prefilter_specular(half.view(), left_out); }},
+          {"spectral",
+           [&] {
+             return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
+           }},
+          {"sampled_100", [&] { return prefilter_specular(sunny.view(), sampled(16, 100)); }},
+          {"reference",
+           [&] {
+             return prefilter_specular(half.view(), prefilter(reference, 4, {0.0, 0.2, 0.7}));
+           }},
+          {"reference_at_directions", [&] { return reference_specular(sunny.view(), 0.2, directions()); }},
+      });
+}
+
+TEST_CASE("Roughness schedules are the same as before", "[same_as_before]") {
+  std::vector<NamedResult> results;
+  for (const RoughnessSchedule schedule :
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+    results.emplace_back(name(schedule), [schedule] {
+      return bits_of(roughness_of_mips(schedule, 9, 256), roughness_of_mips(schedule, 1, 1),
+                     roughness_of_mips(schedule, 16, 77));
+    });
+  }
+  results.emplace_back("mip_of_roughness", [] {
+    const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 64);
+    return bits_of(mip_of_roughness(table, 0.37), mip_of_roughness(table, 2.0), mip_of_roughness(table, -1.0));
+  });
+  require_as_recorded("roughness", results);
+}
+
+// Tables are kept by the process, so that a second request would compare a table with itself: each is asked for once.
+TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
+  std::vector<NamedResult> results;
+  for (const auto& [model_name, model] : {std::pair{"split_sum", BrdfModel::split_sum},
+                                          std::pair{"multiple_scattering", BrdfModel::multiple_scattering}}) {
+    for (const bool sheen : {false, true}) {
+      for (const auto& [width, height] : {std::pair{1, 1}, {9, 7}, {32, 32}}) {
+        std::string name = model_name;
+        name += sheen ? "_sheen_" : "_";
+        name += std::to_string(width);
+        name += 'x';
+        name += std::to_string(height);
+        const BrdfTableOptions options{width, height, model, sheen};
+        results.emplace_back(
+            name, [options] { return brdf_table(options); }, Repeats::once);
+      }
+    }
+  }
+  results.emplace_back(
+      "half_values",
+      [] {
+        return brdf_table({8, 8})->half_values();
+      },
+      Repeats::once);
+  require_as_recorded("brdf", results);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,229 @@
+// A 64-bit hash of the bits of results: FNV-1a (Fowler, Noll and Vo), a byte at a time, lowest byte first.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "welkin/babylon.h"
+#include "welkin/bake.h"
+#include "welkin/content_hash.h"
+#include "welkin/cubemap_chain.h"
+#include "welkin/directional_light.h"
+#include "welkin/environment_file.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+#include "welkin/sky_tables.h"
+#include "welkin/specular.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+
+class BitHash {
+ public:
+  void add_byte(std::uint8_t byte) noexcept { value_ = (value_ ^ byte) * 0x100000001b3U; }
+
+  /// As 8 bytes, whatever the type, so that a changed width of an integer is no changed result.
+  void add_word(std::uint64_t word) noexcept {
+    for (int shift = 0; shift < 64; shift += 8) add_byte(static_cast<std::uint8_t>(word >> shift));
+  }
+
+  [[nodiscard]] std::uint64_t value() const noexcept { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325U;
+};
+
+template <std::integral Number>
+void add_bits(BitHash& hash, Number number) {
+  hash.add_word(static_cast<std::uint64_t>(number));
+}
+
+/// Zeros keep their sign. All NaNs are one: which bits an operation gives to its NaN is the processor's choice.
+inline void add_bits(BitHash& hash, double number) {
+  hash.add_word(std::bit_cast<std::uint64_t>(std::isnan(number) ? std::numeric_limits<double>::quiet_NaN() : number));
+}
+
+inline void add_bits(BitHash& hash, float number) {
+  const auto bits = std::bit_cast<std::uint32_t>(std::isnan(number) ? std::numeric_limits<float>::quiet_NaN() : number);
+  for (unsigned shift = 0; shift < 32; shift += 8) hash.add_byte(static_cast<std::uint8_t>(bits >> shift));
+}
+
+inline void add_bits(BitHash& hash, const glm::dvec3& v) {
+  for (int c = 0; c < 3; ++c) add_bits(hash, v[c]);
+}
+inline void add_bits(BitHash& hash, const glm::vec3& v) {
+  for (int c = 0; c < 3; ++c) add_bits(hash, v[c]);
+}
+inline void add_bits(BitHash& hash, const glm::dvec4& v) {
+  for (int c = 0; c < 4; ++c) add_bits(hash, v[c]);
+}
+inline void add_bits(BitHash& hash, const glm::dmat3& m) {
+  for (int c = 0; c < 3; ++c) add_bits(hash, m[c]);
+}
+inline void add_bits(BitHash& hash, const std::string& text) {
+  hash.add_word(text.size());
+  for (const char c : text) hash.add_byte(static_cast<std::uint8_t>(c));
+}
+/// A file's bytes.
+inline void add_bits(BitHash& hash, const std::vector<char>& bytes) {
+  hash.add_word(bytes.size());
+  for (const char c : bytes) hash.add_byte(static_cast<std::uint8_t>(c));
+}
+
+inline void add_bits(BitHash& hash, const SphericalHarmonics& harmonics) {
+  hash.add_word(static_cast<std::uint64_t>(harmonics.bands()));
+  for (const glm::dvec3& value : harmonics.coefficients()) add_bits(hash, value);
+}
+inline void add_bits(BitHash& hash, const BabylonPolynomial& p) {
+  for (const glm::dvec3& term : {p.x, p.y, p.z, p.xx, p.yy, p.zz, p.yz, p.zx, p.xy}) add_bits(hash, term);
+}
+inline void add_bits(BitHash& hash, const ContentHash& content) {
+  hash.add_word(content.high);
+  hash.add_word(content.low);
+}
+
+inline void add_bits(BitHash& hash, const LatLongImage& image) {
+  hash.add_word(static_cast<std::uint64_t>(image.width));
+  hash.add_word(static_cast<std::uint64_t>(image.height));
+  for (const float value : image.pixels) add_bits(hash, value);
+}
+inline void add_bits(BitHash& hash, const CubemapImage& image) {
+  hash.add_word(static_cast<std::uint64_t>(image.size));
+  for (const float value : image.pixels) add_bits(hash, value);
+}
+inline void add_bits(BitHash& hash, const CubemapChain& chain) {
+  hash.add_word(static_cast<std::uint64_t>(chain.levels()));
+  for (int level = 0; level < chain.levels(); ++level) {
+    const auto edge = static_cast<std::size_t>(chain.level_size(level));
+    hash.add_word(edge);
+    for (int face = 0; face < 6; ++face) {
+      for (const float value : std::span(chain.face(level, face), 3 * edge * edge)) add_bits(hash, value);
+    }
+  }
+}
+/// Pixels, size and layout; the words about the file are left out.
+inline void add_bits(BitHash& hash, const Environment& environment) {
+  hash.add_word(static_cast<std::uint64_t>(environment.info.layout));
+  hash.add_word(static_cast<std::uint64_t>(environment.info.width));
+  hash.add_word(static_cast<std::uint64_t>(environment.info.height));
+  // A cross has the width and height of its picture, but holds no more than its faces.
+  const auto size = static_cast<std::size_t>(environment.face_size());
+  const std::size_t texels =
+      size > 0 ? 6 * size * size
+               : static_cast<std::size_t>(environment.info.width) * static_cast<std::size_t>(environment.info.height);
+  for (const float value : std::span(environment.pixels.get(), 3 * texels)) add_bits(hash, value);
+}
+inline void add_bits(BitHash& hash, const EnvironmentStatistics& s) {
+  for (const std::uint64_t count : {s.texels, s.nans, s.infinities, s.negatives}) hash.add_word(count);
+  for (const glm::dvec3& v : {s.minimum, s.maximum, s.mean, s.flux, s.brightest, s.brightest_direction}) {
+    add_bits(hash, v);
+  }
+  add_bits(hash, s.brightest_column);
+  add_bits(hash, s.brightest_row);
+}
+
+/// Numbers about the pixels; passes, their words and their times are left out.
+inline void add_bits(BitHash& hash, const ProjectionDiagnostics& d) {
+  for (const std::uint64_t count :
+       {d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped}) {
+    hash.add_word(count);
+  }
+  add_bits(hash, d.flux_before_clamp);
+  add_bits(hash, d.flux);
+  add_bits(hash, d.error_estimate);
+}
+inline void add_bits(BitHash& hash, const Projection& projection) {
+  add_bits(hash, projection.radiance);
+  add_bits(hash, projection.diagnostics);
+}
+/// The method's name and times are left out.
+inline void add_bits(BitHash& hash, const MipRecord& mip) {
+  for (const int number : {mip.size, mip.bands, mip.bright_texels, mip.samples}) add_bits(hash, number);
+  add_bits(hash, mip.roughness);
+  add_bits(hash, mip.error_estimate);
+  add_bits(hash, mip.mean);
+}
+inline void add_bits(BitHash& hash, const PrefilteredSpecular& specular) {
+  add_bits(hash, specular.cubemap);
+  for (const MipRecord& mip : specular.mips) add_bits(hash, mip);
+  const ProjectionDiagnostics& d = specular.pixels;
+  for (const std::uint64_t count :
+       {d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped}) {
+    hash.add_word(count);
+  }
+}
+inline void add_bits(BitHash& hash, const BrdfTable& table) {
+  add_bits(hash, table.channels);
+  for (const float value : table.values) add_bits(hash, value);
+}
+inline void add_bits(BitHash& hash, const Sun& sun) {
+  for (const glm::dvec3& v : {sun.direction, sun.irradiance, sun.radiance, sun.flux_before, sun.flux_after}) {
+    add_bits(hash, v);
+  }
+  add_bits(hash, sun.solid_angle);
+  add_bits(hash, sun.angular_radius_degrees);
+  add_bits(hash, sun.texels);
+}
+inline void add_bits(BitHash& hash, const SkyTables& tables) {
+  for (const auto* table : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
+    hash.add_word(table->size());
+    for (const float value : *table) add_bits(hash, value);
+  }
+  add_bits(hash, tables.orders);
+  add_bits(hash, tables.last_change);
+}
+
+template <class Value>
+void add_bits(BitHash& hash, const std::vector<Value>& values);
+template <class Value>
+void add_bits(BitHash& hash, const std::shared_ptr<Value>& value);
+
+template <class Value>
+void add_bits(BitHash& hash, const std::optional<Value>& value) {
+  hash.add_byte(value ? 1 : 0);
+  if (value) add_bits(hash, *value);
+}
+template <class Value>
+void add_bits(BitHash& hash, const std::vector<Value>& values) {
+  hash.add_word(values.size());
+  for (const Value& value : values) add_bits(hash, value);
+}
+template <class Value>
+void add_bits(BitHash& hash, const std::shared_ptr<Value>& value) {
+  hash.add_byte(value ? 1 : 0);
+  if (value) add_bits(hash, *value);
+}
+
+inline void add_bits(BitHash& hash, const BakeResult& result) {
+  add_bits(hash, result.background);
+  add_bits(hash, result.specular);
+  add_bits(hash, result.irradiance);
+  add_bits(hash, result.radiance);
+  add_bits(hash, result.brdf);
+  add_bits(hash, result.stored_polynomial);
+  add_bits(hash, result.diagnostics);
+}
+
+/// Of several values in their order.
+template <class... Values>
+[[nodiscard]] std::uint64_t bits_of(const Values&... values) {
+  BitHash hash;
+  (add_bits(hash, values), ...);
+  return hash.value();
+}
+
+}  // namespace welkin::test
