@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "report/error_norms.h"
+#include "perf/report/error_norms.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"

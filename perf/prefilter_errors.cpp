@@ -10,7 +10,7 @@
 #include <random>
 #include <sstream>
 
-#include "report/cube_probes.h"
+#include "perf/report/error_norms.h"
 #include "welkin/environment_file.h"
 #include "welkin/error.h"
 #include "welkin/image.h"

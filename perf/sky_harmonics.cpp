@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "report/sky_passes.h"
+#include "perf/report/passes.h"
 #include "sky_subjects.h"
 #include "subjects.h"
 #include "welkin/sky_harmonics.h"

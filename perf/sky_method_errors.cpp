@@ -8,9 +8,9 @@
 #include <sstream>
 #include <vector>
 
-#include "report/error_norms.h"
-#include "report/sky_passes.h"
-#include "report/stopwatch.h"
+#include "perf/report/error_norms.h"
+#include "perf/report/passes.h"
+#include "perf/report/stopwatch.h"
 #include "welkin/sky_reference.h"
 
 namespace welkin::perf {

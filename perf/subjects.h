@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "report/pixel_formats.h"
+#include "perf/report/environment.h"
 #include "welkin/image_view.h"
 
 namespace welkin::perf {

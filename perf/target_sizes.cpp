@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "report/projection_passes.h"
-#include "report/stopwatch.h"
+#include "perf/report/passes.h"
+#include "perf/report/stopwatch.h"
 #include "simd/kernels.h"
 #include "welkin/environment_file.h"
 #include "welkin/instruction_set.h"

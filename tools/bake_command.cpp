@@ -1,22 +1,214 @@
-#include "tools/bake_command.h"
-
+// `welkin bake`: an environment to all that a renderer loads.
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
+#include <vector>
 
-#include "tools/bake_files.h"
-#include "tools/bake_inputs.h"
 #include "tools/bake_manifest.h"
-#include "tools/bake_options.h"
-#include "tools/help_text.h"
-#include "tools/needs_file.h"
-#include "tools/output.h"
-#include "tools/output_folder.h"
-#include "tools/progress_bar.h"
-#include "tools/text_file.h"
-#include "tools/turn_chain.h"
+#include "tools/bake_write.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/cubemap_chain.h"
+#include "welkin/error.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr const char* kBakeFooter =
+    R"(What it does:
+  From an environment to the files with which a physically based renderer lights
+  a scene, in one folder:
+    background.ktx2       the environment as a cubemap, with plain mips
+    specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
+    irradiance.ktx2       what falls on a matte surface, W/m2
+    brdf.ktx2             the BRDF table, the split sum's other half
+    environment.env       all of it for Babylon.js
+    sh.json, sh.h         spherical harmonics, also in each engine's form
+    preview_*.png         the environment, balls lit by the result, the mips
+    manifest.json         what is in the folder, how it was made, how good it is
+  The manifest is written last: with it, the folder is complete. Other files in
+  the folder stay. docs/bake_folder.md says how engines load
+  them.
+
+Examples:
+  welkin bake --sky -o out                            a built-in, computed sky
+  welkin bake -o out                                  the same
+  welkin bake city.hdr -o out                         a photograph
+  welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
+  welkin bake city.hdr -o out --for three --formats ktx2,exr
+  welkin bake city.hdr -o out --roughness linear --mips all
+  welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
+  welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
+  welkin bake city.hdr -o out --formats env --no-brdf --no-previews
+  welkin bake city.hdr -o out --take-out-sun          the sun as a light apart
+  welkin bake city.hdr -o out --no-glossy --explain   less than all, and why
+  welkin bake city.hdr -o out --glossy 0.4,1          the mips that are looked up
+  welkin bake city.hdr -o out --needs scene.json --plan-only
+
+What the scene needs: --needs, --glossy, --no-glossy, --no-background and
+  --no-diffuse say what it uses; passes that nothing of it needs are left out,
+  and what is left comes out with the bits of a bake of everything. What an .env
+  or a KTX2 carries is then taken as it is, unless it is to be turned, clamped
+  or written as an .env. --explain says which passes run, are reused or left
+  out, why and at what cost, on standard error; when it is done, how that
+  compares with what was measured.
+
+Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
+  axes. --for says after whose axes the cubemaps' faces are named; the .env is
+  Babylon.js's in any case, and the previews show what one sees who stands there.
+  An .env that is read is taken out of Babylon.js's axes.
+
+Diffuse light of an .env: up to three bands, the irradiance cubemap and the new
+  .env's polynomial come from the polynomial that it stores, as its pixels end
+  at 255; not with --clamp, --gamma, --take-out-sun or --level above 0.
+
+Memory: --memory-limit is checked before the bake: source, results, working
+  memory, the .env's own chain, lat-longs and turned cubemaps. Previews and what
+  encoders hold of a file come on top and are not counted.
+
+Units: radiance as in the file, irradiance pi times that in even light.
+  Roughness is perceptual roughness; GGX's alpha is its square. What a format
+  cannot hold is clamped to it and counted, file by file.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+// A bake must not write over what it reads.
+
+/// A file with all mips, or where the container has none, a file a mip.
+void add_cubemap(std::vector<std::string>& names, const std::string& cubemap, int mips, Container container) {
+  const bool strips = container == Container::hdr || container == Container::pfm;
+  for (int mip = 0; mip < (strips ? mips : 1); ++mip) {
+    const std::string number = strips && mips > 1 ? "_m" + std::to_string(mip) : "";
+    names.push_back(cubemap + number + '.' + name(container));
+  }
+}
+
+std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
+  const EnvironmentInfo info = inspect_environment(*options.input, options.common.read);
+  if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
+  return {*options.input};
+}
+
+/// The names in the output folder that a bake of these options writes, manifest included. `bake`: of
+/// `library_options`.
+std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
+  const int background = bake.background_size > 0 ? bake.background_size : bake.specular->size;
+  std::vector<std::string> names = {kManifestName};
+  for (const Container container : options.containers) {
+    const bool textures = container == Container::ktx2 || container == Container::dds;
+    if (!textures) names.push_back(std::string("environment.") + name(container));
+    if (container == Container::env) continue;
+    add_cubemap(names, "background", full_chain_levels(background), container);
+    add_cubemap(names, "specular", bake.specular->mips, container);
+    if (bake.irradiance_size > 0) add_cubemap(names, "irradiance", 1, container);
+  }
+  if (bake.brdf) {
+    for (const std::string& table : brdf_names(options)) names.push_back(table);
+  }
+  if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", "sh.h"});
+  if (options.previews) {
+    names.insert(names.end(), {"preview_environment.png", "preview_spheres.png", "preview_mips.png"});
+  }
+  return names;
+}
+
+/// Throws `Error`: file_access if one of those is a file of the input (by whatever name or link), of six files and of a
+/// directory any of the six; what `inspect_environment` throws.
+void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& bake) {
+  std::error_code none;
+  const std::filesystem::path folder = options.directory;
+  if (!options.input || !std::filesystem::exists(folder, none)) return;
+  const std::vector<std::string> names = names_to_write(options, bake);
+  for (const std::filesystem::path& input : input_files(options)) {
+    for (const std::string& name : names) {
+      if (!std::filesystem::equivalent(input, folder / name, none)) continue;
+      throw Error(ErrorCode::file_access, input.string() + ": is read, and this bake would write over it as " + name +
+                                              "; pass another folder to -o, or move the input");
+    }
+  }
+}
+
+// What is said of a bake to a person.
+
+std::string size_text(std::uint64_t bytes) {
+  constexpr double kKibi = 1024.0;
+  const double kibibytes = static_cast<double>(bytes) / kKibi;
+  return kibibytes < kKibi ? significant(kibibytes, 3) + " KiB" : significant(kibibytes / kKibi, 3) + " MiB";
+}
+
+std::string file_lines(const OutputFolder& folder) {
+  std::size_t name_width = 0;
+  std::size_t format_width = 0;
+  for (const WrittenFile& file : folder.files()) {
+    name_width = std::max(name_width, file.name.size());
+    format_width = std::max(format_width, file.format.size());
+  }
+  std::string text;
+  for (const WrittenFile& file : folder.files()) {
+    text += "  " + pad_right(file.name, name_width + 2) + pad_right(file.format, format_width + 2) +
+            pad_left(size_text(file.bytes), 9) + '\n';
+  }
+  return text + "  " + kManifestName + '\n';
+}
+
+std::string mip_lines(const std::vector<MipRecord>& mips) {
+  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  texels apart  largest error, about\n";
+  for (std::size_t number = 0; number < mips.size(); ++number) {
+    const MipRecord& mip = mips[number];
+    text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
+            pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(mip.method, 10) +
+            pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
+            pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 14) +
+            pad_left(significant(mip.error_estimate, 2), 22) + '\n';
+  }
+  return text;
+}
+
+/// Of the library's bake, and the .env's chain beside it.
+std::vector<PassRecord> measured_passes(const Baked& baked) {
+  std::vector<PassRecord> passes = baked.light.diagnostics.passes;
+  for (const PassRecord& pass : baked.passes) {
+    const auto planned = std::ranges::find(baked.plan.passes, pass.name, &PlannedPass::name);
+    const auto known = std::ranges::find(passes, pass.name, &PassRecord::name);
+    if (planned != baked.plan.passes.end() && known == passes.end()) passes.push_back(pass);
+  }
+  return passes;
+}
+
+std::string time_lines(const Baked& baked) {
+  std::string text = "\nTimes\n";
+  for (const auto* passes : {&baked.passes, &baked.light.diagnostics.passes}) {
+    for (const PassRecord& pass : *passes) {
+      text += std::string(passes == &baked.passes ? "  " : "    ") + pad_right(pass.name, 26) +
+              (pass.action == "run" ? duration(pass.milliseconds) : pass.action + ": " + pass.reason) + '\n';
+    }
+  }
+  return text;
+}
+
+std::string bake_table(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder) {
+  const Source& source = baked.source;
+  std::string text = printable(source.path) + ": " + std::to_string(source.width) + " x " +
+                     std::to_string(source.height) + ' ' + source.layout + ", " + printable(source.format) + '\n';
+  text += printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' + file_lines(folder);
+  if (baked.light.specular) text += mip_lines(baked.light.specular->mips);
+  if (baked.sun_wanted) {
+    std::optional<Sun> sun = baked.sun;
+    TurnOptions to_engine;
+    to_engine.to = options.turn.to;
+    if (sun) sun->direction = turn_of_light(to_engine, false) * sun->direction;
+    text += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
+  }
+  text += time_lines(baked);
+  if (options.scene.explains()) text += '\n' + plan_text(baked.plan, measured_passes(baked));
+  for (const std::string& note : bake_notes(baked, folder)) text += "note: " + printable(note) + '\n';
+  return text;
+}
+
+// The command.
 
 constexpr double kBaked = 0.6;  // of the progress; the rest is writing
 
@@ -56,12 +248,12 @@ std::string bake_to_folder(const BakeCommandOptions& options) {
   return options.common.json ? manifest : bake_table(baked, options, folder);
 }
 
-void add_bake_command(CLI::App& program) {
+Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
-  CLI::App& command = *program.add_subcommand("bake", "Bake all that a physically based renderer loads");
-  command.footer(std::string(kBakeFooter));
-  add_bake_options(command, *options);
-  command.callback([options] { run(*options); });
+  Command command{"bake", "Bake all that a physically based renderer loads", kBakeFooter};
+  add_bake_options(command.options, *options);
+  command.run = [options](const Given& /*given*/) { run(*options); };
+  return command;
 }
 
 }  // namespace welkin::tool

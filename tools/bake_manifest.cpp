@@ -1,15 +1,22 @@
 #include "tools/bake_manifest.h"
 
 #include <algorithm>
+#include <system_error>
+#include <utility>
 
-#include "tools/brdf_files.h"
-#include "tools/json_text.h"
-#include "tools/needs_file.h"
-#include "tools/number_text.h"
+#include "tools/bake_write.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/error.h"
 #include "welkin/version.h"
 
 namespace welkin::tool {
 namespace {
+
+[[noreturn]] void fail_folder(const std::filesystem::path& path, const std::string& what, const std::string& reason) {
+  throw Error(ErrorCode::file_access,
+              path.string() + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
+}
 
 Json source_json(const Source& source) {
   return {{"path", source.path},     {"layout", source.layout}, {"width", source.width},
@@ -58,7 +65,8 @@ Json file_json(const WrittenFile& file) {
                {"format", file.format},
                {"bytes", file.bytes},
                {"values_clamped", file.values_clamped}};
-  for (const auto& [key, value] : file.details.items()) json[key] = value;
+  if (file.details.is_null()) return json;
+  for (const auto& [key, value] : file.details.members()) json[key] = value;
   return json;
 }
 
@@ -130,6 +138,46 @@ Json times_json(const Baked& baked) {
 }
 
 }  // namespace
+
+void check_output_folder(const std::filesystem::path& path) {
+  std::error_code trouble;
+  if (path.empty()) fail_folder("-o", "names no folder", "it is empty");
+  std::filesystem::path there = std::filesystem::absolute(path, trouble);
+  while (!std::filesystem::exists(std::filesystem::symlink_status(there, trouble)) && there.has_relative_path()) {
+    there = there.parent_path();
+  }
+  if (!std::filesystem::is_directory(there, trouble)) {
+    fail_folder(path, "cannot be made or is not a folder", there.string() + " is something else");
+  }
+  const std::string reason = reason_not_to_write_in(there);
+  if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
+}
+
+OutputFolder::OutputFolder(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code trouble;
+  std::filesystem::create_directories(path_, trouble);
+  if (trouble) fail_folder(path_, "cannot be made", trouble.message());
+  check_output_folder(path_);
+  std::filesystem::remove(place(kManifestName), trouble);
+  if (trouble) fail_folder(place(kManifestName), "cannot be replaced", trouble.message());
+}
+
+void OutputFolder::add(WrittenFile file) {
+  std::error_code unknown;
+  const auto bytes = std::filesystem::file_size(place(file.name), unknown);
+  file.bytes = unknown ? 0 : static_cast<std::uint64_t>(bytes);
+  files_.push_back(std::move(file));
+}
+
+std::vector<std::string> OutputFolder::clamp_notes() const {
+  std::vector<std::string> notes;
+  for (const WrittenFile& file : files_) {
+    if (file.values_clamped > 0) {
+      notes.push_back(file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range);
+    }
+  }
+  return notes;
+}
 
 std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder) {
   std::vector<std::string> notes = baked.source.notes;

@@ -1,17 +1,60 @@
-// What is said of a bake: its manifest, and a table for a person.
+// The folder that a bake goes to, what was written there, and what is said of it: its manifest.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "tools/baked.h"
-#include "tools/output_folder.h"
-#include "tools/tone_map.h"
+#include "tools/json.h"
+#include "tools/previews.h"
+#include "welkin/environment_writer.h"
 
 namespace welkin::tool {
+
+/// A file of the result.
+struct WrittenFile {
+  std::string name;    ///< in the folder
+  std::string what;    ///< "specular", "irradiance", ...
+  std::string format;  ///< for a person: "KTX2 rgba16f"
+  std::uint64_t bytes = 0;
+  std::uint64_t values_clamped = 0;
+  std::string range;  ///< what it was that they were clamped to; empty if the format holds every value
+  Json details;       ///< more members for the manifest: sizes, roughness, axes
+};
+
+/// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
+void check_output_folder(const std::filesystem::path& path);
+
+/// What is in it besides stays there.
+class OutputFolder {
+ public:
+  /// Makes the folder, and those above it. Takes away the manifest of an earlier bake: until this one's is written, as
+  /// the last file, nobody shall take the folder for a finished one. Throws `Error` (file_access) if that cannot be
+  /// done.
+  explicit OutputFolder(std::filesystem::path path);
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  [[nodiscard]] const std::vector<WrittenFile>& files() const noexcept { return files_; }
+  [[nodiscard]] std::filesystem::path place(const std::string& name) const { return path_ / name; }
+
+  /// Notes a file that is written; its size is looked up.
+  void add(WrittenFile file);
+
+  /// One line for each file whose format could not hold all values.
+  [[nodiscard]] std::vector<std::string> clamp_notes() const;
+
+ private:
+  std::filesystem::path path_;
+  std::vector<WrittenFile> files_;
+};
+
+inline constexpr const char* kManifestName = "manifest.json";
 
 /// manifest.json, and what `welkin bake --json` prints. Members are only ever added: programs read this.
 [[nodiscard]] std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                                         const OutputFolder& folder, const ToneMap& tone_map);
-
-[[nodiscard]] std::string bake_table(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder);
 
 /// What a person should know of it: values replaced and clamped, by the policies and by the formats.
 [[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder);

@@ -1,18 +1,16 @@
 // What `welkin bake` can be asked.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "tools/computed_picture.h"
-#include "tools/needs_options.h"
-#include "tools/options.h"
-#include "tools/pixel_options.h"
-#include "tools/sun_options.h"
-#include "tools/turn_options.h"
+#include "tools/arguments.h"
+#include "tools/input.h"
+#include "tools/needs.h"
+#include "tools/sky_model.h"
+#include "tools/turning.h"
 #include "welkin/bake.h"
 #include "welkin/roughness.h"
 #include "welkin/texture_file.h"
@@ -35,6 +33,7 @@ struct RoughnessChoice {
 struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes
+  bool sky = false;                  ///< asked for by name; the same as no input
   ComputePicture compute;            ///< none: the built-in sky
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
@@ -56,10 +55,10 @@ struct BakeCommandOptions {
 };
 
 /// Adds all options to the command. `options` must outlive it.
-void add_bake_options(CLI::App& command, BakeCommandOptions& options);
+void add_bake_options(Options& table, BakeCommandOptions& options);
 
 /// Those that say what comes out: --size, --mips, --irradiance, --brdf, --formats and so on; not --bands.
-void add_result_options(CLI::App& command, BakeCommandOptions& options);
+void add_result_options(Options& table, BakeCommandOptions& options);
 
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.

@@ -1,19 +1,219 @@
 #include "tools/baked.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <iostream>
+#include <utility>
 
-#include "tools/bake_memory.h"
-#include "tools/bake_source.h"
-#include "tools/cache_option.h"
-#include "tools/number_text.h"
-#include "tools/progress_bar.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
 #include "welkin/cubemap_chain.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
+#include "welkin/projection.h"
+#include "welkin/resampling.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::tool {
 namespace {
+
+/// What `welkin bake` bakes: read, without its sun if that is asked for, turned to Welkin's axes.
+class BakeSource {
+ public:
+  /// Throws `Error` as `read_environment`, and limit_exceeded if source and copies of it take too much.
+  BakeSource(const BakeCommandOptions& options, const Control& control);
+
+  [[nodiscard]] const Source& description() const noexcept { return description_; }
+  /// That was taken out, or never in; in Welkin's axes.
+  [[nodiscard]] const std::optional<Sun>& sun() const noexcept { return sun_; }
+  [[nodiscard]] const std::optional<SkyReport>& sky() const noexcept { return sky_; }  ///< of a computed one
+  /// What was computed, if it is to be kept.
+  [[nodiscard]] LatLongImage take_picture() noexcept { return std::move(picture_); }
+  /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
+  /// taken out, clamped or decoded: then the pixels alone tell.
+  [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+
+  /// Calls `function` with the view of the pixels, a lat-long's or a cubemap's.
+  template <typename Function>
+  auto visit(const Function& function) const {
+    if (!file_) return with_view(pixels_, function);
+    return file_->face_size() > 0 ? function(file_->cubemap()) : function(file_->lat_long());
+  }
+
+ private:
+  void read(const BakeCommandOptions& options, const Control& control);
+  void turn(const BakeCommandOptions& options, const Control& control);
+  [[nodiscard]] bool is_cubemap() const noexcept { return file_ ? file_->face_size() > 0 : pixels_.is_cubemap; }
+
+  std::optional<Environment> file_;  // as it was read,
+  Pixels pixels_;                    // or what was made of it
+  Source description_;
+  std::optional<SkyReport> sky_;
+  LatLongImage picture_;
+  std::optional<Sun> sun_;
+  std::optional<Projection> stored_light_;
+};
+
+constexpr double kTurning = 0.7;  // of the progress of what is read: where turning it begins
+
+bool is_reused(const Projection& projection) {
+  const std::vector<PassRecord>& passes = projection.diagnostics.passes;
+  return std::any_of(passes.begin(), passes.end(),
+                     [](const PassRecord& pass) { return pass.name == "project" && pass.action == "reuse"; });
+}
+
+/// The light that an .env file stores beside its pixels; none where there is no polynomial, at a smaller level, and
+/// where pixels are to be clamped or decoded: that light was made without.
+std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const BakeCommandOptions& options,
+                                          const Control& control) {
+  const ReadOptions& read = options.common.read;
+  if (info.format != "Babylon.js .env" || read.level != 0) return std::nullopt;
+  if (options.sun.take_out || options.clamp.clamps || options.bake.pixels.gamma) return std::nullopt;
+  Projection projection = project_file(info.path, read, {}, {control.stop, {}});
+  if (!is_reused(projection)) return std::nullopt;
+  return projection;
+}
+
+BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control) {
+  read(options, part_of(control, 0.0, kTurning));
+  if (options.sun.take_out) {
+    sun_ = file_ ? take_out_sun(*file_, options.sun.options) : take_out_sun(pixels_, options.sun.options);
+  }
+  turn(options, part_of(control, kTurning, 1.0));
+}
+
+std::uint64_t BakeSource::bytes() const noexcept {
+  constexpr std::uint64_t kTexelBytes = 12;
+  if (!file_) {
+    return sizeof(float) * (pixels_.cubemap.pixels.size() + pixels_.lat_long.pixels.size() + picture_.pixels.size());
+  }
+  const auto face = static_cast<std::uint64_t>(file_->face_size());
+  const auto texels = static_cast<std::uint64_t>(file_->info.width) * static_cast<std::uint64_t>(file_->info.height);
+  return kTexelBytes * (face > 0 ? 6 * face * face : texels);
+}
+
+void BakeSource::read(const BakeCommandOptions& options, const Control& control) {
+  if (!options.input) {
+    ComputedPicture computed = options.compute ? options.compute(control) : built_in_sky(control);
+    pixels_.lat_long = std::move(computed.image);
+    description_ = std::move(computed.source);
+    sky_ = std::move(computed.sky);
+    sun_ = computed.sun;
+    if (!options.picture_name.empty()) picture_ = pixels_.lat_long;
+    return;
+  }
+  file_ = read_environment(*options.input, options.common.read, control);
+  description_ = source_of(*options.input, file_->info);
+  stored_light_ = light_stored_in(file_->info, options, control);
+}
+
+void BakeSource::turn(const BakeCommandOptions& options, const Control& control) {
+  TurnOptions into_welkin = options.turn;
+  into_welkin.to = Engine::welkin;
+  if (sun_) sun_->direction = turn_of_light(into_welkin, is_cubemap()) * sun_->direction;
+  const glm::dmat3 matrix = turn_of_picture(into_welkin, is_cubemap(), is_cubemap());
+  if (matrix == glm::dmat3(1.0)) return;
+  if (stored_light_) {
+    SphericalHarmonics& radiance = stored_light_->radiance;
+    radiance = transform(radiance, turn_of_light(into_welkin, is_cubemap()));
+  }
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  if (2 * bytes() > limit) {
+    throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
+                                               " bytes while it is turned, above the limit of " +
+                                               std::to_string(limit) + "; raise --memory-limit");
+  }
+  Pixels turned;
+  turned.is_cubemap = is_cubemap();
+  if (turned.is_cubemap) {
+    const CubemapView view = file_ ? file_->cubemap() : pixels_.cubemap.view();
+    turned.cubemap = to_cubemap(view, view.size, matrix, control);
+  } else {
+    const LatLongView view = file_ ? file_->lat_long() : pixels_.lat_long.view();
+    turned.lat_long = to_lat_long(view, view.width, view.height, matrix, control);
+  }
+  pixels_ = std::move(turned);
+  file_.reset();
+}
+
+/// What each step of the work takes by itself.
+struct BakeMemory {
+  std::string path;               ///< of the source, for the message
+  std::uint64_t source = 0;       ///< held until all is baked
+  std::uint64_t bake = 0;         ///< `bake_bytes`
+  std::uint64_t second_bake = 0;  ///< the same of the .env's chain; 0 if there is none
+  int env_size = 0;               ///< of that chain
+};
+
+constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
+
+std::uint64_t cubemap_bytes(int size) {
+  return 6 * kTexelBytes * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
+}
+
+std::uint64_t chain_bytes(int size, int levels) {
+  std::uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) bytes += cubemap_bytes(std::max(1, size >> level));
+  return bytes;
+}
+
+/// 0: there is none.
+int background_size(const BakeOptions& bake) {
+  if (!bake.background) return 0;
+  return bake.background_size > 0 || !bake.specular ? bake.background_size : bake.specular->size;
+}
+
+struct MemoryStep {
+  std::uint64_t bytes;
+  const char* what;
+};
+
+/// What `bake` alone makes of the .env's chain.
+BakeOptions second_bake_options(const PrefilterOptions& env) {
+  BakeOptions options;
+  options.background = false;
+  options.specular = env;
+  options.irradiance_size = 0;
+  options.bands = 0;
+  options.brdf = std::nullopt;
+  options.pixels = env.pixels;
+  return options;
+}
+
+/// Throws `Error` (limit_exceeded) if results, the .env's chain, lat-longs or cubemaps that are turned on the way out
+/// would take more than the limit. Not counted: previews, and what an encoder holds of a file.
+void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
+  const int size = background_size(bake);
+  const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
+  const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips) : 0;
+  const std::uint64_t results = background + specular + cubemap_bytes(bake.irradiance_size);
+  // 4 size x 2 size texels.
+  const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
+  const bool has_lat_long = options.containers.contains(Container::exr) ||
+                            options.containers.contains(Container::hdr) || options.containers.contains(Container::pfm);
+  const bool turns = faces_of(options.turn.to) != glm::dmat3(1.0);
+  const std::uint64_t env =
+      memory.second_bake > 0 ? chain_bytes(memory.env_size, full_chain_levels(memory.env_size)) : 0;
+
+  MemoryStep worst{memory.source + memory.bake, "source, results and working memory"};
+  const auto consider = [&worst](bool happens, const MemoryStep& step) {
+    if (happens && step.bytes > worst.bytes) worst = step;
+  };
+  consider(memory.second_bake > 0, {memory.source + results + memory.second_bake,
+                                    "source, results and the .env's specular chain, whose roughness is its own"});
+  consider(memory.second_bake > 0, {results + 2 * env, "results, the .env's chain and its faces turned"});
+  consider(has_lat_long, {results + lat_long, "results and the background as a lat-long"});
+  consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces"});
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  if (worst.bytes <= limit) return;
+  throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
+                                             " bytes, above the limit of " + std::to_string(limit) +
+                                             "; raise --memory-limit, or make --size or --background-size less");
+}
 
 // Shares of the progress.
 constexpr double kRead = 0.15;

@@ -1,4 +1,4 @@
-// What `welkin bake` made, before it is written.
+// What `welkin bake` bakes and what it has made, before it is written.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tools/bake_options.h"
-#include "tools/source.h"
 #include "welkin/bake.h"
 #include "welkin/plan.h"
 

@@ -1,18 +1,178 @@
-#include "tools/info_command.h"
-
+// `welkin info`: what is in an environment file.
 #include <memory>
 #include <string>
+#include <string_view>
 
-#include "tools/help_text.h"
-#include "tools/info_report.h"
-#include "tools/options.h"
-#include "tools/output.h"
-#include "tools/progress_bar.h"
+#include "tools/commands.h"
+#include "tools/input.h"
+#include "tools/json.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr const char* kInfoFooter =
+    R"(What it does:
+  Reads header and pixels as they are, nothing replaced or clamped: size,
+  layout and what told it, channels, compression, parts, layers, mip levels; the
+  least, greatest and mean value; NaN, infinite and negative values; the total
+  flux; the brightest texel.
+
+Examples:
+  welkin info city.hdr                        for a person
+  welkin info city.exr --json                 for a program
+  welkin info faces.exr --layout vertical-strip
+
+Units: values as in the file; the mean is weighted by solid angle; the flux is
+  the integral over the sphere, 4 pi times the mean. Rows count from the top,
+  columns from the left, both from 0.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+/// What was found, before it is put into words or JSON.
+struct InfoReport {
+  EnvironmentInfo file;
+  EnvironmentStatistics pixels;
+};
+
+// JSON. Members are only ever added: programs read this.
+
+Json source_json(const EnvironmentInfo& file) {
+  return {{"path", file.path.string()}, {"layout", name(file.layout)}, {"width", file.width},
+          {"height", file.height},      {"format", file.format},       {"notes", file.notes}};
+}
+
+Json storage_json(const EnvironmentInfo& file) {
+  Json levels = Json::array();
+  for (const LevelInfo& level : file.levels) levels.push_back({level.width, level.height});
+  Json json = {{"compression", file.compression},
+               {"storage", file.storage},
+               {"layout_reason", file.layout_reason},
+               {"levels", levels},
+               {"parts", file.parts},
+               {"layers", file.layers}};
+  if (file.layout == Layout::six_files) {
+    Json faces = Json::array();
+    for (const std::filesystem::path& face : file.faces) faces.push_back(face.string());
+    json["faces"] = faces;
+  }
+  return json;
+}
+
+Json channels_json(const EnvironmentInfo& file) {
+  Json list = Json::array();
+  for (const ChannelInfo& channel : file.channels) list.push_back({{"name", channel.name}, {"type", channel.type}});
+  return list;
+}
+
+Json pixels_json(const EnvironmentStatistics& pixels) {
+  return {{"texels", pixels.texels},          {"minimum", json_triple(pixels.minimum)},
+          {"mean", json_triple(pixels.mean)}, {"maximum", json_triple(pixels.maximum)},
+          {"flux", json_triple(pixels.flux)}, {"nans", pixels.nans},
+          {"infinities", pixels.infinities},  {"negatives", pixels.negatives}};
+}
+
+Json brightest_json(const EnvironmentStatistics& pixels) {
+  return {{"column", pixels.brightest_column},
+          {"row", pixels.brightest_row},
+          {"radiance", json_triple(pixels.brightest)},
+          {"direction", json_triple(pixels.brightest_direction)}};
+}
+
+std::string info_json(const InfoReport& report) {
+  return json_text({{"source", source_json(report.file)},
+                    {"file", storage_json(report.file)},
+                    {"channels", channels_json(report.file)},
+                    {"pixels", pixels_json(report.pixels)},
+                    {"brightest", brightest_json(report.pixels)}});
+}
+
+// For a person.
+
+std::string line(std::string_view label, const std::string& text) { return "  " + pad_right(label, 12) + text + '\n'; }
+
+std::string channels_text(const EnvironmentInfo& file) {
+  std::string text;
+  for (const ChannelInfo& channel : file.channels) {
+    if (!text.empty()) text += ", ";
+    text += printable(channel.name) + ' ' + channel.type;
+  }
+  return text;
+}
+
+std::string list_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + printable(name);
+  return text;
+}
+
+std::string levels_text(const EnvironmentInfo& file) {
+  const LevelInfo& last = file.levels.back();
+  return std::to_string(file.levels.size()) + ", down to " + std::to_string(last.width) + " x " +
+         std::to_string(last.height) + " (--level)";
+}
+
+// What few files have.
+std::string further_lines(const EnvironmentInfo& file) {
+  std::string text;
+  if (file.levels.size() > 1) text += line("mip levels", levels_text(file));
+  if (!file.parts.empty()) text += line("parts", list_text(file.parts) + " (--part)");
+  if (!file.layers.empty()) text += line("layers", list_text(file.layers) + " (--layer)");
+  if (file.layout == Layout::six_files) {
+    for (const std::filesystem::path& face : file.faces) text += line("", face.filename().string());
+  }
+  for (const std::string& note : file.notes) text += line("note", printable(note));
+  return text;
+}
+
+std::string file_lines(const EnvironmentInfo& file) {
+  const std::string compression = file.compression == "none" ? "not compressed" : file.compression + " compression";
+  return file.path.string() + '\n' + line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
+         line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
+         line("format", file.format + ", " + file.storage + ", " + compression) +
+         line("channels", channels_text(file)) + further_lines(file);
+}
+
+std::string cells(const glm::dvec3& rgb) {
+  constexpr std::size_t kWidth = 14;
+  return pad_left(significant(rgb.x), kWidth) + pad_left(significant(rgb.y), kWidth) +
+         pad_left(significant(rgb.z), kWidth);
+}
+
+std::string range_lines(const EnvironmentStatistics& pixels) {
+  return "\n" + line("", "             r             g             b") + line("minimum", cells(pixels.minimum)) +
+         line("maximum", cells(pixels.maximum)) + line("mean", cells(pixels.mean) + "   weighted by solid angle") +
+         line("flux", cells(pixels.flux) + "   integral over the sphere");
+}
+
+std::string odd_values_text(const EnvironmentStatistics& pixels) {
+  if (pixels.nans + pixels.infinities + pixels.negatives == 0) return "no NaN, no infinity, nothing negative";
+  return counted({{pixels.nans, "NaN"}, {pixels.infinities, "infinite value"}, {pixels.negatives, "negative value"}}) +
+         " of " + grouped(3 * pixels.texels);
+}
+
+std::string place_text(const InfoReport& report) {
+  const EnvironmentStatistics& pixels = report.pixels;
+  const std::string place =
+      "column " + std::to_string(pixels.brightest_column) + ", row " + std::to_string(pixels.brightest_row);
+  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return place;
+  const int face = pixels.brightest_row / report.file.width;
+  return place + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
+         ")";
+}
+
+std::string info_table(const InfoReport& report) {
+  return file_lines(report.file) + range_lines(report.pixels) + '\n' +
+         line("odd values", odd_values_text(report.pixels)) + line("brightest", significant(report.pixels.brightest)) +
+         line("", place_text(report)) + line("", direction_text(report.pixels.brightest_direction)) +
+         "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter in from the "
+         "left.\n";
+}
+
+// The command.
 
 struct InfoOptions {
   CommonOptions common;
@@ -36,19 +196,18 @@ void run(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& program) {
+Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App& command = *program.add_subcommand("info", "Tell what is in an environment file");
-  command.footer(std::string(kInfoFooter));
-  CLI::Option* file = command
-                          .add_option("FILE", options->file,
-                                      "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory)")
-                          ->required()
-                          ->type_name("");
-  add_json_option(command, options->common);
-  add_read_options(command, options->common, file);
-  add_threads_option(command, options->common);
-  command.callback([options] { run(*options); });
+  Command command{"info", "Tell what is in an environment file", kInfoFooter};
+  command.options.push_back({.names = "FILE",
+                             .target = &options->file,
+                             .text = "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory)",
+                             .required = true});
+  add_json_option(command.options, options->common);
+  add_read_options(command.options, options->common, "");
+  add_threads_option(command.options, options->common);
+  command.run = [options](const Given& /*given*/) { run(*options); };
+  return command;
 }
 
 }  // namespace welkin::tool

@@ -1,92 +1,68 @@
-// The `welkin` command: reads the command line, runs a subcommand, turns errors into exit codes.
-#include <CLI/CLI.hpp>
-#include <exception>
-#include <iostream>
-#include <memory>
-#include <new>
+// The `welkin` command.
 #include <string>
+#include <vector>
 
-#include "tools/bake_command.h"
-#include "tools/convert_command.h"
-#include "tools/exit_code.h"
-#include "tools/help_formatter.h"
-#include "tools/help_text.h"
-#include "tools/info_command.h"
-#include "tools/output.h"
-#include "tools/report_command.h"
-#include "tools/sh_command.h"
-#include "tools/sky_command.h"
-#include "tools/testmap_command.h"
-#include "welkin/error.h"
-#include "welkin/instruction_set.h"
-#include "welkin/version.h"
+#include "tools/arguments.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
 
 namespace welkin::tool {
 namespace {
 
-std::string version_text() {
-  std::string text = "welkin " WELKIN_VERSION_STRING "\ninstruction sets here:";
-  for (const InstructionSet set : available_instruction_sets()) text += std::string(" ") + name(set);
-  return text + " (in use: " + name(active_instruction_set()) + ")";
+constexpr const char* kReport = "report";
+
+constexpr const char* kProgramFooter =
+    R"(Examples:
+  welkin bake -o out                 all that a renderer loads, of a built-in sky
+  welkin bake studio.hdr -o out      ... of a photograph
+  welkin sh                          the spherical harmonics of a built-in sky
+  welkin sh studio.hdr               ... of a photograph, as a table
+  welkin sh studio.hdr --for three   ... as three.js wants them
+  welkin sky --sun-elevation 20      ... of a clear sky, computed
+  welkin info studio.hdr             what is in the file
+  welkin report --quick              how good each setting is, and how fast
+  welkin convert studio.hdr faces.exr --layout vertical-strip
+                                     a lat-long to the faces of a cube
+  welkin testmap -o labels.exr       an environment that shows how it is turned
+  welkin sh --help                   all about one command
+
+Files: OpenEXR, Radiance .hdr, PFM, PNG. A sphere is a lat-long picture, or six
+faces in a strip, a cross or six files; header, shape or name tell which.
+
+Units: radiance is whatever the file holds, W/(m2 sr) say; irradiance is then
+W/m2, flux W/m2 too. Skies are computed in W/(m2 sr nm) or cd/m2. Directions: y is up, a lat-long's centre looks along +z.
+
+Results go to standard output, everything else to standard error.
+The same input gives the same bits on every machine and number of threads;
+WELKIN_ISA=sse2|avx2|avx512 in the environment picks an instruction set.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+/// In the list of commands; what follows its name is for the program that it is.
+Command report_command() {
+  Command command{kReport, "Error against run time of every method and setting", ""};
+  command.run = [](const Given& /*given*/) { become("welkin-report", {}); };
+  return command;
 }
 
-ExitCode complain(ExitCode code, const std::string& message) {
-  std::cerr << "welkin: " << message << '\n';
-  return code;
+Program welkin_program() {
+  return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
+          kProgramFooter,
+          {bake_command(), sh_command(), sky_command(), info_command(), convert_command(), testmap_command(),
+           report_command()}};
 }
 
-/// CLI11 reports a request for help or the version as an exception too.
-ExitCode answer(const CLI::App& program, const CLI::ParseError& request) {
-  if (dynamic_cast<const CLI::CallForVersion*>(&request) != nullptr) {
-    print_result(std::string(request.what()) + '\n');
-    return ExitCode::success;
-  }
-  const auto chosen = program.get_subcommands();
-  if (request.get_exit_code() == 0) {
-    print_result(chosen.empty() ? program.help() : chosen.front()->help("welkin"));
-    return ExitCode::success;
-  }
-  const std::string help = chosen.empty() ? "welkin --help" : "welkin " + chosen.front()->get_name() + " --help";
-  return complain(ExitCode::bad_usage, std::string(request.what()) + "\n'" + help + "' tells what can be asked for.");
-}
-
-ExitCode run(int argument_count, char** arguments) {
-  CLI::App program{std::string(kProgramDescription), "welkin"};
-  program.footer(std::string(kProgramFooter));
-  program.set_version_flag("--version", version_text, "Print the version and the instruction sets that run here");
-  program.formatter(std::make_shared<HelpFormatter>());
-  program.require_subcommand(0, 1);
-  try {
-    add_bake_command(program);
-    add_sh_command(program);
-    add_sky_command(program);
-    add_info_command(program);
-    add_convert_command(program);
-    add_testmap_command(program);
-    add_report_command(program);
-    program.parse(argument_count, arguments);
-    if (!program.get_subcommands().empty()) return ExitCode::success;
-    return complain(ExitCode::bad_usage, "nothing to do\n'welkin --help' tells what can be asked for.");
-  } catch (const CLI::ParseError& request) {
-    return answer(program, request);
-  }
-}
-
-/// Runs the command line and turns whatever goes wrong into an exit code.
-ExitCode run_guarded(int argument_count, char** arguments) {
-  try {
-    return run(argument_count, arguments);
-  } catch (const Error& error) {
-    const bool usage = error.code() == ErrorCode::invalid_argument;
-    return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
-  } catch (const std::bad_alloc&) {
-    return complain(ExitCode::bad_input, "not enough memory; --memory-limit refuses such files before they are read");
-  } catch (const std::exception& error) {
-    return complain(ExitCode::bad_input, error.what());
-  }
+/// Reports are measured by a program of their own, which is no part of this one's build.
+ExitCode run_report(const std::vector<std::string>& arguments) {
+  return run_guarded([&]() -> ExitCode { become("welkin-report", arguments); });
 }
 
 }  // namespace
 }  // namespace welkin::tool
 
-int main(int argument_count, char** arguments) { return welkin::tool::run_guarded(argument_count, arguments); }
+int main(int count, char** words) {
+  using namespace welkin::tool;
+  const std::vector<std::string> arguments(words + 1, words + count);
+  if (!arguments.empty() && arguments.front() == kReport) return run_report({arguments.begin() + 1, arguments.end()});
+  return run_program(welkin_program(), arguments);
+}

@@ -1,16 +1,209 @@
+// `welkin sh`: an environment's spherical harmonics.
 #include "tools/sh_command.h"
 
+#include <cstdint>
 #include <memory>
-#include <string>
+#include <utility>
 
-#include "tools/help_text.h"
-#include "tools/output.h"
-#include "tools/sh_measure.h"
-#include "tools/sh_options.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
 #include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr const char* kShFooter =
+    R"(What it does:
+  Says how much light comes from where, in a few numbers. Nine of them a colour
+  are enough to light matte surfaces: a sum of waves over the sphere (spherical
+  harmonics), the coarsest first. The first is the mean colour; the next three
+  say from which side most light comes; the next five add how it is spread.
+
+  It integrates the environment's radiance against the harmonics and prints the
+  coefficients of radiance and irradiance, the same light in the form that an
+  engine wants, the average colour, the dominant light, and how good all that
+  is. The table says which convention and formulas the numbers follow.
+
+Examples:
+  welkin sh                                   a built-in sky
+  welkin sh city.hdr                          a table for a person
+  welkin sh city.hdr --json > city.json       for a program, every digit
+  welkin sh city.hdr --for unity --format c   a C header with Unity's numbers
+  welkin sh faces/ --from babylon --for babylon
+                                              cube faces made for Babylon.js
+  welkin sh city.hdr --yaw 90 --mirror        turned and mirrored first
+  welkin sh city.hdr --take-out-sun           the sun as a directional light
+  welkin sh city.hdr --window least           no negative irradiance
+  welkin sh city.hdr --bands 1 --json         the ambient colour alone
+  welkin sh city.hdr --clamp 100              cut the sun off; says what it cost
+  welkin sh city.hdr --quadrature midpoint --clamp 4096
+                                              what Babylon.js computes
+  welkin sh city.hdr --nan reject             fail on a NaN, and name its place
+
+Units: radiance coefficients are (file unit) x sr; irradiance (file unit) x sr.
+
+Forms (--for): U is the radiance coefficient (l, m) at l (l + 1) + m: real,
+  orthonormal, no Condon-Shortley phase, Y(1, -1..1) ~ y, z, x, turned to the
+  engine's axes; R is U with the signs of odd m turned, (+ - + - + - + - +).
+  A = (pi, 2pi/3, pi/4) by band; K = the basis functions' constants.
+    babylon   polynomial of the normal: A/pi R, folded into x .. xy, times 1/pi
+    three     U, for LightProbe.sh (the shader multiplies by A and Y)
+    filament  A/pi K U: value times albedo, so E/pi; nine float3 for its shader
+    unity     A/pi K U: SphericalHarmonicsL2, and its seven shader vectors
+    unreal    R in z-up axes: FSHVectorRGB3, and its sky light's seven vectors
+    gltf      A R: irradianceCoefficients of EXT_lights_image_based
+    godot     U/pi: lightmap probes
+  Each is printed with its formula; docs/engines.md has where that comes from.
+
+JSON: {"source": {path, layout, width, height, format, notes}, "axes", "bands",
+       "radiance": [[r,g,b], ...], "irradiance": [[r,g,b], ...],
+       "babylon": {x, y, z, xx, yy, zz, yz, zx, xy}, "engine": {name, form,
+       formula, terms, vectors (unity, unreal)} or null, "window",
+       "dominant_light", "sun", "irradiance_errors", "diagnostics": {...}};
+  coefficient (l, m) is element l (l + 1) + m. All are in the same axes.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr int kLargestTargetSize = 16384;
+
+void add_projection_options(Options& table, ShOptions& options) {
+  add_bands_option(table, options);
+  table.push_back(choice<Quadrature>(
+      "--quadrature", options.projection.quadrature, {{"exact", Quadrature::exact}, {"midpoint", Quadrature::midpoint}},
+      "exact (default) integrates over each texel's area; midpoint takes its centre, as Babylon.js"));
+  table.push_back({.names = "--target-size",
+                   .target = &options.projection.target_size,
+                   .text =
+                       "Reduce the environment to cubemap faces of N x N texels first (a lat-long to 4N x 2N): less "
+                       "exact, for comparison with engines that do so; 0, the default: no",
+                   .type = "N",
+                   .bounds = whole_between(0, kLargestTargetSize)});
+}
+
+void add_sh_options(Options& table, ShOptions& options) {
+  constexpr const char* kInput = "INPUT";
+  table.push_back({.names = kInput,
+                   .target = &options.input,
+                   .text =
+                       "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory); without it, "
+                       "a built-in sky"});
+  add_format_options(table, options);
+  add_turn_options(table, options.turn);
+  add_projection_options(table, options);
+  add_pixel_options(table, options.projection, options.clamp);
+  add_window_options(table, options);
+  add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
+  table.push_back({.names = "--irradiance-error",
+                   .target = &options.irradiance_error,
+                   .text = "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)"});
+  add_read_options(table, options.common, kInput);
+  add_threads_option(table, options.common);
+  add_cache_option(table, options.common);
+}
+
+constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
+
+// What `project` would put in an infinity's place.
+float infinity_of(const ProjectionOptions& options) { return options.clamp ? options.clamp->maximum : 65504.0F; }
+
+// Takes the sun out, if asked for, and projects what is left; measures the irradiance's error on the way.
+void project_pixels(Pixels& pixels, const ShOptions& options, const Control& control, ShReport& report) {
+  std::uint64_t infinities = 0;
+  if (options.sun.take_out) {
+    // A sun that overflowed would not be found.
+    if (options.projection.infinity == NonFinitePolicy::replace) {
+      infinities = replace_infinities(pixels, infinity_of(options.projection));
+    }
+    report.sun = take_out_sun(pixels, options.sun.options);
+  }
+  with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
+    report.projection = with_view(pixels, [&](const auto& view) {
+      return cache != nullptr ? cache->project(view, options.projection, {}, control)
+                              : project(view, options.projection, control);
+    });
+  });
+  report.projection.diagnostics.infinities_replaced += infinities;
+  if (options.irradiance_error) {
+    constexpr int kNormals = 500;
+    const SphericalHarmonics windowed =
+        apply_window(report.projection.radiance, options.window, options.window_width).radiance;
+    report.irradiance_errors = with_view(pixels, [&](const auto& view) {
+      return irradiance_errors(view, windowed, kNormals, options.projection, control);
+    });
+  }
+}
+
+// Copied from the environment as it was read, so that it is held twice for a moment.
+void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) {
+  const bool is_cross = info.layout == Layout::horizontal_cross || info.layout == Layout::vertical_cross;
+  const std::uint64_t texels = static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height);
+  const std::uint64_t bytes = 2 * 12 * (is_cross ? texels / 2 : texels);
+  if (bytes <= read.memory_limit_bytes) return;
+  throw Error(ErrorCode::limit_exceeded,
+              info.path.string() + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+                  " texels, held twice for --take-out-sun and --irradiance-error, take " + std::to_string(bytes) +
+                  " bytes, above the limit of " + std::to_string(read.memory_limit_bytes) +
+                  "; raise --memory-limit, leave those options out, or reduce the picture");
+}
+
+bool is_cubemap(const EnvironmentInfo& info) { return info.layout != Layout::lat_long; }
+
+// Fills in source, projection, sun; says whether the source was a cubemap.
+bool project_source(const ShOptions& options, const Control& control, ShReport& report) {
+  const bool in_memory = options.sun.take_out || options.irradiance_error;
+  if (!options.input) {
+    Pixels pixels;
+    ComputedPicture sky = built_in_sky(part_of(control, 0.0, kComputed));
+    pixels.lat_long = std::move(sky.image);
+    report.source = sky.source;
+    report.sky = sky.sky;
+    project_pixels(pixels, options, part_of(control, kComputed, 1.0), report);
+    return false;
+  }
+  const ReadOptions& read = options.common.read;
+  if (in_memory) {
+    require_memory_twice(inspect_environment(*options.input, read), read);
+    Pixels pixels;
+    {
+      const Environment environment = read_environment(*options.input, read);
+      report.source = source_of(*options.input, environment.info);
+      pixels = pixels_of(environment);
+    }
+    project_pixels(pixels, options, control, report);
+    return pixels.is_cubemap;
+  }
+  const EnvironmentInfo info = inspect_environment(*options.input, read);
+  report.source = source_of(*options.input, info);
+  with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
+    report.projection = cache != nullptr ? cache->project_file(*options.input, read, options.projection, control)
+                                         : project_file(*options.input, read, options.projection, control);
+  });
+  return is_cubemap(info);
+}
+
+void turn(const glm::dmat3& matrix, ShReport& report) {
+  if (matrix == glm::dmat3(1.0)) return;
+  report.projection.radiance = transform(report.projection.radiance, matrix);
+  if (report.sun) report.sun->direction = matrix * report.sun->direction;
+}
+
+/// Reads, projects, turns, windows. Shows a progress bar on a terminal. Throws what the library throws.
+ShReport measure_sh(const ShOptions& options) {
+  ShReport report;
+  report.options = options.projection;
+  report.sun_wanted = options.sun.take_out;
+  {
+    ProgressBar bar;
+    const bool cubemap = project_source(options, bar.control(), report);
+    turn(turn_of_light(options.turn, cubemap), report);
+  }
+  complete(report, options);
+  return report;
+}
 
 void run(ShOptions options) {
   options.clamp.apply(options.projection);
@@ -20,6 +213,60 @@ void run(ShOptions options) {
 }
 
 }  // namespace
+
+void add_format_options(Options& table, ShOptions& options) {
+  constexpr const char* kFormat = "--format";
+  table.push_back(choice<ShFormat>(
+      kFormat, options.format,
+      {{"table", ShFormat::table}, {"json", ShFormat::json}, {"text", ShFormat::text}, {"c", ShFormat::c_header}},
+      "A table for a person (default), JSON, a line a coefficient, a C header"));
+  table.push_back({.names = "--json",
+                   .target = OnFlag([&options] { options.format = ShFormat::json; }),
+                   .text = "The same as --format json",
+                   .excludes = {kFormat}});
+}
+
+void add_bands_option(Options& table, ShOptions& options) {
+  table.push_back({.names = "--bands",
+                   .target = &options.projection.bands,
+                   .text = "Bands, 1 (ambient colour only) to 16; default 3",
+                   .type = "N",
+                   .bounds = whole_between(1, kMaximumBands)});
+}
+
+void add_window_options(Options& table, ShOptions& options) {
+  table.push_back(
+      choice<Window>("--window", options.window,
+                     {{name(Window::none), Window::none},
+                      {name(Window::hanning), Window::hanning},
+                      {name(Window::lanczos), Window::lanczos},
+                      {name(Window::least), Window::least}},
+                     "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0"));
+  table.push_back({.names = "--window-width",
+                   .target = &options.window_width,
+                   .text = "Width of a hanning or lanczos window in bands; default: the number of bands",
+                   .type = "W",
+                   .bounds = finite_and_positive()});
+}
+
+const char* quadrature_name(const ShReport& report) noexcept {
+  if (report.sky && report.sky->quadrature) return name(report.sky->quadrature->quadrature);
+  return report.options.quadrature == Quadrature::exact ? "exact" : "midpoint";
+}
+
+void complete(ShReport& report, const ShOptions& options) {
+  report.window = options.window;
+  report.engine = options.turn.to;
+  report.axes = axes_text(options.turn);
+  report.threads = thread_count(options.common);
+  SphericalHarmonics& radiance = report.projection.radiance;
+  report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
+  report.windowed = apply_window(radiance, options.window, options.window_width);
+  radiance = report.windowed.radiance;
+  report.irradiance = irradiance_from_radiance(radiance);
+  report.polynomial = babylon_polynomial(radiance);
+  if (has_engine_light(report.engine)) report.engine_light = engine_light_in_place(radiance, report.engine);
+}
 
 std::string sh_formatted(const ShReport& report, ShFormat format) {
   switch (format) {
@@ -31,12 +278,12 @@ std::string sh_formatted(const ShReport& report, ShFormat format) {
   return sh_table(report);
 }
 
-void add_sh_command(CLI::App& program) {
+Command sh_command() {
   const auto options = std::make_shared<ShOptions>();
-  CLI::App& command = *program.add_subcommand("sh", "Project an environment to spherical harmonics");
-  command.footer(std::string(kShFooter));
-  add_sh_options(command, *options);
-  command.callback([options] { run(*options); });
+  Command command{"sh", "Project an environment to spherical harmonics", kShFooter};
+  add_sh_options(command.options, *options);
+  command.run = [options](const Given& /*given*/) { run(*options); };
+  return command;
 }
 
 }  // namespace welkin::tool

@@ -1,16 +1,42 @@
-// `welkin sh`: an environment's spherical harmonics.
+// What `welkin sh` can be asked, and what of that other commands share.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
-#include "tools/sh_options.h"
+#include "tools/arguments.h"
+#include "tools/input.h"
 #include "tools/sh_report.h"
+#include "tools/turning.h"
+#include "welkin/projection.h"
+#include "welkin/windowing.h"
 
 namespace welkin::tool {
 
-/// Adds the subcommand; parsing it runs it. Throws what the library throws.
-void add_sh_command(CLI::App& program);
+enum class ShFormat { table, json, text, c_header };
+
+struct ShOptions {
+  CommonOptions common;
+  std::optional<std::string> input;  ///< none: the built-in sky
+  ShFormat format = ShFormat::table;
+  ProjectionOptions projection;
+  ClampChoice clamp;
+  TurnOptions turn;
+  SunChoice sun;
+  Window window = Window::none;
+  double window_width = 0.0;
+  bool irradiance_error = false;
+};
+
+/// --format and --json.
+void add_format_options(Options& table, ShOptions& options);
+void add_bands_option(Options& table, ShOptions& options);
+/// --window and --window-width.
+void add_window_options(Options& table, ShOptions& options);
+
+/// Fills in what follows from `report.projection.radiance`, which is in the result's axes, and from the options:
+/// window, dominant light, irradiance, the forms of engines.
+void complete(ShReport& report, const ShOptions& options);
 
 [[nodiscard]] std::string sh_formatted(const ShReport& report, ShFormat format);
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/sky_report.h"
-#include "tools/source.h"
+#include "tools/input.h"
+#include "tools/sky_model.h"
 #include "welkin/babylon.h"
 #include "welkin/directional_light.h"
 #include "welkin/engine_light.h"

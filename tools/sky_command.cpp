@@ -1,19 +1,332 @@
-#include "tools/sky_command.h"
-
+// `welkin sky`: the light of a computed sky.
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <vector>
 
-#include "tools/atmosphere_file.h"
-#include "tools/bake_command.h"
-#include "tools/help_text.h"
-#include "tools/output.h"
-#include "tools/progress_bar.h"
+#include "tools/bake_options.h"
+#include "tools/baked.h"
+#include "tools/commands.h"
 #include "tools/sh_command.h"
-#include "tools/sky_measure.h"
-#include "tools/sky_options.h"
+#include "tools/sky_sweep.h"
+#include "tools/terminal.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/sky_harmonics.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr const char* kSkyFooter =
+    R"(What it does:
+  Computes a clear sky from the physics of a planet's air: sunlight scattered by
+  its gases (Rayleigh) and aerosol (Mie), absorbed by ozone, reflected by the
+  ground, scattered again, as often as --orders says. Tables of it are made, or
+  taken from a file; then, for a sun and a height, it prints the sky's spherical
+  harmonics as 'welkin sh' does for a photograph, the sun apart as a directional
+  light; or bakes them to a folder as 'welkin bake' does; or draws a day.
+
+Examples:
+  welkin sky --sun-elevation 20              a table for a person
+  welkin sky --sun-elevation 20 --json       for a program, every digit
+  welkin sky --sun-elevation 5 --sun-azimuth 90 --for unity --format c
+  welkin sky --sun-elevation -4 --altitude 10000
+  welkin sky --sun-elevation 20 --orders 1 --ground-albedo 0
+                                             singly scattered light alone
+  welkin sky --sun-elevation 20 --tables earth.sky
+                                             make the tables once, then load them
+  welkin sky --sun-elevation 20 -o out       cubemaps, .env, harmonics, sky.exr
+  welkin sky --sun-elevation 20 -o out --sun-disc --size 128
+  welkin sky --sweep day.png                 noon to night, and day.txt
+  welkin sky --preset mars --sweep mars.png --sun-elevation 60
+  welkin sky --print-atmosphere > air.json   Earth's air as data, to be changed
+  welkin sky --atmosphere air.json --sun-elevation 20
+  welkin sky --wavelengths 615,535,445 --sun-elevation 20
+
+Directions: y is up; at azimuth 0 the sun stands towards +z, at 90 towards +x.
+  Below the horizon one sees the ground, lit by sun and sky.
+
+Units: radiance W/(m2 sr nm) at the wavelengths that stand for r, g and b;
+  irradiance W/(m2 nm). With --colour srgb luminance, cd/m2, in linear sRGB, and
+  illuminance, lux. Lengths are metres.
+
+JSON: as 'welkin sh --json' prints it, the sun always apart in "sun" {direction,
+  irradiance, radiance, solid_angle, angular_radius_degrees, flux_after (of the
+  sky), flux_before (with the sun)}, and "sky" {atmosphere, unit, colour,
+  sun_elevation_degrees, sun_azimuth_degrees, altitude_m, orders, last_change,
+  ground, sky_irradiance, quadrature, tables, parameters}. error_estimate is that
+  of the quadrature alone; docs/sky.md has the tables' errors.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr double kFullTurns = 1e6;
+constexpr double kHighest = 1e9;
+constexpr int kMostOrders = 64;
+constexpr int kLargestPicture = 16384;
+constexpr int kMostTiles = 256;
+constexpr int kLargestTile = 2048;
+constexpr int kSkySize = 32;         // a sky is smooth: the prefilter's mips need no more
+constexpr int kSkyBackground = 128;  // as many texels round the horizon as the picture has
+
+struct SkyOptions {
+  SkyParameters sky;
+  SkyHarmonicsOptions quadrature;
+  ShOptions sh;  ///< threads, memory, bands, window, whose axes, form of the result
+  bool print_atmosphere = false;
+
+  bool wants_folder = false;  ///< -o
+  BakeCommandOptions bake;
+  int picture_height = 256;
+  bool sun_disc = false;
+
+  SweepOptions sweep;  ///< its path empty: no sweep
+};
+
+void add_sun_place(Options& table, SkyParameters& sky) {
+  table.push_back({.names = "--sun-elevation",
+                   .target = &sky.sun_elevation_degrees,
+                   .text = "Degrees of the sun above the horizon, -90 to 90; default 40. With --sweep the first "
+                           "picture's, default 90",
+                   .type = "DEGREES",
+                   .bounds = finite_between(-90.0, 90.0)});
+  table.push_back({.names = "--sun-azimuth",
+                   .target = &sky.sun_azimuth_degrees,
+                   .text = "Where the sun stands round the vertical: from +z towards +x; default 0",
+                   .type = "DEGREES",
+                   .bounds = finite_between(-kFullTurns, kFullTurns)});
+  table.push_back({.names = "--altitude",
+                   .target = &sky.altitude_m,
+                   .text = "Metres above the ground; above the air is space; default 0",
+                   .type = "METRES",
+                   .bounds = finite_between(0.0, kHighest)});
+  table.push_back({.names = "--no-ground",
+                   .target = OnFlag([&sky] { sky.view.ground = false; }),
+                   .text = "Below the horizon only the air before the ground, not the ground itself"});
+}
+
+void set_table_size(SkyTableOptions& tables, const std::vector<int>& sizes) {
+  if (sizes.size() < 3 || sizes.size() > 4) {
+    throw BadValue{"--table-size", "wants three numbers, HEIGHTS,VIEWS,SUNS, or a fourth, AZIMUTHS"};
+  }
+  tables.heights = sizes[0];
+  tables.view_zeniths = sizes[1];
+  tables.sun_zeniths = sizes[2];
+  if (sizes.size() > 3) tables.sun_angles = sizes[3];
+}
+
+void add_table_options(Options& table, SkyOptions& options) {
+  SkyTableOptions& tables = options.sky.tables;
+  table.push_back({.names = "--orders",
+                   .target = &tables.orders,
+                   .text = "Orders of scattering, ground reflections included, 1 to 64; default 4",
+                   .type = "N",
+                   .bounds = whole_between(1, kMostOrders)});
+  table.push_back({.names = "--until-change",
+                   .target = &tables.until_change,
+                   .text =
+                       "Stop before --orders when one added less than this share of all light before it; default 0: "
+                       "never",
+                   .type = "SHARE",
+                   .bounds = finite_between(0.0, 1.0)});
+  table.push_back(choice<SkyColour>(
+      "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
+      "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm (default), or luminance in linear sRGB, cd/m2 "
+      "(default with --sweep)"));
+  table.push_back(choice<ScatteringLayout>(
+      "--layout", tables.layout, {{"full", ScatteringLayout::full}, {"compact", ScatteringLayout::compact}},
+      "Scattering tables with four dimensions (default) or, smaller and less exact, three"));
+  const auto set_size = [&tables](const std::vector<int>& sizes) { set_table_size(tables, sizes); };
+  table.push_back({.names = "--table-size",
+                   .target = On<std::vector<int>>(set_size),
+                   .text = "Their size: HEIGHTS,VIEWS,SUNS and of full ones AZIMUTHS; default 32,64,64,8",
+                   .type = "LIST",
+                   .list = List::commas});
+  table.push_back({.names = "--tables",
+                   .target = &options.sky.tables_file,
+                   .text = "Keep the tables in this file: taken from there if they are those asked for, else made and "
+                           "saved",
+                   .type = "FILE"});
+}
+
+void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
+  table.push_back(
+      choice<SkyQuadrature>("--quadrature", options.quadrature,
+                            {{name(SkyQuadrature::article), SkyQuadrature::article},
+                             {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
+                             {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
+                            "Directions that the harmonics are summed over: evenly in angles; by Gauss nodes; the same "
+                            "with the glow about the sun apart (default)"));
+  const auto set_counts = [&options](const std::vector<int>& counts) {
+    options.zeniths = counts[0];
+    options.azimuths = counts[1];
+  };
+  table.push_back({.names = "--directions",
+                   .target = On<std::vector<int>>(set_counts),
+                   .text =
+                       "How many: ZENITHS on either side of the horizon (article: over both), 2 to 128, and AZIMUTHS "
+                       "over half the circle, 2 to 256, the other half being its mirror image; default 16,16",
+                   .type = "Z,A",
+                   .list = List::commas_or_spaces,
+                   .count = 2});
+}
+
+/// Options that make no sense together are refused rather than one of them ignored.
+void add_sweep_options(Options& table, SweepOptions& sweep) {
+  constexpr const char* kSweep = "--sweep";
+  table.push_back({.names = kSweep,
+                   .target = &sweep.path,
+                   .text = "Draw a day as pictures side by side, to a PNG and a text beside it that has each one's sun",
+                   .type = "FILE.png",
+                   .excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands",
+                                "--window", "--for"}});
+  table.push_back({.names = "--sweep-to",
+                   .target = &sweep.last_degrees,
+                   .text = "Sun elevation of the last picture; default -18",
+                   .type = "DEGREES",
+                   .bounds = finite_between(-90.0, 90.0),
+                   .needs = {kSweep}});
+  table.push_back({.names = "--sweep-tiles",
+                   .target = &sweep.tiles,
+                   .text = "How many pictures, 1 to 256; default 16",
+                   .type = "N",
+                   .bounds = whole_between(1, kMostTiles),
+                   .needs = {kSweep}});
+  table.push_back({.names = "--sweep-size",
+                   .target = &sweep.size,
+                   .text = "Height of each in pixels, 8 to 2048; default 192",
+                   .type = "N",
+                   .bounds = whole_between(8, kLargestTile),
+                   .needs = {kSweep}});
+  table.push_back(choice<SweepView>("--sweep-view", sweep.view,
+                                    {{"panorama", SweepView::panorama}, {"fisheye", SweepView::fisheye}},
+                                    "Half way round with the sun in the middle (default), or all of the sky above"));
+  table.back().needs = {kSweep};
+}
+
+void add_folder_options(Options& table, SkyOptions& options) {
+  options.bake.specular.size = kSkySize;
+  options.bake.bake.background_size = kSkyBackground;
+  options.bake.all_mips = true;  // 32 texels down to 16 would be two
+  table.push_back({.names = "-o,--output",
+                   .target = &options.bake.directory,
+                   .text = "A folder to bake the sky to, as 'welkin bake' does, sky.exr beside; --json then prints its "
+                           "manifest",
+                   .type = "DIR",
+                   .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
+  const std::size_t before = table.size();
+  table.push_back({.names = "--picture-height",
+                   .target = &options.picture_height,
+                   .text = "Height of sky.exr, from which all else is made; its width is twice that; default 256",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargestPicture)});
+  table.push_back(
+      {.names = "--sun-disc", .target = &options.sun_disc, .text = "The sun's disc in the picture; else it is apart"});
+  add_result_options(table, options.bake);
+  for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");
+}
+
+void add_sky_options(Options& table, SkyOptions& options) {
+  add_sun_place(table, options.sky);
+  add_atmosphere_options(table, options.sky.atmosphere);
+  table.push_back({.names = "--print-atmosphere",
+                   .target = &options.print_atmosphere,
+                   .text = "Print the air as JSON, to be changed and read by --atmosphere, and do nothing else"});
+  add_table_options(table, options);
+  add_quadrature_options(table, options.quadrature);
+  add_format_options(table, options.sh);
+  add_bands_option(table, options.sh);
+  add_window_options(table, options.sh);
+  add_engine_option(table, options.sh.turn);
+  add_sweep_options(table, options.sweep);
+  add_folder_options(table, options);
+  add_memory_limit_option(table, options.sh.common);
+  add_threads_option(table, options.sh.common);
+}
+
+/// What the options mean together; called once they are all read.
+void settle(SkyOptions& options, const Given& given) {
+  SkyTableOptions& tables = options.sky.tables;
+  tables.memory_limit_bytes = options.sh.common.read.memory_limit_bytes;
+  options.quadrature.bands = options.sh.projection.bands;
+  if (!options.sweep.path.empty()) {
+    if (!given("--colour")) tables.colour = SkyColour::linear_srgb;
+    if (given("--sun-elevation")) options.sweep.first_degrees = options.sky.sun_elevation_degrees;
+  }
+  if (!given("--mips") && !options.bake.roughness.table.empty()) options.bake.all_mips = false;
+  options.wants_folder = given("-o");
+  options.bake.common = options.sh.common;
+  options.bake.common.json = options.sh.format == ShFormat::json;
+  options.bake.turn.to = options.sh.turn.to;
+  options.bake.bake.bands = options.sh.projection.bands;
+  options.bake.picture_name = "sky.exr";
+}
+
+constexpr int kMostZeniths = 128;
+constexpr int kMostAzimuths = 256;
+
+double relative_difference(const SphericalHarmonics& coarse, const SphericalHarmonics& fine) {
+  double difference = 0.0;
+  double power = 0.0;
+  for (std::size_t i = 0; i < fine.coefficients().size(); ++i) {
+    const glm::dvec3 apart = coarse.coefficients()[i] - fine.coefficients()[i];
+    difference += glm::dot(apart, apart);
+    power += glm::dot(fine.coefficients()[i], fine.coefficients()[i]);
+  }
+  return power > 0.0 ? std::sqrt(difference / power) : 0.0;
+}
+
+/// What a quadrature of twice as many nodes each way says otherwise. Of the tables' own error it knows nothing.
+double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const SphericalHarmonics& radiance) {
+  SkyHarmonicsOptions finer = options;
+  finer.quadrature = SkyQuadrature::gauss_split;
+  finer.zeniths = std::min(2 * options.zeniths, kMostZeniths);
+  finer.azimuths = std::min(2 * options.azimuths, kMostAzimuths);
+  return relative_difference(radiance, SkyProjector(sky.view, finer).project(sky.sun));
+}
+
+/// Of the sky, and of sky and sun together.
+void describe_light(const Sky& sky, ShReport& report) {
+  const double sphere = std::sqrt(4.0 * std::numbers::pi);  // band 0 is the mean radiance times that
+  ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
+  diagnostics.flux = sphere * report.projection.radiance.coefficients().front();
+  diagnostics.flux_before_clamp = diagnostics.flux;
+  report.sun_wanted = true;
+  report.sun = sky.view.sun(sky.sun);
+  report.sun->flux_after = diagnostics.flux;
+  report.sun->flux_before = diagnostics.flux + report.sun->irradiance;
+}
+
+/// Makes or loads tables, projects the sky, turns it to the engine's axes, windows. Shows a progress bar on a terminal.
+/// Throws what the library throws.
+ShReport measure_sky(const SkyOptions& options) {
+  ProgressBar bar;
+  const Control control = bar.control();
+  const Sky sky = make_sky(options.sky, control);
+  ShReport report;
+  report.source = {"computed sky", "directions", 0, 0, "computed", "from tables of the scattering", {}};
+  report.options = options.sh.projection;
+  report.sky = sky.report;
+  report.sky->quadrature = options.quadrature;
+  ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
+  diagnostics.passes = sky.passes;
+  report.projection.radiance = timed(diagnostics.passes, "project", "the sky along the quadrature's directions", [&] {
+    const SkyProjector projector(sky.view, options.quadrature);
+    report.sky->directions = projector.directions();
+    return projector.project(sky.sun);
+  });
+  diagnostics.texels = static_cast<std::uint64_t>(report.sky->directions);
+  diagnostics.error_estimate = error_estimate(sky, options.quadrature, report.projection.radiance);
+  describe_light(sky, report);
+  const glm::dmat3 matrix = turn_of_light(options.sh.turn, false);
+  if (matrix != glm::dmat3(1.0)) {
+    report.projection.radiance = transform(report.projection.radiance, matrix);
+    report.sun->direction = matrix * report.sun->direction;
+  }
+  complete(report, options.sh);
+  return report;
+}
 
 std::string sweep(const SkyOptions& options) {
   ProgressBar bar;
@@ -40,8 +353,8 @@ std::string answer(const SkyOptions& options) {
   return sh_formatted(measure_sky(options), options.sh.format);
 }
 
-void run(SkyOptions& options, const CLI::App& command) {
-  settle(options, command);
+void run(SkyOptions& options, const Given& given) {
+  settle(options, given);
   std::string text;
   run_with_threads(options.sh.common.threads, [&] { text = answer(options); });
   print_result(text);
@@ -49,12 +362,12 @@ void run(SkyOptions& options, const CLI::App& command) {
 
 }  // namespace
 
-void add_sky_command(CLI::App& program) {
+Command sky_command() {
   const auto options = std::make_shared<SkyOptions>();
-  CLI::App& command = *program.add_subcommand("sky", "The light of a computed sky");
-  command.footer(std::string(kSkyFooter));
-  add_sky_options(command, *options);
-  command.callback([options, &command] { run(*options, command); });
+  Command command{"sky", "The light of a computed sky", kSkyFooter};
+  add_sky_options(command.options, *options);
+  command.run = [options](const Given& given) { run(*options, given); };
+  return command;
 }
 
 }  // namespace welkin::tool

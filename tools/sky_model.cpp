@@ -1,12 +1,341 @@
 #include "tools/sky_model.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
 #include <utility>
 
-#include "tools/progress_bar.h"
-#include "tools/sky_tables_file.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/error.h"
 
 namespace welkin::tool {
 namespace {
+
+const char* name(AerosolPhase phase) noexcept {
+  return phase == AerosolPhase::cornette_shanks ? "cornette-shanks" : "henyey-greenstein";
+}
+
+Json layers_json(const std::vector<DensityLayer>& layers) {
+  Json list = Json::array();
+  for (const DensityLayer& layer : layers) {
+    list.push_back({{"thickness_m", layer.thickness_m},
+                    {"exponential_term", layer.exponential_term},
+                    {"exponential_scale_per_m", layer.exponential_scale_per_m},
+                    {"linear_term_per_m", layer.linear_term_per_m},
+                    {"constant_term", layer.constant_term}});
+  }
+  return list;
+}
+
+Json constituent_json(const Constituent& constituent) {
+  return {{"density", layers_json(constituent.density)},
+          {"scattering_per_m", constituent.scattering_per_m},
+          {"absorption_per_m", constituent.absorption_per_m}};
+}
+
+Member layers(const char* name, std::vector<DensityLayer>& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            target.clear();
+            read_list(value, where, [&](const Json& element, const std::string& at) {
+              DensityLayer& layer = target.emplace_back();
+              read_object(
+                  element, at,
+                  {number("thickness_m", layer.thickness_m), number("exponential_term", layer.exponential_term),
+                   number("exponential_scale_per_m", layer.exponential_scale_per_m),
+                   number("linear_term_per_m", layer.linear_term_per_m), number("constant_term", layer.constant_term)});
+            });
+          }};
+}
+
+void read_constituent(const Json& value, const std::string& where, Constituent& target) {
+  target = {};
+  read_object(value, where,
+              {layers("density", target.density), numbers("scattering_per_m", target.scattering_per_m),
+               numbers("absorption_per_m", target.absorption_per_m)});
+}
+
+Member constituent(const char* name, Constituent& target) {
+  return {name, [&target](const Json& value, const std::string& where) { read_constituent(value, where, target); }};
+}
+
+void read_phase(const Json& value, const std::string& where, AerosolPhase& target) {
+  for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
+    if (value.is_text() && value.text() == name(phase)) {
+      target = phase;
+      return;
+    }
+  }
+  throw Flaw{where + R"( is neither "cornette-shanks" nor "henyey-greenstein")"};
+}
+
+Atmosphere atmosphere_of(const Json& json) {
+  Atmosphere air;
+  read_object(json, "the atmosphere",
+              {text("name", air.name),
+               numbers("wavelengths_nm", air.wavelengths_nm),
+               number("bottom_radius_m", air.bottom_radius_m),
+               number("top_radius_m", air.top_radius_m),
+               constituent("rayleigh", air.rayleigh),
+               constituent("aerosol", air.aerosol),
+               {"aerosol_phase",
+                [&](const Json& value, const std::string& where) { read_phase(value, where, air.aerosol_phase); }},
+               number("aerosol_asymmetry", air.aerosol_asymmetry),
+               {"absorbers",
+                [&](const Json& value, const std::string& where) {
+                  air.absorbers.clear();
+                  read_list(value, where, [&](const Json& element, const std::string& at) {
+                    read_constituent(element, at, air.absorbers.emplace_back());
+                  });
+                }},
+               numbers("ground_albedo", air.ground_albedo),
+               numbers("solar_irradiance", air.solar_irradiance),
+               number("sun_angular_radius_degrees", air.sun_angular_radius_degrees)});
+  return air;
+}
+
+/// As `chosen_atmosphere` says.
+Atmosphere read_atmosphere(const std::filesystem::path& path) {
+  constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
+  try {
+    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith));
+    check(atmosphere);
+    return atmosphere;
+  } catch (const Flaw& flaw) {
+    throw Error(ErrorCode::corrupt_file, path.string() + ": " + flaw.message);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::invalid_argument) throw;
+    throw Error(ErrorCode::corrupt_file, path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+Json atmosphere_json(const Atmosphere& atmosphere) {
+  Json absorbers = Json::array();
+  for (const Constituent& absorber : atmosphere.absorbers) absorbers.push_back(constituent_json(absorber));
+  return {{"name", atmosphere.name},
+          {"wavelengths_nm", atmosphere.wavelengths_nm},
+          {"bottom_radius_m", atmosphere.bottom_radius_m},
+          {"top_radius_m", atmosphere.top_radius_m},
+          {"rayleigh", constituent_json(atmosphere.rayleigh)},
+          {"aerosol", constituent_json(atmosphere.aerosol)},
+          {"aerosol_phase", name(atmosphere.aerosol_phase)},
+          {"aerosol_asymmetry", atmosphere.aerosol_asymmetry},
+          {"absorbers", absorbers},
+          {"ground_albedo", atmosphere.ground_albedo},
+          {"solar_irradiance", atmosphere.solar_irradiance},
+          {"sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees}};
+}
+
+namespace {
+
+// What the eye sees: 15 wavelengths, five times three. The red end that is left out holds less than 1 % of luminance.
+constexpr double kShortest = 400.0;
+constexpr double kStep = 20.0;
+constexpr int kSamples = 15;
+
+std::vector<double> visible_spectrum() {
+  std::vector<double> wavelengths;
+  wavelengths.reserve(kSamples);
+  for (int i = 0; i < kSamples; ++i) wavelengths.push_back(kShortest + kStep * i);
+  return wavelengths;
+}
+
+bool is_earth(AtmospherePreset preset) {
+  return preset == AtmospherePreset::earth || preset == AtmospherePreset::no_aerosol;
+}
+
+Atmosphere earth_of(const AtmosphereChoice& choice, SkyColour colour) {
+  if (!choice.wavelengths_nm.empty()) return earth(choice.wavelengths_nm);
+  return colour == SkyColour::linear_srgb ? earth(visible_spectrum()) : earth();
+}
+
+Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour colour) {
+  if (choice.file) return read_atmosphere(*choice.file);
+  switch (choice.preset) {
+    case AtmospherePreset::earth_hillaire: return earth_hillaire();
+    case AtmospherePreset::mars: return mars();
+    case AtmospherePreset::no_aerosol: return without_aerosol(earth_of(choice, colour));
+    case AtmospherePreset::earth: break;
+  }
+  return earth_of(choice, colour);
+}
+
+}  // namespace
+
+void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
+  constexpr const char* kPreset = "--preset";
+  table.push_back(tool::choice<AtmospherePreset>(
+      kPreset, choice.preset,
+      {{"earth", AtmospherePreset::earth},
+       {"earth-hillaire", AtmospherePreset::earth_hillaire},
+       {"mars", AtmospherePreset::mars},
+       {"no-aerosol", AtmospherePreset::no_aerosol}},
+      "Whose air: earth (default; the constants of Bruneton 2017), earth-hillaire (those of Hillaire 2020), mars, "
+      "no-aerosol (earth with nothing but gases)"));
+  table.push_back({.names = "--atmosphere",
+                   .target = &choice.file,
+                   .text = "Air from a JSON file, such as --print-atmosphere writes; every number is checked",
+                   .type = "FILE",
+                   .excludes = {kPreset}});
+  table.push_back({.names = "--wavelengths",
+                   .target = &choice.wavelengths_nm,
+                   .text = "Of earth and no-aerosol: wavelengths in nm, commas between them; three for r, g and b "
+                           "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
+                   .type = "LIST",
+                   .list = List::commas});
+  table.push_back({.names = "--ground-albedo",
+                   .target = &choice.ground_albedo,
+                   .text = "How much light the ground reflects, 0 to 1; default: as the air's preset has it, earth 0.1",
+                   .type = "A",
+                   .bounds = finite_between(0.0, 1.0)});
+}
+
+Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
+  if (!choice.wavelengths_nm.empty() && (choice.file || !is_earth(choice.preset))) {
+    throw Error(ErrorCode::invalid_argument,
+                "--wavelengths is for the presets earth and no-aerosol; the others and files have their own");
+  }
+  Atmosphere atmosphere = atmosphere_before_changes(choice, colour);
+  if (choice.ground_albedo) atmosphere = with_ground_albedo(std::move(atmosphere), *choice.ground_albedo);
+  check(atmosphere);
+  const std::size_t wavelengths = atmosphere.wavelengths_nm.size();
+  if (colour == SkyColour::spectral && wavelengths != 3) {
+    throw Error(ErrorCode::invalid_argument,
+                std::to_string(wavelengths) +
+                    " wavelengths make no red, green and blue of their own; give three, or --colour srgb, which "
+                    "folds them to colours");
+  }
+  return atmosphere;
+}
+
+const char* name(SkyColour colour) noexcept { return colour == SkyColour::spectral ? "spectral" : "srgb"; }
+
+namespace {
+
+std::string list_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + significant(value);
+  return text;
+}
+
+const char* name(ScatteringLayout layout) { return layout == ScatteringLayout::full ? "full" : "compact"; }
+
+std::string size_text(const SkyTableOptions& tables) {
+  std::string text = std::to_string(tables.heights) + " x " + std::to_string(tables.view_zeniths) + " x " +
+                     std::to_string(tables.sun_zeniths);
+  return tables.layout == ScatteringLayout::full ? text + " x " + std::to_string(tables.sun_angles) : text;
+}
+
+Json tables_json(const SkyReport& report) {
+  const SkyTableOptions& tables = report.tables;
+  return {{"layout", name(tables.layout)},
+          {"heights", tables.heights},
+          {"view_zeniths", tables.view_zeniths},
+          {"sun_zeniths", tables.sun_zeniths},
+          {"sun_angles", tables.layout == ScatteringLayout::full ? Json(tables.sun_angles) : Json(nullptr)},
+          {"lowest_sun_degrees", tables.lowest_sun_degrees},
+          {"orders_asked_for", tables.orders},
+          {"until_change", tables.until_change},
+          {"bytes", report.table_bytes}};
+}
+
+Json quadrature_json(const SkyReport& report) {
+  if (!report.quadrature) return nullptr;
+  return {{"name", welkin::name(report.quadrature->quadrature)},
+          {"directions", report.directions},
+          {"zeniths", report.quadrature->zeniths},
+          {"azimuths", report.quadrature->azimuths}};
+}
+
+std::string sun_place(double elevation) {
+  return significant(std::abs(elevation)) + (elevation < 0.0 ? " degrees below the horizon" : " degrees up");
+}
+
+}  // namespace
+
+std::string sky_unit(const SkyReport& report) {
+  if (report.tables.colour == SkyColour::linear_srgb) return "cd/m2, linear sRGB";
+  return "W/m2/sr/nm at " + list_text(report.atmosphere.wavelengths_nm) + " nm";
+}
+
+Json sky_json(const SkyReport& report) {
+  return {{"atmosphere", report.atmosphere.name},
+          {"unit", sky_unit(report)},
+          {"colour", tool::name(report.tables.colour)},
+          {"sun_elevation_degrees", report.sun_elevation_degrees},
+          {"sun_azimuth_degrees", report.sun_azimuth_degrees},
+          {"altitude_m", report.altitude_m},
+          {"orders", report.orders},
+          {"last_change", report.last_change},
+          {"ground", report.ground},
+          {"sky_irradiance", json_triple(report.sky_irradiance)},
+          {"quadrature", quadrature_json(report)},
+          {"tables", tables_json(report)},
+          {"parameters", atmosphere_json(report.atmosphere)}};
+}
+
+std::string sky_lines(const SkyReport& report) {
+  const Atmosphere& air = report.atmosphere;
+  const auto [least, most] = air.ground_albedo.empty()
+                                 ? std::pair{0.0, 0.0}
+                                 : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
+                                             *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
+  std::string text = "  " + printable(air.name) + "; sun " + sun_place(report.sun_elevation_degrees) + ", azimuth " +
+                     significant(report.sun_azimuth_degrees) + "; altitude " + significant(report.altitude_m) + " m\n";
+  text += "  " + counted(static_cast<std::uint64_t>(report.orders), "order") + " of scattering, the last added " +
+          significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(least) +
+          (most > least ? " to " + significant(most) : "") + (report.ground ? "" : ", not seen") + '\n';
+  text += "  tables " + size_text(report.tables) + ", " + name(report.tables.layout) + ", " +
+          grouped(report.table_bytes >> 10U) + " KiB\n";
+  text += "  r, g, b: " + sky_unit(report) + '\n';
+  return text + "  irradiance of the sky on the ground  " + significant(report.sky_irradiance) + '\n';
+}
+
+namespace {
+
+/// Tables of a sky: from a file if they fit, else made, and kept there.
+struct ReadyTables {
+  std::shared_ptr<const SkyTables> tables;
+  PassRecord pass;  ///< "reuse" or "run", and why
+};
+
+/// The limit bounds the work; it changes no table.
+bool fit(const SkyTables& tables, const Atmosphere& atmosphere, const SkyTableOptions& options) {
+  SkyTableOptions theirs = tables.options;
+  theirs.memory_limit_bytes = options.memory_limit_bytes;
+  return tables.atmosphere == atmosphere && theirs == options;
+}
+
+ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                           const std::optional<std::string>& file, const Control& control) {
+  std::error_code none;
+  std::string reason = "no --tables file keeps them";
+  if (file) {
+    const bool is_there = std::filesystem::exists(*file, none);
+    if (is_there) {
+      auto loaded = std::make_shared<const SkyTables>(load_sky_tables(*file, options.memory_limit_bytes));
+      if (fit(*loaded, atmosphere, options)) return {loaded, {"tables", "reuse", "loaded from " + *file, 0.0}};
+    }
+    reason = (is_there ? "those in the file were of other parameters; now saved to " : "saved to ") + *file;
+  }
+  auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
+  if (file) save_sky_tables(*made, *file);
+  return {made, {"tables", "run", reason, 0.0}};
+}
+
+/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
+/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
+/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
+ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                         const std::optional<std::string>& file, const Control& control) {
+  const auto start = std::chrono::steady_clock::now();
+  ReadyTables ready = made_or_loaded(atmosphere, options, file, control);
+  ready.pass.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return ready;
+}
 
 constexpr int kBuiltInHeight = 512;
 constexpr double kTables = 0.9;  // of the progress; the rest is the picture

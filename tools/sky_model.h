@@ -1,18 +1,84 @@
-// From the command line's words about a sky to one that can be looked at.
+// Computed skies: from the command line's words about air and sun to one that can be looked at, and what is said of it.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/computed_picture.h"
-#include "tools/sky_atmosphere.h"
-#include "tools/sky_report.h"
+#include "tools/arguments.h"
+#include "tools/input.h"
+#include "tools/json.h"
+#include "welkin/atmosphere.h"
 #include "welkin/control.h"
+#include "welkin/directional_light.h"
+#include "welkin/image.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_tables.h"
 #include "welkin/sky_view.h"
 
 namespace welkin::tool {
+
+/// Which air: a preset, or a file; and what is changed of it.
+enum class AtmospherePreset { earth, earth_hillaire, mars, no_aerosol };
+
+struct AtmosphereChoice {
+  AtmospherePreset preset = AtmospherePreset::earth;
+  std::optional<std::string> file;
+  std::vector<double> wavelengths_nm;  ///< none: the preset's; folded to colours, Earth's are a spectrum
+  std::optional<double> ground_albedo;
+};
+
+/// --preset, --atmosphere, --wavelengths, --ground-albedo.
+void add_atmosphere_options(Options& table, AtmosphereChoice& choice);
+
+/// Of a file, what is missing is as in a default `Atmosphere`. Throws `Error`: file_access, limit_exceeded (more than a
+/// megabyte), corrupt_file for what is no JSON, for a member of another name or kind than those that `atmosphere_json`
+/// writes and for an atmosphere that cannot be computed; invalid_argument for wavelengths of an atmosphere that has but
+/// its own.
+[[nodiscard]] Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour);
+
+/// "spectral", "srgb".
+[[nodiscard]] const char* name(SkyColour colour) noexcept;
+
+/// Every member, with every digit: read again by --atmosphere it is the same.
+[[nodiscard]] Json atmosphere_json(const Atmosphere& atmosphere);
+
+/// What a computed sky was made of, for those who read of it.
+struct SkyReport {
+  Atmosphere atmosphere;
+  double sun_elevation_degrees = 0.0;
+  double sun_azimuth_degrees = 0.0;  ///< in Welkin's axes
+  double altitude_m = 0.0;
+  bool ground = true;
+  SkyTableOptions tables;
+  std::uint64_t table_bytes = 0;
+  int orders = 0;
+  double last_change = 0.0;
+  glm::dvec3 sky_irradiance{};                    ///< on horizontal ground facing up, without the direct sun
+  std::optional<SkyHarmonicsOptions> quadrature;  ///< of the harmonics; none: they are of a picture
+  int directions = 0;                             ///< that it looks along
+};
+
+/// "W/m2/sr/nm at 680, 550, 440 nm" or "cd/m2, linear sRGB".
+[[nodiscard]] std::string sky_unit(const SkyReport& report);
+
+[[nodiscard]] Json sky_json(const SkyReport& report);
+/// Some lines for a person.
+[[nodiscard]] std::string sky_lines(const SkyReport& report);
+
+/// An environment that is computed and not read.
+struct ComputedPicture {
+  LatLongImage image;
+  Source source;
+  SkyReport sky;
+  std::optional<Sun> sun;  ///< that is not in the image, Welkin's axes
+};
+
+using ComputePicture = std::function<ComputedPicture(const Control&)>;
 
 struct SkyParameters {
   AtmosphereChoice atmosphere;

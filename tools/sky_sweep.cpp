@@ -8,12 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/number_text.h"
-#include "tools/preview_picture.h"
-#include "tools/printable_text.h"
-#include "tools/progress_bar.h"
-#include "tools/text_file.h"
-#include "tools/tone_map.h"
+#include "tools/previews.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
 #include "welkin/environment_writer.h"
 #include "welkin/error.h"
 

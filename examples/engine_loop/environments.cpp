@@ -2,10 +2,11 @@
 
 #include <welkin/environment_writer.h>
 #include <welkin/sky_view.h>
-#include <welkin/test_map.h>
 
 #include <algorithm>
 #include <memory>
+
+#include "tools/test_map.h"
 
 namespace engine_loop {
 

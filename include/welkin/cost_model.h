@@ -1,17 +1,15 @@
 // What each kind of work costs on a machine: nanoseconds of one thread a unit.
 //
-//   welkin::CostModel costs = welkin::calibrate_costs();   // some four seconds, one thread
+//   welkin::CostModel costs;   // the stored numbers; or what `welkin report --calibrate` has measured here
 //   welkin::Plan plan = welkin::plan(panorama, needs, {}, costs);
 #pragma once
 
 #include <span>
 
-#include "welkin/control.h"
-
 namespace welkin {
 
 /// The stored numbers are estimates from benchmarks of single passes: their ratios hold roughly, their sum is another
-/// on every machine, which is what `calibrate_costs` is for. They predict, they never decide a result's bits.
+/// on every machine, which is what `welkin report --calibrate` is for. They predict, they never decide a result's bits.
 struct CostModel {
   // Of a source's pixels.
   double clean_texel = 0.45;            ///< looked through, or copied as RGB floats
@@ -65,11 +63,5 @@ struct CostUnit {
 
 /// All of them, in order: for files and tables.
 [[nodiscard]] std::span<const CostUnit> cost_units() noexcept;
-
-/// Measures them here, on one thread, from small pieces of each kind of work, each the fastest of a few runs, by
-/// processor time where other programs have taken some of the wall time. What reads files is not measured: it gets the
-/// stored number times the mean ratio of the others. Takes some four seconds of processor time. Throws `Error`
-/// (cancelled).
-[[nodiscard]] CostModel calibrate_costs(const Control& control = {});
 
 }  // namespace welkin

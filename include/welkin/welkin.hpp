@@ -45,7 +45,6 @@
 #include "welkin/specular.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/stored_environment.h"
-#include "welkin/test_map.h"
 #include "welkin/texture_file.h"
 #include "welkin/version.h"
 #include "welkin/windowing.h"

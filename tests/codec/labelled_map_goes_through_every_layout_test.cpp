@@ -7,7 +7,7 @@
 #include "welkin/convention.h"
 #include "welkin/environment_writer.h"
 #include "welkin/resampling.h"
-#include "welkin/test_map.h"
+#include "tools/test_map.h"
 
 namespace welkin::test {
 namespace {

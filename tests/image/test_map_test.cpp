@@ -1,5 +1,5 @@
 // Promise: the labelled map shows which way is which, the same on a lat-long and on a cube.
-#include "welkin/test_map.h"
+#include "tools/test_map.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // A small report whose figures are chosen, not measured.
 #pragma once
 
-#include "report/measurement.h"
+#include "perf/report/measurement.h"
 
 namespace welkin::test {
 

@@ -1,7 +1,7 @@
 // Promise: every case of the stability suite is as exact as it is on record (tests/data/stability.json): no error grew,
 // no promise broke, no case is gone. After a change that alters errors and says why, WELKIN_RECORD_GOLDEN=1 writes the
 // file anew: `welkin_tests "[stability]"`, all in one process.
-#include "report/stability.h"
+#include "perf/report/stability.h"
 
 #include <algorithm>
 #include <cmath>

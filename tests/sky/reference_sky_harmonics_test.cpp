@@ -2,7 +2,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "report/error_norms.h"
+#include "perf/report/error_norms.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
 #include "welkin/harmonic_transforms.h"

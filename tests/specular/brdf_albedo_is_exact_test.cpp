@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "report/brdf_truth.h"
+#include "perf/report/brdf_truth.h"
 #include "simd/kernels.h"
 #include "specular/brdf_quadrature.h"
 #include "support/catch.h"

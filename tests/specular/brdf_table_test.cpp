@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "report/brdf_truth.h"
+#include "perf/report/brdf_truth.h"
 #include "specular/brdf_integration.h"
 #include "support/catch.h"
 #include "support/heap.h"

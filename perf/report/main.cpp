@@ -1,0 +1,335 @@
+// The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "perf/report/calibrate.h"
+#include "perf/report/comparison.h"
+#include "perf/report/measurement.h"
+#include "perf/report/plot_svg.h"
+#include "perf/report/process.h"
+#include "perf/report/report_json.h"
+#include "perf/report/report_page.h"
+#include "perf/report/run_report.h"
+#include "perf/report/stability.h"
+#include "perf/report/stability_output.h"
+#include "perf/report/stopwatch.h"
+#include "perf/report/words.h"
+#include "tools/arguments.h"
+#include "tools/json.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/cost_model.h"
+#include "welkin/error.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr const char* kReportFooter =
+    R"(What it does:
+  Measures error and time of every method and setting of every pass on this
+  machine, on a built-in light (or --environment), and writes one page with plots and
+  tables: error over time, the Pareto front, and which setting to take for an
+  error of 0.1, 0.5, 1 or 5 %. The page needs no network and prints well. Errors are
+  against the truth in double precision, and the same on every run; times are the
+  least of several calls.
+
+  Peers stand on the same axes where the machine has them: Filament's cmgen
+  (Debian: libfilament-tools) as a process on a file, its start, reading and
+  writing included; Babylon.js and three.js in Node.js (--node-modules), called
+  with their data in memory. None is needed.
+
+Examples:
+  welkin report                               report.html, minutes
+  welkin report --quick -o quick.html         under a minute on two cores
+  welkin report --quick --json new.json --against old.json
+  welkin report --passes prefilter,brdf --csv figures.csv
+  welkin report --environment city.hdr --plots plots
+  welkin report --stability                   extreme cases against their promises
+  welkin report --calibrate -o costs.json     for welkin bake --costs costs.json
+  welkin report --node-modules build/release/tests/engine
+
+Units: errors are relative, 0.01 is 1 %; what rms and maximum are stands below
+  each table. Times are seconds in JSON and CSV.
+
+Exit codes: 0 done, regressions or not; 1 a file is bad; 2 the command line is.)";
+
+constexpr const char* kDefaultPage = "report.html";
+
+struct ReportCommandOptions {
+  report::ReportOptions run;
+  report::ComparisonOptions factors;
+  std::string page;
+  std::string json;
+  std::string csv;
+  std::string plots;
+  std::string against;
+  std::string environment;
+  std::string node_modules;
+  bool quick = false;
+  bool no_peers = false;
+  bool stability = false;
+  bool calibrate = false;
+  std::string stability_subject;
+};
+
+/// The folders must be there before minutes of work, not after.
+void require_folder(const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-") throw Error(ErrorCode::invalid_argument, "'-' is no file; a report writes files alone");
+  if (std::filesystem::is_directory(path))
+    throw Error(ErrorCode::file_access, path + ": is a directory; name a file in it");
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (std::filesystem::is_directory(folder)) return;
+  throw Error(ErrorCode::file_access, path + ": there is no folder " + folder.string() + "; make it first");
+}
+
+void settle(ReportCommandOptions& options) {
+  if (options.quick) options.run.scale = "quick";
+  options.run.peers = !options.no_peers;
+  options.run.environment = options.environment;
+  options.run.node_modules = options.node_modules;
+  // Raw figures that were asked for alone need no page beside them.
+  const bool raw = !options.json.empty() || !options.csv.empty() || !options.plots.empty();
+  if (options.page.empty() && !raw) options.page = kDefaultPage;
+  for (const std::string* path : {&options.page, &options.json, &options.csv}) require_folder(*path);
+  if (options.plots.empty()) return;
+  std::error_code failure;
+  std::filesystem::create_directories(options.plots, failure);
+  if (failure)
+    throw Error(ErrorCode::file_access, options.plots + ": no folder can be made (" + failure.message() + ")");
+}
+
+/// An older report of another scale or light is refused before minutes of work, not after.
+void require_comparable(const report::Report& older, const ReportCommandOptions& options) {
+  if (older.scale != options.run.scale) {
+    throw Error(ErrorCode::invalid_argument,
+                options.against + ": is a report of scale '" + older.scale + "'; compare with --scale " + older.scale);
+  }
+  const std::string light = report::environment_name(options.run);
+  if (older.environment != light) {
+    throw Error(ErrorCode::invalid_argument,
+                options.against + ": is a report on " + older.environment + ", this would be one on " + light);
+  }
+}
+
+/// What was written, a line each.
+std::string write(const ReportCommandOptions& options, const report::Report& measured,
+                  const std::optional<report::Comparison>& comparison) {
+  std::string said;
+  const auto file = [&](const std::filesystem::path& path, const std::string& text) {
+    write_text_file(path, text);
+    said += path.string() + '\n';
+  };
+  if (!options.page.empty()) file(options.page, report::to_html(measured, comparison));
+  if (!options.json.empty()) file(options.json, report::to_json(measured));
+  if (!options.csv.empty()) file(options.csv, report::to_csv(measured));
+  if (options.plots.empty()) return said;
+  for (const report::Pass& pass : measured.passes) {
+    const std::vector<report::Measurement> members = report::of_pass(measured, pass.id);
+    const std::string plot = report::plot_svg(pass, members, measured.machine, report::PlotUse::file);
+    if (!plot.empty()) file(std::filesystem::path(options.plots) / (pass.id + ".svg"), plot);
+  }
+  return said;
+}
+
+/// For a terminal: pass, target, what to take.
+std::string recommended(const report::Report& measured) {
+  std::string text = "Which setting to take, by rms error:\n";
+  std::string last;
+  for (const report::Recommendation& one : report::recommendations(measured)) {
+    if (one.pass != last) text += "  " + one.pass + '\n';
+    last = one.pass;
+    text += "    " + pad_left(report::percent(one.target), 6) + "  ";
+    if (!one.setting) {
+      text += "none reaches it\n";
+      continue;
+    }
+    text += report::label(*one.setting) + " (" + report::percent(one.setting->error_rms) + ", " +
+            report::duration(one.setting->seconds) + ")\n";
+  }
+  return text;
+}
+
+/// Of what writes one file.
+const std::string& one_output(const ReportCommandOptions& options) {
+  if (!options.json.empty() && !options.page.empty())
+    throw Error(ErrorCode::invalid_argument, "one file is written: pass -o or --json, not both");
+  return options.json.empty() ? options.page : options.json;
+}
+
+/// The stability suite instead of a report: a table for a person, or JSON into the file that --json names.
+std::string stability(const ReportCommandOptions& options) {
+  const report::Machine machine = report::this_machine(report::Stopwatch{});
+  StabilityRequest request;
+  request.suite = {options.quick || options.run.scale != "full", options.stability_subject};
+  request.origin = {machine.date.substr(0, 10),
+                    machine.processor + ", " + machine.instruction_set + ", " + machine.compiler,
+                    std::string("welkin report --stability") + (request.suite.quick ? " --quick" : "") +
+                        (options.stability_subject.empty() ? "" : " --stability-subject " + options.stability_subject) +
+                        (options.page.empty() ? "" : " -o " + options.page)};
+  const std::string& file = one_output(options);
+  if (!options.json.empty()) request.format = StabilityFormat::json;
+  if (options.json.empty() && !options.page.empty()) request.format = StabilityFormat::markdown;
+  require_folder(file);
+  const std::string text = stability_text(request);
+  if (file.empty()) return text;
+  write_text_file(file, text);
+  return file + '\n';
+}
+
+/// What work costs here, into the file that -o or --json names.
+std::string calibration(const ReportCommandOptions& options) {
+  const std::string& file = one_output(options);
+  require_folder(file);
+  CostModel costs;
+  {
+    ProgressBar bar;
+    costs = report::calibrate_costs(bar.control());
+  }
+  Json json = Json::object();
+  for (const CostUnit& unit : cost_units()) json[unit.name] = costs.*unit.value;
+  if (file.empty()) return json_text(json);
+  write_text_file(file, json_text(json));
+  return file + '\n';
+}
+
+std::string answer(ReportCommandOptions& options) {
+  if (options.stability) return stability(options);
+  if (options.calibrate) return calibration(options);
+  settle(options);
+  std::optional<report::Report> older;
+  if (!options.against.empty()) {
+    older = report::read_report(options.against);
+    require_comparable(*older, options);
+  }
+  report::Report measured;
+  {
+    ProgressBar bar;
+    const Control control = bar.control();
+    measured = report::run_report(options.run, control);
+  }
+  std::optional<report::Comparison> comparison;
+  if (older) comparison = report::compare(*older, measured, options.factors);
+  std::string text = recommended(measured);
+  for (const std::string& note : measured.notes) text += note + '\n';
+  if (comparison) text += "\nAgainst " + options.against + ":\n" + report::to_text(*comparison);
+  return text + "\nWritten:\n" + write(options, measured, comparison);
+}
+
+void add_output_files(Options& table, ReportCommandOptions& options) {
+  table.push_back({.names = "-o,--output",
+                   .target = &options.page,
+                   .text = "The page (default report.html; none if only raw figures are asked for)",
+                   .type = "FILE.html"});
+  table.push_back({.names = "--json",
+                   .target = &options.json,
+                   .text = "Raw figures as JSON, which --against reads",
+                   .type = "FILE"});
+  table.push_back({.names = "--csv", .target = &options.csv, .text = "Raw figures as CSV", .type = "FILE"});
+  table.push_back({.names = "--plots",
+                   .target = &options.plots,
+                   .text = "Each plot as an SVG file, in this folder",
+                   .type = "DIR"});
+}
+
+void add_what_is_measured(Options& table, ReportCommandOptions& options) {
+  std::string ids;
+  for (const std::string& id : report::pass_ids()) ids.append(ids.empty() ? "" : ", ").append(id);
+  constexpr const char* kScale = "--scale";
+  table.push_back(
+      choice<std::string>(kScale, options.run.scale, {{"tiny", "tiny"}, {"quick", "quick"}, {"full", "full"}},
+                          "How much is measured: tiny in seconds (for tests), quick in under a minute, full (default) "
+                          "in minutes. Errors depend on it"));
+  table.push_back({.names = "--quick", .target = &options.quick, .text = "--scale quick", .excludes = {kScale}});
+  table.push_back({.names = "--passes",
+                   .target = &options.run.passes,
+                   .text = "Measure only passes whose names begin with one of these: " + ids,
+                   .type = "LIST",
+                   .list = List::commas_or_spaces});
+  table.push_back({.names = "--environment",
+                   .target = &options.environment,
+                   .text = "Measure on this picture instead of the built-in light",
+                   .type = "FILE"});
+  table.push_back({.names = "--threads",
+                   .target = &options.run.threads,
+                   .text = "Threads that timed calls work with (default 1, by processor time, which repeats best; else "
+                           "by wall time); 0: all that this process may use",
+                   .type = "N",
+                   .bounds = whole_between(0, 1024)});
+}
+
+void add_comparisons(Options& table, ReportCommandOptions& options) {
+  constexpr const char* kAgainst = "--against";
+  table.push_back({.names = kAgainst,
+                   .target = &options.against,
+                   .text = "An earlier report's JSON: what has become worse or better since",
+                   .type = "OLD.json"});
+  table.push_back({.names = "--error-factor",
+                   .target = &options.factors.error_factor,
+                   .text = "An error that grew by more than this is a regression (default 1.05)",
+                   .type = "X",
+                   .bounds = finite_between(1.0, 1e6),
+                   .needs = {kAgainst}});
+  table.push_back({.names = "--time-factor",
+                   .target = &options.factors.time_factor,
+                   .text = "A time that grew by more than this is a regression (default 1.5)",
+                   .type = "X",
+                   .bounds = finite_between(1.0, 1e6),
+                   .needs = {kAgainst}});
+  table.push_back({.names = "--node-modules",
+                   .target = &options.node_modules,
+                   .text = "The folder that holds node_modules with @babylonjs/core and three, to measure these too "
+                           "(Node.js)",
+                   .type = "DIR",
+                   .environment = "WELKIN_NODE_MODULES"});
+  table.push_back({.names = "--no-peers", .target = &options.no_peers, .text = "Measure Welkin alone"});
+}
+
+void add_stability(Options& table, ReportCommandOptions& options) {
+  constexpr const char* kStability = "--stability";
+  table.push_back({.names = kStability,
+                   .target = &options.stability,
+                   .text = "Extreme and stiff cases instead: what is promised, what was measured. A table; JSON with "
+                           "--json, Markdown with -o. --quick leaves out what takes long",
+                   .excludes = {"--csv", "--plots", "--passes", "--environment", "--threads", "--against"}});
+  table.push_back({.names = "--stability-subject",
+                   .target = &options.stability_subject,
+                   .text = "Only this subject's cases",
+                   .type = alternatives(report::stability_subjects()),
+                   .words = report::stability_subjects(),
+                   .needs = {kStability}});
+}
+
+void add_calibration(Options& table, ReportCommandOptions& options) {
+  table.push_back({.names = "--calibrate",
+                   .target = &options.calibrate,
+                   .text = "Measure what work costs on this machine instead, for the plans of 'welkin bake --costs': "
+                           "JSON, printed or with -o into a file; some four seconds on one thread",
+                   .excludes = {"--stability", "--scale", "--quick", "--csv", "--plots", "--passes", "--environment",
+                                "--threads", "--against"}});
+}
+
+Command report_command() {
+  const auto options = std::make_shared<ReportCommandOptions>();
+  Command command{"report", "Error against run time of every method and setting", kReportFooter};
+  add_output_files(command.options, *options);
+  add_what_is_measured(command.options, *options);
+  add_comparisons(command.options, *options);
+  add_stability(command.options, *options);
+  add_calibration(command.options, *options);
+  command.run = [options](const Given& /*given*/) { print_result(answer(*options)); };
+  return command;
+}
+
+}  // namespace
+}  // namespace welkin::tool
+
+int main(int count, char** words) {
+  using namespace welkin::tool;
+  std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
+  arguments.insert(arguments.end(), words + 1, words + count);
+  return run_guarded([&] { return run_program({"", "", {report_command()}}, arguments); });
+}

@@ -1,0 +1,299 @@
+#include "perf/report/peers.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "perf/report/process.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
+
+namespace welkin::report {
+
+const char* const kNodeScript = R"script(// node peers.mjs CONFIGURATION.json
+// {"modules": folder that holds node_modules, "cube": six faces of RGB floats, "size", "targets": [0, 64], "budget": seconds,
+// "processor": whether to count processor time}. Prints [{peer, method, target, radiance: [[r, g, b], ...], seconds}], the
+// coefficients of radiance in the program's own convention: what it cannot do or what is not installed is left out.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { pathToFileURL } from "node:url";
+
+const wanted = JSON.parse(readFileSync(process.argv[2], "utf8"));
+const root = `${wanted.modules}/node_modules`;
+const load = (file) => import(pathToFileURL(`${root}/${file}`).href);
+const version = (name) => createRequire(import.meta.url)(`${root}/${name}/package.json`).version;
+const bytes = readFileSync(wanted.cube);
+const pixels = new Float32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
+const faceFloats = wanted.size * wanted.size * 3;
+const found = [];
+
+function now() {
+  if (!wanted.processor) return performance.now() / 1000;
+  const { user, system } = process.cpuUsage();
+  return (user + system) / 1e6;
+}
+/** The least time of several calls; the first one warms up the compiler and counts only if there is time for no other. */
+async function best(call) {
+  const end = performance.now() + 1000 * wanted.budget;
+  let least = Infinity;
+  let first;
+  do {
+    const start = now();
+    await call();
+    const time = now() - start;
+    if (first === undefined) first = time;
+    else least = Math.min(least, time);
+  } while (performance.now() < end);
+  return Number.isFinite(least) ? least : first;
+}
+
+async function babylon() {
+  const { CubeMapToSphericalPolynomialTools: Tools } =
+    await load("@babylonjs/core/Misc/HighDynamicRange/cubemapToSphericalPolynomial.js");
+  const { SphericalHarmonics } = await load("@babylonjs/core/Maths/sphericalPolynomial.js");
+  const cube = { size: wanted.size, format: 4, type: 1, gammaSpace: false };
+  ["right", "left", "up", "down", "front", "back"].forEach((key, i) => {
+    cube[key] = pixels.subarray(i * faceFloats, (i + 1) * faceFloats);
+  });
+  Tools.MAX_HDRI_VALUE = Infinity;
+  const orders = ["l00", "l1_1", "l10", "l11", "l2_2", "l2_1", "l20", "l21", "l22"];
+  let radiance;
+  const convert = SphericalHarmonics.prototype.convertIncidentRadianceToIrradiance;
+  SphericalHarmonics.prototype.convertIncidentRadianceToIrradiance = function () {
+    radiance = orders.map((order) => [this[order].x, this[order].y, this[order].z]);
+    return convert.call(this);
+  };
+  for (const target of wanted.targets) {
+    const seconds = await best(() => Tools.ConvertCubeMapToSphericalPolynomial(cube, target));
+    // Signs of odd orders are the other ones in Babylon.js.
+    const turned = radiance.map((rgb, i) => ([1, 3, 5, 7].includes(i) ? rgb.map((v) => -v) : rgb));
+    found.push({ peer: `Babylon.js ${version("@babylonjs/core")}`, method: "CubeMapToSphericalPolynomialTools", target,
+                 radiance: turned, seconds });
+  }
+}
+
+async function three() {
+  const { FloatType, NoColorSpace, WebGLCoordinateSystem, REVISION } = await load("three/build/three.module.js");
+  const { LightProbeGenerator } = await load("three/examples/jsm/lights/LightProbeGenerator.js");
+  const texels = wanted.size * wanted.size;
+  const faces = [0, 1, 2, 3, 4, 5].map((i) => {
+    const rgba = new Float32Array(4 * texels).fill(1);
+    for (let p = 0; p < texels; ++p) for (let c = 0; c < 3; ++c) rgba[4 * p + c] = pixels[i * faceFloats + 3 * p + c];
+    return rgba;
+  });
+  // Stands in for a graphics card that reads its texture back: the faces are there.
+  const renderer = { isWebGLRenderer: false, coordinateSystem: WebGLCoordinateSystem,
+                     readRenderTargetPixelsAsync: async (target, x, y, w, h, index, face) => faces[face] };
+  const target = { width: wanted.size, texture: { type: FloatType, colorSpace: NoColorSpace } };
+  let probe;
+  const seconds = await best(async () => { probe = await LightProbeGenerator.fromCubeRenderTarget(renderer, target); });
+  found.push({ peer: `three.js r${REVISION}`, method: "LightProbeGenerator", target: 0,
+               radiance: probe.sh.coefficients.map((v) => [v.x, v.y, v.z]), seconds });
+}
+
+for (const peer of [babylon, three]) {
+  try {
+    await peer();
+  } catch (trouble) {
+    console.error(`${trouble.message}`);
+  }
+}
+console.log(JSON.stringify(found));
+)script";
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kSmallestMip = 16;
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Nine lines of "( r, g, b); // L00" as cmgen writes them, odd orders with the other sign.
+std::optional<SphericalHarmonics> harmonics_of_cmgen(const std::string& text) {
+  SphericalHarmonics radiance(3);
+  std::string numbers = text;
+  std::replace_if(
+      numbers.begin(), numbers.end(), [](char c) { return c == '(' || c == ')' || c == ',' || c == ';'; }, ' ');
+  std::istringstream lines(numbers);
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line) && count < 9; ++count) {
+    std::istringstream words(line);
+    glm::dvec3& rgb = radiance.coefficients()[count];
+    if (!(words >> rgb.r >> rgb.g >> rgb.b)) return std::nullopt;
+    if (count % 2 == 1) rgb = -rgb;  // indices of odd orders are the odd ones here: 1, 3, 5, 7
+  }
+  return count == 9 ? std::optional(radiance) : std::nullopt;
+}
+
+/// Debian's package knows its version, the program does not tell.
+std::string cmgen_name(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "version.txt";
+  const ProcessResult asked =
+      run_process({"dpkg-query", "-W", "-f=${Version}", "libfilament-tools"}, 0, Clock::wall, file);
+  const std::string version = asked.exit_code == 0 ? text_of(file) : "";
+  return version.empty() ? "cmgen" : "cmgen " + version.substr(0, version.find_first_of("+-"));
+}
+
+PeerProjection projection_from(const Json& one) {
+  PeerProjection projection{one.at("peer"), one.at("method"), one.at("target"), SphericalHarmonics(3),
+                            one.at("seconds")};
+  for (std::size_t k = 0; k < 9; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      projection.radiance.coefficients()[k][c] = one.at("radiance").at(k).at(static_cast<std::size_t>(c)).get<double>();
+    }
+  }
+  return projection;
+}
+
+/// Levels m0_px.exr ... of one folder.
+CubemapChain read_levels(const std::filesystem::path& folder, int size, int levels) {
+  CubemapChain chain(size, levels);
+  for (int level = 0; level < levels; ++level) {
+    const Environment environment = read_environment(folder / ("m" + std::to_string(level) + "_px.exr"));
+    const CubemapView view = environment.cubemap();
+    if (view.size != chain.level_size(level)) throw Error(ErrorCode::corrupt_file, "another size than was asked for");
+    const auto values = std::size_t{3} * static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
+    for (int face = 0; face < 6; ++face) {
+      const auto* const from = static_cast<const float*>(view.faces[static_cast<std::size_t>(face)]);
+      std::copy_n(from, values, chain.face(level, face));
+    }
+  }
+  return chain;
+}
+
+/// cmgen's table has the roughest row on top, as OpenGL counts.
+std::vector<float> rows_from_below(const float* rgb, int size) {
+  const std::ptrdiff_t row_values = std::ptrdiff_t{3} * size;
+  std::vector<float> turned;
+  for (int row = size - 1; row >= 0; --row) {
+    turned.insert(turned.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
+  }
+  return turned;
+}
+
+}  // namespace
+
+Peers Peers::find(const std::filesystem::path& node_modules) {
+  Peers peers;
+  if (on_path("cmgen")) {
+    peers.cmgen_ = "cmgen";
+  } else {
+    peers.notes_.emplace_back("Filament's cmgen is not on this machine (Debian: libfilament-tools): left out.");
+  }
+  if (node_modules.empty()) {
+    peers.notes_.emplace_back("Babylon.js and three.js were not asked for (--node-modules): left out.");
+  } else if (!on_path("node")) {
+    peers.notes_.emplace_back("Node.js is not on this machine: Babylon.js and three.js are left out.");
+  } else if (!std::filesystem::is_directory(node_modules / "node_modules")) {
+    throw Error(ErrorCode::file_access, node_modules.string() + ": holds no folder node_modules");
+  } else {
+    peers.node_ = "node";
+    peers.node_modules_ = std::filesystem::absolute(node_modules);
+  }
+  return peers;
+}
+
+std::vector<PeerProjection> Peers::project(const CubemapImage& cube, const std::vector<int>& targets,
+                                           const std::filesystem::path& folder, const Stopwatch& stopwatch) const {
+  if (!node_) return {};
+  std::ofstream(folder / "cube.f32", std::ios::binary)
+      .write(reinterpret_cast<const char*>(cube.pixels.data()),
+             static_cast<std::streamsize>(cube.pixels.size() * sizeof(float)));
+  std::ofstream(folder / "peers.mjs") << kNodeScript;
+  const Json wanted{{"modules", node_modules_.string()},
+                    {"cube", (folder / "cube.f32").string()},
+                    {"size", cube.size},
+                    {"targets", targets},
+                    {"budget", 4.0 * stopwatch.budget_seconds},
+                    {"processor", stopwatch.clock() == Clock::processor}};
+  std::ofstream(folder / "peers.json") << wanted;
+  const std::filesystem::path output = folder / "peers_found.json";
+  const ProcessResult result = run_process({*node_, (folder / "peers.mjs").string(), (folder / "peers.json").string()},
+                                           stopwatch.threads, stopwatch.clock(), output);
+  if (result.exit_code != 0) return {};
+  std::vector<PeerProjection> found;
+  try {
+    for (const Json& one : Json::parse(text_of(output))) found.push_back(projection_from(one));
+  } catch (const Json::exception&) {
+    return {};
+  }
+  return found;
+}
+
+std::vector<PeerProjection> Peers::project_file(const std::filesystem::path& file, const std::filesystem::path& folder,
+                                                const Stopwatch& stopwatch) const {
+  std::vector<PeerProjection> found;
+  if (!cmgen_) return found;
+  const std::string peer = cmgen_name(folder);
+  for (const int size : {64, 256}) {
+    const std::filesystem::path output = folder / ("cmgen_" + std::to_string(size) + ".txt");
+    const std::vector<std::string> arguments{
+        *cmgen_,      "-q", "--sh=3", "-w", "no", "--size=" + std::to_string(size), "--sh-output=" + output.string(),
+        file.string()};
+    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
+    if (!seconds) continue;
+    const std::optional<SphericalHarmonics> radiance = harmonics_of_cmgen(text_of(output));
+    if (radiance) found.push_back({peer, "--sh", size, *radiance, *seconds});
+  }
+  return found;
+}
+
+std::vector<PeerChain> Peers::prefilter_file(const std::filesystem::path& file, int size, std::span<const int> samples,
+                                             const std::filesystem::path& folder, const Stopwatch& stopwatch) const {
+  std::vector<PeerChain> found;
+  if (!cmgen_) return found;
+  const std::string peer = cmgen_name(folder);
+  const int levels = full_chain_levels(size) - full_chain_levels(kSmallestMip) + 1;
+  for (const int count : samples) {
+    const std::filesystem::path output = folder / ("cmgen_" + std::to_string(count));
+    const std::vector<std::string> arguments{*cmgen_,
+                                             "-q",
+                                             "-f",
+                                             "exr",
+                                             "--size=" + std::to_string(size),
+                                             "--ibl-samples=" + std::to_string(count),
+                                             "--ibl-ld=" + output.string(),
+                                             file.string()};
+    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
+    if (!seconds) continue;
+    try {
+      found.push_back(
+          {peer, std::to_string(count) + " samples", read_levels(output / file.stem(), size, levels), *seconds});
+    } catch (const Error&) {
+      continue;  // it wrote something else
+    }
+  }
+  return found;
+}
+
+std::vector<PeerTable> Peers::brdf_table(std::span<const int> sizes, const std::filesystem::path& folder,
+                                         const Stopwatch& stopwatch) const {
+  std::vector<PeerTable> found;
+  if (!cmgen_) return found;
+  const std::string peer = cmgen_name(folder);
+  for (const int size : sizes) {
+    const std::filesystem::path output = folder / ("dfg_" + std::to_string(size) + ".exr");
+    const std::vector<std::string> arguments{*cmgen_, "-q", "--size=" + std::to_string(size), "--ibl-dfg-multiscatter",
+                                             "--ibl-dfg=" + output.string()};
+    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
+    if (!seconds) continue;
+    try {
+      ReadOptions options;
+      options.layout = Layout::lat_long;  // any picture will do
+      const Environment picture = read_environment(output, options);
+      if (picture.info.width != size || picture.info.height != size) continue;
+      found.push_back({peer, size, rows_from_below(picture.pixels.get(), size), *seconds});
+    } catch (const Error&) {
+      continue;
+    }
+  }
+  return found;
+}
+
+}  // namespace welkin::report

@@ -1,0 +1,257 @@
+#include <algorithm>
+#include <cmath>
+
+#include "perf/report/environment.h"
+#include "perf/report/error_norms.h"
+#include "perf/report/passes.h"
+#include "welkin/directional_light.h"
+#include "welkin/environment_file.h"
+#include "welkin/irradiance.h"
+#include "welkin/mip_chain.h"
+#include "welkin/projection.h"
+#include "welkin/resampling.h"
+#include "welkin/windowing.h"
+
+namespace welkin::report {
+namespace {
+
+constexpr ProjectionWay kWays[] = {{"exact", Quadrature::exact, false},
+                                   {"midpoint (as Babylon.js)", Quadrature::midpoint, false},
+                                   {"exact, from mips", Quadrature::exact, true}};
+constexpr const char* kErrors =
+    "rms: |c - c*| / |c*| of the 27 coefficients of radiance. Maximum: the largest error of the irradiance over "
+    "normals, "
+    "over its root mean square.";
+constexpr const char* kTruth = "projection of all texels in double";
+
+std::string target_words(int target) { return target > 0 ? "target " + std::to_string(target) : "full size"; }
+
+/// 8, 16, ... below `size`, and 0.
+std::vector<int> targets_below(int size) {
+  std::vector<int> targets;
+  for (int target = 8; target < size; target *= 2) targets.push_back(target);
+  targets.push_back(0);
+  return targets;
+}
+
+CubemapImage cubemap_of(const PassContext& context) {
+  return to_cubemap(context.environment.image.view(), context.scale.cube_size);
+}
+
+ProjectionOptions options_of(Quadrature quadrature, int target) {
+  ProjectionOptions options;
+  options.quadrature = quadrature;
+  options.target_size = target;
+  return options;
+}
+
+/// Times `make`, which gives harmonics.
+template <typename Make>
+Measurement measured(const std::string& method, const std::string& setting, const Stopwatch& stopwatch,
+                     const SphericalHarmonics& truth, const Make& make) {
+  SphericalHarmonics found;
+  const double seconds = stopwatch.seconds([&] { found = make(); });
+  const ErrorNorms errors = harmonic_errors(found, truth);
+  return {"", method, setting, errors.rms, errors.maximum, seconds, kTruth};
+}
+
+std::vector<Measurement> by_target(const PassContext& context) {
+  const CubemapImage cube = cubemap_of(context);
+  const CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  const SphericalHarmonics truth = reference_projection(cube.view());
+  const std::vector<int> targets = targets_below(cube.size);
+  std::vector<Measurement> all = projections_by_target(chain, targets, truth, context.stopwatch);
+  progress(context, 1, 2);
+  for (const PeerProjection& peer : context.peers.project(cube, {0, 64}, context.folder, context.stopwatch)) {
+    const ErrorNorms errors = harmonic_errors(peer.radiance, truth);
+    all.push_back(
+        {"", peer.method, target_words(peer.target), errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
+  }
+  return all;
+}
+
+std::vector<Measurement> by_format(const PassContext& context) {
+  const CubemapImage cube = cubemap_of(context);
+  const SphericalHarmonics truth = reference_projection(cube.view());
+  constexpr PixelFormat formats[] = {PixelFormat::rgb_f32,   PixelFormat::rgba_f32,  PixelFormat::rgb_f16,
+                                     PixelFormat::rgba_f16,  PixelFormat::rgb_u8,    PixelFormat::rgba_u8,
+                                     PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8};
+  std::vector<Measurement> all;
+  for (const PixelFormat format : formats) {
+    const FormattedCubemap pixels(cube, format);
+    const char* const channels = name(format).rfind("rgba", 0) == 0 ? "RGBA" : "RGB";
+    all.push_back(
+        measured(channels, name(format), context.stopwatch, truth, [&] { return project(pixels.view()).radiance; }));
+    progress(context, all.size(), std::size(formats));
+  }
+  return all;
+}
+
+std::vector<Measurement> from_lat_long(const PassContext& context) {
+  const LatLongView view = context.environment.image.view();
+  const SphericalHarmonics truth = reference_projection(view);
+  const std::vector<int> targets = targets_below(view.height / 2);
+  std::vector<Measurement> all;
+  for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
+    const std::string method = quadrature == Quadrature::exact ? "direct, exact" : "direct, midpoint";
+    for (const int target : targets) {
+      const ProjectionOptions options = options_of(quadrature, target);
+      all.push_back(measured(method, target_words(target), context.stopwatch, truth,
+                             [&] { return project(view, options).radiance; }));
+    }
+  }
+  progress(context, 1, 2);
+  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
+    const std::string method = filter == ResampleFilter::area ? "via a cubemap by area" : "via a bilinear cubemap";
+    for (int size = 16; size <= view.height; size *= 2) {
+      all.push_back(measured(method, "faces of " + std::to_string(size), context.stopwatch, truth, [&] {
+        return project(to_cubemap(view, size, glm::dmat3(1.0), {}, filter).view()).radiance;
+      }));
+    }
+  }
+  return all;
+}
+
+std::vector<Measurement> from_file(const PassContext& context) {
+  const Environment environment = read_environment(context.file);
+  const SphericalHarmonics truth = reference_projection(environment.lat_long());
+  std::vector<Measurement> all;
+  for (const int target : {16, 64, 0}) {
+    all.push_back(measured("streamed, exact", target_words(target), context.stopwatch, truth, [&] {
+      return project_file(context.file, {}, options_of(Quadrature::exact, target)).radiance;
+    }));
+  }
+  all.push_back(measured("read, then exact", "full size", context.stopwatch, truth,
+                         [&] { return project(read_environment(context.file).lat_long()).radiance; }));
+  progress(context, 1, 2);
+  for (const PeerProjection& peer : context.peers.project_file(context.file, context.folder, context.stopwatch)) {
+    const ErrorNorms errors = harmonic_errors(peer.radiance, truth);
+    all.push_back({"", peer.method, "cube of " + std::to_string(peer.target), errors.rms, errors.maximum, peer.seconds,
+                   kTruth, peer.peer});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::span<const ProjectionWay> projection_ways() noexcept { return kWays; }
+
+std::vector<Measurement> projections_by_target(const CubemapChain& chain, std::span<const int> targets,
+                                               const SphericalHarmonics& truth, const Stopwatch& stopwatch) {
+  const std::vector<CubemapView> levels = chain.views();
+  std::vector<Measurement> all;
+  for (const ProjectionWay& way : kWays) {
+    for (const int target : targets) {
+      const ProjectionOptions options = options_of(way.quadrature, target);
+      all.push_back(measured(way.name, target_words(target), stopwatch, truth, [&] {
+        return (way.from_chain ? project(levels, options) : project(levels[0], options)).radiance;
+      }));
+    }
+  }
+  return all;
+}
+
+std::vector<PassRunner> projection_passes() {
+  return {
+      {{"project-cubemap", "Cubemap to harmonics",
+        "Three bands of a cubemap of RGB floats in memory, at its full size or reduced to a target "
+        "size first. The mip chain of 'from mips' is there already.",
+        kErrors},
+       3.0,
+       by_target},
+      {{"project-format", "Pixel formats",
+        "Three bands of the same cubemap in each pixel format, full size. What the format cannot hold (8 bits end at "
+        "1) is its error.",
+        kErrors},
+       1.0,
+       by_format},
+      {{"project-lat-long", "Lat-long to harmonics",
+        "Three bands of a lat-long of RGB floats in memory: directly, or by way of a cubemap, whose making counts.",
+        kErrors},
+       3.0,
+       from_lat_long},
+      {{"project-file", "File to harmonics",
+        "Three bands of a Radiance .hdr file, reading included. Of cmgen the whole process counts: its start, reading, "
+        "a cubemap, its projection and writing a text file.",
+        kErrors},
+       2.0,
+       from_file}};
+}
+
+namespace {
+
+constexpr int kNormals = 200;
+constexpr const char* kIrradianceTruth = "direct cosine integral over all texels in double, 200 normals";
+
+ProjectionOptions with_bands(int bands) {
+  ProjectionOptions options;
+  options.bands = bands;
+  return options;
+}
+
+std::string band_words(int bands) { return std::to_string(bands) + (bands == 1 ? " band" : " bands"); }
+
+Measurement row(const std::string& method, const std::string& setting, const IrradianceError& error, double seconds,
+                double share = 1.0) {
+  return {"", method, setting, share * error.rms, share * error.maximum, seconds, kIrradianceTruth};
+}
+
+/// The errors of what is left without the sun, which a light of its own gives back exactly, over the whole's.
+std::vector<Measurement> with_sun_apart(const PassContext& context, const SphericalHarmonics& whole) {
+  const LatLongImage& image = context.environment.image;
+  LatLongImage rest = image;
+  if (!take_out_sun(rest)) return {};
+  const SphericalHarmonics rest_light = project(rest.view(), with_bands(context.scale.most_bands)).radiance;
+  const double share = rms_of_irradiance(rest_light) / rms_of_irradiance(whole);
+  const std::vector<IrradianceError> errors = irradiance_errors(rest.view(), rest_light, kNormals);
+  std::vector<Measurement> all;
+  for (int bands = 1; bands <= std::min(5, context.scale.most_bands); ++bands) {
+    if (bands == 4) continue;
+    const double seconds = context.stopwatch.seconds([&] {
+      LatLongImage copy = image;
+      if (take_out_sun(copy)) rest = std::move(copy);
+      (void)project(rest.view(), with_bands(bands));
+    });
+    all.push_back(row("harmonics and the sun apart", band_words(bands), errors[static_cast<std::size_t>(bands - 1)],
+                      seconds, share));
+  }
+  return all;
+}
+
+std::vector<Measurement> by_bands(const PassContext& context) {
+  const LatLongView view = context.environment.image.view();
+  const SphericalHarmonics radiance = project(view, with_bands(context.scale.most_bands)).radiance;
+  const std::vector<IrradianceError> errors = irradiance_errors(view, radiance, kNormals);
+  std::vector<Measurement> all;
+  for (const IrradianceError& error : errors) {
+    if (error.bands > 3 && error.bands % 2 == 0) continue;  // the cosine lobe has no odd bands above the first
+    const double seconds = context.stopwatch.seconds([&] { (void)project(view, with_bands(error.bands)); });
+    all.push_back(row("harmonics", band_words(error.bands), error, seconds));
+  }
+  progress(context, 1, 3);
+  for (const Window window : {Window::hanning, Window::lanczos, Window::least}) {
+    const SphericalHarmonics three = project(view).radiance;
+    const std::vector<IrradianceError> windowed =
+        irradiance_errors(view, apply_window(three, window).radiance, kNormals);
+    const double seconds = context.stopwatch.seconds([&] { (void)apply_window(project(view).radiance, window); });
+    all.push_back(row("harmonics, windowed", std::string("3 bands, ") + name(window), windowed.back(), seconds));
+  }
+  progress(context, 2, 3);
+  const std::vector<Measurement> apart = with_sun_apart(context, radiance);
+  all.insert(all.end(), apart.begin(), apart.end());
+  return all;
+}
+
+}  // namespace
+
+std::vector<PassRunner> irradiance_passes() {
+  return {{{"irradiance", "Irradiance by bands",
+            "Harmonics of a lat-long in memory, as diffuse light: few bands leave some of it out. With the sun apart "
+            "it is found, taken out of a copy and given to a directional light first.",
+            "Over normals: root mean square of the difference over that of the true irradiance; the largest difference "
+            "over the same."},
+           2.0,
+           by_bands}};
+}
+
+}  // namespace welkin::report

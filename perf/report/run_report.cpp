@@ -1,0 +1,120 @@
+#include "perf/report/run_report.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "perf/report/passes.h"
+#include "perf/report/process.h"
+#include "welkin/environment_writer.h"
+#include "welkin/error.h"
+
+namespace welkin::report {
+namespace {
+
+std::vector<PassRunner> all_passes() {
+  std::vector<PassRunner> all;
+  for (const auto& make : {projection_passes, prefilter_passes, irradiance_passes, brdf_passes, sky_passes}) {
+    for (PassRunner& runner : make()) all.push_back(std::move(runner));
+  }
+  return all;
+}
+
+bool begins(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+[[noreturn]] void refuse(const std::string& start) {
+  std::string names;
+  for (const std::string& id : pass_ids()) names.append(names.empty() ? "" : ", ").append(id);
+  throw Error(ErrorCode::invalid_argument, "\"" + start + "\" begins the name of no pass; there are " + names);
+}
+
+std::vector<PassRunner> chosen_passes(const std::vector<std::string>& wanted) {
+  std::vector<PassRunner> all = all_passes();
+  for (const std::string& start : wanted) {
+    if (std::any_of(all.begin(), all.end(), [&](const PassRunner& runner) { return begins(runner.pass.id, start); })) {
+      continue;
+    }
+    refuse(start);
+  }
+  if (wanted.empty()) return all;
+  std::erase_if(all, [&](const PassRunner& runner) {
+    return std::none_of(wanted.begin(), wanted.end(),
+                        [&](const std::string& start) { return begins(runner.pass.id, start); });
+  });
+  return all;
+}
+
+/// A folder that is gone when the report is done.
+class WorkFolder {
+ public:
+  WorkFolder() : path_(make_temporary_folder()) {}
+  ~WorkFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The share that a pass has in all progress.
+Control control_of(const Control& control, double from, double to) {
+  Control part{control.stop, {}};
+  if (control.progress)
+    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
+  return part;
+}
+
+void require_threads(int threads) {
+  if (threads < 0 || threads > 1024) throw Error(ErrorCode::invalid_argument, "threads must be from 0 to 1024");
+}
+
+ReportEnvironment environment_of(const ReportOptions& options) {
+  const int width = scale(options.scale).lat_long_width;
+  return options.environment.empty() ? built_in_environment(width) : environment_from(options.environment, width);
+}
+
+}  // namespace
+
+std::string environment_name(const ReportOptions& options) { return environment_of(options).name; }
+
+std::vector<std::string> pass_ids() {
+  std::vector<std::string> ids;
+  for (const PassRunner& runner : all_passes()) ids.push_back(runner.pass.id);
+  return ids;
+}
+
+Report run_report(const ReportOptions& options, const Control& control) {
+  require_threads(options.threads);
+  const Scale& size = scale(options.scale);
+  const std::vector<PassRunner> runners = chosen_passes(options.passes);
+  const Stopwatch stopwatch{options.threads > 0 ? options.threads : available_threads(),
+                            options.budget_seconds < 0.0 ? size.budget_seconds : options.budget_seconds};
+  const ReportEnvironment environment = environment_of(options);
+  const WorkFolder folder;
+  const std::filesystem::path file = folder.path() / "environment.hdr";
+  write_environment(file, environment.image.view());
+  const Peers peers = options.peers && size.peers ? Peers::find(options.node_modules) : Peers();
+
+  Report report{this_machine(stopwatch), size.name, environment.name, {}, {}, peers.notes()};
+  double whole = 0.0;
+  for (const PassRunner& runner : runners) whole += runner.cost;
+  double before = 0.0;
+  for (const PassRunner& runner : runners) {
+    const Control part = control_of(control, before / whole, (before + runner.cost) / whole);
+    const PassContext context{size, stopwatch, environment, file, folder.path(), peers, part};
+    for (Measurement& one : runner.measure(context)) {
+      one.pass = runner.pass.id;
+      report.measurements.push_back(std::move(one));
+    }
+    progress(context, 1, 1);
+    report.passes.push_back(runner.pass);
+    before += runner.cost;
+  }
+  return report;
+}
+
+}  // namespace welkin::report

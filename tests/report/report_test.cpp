@@ -1,0 +1,418 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+
+#include "perf/report/comparison.h"
+#include "perf/report/measurement.h"
+#include "perf/report/plot_svg.h"
+#include "perf/report/report_json.h"
+#include "perf/report/report_page.h"
+#include "report/made_up_report.h"
+#include "support/catch.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/error.h"
+
+using namespace welkin::report;
+using welkin::test::point;
+using namespace welkin;
+using welkin::test::made_up_report;
+
+// The front is what nothing beats; a recommendation is on it and meets its target.
+
+namespace {
+
+bool beats(const Measurement& a, const Measurement& b) {
+  return a.error_rms <= b.error_rms && a.seconds <= b.seconds && (a.error_rms < b.error_rms || a.seconds < b.seconds);
+}
+
+/// 0 to below `count`.
+int below(std::mt19937& random, unsigned count) { return static_cast<int>(random() % count); }
+
+/// Coarse values, so that equal errors and times occur.
+std::vector<Measurement> random_points(std::mt19937& random) {
+  std::vector<Measurement> points;
+  const int count = below(random, 12);
+  for (int k = 0; k < count; ++k) {
+    points.push_back(point(std::to_string(k), 1e-4 * (1 + below(random, 9)), 1e-3 * (1 + below(random, 9)),
+                           below(random, 5) == 0 ? "a peer" : ""));
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("report: nothing beats the front, and all else is beaten by it", "[report]") {
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 500; ++trial) {
+    const std::vector<Measurement> points = random_points(random);
+    const std::vector<std::size_t> front = pareto_front(points);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const bool member = std::find(front.begin(), front.end(), k) != front.end();
+      if (!points[k].peer.empty()) {
+        CHECK_FALSE(member);
+        continue;
+      }
+      const auto own_and_better = [&](const Measurement& other) {
+        return other.peer.empty() && beats(other, points[k]);
+      };
+      if (member) CHECK(std::none_of(points.begin(), points.end(), own_and_better));
+      const auto front_is_as_good = [&](std::size_t f) {
+        return points[f].error_rms <= points[k].error_rms && points[f].seconds <= points[k].seconds;
+      };
+      CHECK(std::any_of(front.begin(), front.end(), front_is_as_good));
+    }
+    CHECK(std::is_sorted(front.begin(), front.end(),
+                         [&](std::size_t a, std::size_t b) { return points[a].seconds < points[b].seconds; }));
+  }
+}
+
+TEST_CASE("report: a recommendation meets its target and is on the front", "[report]") {
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 500; ++trial) {
+    const std::vector<Measurement> points = random_points(random);
+    const std::vector<std::size_t> front = pareto_front(points);
+    const double target = 1e-4 * below(random, 10);
+    const auto chosen = recommend(points, target, 0.2);
+    const auto meets = [&](const Measurement& one) { return one.peer.empty() && one.error_rms <= target; };
+    REQUIRE(chosen.has_value() == std::any_of(points.begin(), points.end(), meets));
+    if (!chosen) continue;
+    CHECK(meets(points[*chosen]));
+    CHECK(std::find(front.begin(), front.end(), *chosen) != front.end());
+    for (const Measurement& one : points) {
+      if (meets(one)) CHECK(points[*chosen].seconds <= 1.2 * one.seconds * (1.0 + 1e-12));
+    }
+  }
+}
+
+TEST_CASE("report: of settings that noise cannot tell apart the most exact one is taken", "[report]") {
+  const std::vector<Measurement> points{point("a", 4e-3, 1.00e-3), point("b", 1e-3, 1.04e-3),
+                                        point("c", 1e-5, 1.06e-3)};
+  CHECK(recommend(points, 5e-3) == std::optional<std::size_t>(1));
+  CHECK(recommend(points, 5e-3, 0.0) == std::optional<std::size_t>(0));
+  CHECK(recommend(points, 5e-4) == std::optional<std::size_t>(2));
+  CHECK(recommend(points, 1e-6) == std::nullopt);
+  CHECK(recommend({}, 1.0) == std::nullopt);
+}
+
+TEST_CASE("report: what has no number is on no front", "[report]") {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Measurement> points{point("a", none, 1e-9), point("b", 1e-9, none), point("c", 1e-2, 1e-2),
+                                        point("d", HUGE_VAL, 1e-8)};
+  CHECK(pareto_front(points) == std::vector<std::size_t>{2});
+  CHECK(recommend(points, 1.0) == std::optional<std::size_t>(2));
+}
+
+TEST_CASE("report: each pass has a recommendation for each target", "[report]") {
+  const auto all = recommendations(welkin::test::made_up_report());
+  REQUIRE(all.size() == 8);
+  CHECK(all[0].setting->setting == "fine");    // 0.1 %
+  CHECK(all[3].setting->setting == "coarse");  // 5 %
+  CHECK_FALSE(all[4].setting.has_value());     // the second's 0.1 %
+  CHECK(all[5].setting->setting == "only");
+}
+
+// Two reports: what has become worse is named, what noise does is not.
+
+TEST_CASE("report: a report against itself has nothing to say", "[report]") {
+  const Comparison same = compare(made_up_report(), made_up_report());
+  CHECK_FALSE(same.regressed());
+  CHECK(same.compared == 5);
+  CHECK((same.better_error.empty() && same.faster.empty() && same.gone.empty() && same.added.empty()));
+  CHECK(to_text(same).find("none is worse") != std::string::npos);
+}
+
+TEST_CASE("report: an error that grew is a regression, either of the two", "[report]") {
+  Report after = made_up_report();
+  after.measurements[0].error_rms *= 1.04;
+  CHECK_FALSE(compare(made_up_report(), after).regressed());
+  after.measurements[0].error_rms = made_up_report().measurements[0].error_rms * 1.06;
+  after.measurements[1].error_maximum *= 2.0;
+  after.measurements[2].error_rms /= 2.0;
+  const Comparison found = compare(made_up_report(), after);
+  REQUIRE(found.worse_error.size() == 2);
+  CHECK(found.worse_error[0].after.setting == "fine");  // the largest first
+  CHECK(found.worse_error[1].after.setting == "coarse");
+  REQUIRE(found.better_error.size() == 1);
+  CHECK(found.better_error[0].after.setting == "bad");
+  CHECK(found.slower.empty());
+  CHECK(to_text(found).find("some are worse") != std::string::npos);
+  CHECK_FALSE(compare(made_up_report(), after, {.error_factor = 3.0}).regressed());
+}
+
+TEST_CASE("report: what one error gained does not hide what the other lost", "[report]") {
+  Report after = made_up_report();
+  after.measurements[0].error_rms *= 1.5;
+  after.measurements[0].error_maximum /= 3.0;
+  after.measurements[1].error_rms /= 3.0;
+  after.measurements[1].error_maximum *= 1.5;
+  const Comparison found = compare(made_up_report(), after);
+  CHECK(found.regressed());
+  CHECK(found.worse_error.size() == 2);
+  CHECK(found.better_error.empty());
+}
+
+TEST_CASE("report: rounding is not compared, what became no number is", "[report]") {
+  Report before = made_up_report();
+  before.measurements[0].error_rms = before.measurements[0].error_maximum = 1e-9;
+  Report after = before;
+  after.measurements[0].error_rms = after.measurements[0].error_maximum = 9e-7;
+  CHECK_FALSE(compare(before, after).regressed());
+  after.measurements[1].error_rms = std::numeric_limits<double>::quiet_NaN();
+  const Comparison found = compare(before, after);
+  REQUIRE(found.worse_error.size() == 1);
+  CHECK(found.worse_error[0].after.setting == "fine");
+}
+
+TEST_CASE("report: times are compared on the same machine alone", "[report]") {
+  Report after = made_up_report();
+  after.measurements[0].seconds *= 1.6;
+  after.measurements[1].seconds *= 1.4;
+  after.measurements[2].seconds /= 1.6;
+  const Comparison found = compare(made_up_report(), after);
+  REQUIRE(found.slower.size() == 1);
+  CHECK(found.slower[0].after.setting == "coarse");
+  CHECK(found.slower[0].time_ratio == Approx(1.6));
+  REQUIRE(found.faster.size() == 1);
+  CHECK(found.faster[0].after.setting == "bad");
+  for (const int change : {0, 1, 2, 3}) {
+    Report elsewhere = after;
+    if (change == 0) elsewhere.machine.processor = "another";
+    if (change == 1) elsewhere.machine.instruction_set = "sse2";
+    if (change == 2) elsewhere.machine.threads = 2;
+    if (change == 3) elsewhere.machine.clock = "wall time";
+    const Comparison refused = compare(made_up_report(), elsewhere);
+    CHECK_FALSE(refused.regressed());
+    CHECK_FALSE(refused.times_refused.empty());
+    CHECK(to_text(refused).find("Times are not compared") != std::string::npos);
+  }
+}
+
+TEST_CASE("report: peers do not regress, and a newer one is still the same", "[report]") {
+  Report after = made_up_report();
+  after.measurements[3].peer = "Another 1.3";
+  after.measurements[3].seconds *= 10.0;
+  after.measurements[3].error_rms *= 10.0;
+  const Comparison found = compare(made_up_report(), after);
+  CHECK_FALSE(found.regressed());
+  CHECK(found.compared == 5);
+}
+
+TEST_CASE("report: settings that are gone or new are named, within passes that both have", "[report]") {
+  Report after = made_up_report();
+  after.measurements.erase(after.measurements.begin() + 1);
+  after.measurements.push_back(test::point("another", 1e-3, 1e-3));
+  const Comparison found = compare(made_up_report(), after);
+  REQUIRE(found.gone.size() == 1);
+  CHECK(found.gone[0].setting == "fine");
+  REQUIRE(found.added.size() == 1);
+  CHECK(found.added[0].setting == "another");
+  after.measurements.erase(after.measurements.begin() + 3);  // all of the second pass
+  CHECK(compare(made_up_report(), after).gone.size() == 1);
+}
+
+TEST_CASE("report: only reports of one scale and light are compared", "[report]") {
+  Report other = made_up_report();
+  other.scale = "full";
+  CHECK_THROWS_AS(compare(made_up_report(), other), Error);
+  other = made_up_report();
+  other.environment = "another light";
+  CHECK_THROWS_AS(compare(made_up_report(), other), Error);
+  CHECK_THROWS_AS(compare(made_up_report(), made_up_report(), {.error_factor = 0.5}), Error);
+}
+
+// Raw figures: what is written can be read again, and what is no report is refused.
+
+namespace {
+
+ErrorCode refusal(const std::string& text) {
+  try {
+    (void)from_json(text, "old.json");
+  } catch (const Error& error) {
+    CHECK(std::string(error.what()).find("old.json") != std::string::npos);
+    return error.code();
+  }
+  FAIL("it was taken: " << text.substr(0, 200));
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("report: JSON is read back as it was", "[report]") {
+  const Report report = made_up_report();
+  CHECK(from_json(to_json(report), "a file") == report);
+}
+
+TEST_CASE("report: JSON keeps every digit and what is no number", "[report]") {
+  Report report = made_up_report();
+  report.measurements[0].error_rms = 0.1 + 0.2;
+  report.measurements[1].seconds = std::numeric_limits<double>::quiet_NaN();
+  report.measurements[2].error_maximum = HUGE_VAL;
+  const Report read = from_json(to_json(report), "a file");
+  CHECK(read.measurements[0].error_rms == 0.1 + 0.2);
+  CHECK(std::isnan(read.measurements[1].seconds));
+  CHECK(std::isnan(read.measurements[2].error_maximum));
+}
+
+TEST_CASE("report: JSON says what is on the front and what to take", "[report]") {
+  const auto document = nlohmann::json::parse(to_json(made_up_report()));
+  const auto& measurements = document.at("measurements");
+  REQUIRE(measurements.size() == 5);
+  CHECK(measurements[0].at("on_front") == true);
+  CHECK(measurements[2].at("on_front") == false);
+  CHECK(measurements[3].at("on_front") == false);
+  CHECK(measurements[3].at("peer") == "Another 1.2");
+  CHECK(measurements[0].at("peer").is_null());
+  CHECK(document.at("recommendations")[0].at("setting") == "fine");
+  CHECK(document.at("recommendations")[4].at("setting").is_null());
+}
+
+TEST_CASE("report: what is no report is refused by name", "[report]") {
+  const std::string whole = to_json(made_up_report());
+  CHECK(refusal("") == ErrorCode::corrupt_file);
+  CHECK(refusal("[]") == ErrorCode::unsupported_file);
+  CHECK(refusal("{}") == ErrorCode::unsupported_file);
+  CHECK(refusal("{\"format\": \"welkin report\", \"version\": 2}") == ErrorCode::unsupported_file);
+  CHECK(refusal("{\"format\": 5, \"version\": 1}") == ErrorCode::corrupt_file);
+  for (std::size_t length = 1; length + 2 < whole.size(); length += 97) {
+    CHECK(refusal(whole.substr(0, length)) == ErrorCode::corrupt_file);
+  }
+}
+
+TEST_CASE("report: members that are missing or of another type are refused", "[report]") {
+  const auto whole = nlohmann::json::parse(to_json(made_up_report()));
+  for (const char* member : {"machine", "scale", "environment", "notes", "passes", "measurements"}) {
+    INFO(member);
+    auto without = whole;
+    without.erase(member);
+    CHECK(refusal(without.dump()) == ErrorCode::corrupt_file);
+    auto other = whole;
+    other[member] = 7;
+    CHECK(refusal(other.dump()) == ErrorCode::corrupt_file);
+  }
+  for (const char* member : {"pass", "method", "setting", "error_rms", "seconds", "truth", "peer"}) {
+    INFO(member);
+    auto without = whole;
+    without["measurements"][1].erase(member);
+    CHECK(refusal(without.dump()) == ErrorCode::corrupt_file);
+    auto other = whole;
+    other["measurements"][1][member] = nlohmann::json::array();
+    CHECK(refusal(other.dump()) == ErrorCode::corrupt_file);
+  }
+}
+
+TEST_CASE("report: a file that is not there is refused", "[report]") {
+  const test::TemporaryDirectory folder;
+  try {
+    (void)read_report(folder.file("none.json"));
+    FAIL("it was read");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::file_access);
+  }
+}
+
+TEST_CASE("report: CSV has a line a measurement, quoted where it must be", "[report]") {
+  Report report = made_up_report();
+  report.measurements[0].method = "a, \"b\"";
+  report.measurements[1].error_rms = std::numeric_limits<double>::quiet_NaN();
+  const std::string csv = to_csv(report);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 6);
+  CHECK(csv.find("one,\"a, \"\"b\"\"\",coarse,,0.02,0.06,1e-06,1,the truth\r\n") != std::string::npos);
+  CHECK(csv.find("one,method,fine,,,0.0015,0.0001,0,the truth\r\n") != std::string::npos);
+}
+
+// The page stands alone: nothing in it comes from a network or another file, and nothing in it is taken for markup.
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+std::string plot(PlotUse use) {
+  const Report report = made_up_report();
+  return plot_svg(report.passes[0], of_pass(report, "one"), report.machine, use);
+}
+
+}  // namespace
+
+TEST_CASE("report: the page needs nothing else", "[report]") {
+  const std::string page = to_html(made_up_report(), compare(made_up_report(), made_up_report()));
+  for (const char* part :
+       {"http:", "https:", "//www", "src=", "<link", "@import", "url(", "fetch(", "XMLHttp", "import("}) {
+    INFO(part);
+    CHECK_FALSE(has(page, part));
+  }
+  // Links lead to places in the page alone.
+  CHECK(count(page, "href=\"") == count(page, "href=\"#"));
+  CHECK(count(page, "<script>") == 1);
+  CHECK(has(page, "@media print"));
+}
+
+TEST_CASE("report: the page has every setting, its machine and what to take", "[report]") {
+  const Report report = made_up_report();
+  const std::string page = to_html(report);
+  for (const Measurement& one : report.measurements) CHECK(has(page, "data-label=\"" + label(one) + "\""));
+  for (const char* part :
+       {"a processor", "a compiler", "avx2", "processor time", "2026-11-22", "a light", "A note.", "The first",
+        "What is done.", "What rms is.", "the truth", "none reaches it", "Which setting to take"}) {
+    INFO(part);
+    CHECK(has(page, part));
+  }
+  CHECK(count(page, "<svg ") == 2);
+  CHECK(count(page, "class=\"point\"") == 5);
+  CHECK(count(page, "<tr data-label=") == 5);
+  CHECK(count(page, " class=\"front\"") == 3);  // two of the first pass, one of the second
+  CHECK_FALSE(has(page, "Against the older report"));
+}
+
+TEST_CASE("report: names that look like markup stay text", "[report]") {
+  Report report = made_up_report();
+  const std::string evil = "<script>alert(1)</script>\"'&";
+  report.measurements[0].method = report.measurements[1].setting = report.passes[0].title = report.environment = evil;
+  report.measurements[3].peer = report.measurements[4].truth = report.machine.processor = report.notes[0] = evil;
+  const std::string page = to_html(report, compare(report, report));
+  CHECK(count(page, "<script>") == 1);
+  CHECK_FALSE(has(page, "alert(1)</script>"));
+  CHECK(has(page, "&lt;script&gt;alert(1)&lt;/script&gt;&quot;&#39;&amp;"));
+}
+
+TEST_CASE("report: the page shows what has become worse", "[report]") {
+  Report after = made_up_report();
+  after.measurements[1].error_rms *= 4.0;
+  after.measurements[0].seconds *= 3.0;
+  const std::string page = to_html(after, compare(made_up_report(), after));
+  CHECK(has(page, "Against the older report"));
+  CHECK(has(page, "larger error"));
+  CHECK(has(page, "slower"));
+  CHECK(has(page, "some are worse"));
+}
+
+TEST_CASE("report: a plot stands alone as a file", "[report]") {
+  const std::string file = plot(PlotUse::file);
+  CHECK(has(file, "xmlns=\"http://www.w3.org/2000/svg\""));
+  CHECK(count(file, "http") == 1);
+  CHECK_FALSE(has(file, "<script"));
+  CHECK_FALSE(has(file, "nan"));
+  CHECK_FALSE(has(file, "inf"));
+  CHECK(count(file, "<g class=\"point\">") == 4);
+  CHECK(count(file, "r=\"7.5\"") == 2);  // rings of the front
+  CHECK_FALSE(has(plot(PlotUse::page), "http"));
+}
+
+TEST_CASE("report: plots take errors of nothing, one point, and no points", "[report]") {
+  const Report report = made_up_report();
+  const std::vector<Measurement> exact{point("exact", 0.0, 1e-3), point("none", std::nan(""), 1e-3)};
+  const std::string text = plot_svg(report.passes[0], exact, report.machine, PlotUse::file);
+  CHECK(count(text, "<g class=\"point\">") == 1);
+  CHECK_FALSE(has(text, "nan"));
+  CHECK_FALSE(has(text, "inf"));
+  CHECK(plot_svg(report.passes[0], {}, report.machine, PlotUse::file).empty());
+}

@@ -1,0 +1,237 @@
+#include "tools/arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <new>
+#include <sstream>
+
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/error.h"
+#include "welkin/instruction_set.h"
+#include "welkin/version.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr std::size_t kPageWidth = 80;
+constexpr std::size_t kOptionWidth = 28;
+
+std::string broken_at(const std::string& text, std::size_t width) {
+  std::istringstream words(text);
+  std::string lines;
+  std::size_t used = 0;
+  for (std::string word; words >> word; used += word.size() + 1) {
+    const bool fits = used + word.size() < width;
+    if (!lines.empty()) lines += fits ? ' ' : '\n';
+    if (!fits) used = 0;
+    lines += word;
+  }
+  return lines;
+}
+
+/// Breaks the options' descriptions at 80 columns, which CLI11's own formatter does not.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kOptionWidth); }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return broken_at(option->get_description(), kPageWidth - kOptionWidth);
+  }
+};
+
+/// CLI11 alone would let "-1" wrap around to the largest number.
+CLI::Validator size_in_bytes() {
+  return {[](std::string& text) {
+            if (text.find('-') != std::string::npos) return text + " is not a size";
+            return CLI::AsSizeValue(true)(text);
+          },
+          ""};
+}
+
+CLI::Validator finite_range(double least, double most) {
+  return {[least, most](const std::string& text) {
+            const std::optional<double> value = number_in(text);
+            const bool good = value && *value >= least && *value <= most;
+            return good ? std::string()
+                        : text + " is not a number from " + significant(least) + " to " + significant(most);
+          },
+          ""};
+}
+
+CLI::Validator positive_number() {
+  return {[](const std::string& text) {
+            const std::optional<double> value = number_in(text);
+            const bool good = value && std::isfinite(*value) && *value > 0.0;
+            return good ? std::string() : text + " is not a finite number above 0";
+          },
+          ""};
+}
+
+void check_bounds(CLI::Option& added, const Bounds& bounds) {
+  switch (bounds.kind) {
+    case Bounds::Kind::none: break;
+    case Bounds::Kind::whole:
+      added.check(CLI::Range(static_cast<int>(bounds.least), static_cast<int>(bounds.most)).description(""));
+      break;
+    case Bounds::Kind::number: added.check(CLI::Range(bounds.least, bounds.most).description("")); break;
+    case Bounds::Kind::finite: added.check(finite_range(bounds.least, bounds.most)); break;
+    case Bounds::Kind::positive: added.check(positive_number()); break;
+  }
+}
+
+/// Adds an option to a command, by what its target is.
+class Adding {
+ public:
+  Adding(CLI::App& command, const Option& option) : command_(command), option_(option) {}
+
+  CLI::Option* operator()(bool* target) const { return command_.add_flag(option_.names, *target, option_.text); }
+  CLI::Option* operator()(const OnFlag& call) const {
+    return command_.add_flag_callback(option_.names, call, option_.text);
+  }
+  CLI::Option* operator()(const ByteCount& count) const {
+    return command_.add_option(option_.names, *count.bytes, option_.text)->transform(size_in_bytes());
+  }
+  template <class Value>
+  CLI::Option* operator()(Value* target) const {
+    return command_.add_option(option_.names, *target, option_.text);
+  }
+  template <class Value>
+  CLI::Option* operator()(const On<Value>& call) const {
+    const auto guarded = [call](const Value& value) {
+      try {
+        call(value);
+      } catch (const BadValue& bad) {
+        throw CLI::ValidationError(bad.option, bad.what);
+      }
+    };
+    return command_.add_option_function<Value>(option_.names, guarded, option_.text);
+  }
+
+ private:
+  CLI::App& command_;
+  const Option& option_;
+};
+
+bool has_value(const Option& option) {
+  return !std::holds_alternative<bool*>(option.target) && !std::holds_alternative<OnFlag>(option.target);
+}
+
+void add_option(CLI::App& command, const Option& option) {
+  CLI::Option& added = *std::visit(Adding(command, option), option.target);
+  if (option.list != List::none) added.delimiter(',');
+  if (option.count > 0) added.expected(option.count);
+  if (option.list == List::commas) added.allow_extra_args(false);
+  if (!option.words.empty()) added.check(CLI::IsMember(option.words).description(""));
+  check_bounds(added, option.bounds);
+  if (has_value(option)) added.type_name(option.type);
+  if (option.required) added.required();
+  if (!option.environment.empty()) added.envname(option.environment);
+}
+
+void add_command(CLI::App& program, const Command& command) {
+  CLI::App& added = *program.add_subcommand(command.name, command.summary);
+  added.footer(command.notes);
+  for (const Option& option : command.options) add_option(added, option);
+  for (const Option& option : command.options) {
+    const std::string name = option.names.substr(0, option.names.find(','));
+    for (const std::string& other : option.needs) added.get_option(name)->needs(added.get_option(other));
+    for (const std::string& other : option.excludes) added.get_option(name)->excludes(added.get_option(other));
+  }
+  added.callback(
+      [&command, &added] { command.run([&added](const std::string& name) { return added.count(name) > 0; }); });
+}
+
+std::string version_text() {
+  std::string text = "welkin " WELKIN_VERSION_STRING "\ninstruction sets here:";
+  for (const InstructionSet set : available_instruction_sets()) text += std::string(" ") + name(set);
+  return text + " (in use: " + name(active_instruction_set()) + ")";
+}
+
+ExitCode complain(ExitCode code, const std::string& message) {
+  std::cerr << "welkin: " << message << '\n';
+  return code;
+}
+
+/// CLI11 reports a request for help or the version as an exception too.
+ExitCode answer(const CLI::App& program, const CLI::ParseError& request) {
+  if (dynamic_cast<const CLI::CallForVersion*>(&request) != nullptr) {
+    print_result(std::string(request.what()) + '\n');
+    return ExitCode::success;
+  }
+  const auto chosen = program.get_subcommands();
+  if (request.get_exit_code() == 0) {
+    print_result(chosen.empty() ? program.help() : chosen.front()->help("welkin"));
+    return ExitCode::success;
+  }
+  const std::string help = chosen.empty() ? "welkin --help" : "welkin " + chosen.front()->get_name() + " --help";
+  return complain(ExitCode::bad_usage, std::string(request.what()) + "\n'" + help + "' tells what can be asked for.");
+}
+
+ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
+  CLI::App parser{program.summary, "welkin"};
+  parser.footer(program.notes);
+  parser.set_version_flag("--version", version_text, "Print the version and the instruction sets that run here");
+  parser.formatter(std::make_shared<HelpFormatter>());
+  parser.require_subcommand(0, 1);
+  try {
+    for (const Command& command : program.commands) add_command(parser, command);
+    parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
+    if (!parser.get_subcommands().empty()) return ExitCode::success;
+    return complain(ExitCode::bad_usage, "nothing to do\n'welkin --help' tells what can be asked for.");
+  } catch (const CLI::ParseError& request) {
+    return answer(parser, request);
+  }
+}
+
+}  // namespace
+
+Bounds whole_between(int least, int most) {
+  return {Bounds::Kind::whole, static_cast<double>(least), static_cast<double>(most)};
+}
+Bounds number_between(double least, double most) { return {Bounds::Kind::number, least, most}; }
+Bounds finite_between(double least, double most) { return {Bounds::Kind::finite, least, most}; }
+Bounds finite_and_positive() { return {Bounds::Kind::positive}; }
+
+Option& option(Options& options, const std::string& name) {
+  for (Option& one : options) {
+    std::istringstream names(one.names);
+    for (std::string each; std::getline(names, each, ',');) {
+      if (each == name) return one;
+    }
+  }
+  throw std::logic_error("there is no option " + name);
+}
+
+std::string alternatives(const std::vector<std::string>& words) { return CLI::detail::join(words, "|"); }
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
+}
+
+std::optional<int> whole_number_in(const std::string& text) {
+  int value = 0;
+  return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
+}
+
+ExitCode run_guarded(const std::function<ExitCode()>& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    const bool usage = error.code() == ErrorCode::invalid_argument;
+    return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(ExitCode::bad_input, "not enough memory; --memory-limit refuses such files before they are read");
+  } catch (const std::exception& error) {
+    return complain(ExitCode::bad_input, error.what());
+  }
+}
+
+ExitCode run_program(const Program& program, const std::vector<std::string>& arguments) {
+  return run_guarded([&] { return run(program, arguments); });
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,134 @@
+// What a command can be asked: tables of options, by which the command line is read and --help is written.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace welkin::tool {
+
+/// What a function throws that takes an option's value and cannot use it: it ends the program with
+/// `ExitCode::bad_usage` and "OPTION: WHAT".
+struct BadValue {
+  std::string option;
+  std::string what;
+};
+
+/// A number of bytes, written as "512MiB", "2GB" or "4096".
+struct ByteCount {
+  std::uint64_t* bytes;
+};
+
+/// Called with an option's value, once it is checked.
+template <class Value>
+using On = std::function<void(const Value&)>;
+/// Called if a flag is there.
+using OnFlag = std::function<void()>;
+
+/// Where an option's value goes. To a `bool` or an `OnFlag` goes that the option is there: it has no value.
+using Target =
+    std::variant<bool*, int*, double*, std::string*, std::optional<std::string>*, std::optional<double>*,
+                 std::vector<double>*, std::vector<std::string>*, ByteCount, OnFlag, On<int>, On<float>,
+                 On<std::string>, On<std::vector<int>>, On<std::vector<double>>, On<std::vector<std::string>>>;
+
+/// Which numbers an option takes.
+struct Bounds {
+  enum class Kind { none, whole, number, finite, positive };
+  Kind kind = Kind::none;
+  double least = 0.0;
+  double most = 0.0;
+};
+/// Whole numbers from `least` to `most`.
+[[nodiscard]] Bounds whole_between(int least, int most);
+[[nodiscard]] Bounds number_between(double least, double most);
+/// The same, and no NaN, which `number_between` lets through.
+[[nodiscard]] Bounds finite_between(double least, double most);
+[[nodiscard]] Bounds finite_and_positive();
+
+/// Whether an option takes several values.
+enum class List {
+  none,
+  commas,            ///< with commas between them
+  commas_or_spaces,  ///< or as arguments of their own
+};
+
+struct Option {
+  std::string names;  ///< "-o,--output"; without a hyphen it is a place on the command line: "INPUT"
+  Target target{};
+  std::string text{};                ///< for --help, which breaks its lines
+  std::string type{};                ///< what --help calls the value
+  std::vector<std::string> words{};  ///< the only values that are taken; empty: others decide
+  Bounds bounds{};                   ///< of each value
+  List list = List::none;
+  int count = 0;  ///< of a list's values; 0: any number
+  bool required = false;
+  std::string environment{};            ///< the variable that stands for the option where that is not there
+  std::vector<std::string> needs{};     ///< options without which this one is refused
+  std::vector<std::string> excludes{};  ///< options together with which it is
+};
+
+using Options = std::vector<Option>;
+
+/// The option of that name. It must be there.
+[[nodiscard]] Option& option(Options& options, const std::string& name);
+
+/// "one|two|three", as --help names the words that an option takes.
+[[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
+
+/// An option whose value is one of some words, each of which stands for a value. `target` must outlive it.
+template <typename Value>
+Option choice(const std::string& name, Value& target, const std::vector<std::pair<std::string, Value>>& choices,
+              const std::string& text) {
+  std::vector<std::string> words;
+  words.reserve(choices.size());
+  for (const auto& [word, value] : choices) words.push_back(word);
+  const auto store = [&target, choices](const std::string& chosen) {
+    for (const auto& [word, value] : choices) {
+      if (word == chosen) target = value;
+    }
+  };
+  return {.names = name, .target = On<std::string>(store), .text = text, .type = alternatives(words), .words = words};
+}
+
+/// The number that a text is; none if it is none. For the functions that take a text and want a number of it.
+[[nodiscard]] std::optional<double> number_in(const std::string& text);
+[[nodiscard]] std::optional<int> whole_number_in(const std::string& text);
+
+/// Whether an option was on the command line.
+using Given = std::function<bool(const std::string& name)>;
+
+/// A subcommand.
+struct Command {
+  std::string name;
+  std::string summary;  ///< a line
+  std::string notes;    ///< what --help says below the options
+  Options options{};
+  std::function<void(const Given& given)> run{};  ///< called once all options have their values
+};
+
+struct Program {
+  std::string summary;
+  std::string notes;
+  std::vector<Command> commands;
+};
+
+/// What a program's exit code says. Scripts rely on these: they never change.
+enum ExitCode : int {
+  success = 0,
+  bad_input = 1,  ///< a file or its pixels, or no memory or output device for the work
+  bad_usage = 2,  ///< an unknown option, or a value that no input could make valid
+};
+
+/// Turns whatever `work` throws into a message on standard error and an exit code.
+[[nodiscard]] ExitCode run_guarded(const std::function<ExitCode()>& work);
+
+/// Reads the command line (without the program's name), runs the command that it names and turns whatever goes wrong
+/// into a message on standard error and an exit code; answers --help and --version. To the user the program is
+/// `welkin`, whatever its file is called.
+[[nodiscard]] ExitCode run_program(const Program& program, const std::vector<std::string>& arguments);
+
+}  // namespace welkin::tool

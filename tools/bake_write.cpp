@@ -1,0 +1,393 @@
+#include "tools/bake_write.h"
+
+#include <cstddef>
+#include <optional>
+
+#include "tools/sh_report.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/resampling.h"
+#include "welkin/version.h"
+
+namespace welkin::tool {
+namespace {
+
+/// One cubemap of the result, and what is said of it.
+struct Cubemap {
+  std::string name;  ///< of the files, without extension
+  std::string what;
+  std::vector<CubemapView> mips;
+  std::vector<double> roughness;  ///< of each mip; empty if it is not blurred
+  std::string unit;
+};
+
+/// What all the writers below need to know.
+struct Job {
+  const BakeCommandOptions& options;
+  OutputFolder& folder;
+  const Control& control;
+};
+
+std::string numbers_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + all_digits(value);
+  return text;
+}
+
+Json details_of(const Cubemap& cubemap, const Job& job) {
+  Json details = {{"size", cubemap.mips.front().size}, {"mips", cubemap.mips.size()}};
+  if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness;
+  details["unit"] = cubemap.unit;
+  details["axes"] = convention(job.options.turn.to).name;
+  return details;
+}
+
+const char* name(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::rgba16f: return "rgba16f";
+    case TexelFormat::rgba32f: return "rgba32f";
+    case TexelFormat::b10g11r11: return "b10g11r11";
+    case TexelFormat::e5b9g9r9: break;
+  }
+  return "e5b9g9r9";
+}
+
+std::string range_of(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
+    case TexelFormat::rgba32f: return "that are not finite replaced";
+    case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
+    case TexelFormat::e5b9g9r9: break;
+  }
+  return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
+}
+
+/// What a float cannot hold does not come out of a bake: PFM clamps nothing.
+std::string range_of(Container container) {
+  switch (container) {
+    case Container::exr: return range_of(TexelFormat::rgba16f);
+    case Container::hdr: return "below 0 or above 1.69e38 clamped: RGBE ends there";
+    default: return "";
+  }
+}
+
+/// .dds and .exr hold halves or floats.
+TextureOptions texture_options(Container container, const Cubemap& cubemap, const Job& job) {
+  TextureOptions options = job.options.texture;
+  if (container != Container::ktx2) {
+    options.supercompression = Supercompression::none;
+    if (options.format != TexelFormat::rgba32f) options.format = TexelFormat::rgba16f;
+  }
+  options.metadata = {{"welkin.content", cubemap.name},
+                      {"welkin.unit", cubemap.unit},
+                      {"welkin.axes", convention(job.options.turn.to).name},
+                      {"welkin.version", WELKIN_VERSION_STRING}};
+  if (!cubemap.roughness.empty()) options.metadata["welkin.roughness"] = numbers_text(cubemap.roughness);
+  return options;
+}
+
+void write_texture_file(Container container, const Cubemap& cubemap, const Job& job) {
+  const TextureOptions options = texture_options(container, cubemap, job);
+  const std::string file = cubemap.name + '.' + name(container);
+  const WriteReport report = write_texture(job.folder.place(file), cubemap.mips, options, {job.control.stop, {}});
+  std::string format = container == Container::ktx2 ? "KTX2 " : container == Container::dds ? "DDS " : "OpenEXR ";
+  format += name(options.format);
+  if (options.supercompression == Supercompression::zlib) format += " zlib";
+  if (options.supercompression == Supercompression::zstd) format += " zstd";
+  job.folder.add(
+      {file, cubemap.what, format, 0, report.values_clamped, range_of(options.format), details_of(cubemap, job)});
+}
+
+/// .hdr and .pfm know no mips: a vertical strip for each.
+void write_strips(Container container, const Cubemap& cubemap, const Job& job) {
+  for (std::size_t mip = 0; mip < cubemap.mips.size(); ++mip) {
+    const std::string number = cubemap.mips.size() > 1 ? "_m" + std::to_string(mip) : "";
+    const std::string file = cubemap.name + number + '.' + name(container);
+    WriteOptions options;
+    options.layout = Layout::vertical_strip;
+    const WriteReport report =
+        write_environment(job.folder.place(file), cubemap.mips[mip], options, {job.control.stop, {}});
+    Json details = {{"layout", welkin::name(options.layout)}, {"size", cubemap.mips[mip].size}, {"mip", mip}};
+    if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness[mip];
+    details["unit"] = cubemap.unit;
+    details["axes"] = convention(job.options.turn.to).name;
+    job.folder.add({file, cubemap.what, container == Container::hdr ? "Radiance RGBE" : "PFM", 0, report.values_clamped,
+                    range_of(container), details});
+  }
+}
+
+void write_cubemap(const Cubemap& cubemap, const Job& job) {
+  if (cubemap.mips.empty()) return;
+  for (const Container container : job.options.containers) {
+    if (container == Container::env) continue;
+    const bool strips = container == Container::hdr || container == Container::pfm;
+    if (strips) {
+      write_strips(container, cubemap, job);
+    } else {
+      write_texture_file(container, cubemap, job);
+    }
+  }
+}
+
+/// The background once more as a lat-long, which is the same picture for all engines, where the container has them.
+void write_lat_longs(const CubemapChain& background, const Job& job) {
+  LatLongImage picture;
+  for (const Container container : {Container::exr, Container::hdr, Container::pfm}) {
+    if (!job.options.containers.contains(container) || background.levels() == 0) continue;
+    if (picture.width == 0) {
+      picture = to_lat_long(background.view(0), 4 * background.size(), 2 * background.size(), glm::dmat3(1.0),
+                            {job.control.stop, {}});
+    }
+    const std::string file = std::string("environment.") + name(container);
+    const WriteReport report = write_environment(job.folder.place(file), picture.view(), {}, {job.control.stop, {}});
+    const char* const format = container == Container::exr   ? "OpenEXR half"
+                               : container == Container::hdr ? "Radiance RGBE"
+                                                             : "PFM";
+    job.folder.add({file,
+                    "the background as a lat-long",
+                    format,
+                    0,
+                    report.values_clamped,
+                    range_of(container),
+                    {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
+  }
+}
+
+/// What was computed, to the last bit: baked again it gives the same files.
+void write_computed(const LatLongImage& picture, const Job& job) {
+  if (picture.width == 0) return;
+  WriteOptions options;
+  options.type = SampleType::float32;
+  const std::string& file = job.options.picture_name;
+  write_environment(job.folder.place(file), picture.view(), options, {job.control.stop, {}});
+  job.folder.add({file,
+                  "what was baked, a lat-long",
+                  "OpenEXR float",
+                  0,
+                  0,
+                  "",
+                  {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
+}
+
+void turn_to_engine(BakeResult& light, Engine engine, const Control& control) {
+  const glm::dmat3 symmetry = faces_of(engine);
+  if (symmetry == glm::dmat3(1.0)) return;
+  if (light.background.levels() > 0) light.background = turned(light.background, symmetry, control);
+  if (light.specular) light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
+  if (light.irradiance.size > 0) light.irradiance = turned(light.irradiance, symmetry, control);
+}
+
+std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
+  std::vector<double> table;
+  for (const MipRecord& mip : specular.mips) table.push_back(mip.roughness);
+  return table;
+}
+
+/// Three channels, the third one 0 where the table has two.
+LatLongImage picture_of(const BrdfTable& table) {
+  LatLongImage picture{table.options.width, table.options.height, {}};
+  const auto channels = static_cast<std::size_t>(table.channels);
+  for (std::size_t at = 0; at < table.values.size(); at += channels) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      picture.pixels.push_back(channel < channels ? table.values[at + channel] : 0.0F);
+    }
+  }
+  return picture;
+}
+
+/// Writes the table in each container that was asked for and that can hold a plain picture.
+void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, OutputFolder& folder,
+                const Control& control) {
+  const LatLongImage picture = picture_of(table);
+  constexpr const char* kWhat = "BRDF table: columns along N.V, rows along roughness, the smoothest on top";
+  const Json details = {
+      {"width", picture.width}, {"height", picture.height}, {"channels", brdf_channels(table.options)}};
+  TextureOptions texture;
+  texture.format = options.texture.format == TexelFormat::rgba32f ? TexelFormat::rgba32f : TexelFormat::rgba16f;
+  const bool floats = texture.format == TexelFormat::rgba32f;
+  for (const Container container : {Container::ktx2, Container::dds}) {
+    if (!options.containers.contains(container)) continue;
+    const std::string file = std::string("brdf.") + name(container);
+    texture.supercompression = container == Container::ktx2 ? options.texture.supercompression : Supercompression::none;
+    texture.metadata.clear();
+    if (container == Container::ktx2) texture.metadata = {{"welkin.content", "brdf"}};
+    write_texture_2d(folder.place(file), picture.width, picture.height, picture.pixels.data(), texture,
+                     {control.stop, {}});
+    const std::string format = container == Container::ktx2 ? "KTX2 " : "DDS ";
+    folder.add({file, kWhat, format + (floats ? "rgba32f" : "rgba16f"), 0, 0, "", details});
+  }
+  constexpr const char* kName = "brdf.pfm";
+  if (brdf_names(options) != std::vector<std::string>{kName}) return;
+  WriteOptions write;
+  write.layout = Layout::lat_long;  // a plain picture, to a PFM
+  write_environment(folder.place(kName), picture.view(), write, {control.stop, {}});
+  folder.add({kName, kWhat, "PFM", 0, 0, "", details});
+}
+
+Json roughness_json(const std::vector<MipRecord>& mips) {
+  Json list = Json::array();
+  for (const MipRecord& mip : mips) list.push_back(mip.roughness);
+  return list;
+}
+
+/// environment.env, in Babylon.js's axes.
+void write_env(const Baked& baked, OutputFolder& folder, const Control& control) {
+  const PrefilteredSpecular& specular = baked.env_is_specular ? *baked.light.specular : *baked.env;
+  // The polynomial from the source's own harmonics, or those that it stored: mip 0 ends at 255.
+  const SphericalHarmonics& radiance = baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
+  BabylonEnvironment environment = to_babylon(specular.cubemap, radiance);
+  constexpr const char* kName = "environment.env";
+  const WriteReport report = write_babylon_environment(folder.place(kName), environment, control);
+  const Json details = {
+      {"size", environment.specular.size()},
+      {"mips", environment.specular.levels()},
+      {"roughness", roughness_json(specular.mips)},
+      {"axes", "babylon"},
+      {"lod_generation_scale", environment.lod_generation_scale},
+      {"polynomial", baked.stored_light ? "the one that the input stores" : "of the source's harmonics"}};
+  folder.add({kName, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
+              "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, "above 255 or below 0 clamped: RGBD ends there",
+              details});
+}
+
+ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
+  const SphericalHarmonics& light = *baked.light.radiance;
+  TurnOptions to_engine;
+  to_engine.to = options.turn.to;
+  const glm::dmat3 matrix = turn_of_light(to_engine, false);
+
+  ShReport report;
+  report.source = baked.source;
+  report.options = baked.options.pixels;
+  report.options.bands = light.bands();
+  report.projection = {transform(light, matrix), baked.light.diagnostics};
+  report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
+  report.axes = axes_text(options.turn);
+  report.engine = options.turn.to;
+  report.sky = baked.sky;
+  report.sun_wanted = baked.sun_wanted;
+  report.sun = baked.sun;
+  if (report.sun) report.sun->direction = matrix * report.sun->direction;
+  report.dominant = dominant_light(report.projection.radiance);
+  report.windowed = apply_window(report.projection.radiance, Window::none);
+  report.irradiance = irradiance_from_radiance(report.projection.radiance);
+  report.polynomial = babylon_polynomial(report.projection.radiance);
+  for (const Convention& each : conventions()) {
+    if (has_engine_light(each.engine)) report.engine_lights.push_back(engine_light(light, each.engine));
+  }
+  return report;
+}
+
+/// sh.json and sh.h.
+void write_harmonics(const Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
+  if (options.bake.bands == 0 || !baked.light.radiance) return;
+  const ShReport report = report_of(baked, options);
+  const Json details = {{"bands", report.projection.radiance.bands()}};
+  write_text_file(folder.place("sh.json"), sh_json(report));
+  folder.add({"sh.json", "spherical harmonics: canonical, and as each engine wants them", "JSON", 0, 0, "", details});
+  write_text_file(folder.place("sh.h"), sh_c_header(report));
+  folder.add({"sh.h", "the same", "C header", 0, 0, "", details});
+}
+
+void write_preview(const PreviewPicture& picture, const char* name, const char* what, OutputFolder& folder) {
+  WriteOptions options;
+  options.layout = Layout::lat_long;  // a plain picture, to a PNG
+  write_environment(folder.place(name), picture.view(), options);
+  folder.add({name, what, "PNG", 0, 0, "", {{"width", picture.width()}, {"height", picture.height()}}});
+}
+
+/// Draws and writes the previews.
+void write_previews(const Baked& baked, OutputFolder& folder) {
+  const ToneMap tone_map = tone_map_of(baked);
+  const bool has_background = baked.light.background.levels() > 0;
+  if (has_background) {
+    write_preview(preview_cross(CubeLookup(baked.light.background), tone_map), "preview_environment.png",
+                  "the surroundings as seen from inside, facing Welkin's +z", folder);
+  }
+  if (!baked.light.specular) return;
+  const CubeLookup specular(baked.light.specular->cubemap);
+  if (has_background)
+    write_preview(
+        preview_spheres(baked.light, tone_map), "preview_spheres.png",
+        "metal balls of roughness 0, 0.15, 0.3, 0.5, 0.75 and 1, and a white matte one, seen along Welkin's -z",
+        folder);
+  write_preview(preview_mips(specular, tone_map), "preview_mips.png", "the specular mips as crosses, sharpest first",
+                folder);
+}
+
+}  // namespace
+
+ToneMap tone_map_of(const Baked& baked) {
+  constexpr int kEnough = 32;
+  const bool background = baked.light.background.levels() > 0;
+  if (!background && !baked.light.specular) return {};
+  const CubemapChain& chain = background ? baked.light.background : baked.light.specular->cubemap;
+  int level = 0;
+  while (level + 1 < chain.levels() && chain.level_size(level + 1) >= kEnough) ++level;
+  return tone_map_of(chain.view(level));
+}
+
+std::vector<std::string> brdf_channels(const BrdfTableOptions& options) {
+  std::vector<std::string> names = options.model == BrdfModel::split_sum
+                                       ? std::vector<std::string>{"scale", "bias"}
+                                       : std::vector<std::string>{"albedo at f0 = 0", "albedo at f0 = 1"};
+  if (options.sheen) names.emplace_back("sheen albedo");
+  return names;
+}
+
+std::vector<std::string> brdf_names(const BakeCommandOptions& options) {
+  std::vector<std::string> names;
+  for (const Container container : {Container::ktx2, Container::dds}) {
+    if (options.containers.contains(container)) names.push_back(std::string("brdf.") + name(container));
+  }
+  const bool babylon_alone = options.containers == std::set<Container>{Container::env};  // it has a table of its own
+  if (names.empty() && !babylon_alone) names.emplace_back("brdf.pfm");
+  return names;
+}
+
+void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
+  constexpr double kPreviews = 0.3;
+  constexpr double kEnv = 0.6;
+  const auto progress = [&](double done) {
+    if (control.progress) control.progress(done);
+  };
+  if (options.previews) {
+    timed(baked.passes, "previews", "drawn and written", [&] { write_previews(baked, folder); });
+  }
+  progress(kPreviews);
+  if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {
+    timed(baked.passes, "write .env", "environment.env",
+          [&] { write_env(baked, folder, part_of(control, kPreviews, kEnv)); });
+    baked.env.reset();
+  }
+  progress(kEnv);
+  timed(baked.passes, "write", "all other files", [&] {
+    BakeResult& light = baked.light;
+    const Job job{options, folder, control};
+    write_computed(baked.picture, job);
+    write_lat_longs(light.background, job);  // before it is turned
+    turn_to_engine(light, options.turn.to, control);
+    write_cubemap({"background", "the environment itself, with plain mips", light.background.views(), {}, "radiance"},
+                  job);
+    if (light.specular) {
+      write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
+                     roughness_of(*light.specular), "radiance"},
+                    job);
+    }
+    if (light.irradiance.size > 0) {
+      write_cubemap({"irradiance",
+                     "irradiance: divide by pi for what a white surface shows",
+                     {light.irradiance.view()},
+                     {},
+                     "irradiance"},
+                    job);
+    }
+    if (light.brdf) write_brdf(*light.brdf, options, folder, control);
+    write_harmonics(baked, options, folder);
+  });
+  progress(1.0);
+}
+
+}  // namespace welkin::tool

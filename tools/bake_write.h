@@ -1,0 +1,26 @@
+// The files of a bake.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/bake_manifest.h"
+#include "tools/baked.h"
+#include "welkin/brdf_table.h"
+
+namespace welkin::tool {
+
+/// Writes cubemaps, .env, BRDF table, harmonics and previews, all but the manifest. Turns the cubemaps of `baked` to
+/// the engine's faces on the way.
+void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control);
+
+/// A few mips below the top: enough to tell how bright the environment is.
+[[nodiscard]] ToneMap tone_map_of(const Baked& baked);
+
+/// The names of the files that hold the BRDF table.
+[[nodiscard]] std::vector<std::string> brdf_names(const BakeCommandOptions& options);
+
+/// What its channels are, for the manifest.
+[[nodiscard]] std::vector<std::string> brdf_channels(const BrdfTableOptions& options);
+
+}  // namespace welkin::tool

@@ -1,0 +1,22 @@
+// The commands of the program.
+#pragma once
+
+#include <string>
+
+#include "tools/arguments.h"
+
+namespace welkin::tool {
+
+struct BakeCommandOptions;
+
+[[nodiscard]] Command bake_command();
+[[nodiscard]] Command sh_command();
+[[nodiscard]] Command sky_command();
+[[nodiscard]] Command info_command();
+[[nodiscard]] Command convert_command();
+[[nodiscard]] Command testmap_command();
+
+/// Bakes what the options name or compute into their folder. The manifest or, for a person, a table. Throws `Error`.
+[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& options);
+
+}  // namespace welkin::tool

@@ -1,0 +1,224 @@
+#include "tools/input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/text.h"
+#include "welkin/control.h"
+#include "welkin/result_cache.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr int kMaximumThreads = 1024;
+constexpr int kMaximumLevel = 30;
+
+void add_clamp_options(Options& table, ClampChoice& choice) {
+  const auto set_maximum = [&choice](float maximum) {
+    choice.clamp.maximum = maximum;
+    choice.clamps = true;
+  };
+  const auto preserve_colour = [&choice] {
+    choice.clamp.preserve_colour = true;
+    choice.clamps = true;
+  };
+  table.push_back({.names = "--clamp",
+                   .target = On<float>(set_maximum),
+                   .text = "Cut radiance off above V; off by default. What it takes away is reported",
+                   .type = "V",
+                   .bounds = finite_and_positive()});
+  table.push_back(
+      {.names = "--preserve-clamped",
+       .target = OnFlag(preserve_colour),
+       .text = "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit"});
+}
+
+}  // namespace
+
+void add_json_option(Options& table, CommonOptions& options) {
+  table.push_back({.names = "--json", .target = &options.json, .text = "JSON on standard output instead of a table"});
+}
+
+void add_threads_option(Options& table, CommonOptions& options) {
+  table.push_back(
+      {.names = "--threads",
+       .target = &options.threads,
+       .text = "Threads to work with; 0, the default: all that this process may use. Results do not depend on it",
+       .type = "N",
+       .bounds = whole_between(0, kMaximumThreads)});
+}
+
+void add_memory_limit_option(Options& table, CommonOptions& options) {
+  table.push_back({.names = "--memory-limit",
+                   .target = ByteCount{&options.read.memory_limit_bytes},
+                   .text =
+                       "The most memory that pixels may take, such as 512MiB or 2GB (default 8GiB); what would need "
+                       "more is refused before it is begun",
+                   .type = "SIZE"});
+}
+
+void add_cache_option(Options& table, CommonOptions& options) {
+  table.push_back({.names = "--cache",
+                   .target = &options.cache,
+                   .text =
+                       "A folder that keeps results, found again by the contents of what they were made from; it is "
+                       "made if it is not there",
+                   .type = "DIR"});
+}
+
+std::vector<std::pair<std::string, Layout>> layout_choices() {
+  std::vector<std::pair<std::string, Layout>> choices;
+  for (const Layout layout : {Layout::automatic, Layout::lat_long, Layout::vertical_strip, Layout::horizontal_strip,
+                              Layout::horizontal_cross, Layout::vertical_cross, Layout::six_files}) {
+    choices.emplace_back(name(layout), layout);
+  }
+  return choices;
+}
+
+void add_read_options(Options& table, CommonOptions& options, const std::string& input,
+                      const std::string& layout_option) {
+  const std::size_t before = table.size();
+  table.push_back(choice<Layout>(layout_option, options.read.layout, layout_choices(),
+                                 "How the picture holds the sphere; by default its header, shape or name tells"));
+  table.push_back({.names = "--part",
+                   .target = &options.read.part,
+                   .text = "Of an OpenEXR file with several parts: which one, by name or by number from 0",
+                   .type = "NAME"});
+  table.push_back({.names = "--layer",
+                   .target = &options.read.layer,
+                   .text = "Of an OpenEXR file with layers (env.R, env.G, ...): which one",
+                   .type = "NAME"});
+  table.push_back({.names = "--level",
+                   .target = &options.read.level,
+                   .text = "Of a file with a mip chain: which level; 0, the default, is full size",
+                   .type = "N",
+                   .bounds = whole_between(0, kMaximumLevel)});
+  table.push_back(choice<Transfer>(
+      "--transfer", options.read.transfer,
+      {{"automatic", Transfer::automatic}, {"srgb", Transfer::srgb}, {"linear", Transfer::linear}},
+      "What the numbers in a PNG mean; by default sRGB, linear where the file says that its gamma is 1"));
+  table.push_back(choice<Primaries>(
+      "--primaries", options.read.primaries, {{"rec709", Primaries::rec709}, {"as-stored", Primaries::as_stored}},
+      "Convert colours to Rec. 709 where the file states others (default), or leave them"));
+  add_memory_limit_option(table, options);
+  if (input.empty()) return;
+  for (std::size_t i = before; i < table.size(); ++i) table[i].needs.push_back(input);
+}
+
+void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
+                const std::function<void(ResultCache* cache)>& work) {
+  if (options.cache.empty()) {
+    work(nullptr);
+    return;
+  }
+  ResultCache cache({.folder = options.cache, .memory_bytes = 0});
+  work(&cache);
+  const CacheStatistics statistics = cache.statistics();
+  if (statistics.damaged > 0)
+    notes.push_back("the cache: " + counted(statistics.damaged, "damaged result") + " computed anew");
+  if (statistics.write_failures > 0)
+    notes.push_back("the cache could not keep all results: " + statistics.last_failure);
+}
+
+int thread_count(const CommonOptions& options) { return options.threads > 0 ? options.threads : available_threads(); }
+
+void add_pixel_options(Options& table, ProjectionOptions& options, ClampChoice& clamp) {
+  add_clamp_options(table, clamp);
+  table.push_back({.names = "--gamma",
+                   .target = &options.gamma,
+                   .text = "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first"});
+  table.push_back(choice<NonFinitePolicy>("--nan", options.nan,
+                                          {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
+                                          "NaN becomes 0 (default), or ends the command and is named"));
+  table.push_back(choice<NonFinitePolicy>(
+      "--infinity", options.infinity, {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
+      "Infinity becomes the clamp's V or 65504 (default), or ends the command and is named"));
+  table.push_back(choice<NegativePolicy>(
+      "--negative", options.negative,
+      {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
+      "Negative values are taken as they are (default), become 0, or end the command and are named"));
+}
+
+Source source_of(const std::string& path, const EnvironmentInfo& info) {
+  std::string detail = info.channels.empty() ? "" : info.channels.front().type + ", ";
+  if (info.compression != "none") detail += info.compression + ", ";
+  return {path, name(info.layout), info.width, info.height, info.format, detail + info.layout_reason, info.notes};
+}
+
+Pixels pixels_of(const Environment& environment) {
+  const float* const values = environment.pixels.get();
+  const auto count = [](int width, int height) {
+    return std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  };
+  Pixels pixels;
+  if (const int size = environment.face_size(); size > 0) {
+    pixels.is_cubemap = true;
+    pixels.cubemap = {size, {values, values + 6 * count(size, size)}};
+  } else {
+    const LatLongView view = environment.lat_long();
+    pixels.lat_long = {view.width, view.height, {values, values + count(view.width, view.height)}};
+  }
+  return pixels;
+}
+
+std::uint64_t replace_infinities(Pixels& pixels, float largest) {
+  std::uint64_t replaced = 0;
+  for (float& value : pixels.is_cubemap ? pixels.cubemap.pixels : pixels.lat_long.pixels) {
+    if (!std::isinf(value)) continue;
+    value = value > 0.0F ? largest : 0.0F;
+    ++replaced;
+  }
+  return replaced;
+}
+
+std::optional<Sun> take_out_sun(Pixels& pixels, const SunOptions& options) {
+  return pixels.is_cubemap ? welkin::take_out_sun(pixels.cubemap, options)
+                           : welkin::take_out_sun(pixels.lat_long, options);
+}
+
+std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& options) {
+  constexpr float kLargestHalf = 65504.0F;
+  Pixels pixels = pixels_of(environment);
+  replace_infinities(pixels, kLargestHalf);
+  const std::optional<Sun> sun = take_out_sun(pixels, options);
+  const std::vector<float>& values = pixels.is_cubemap ? pixels.cubemap.pixels : pixels.lat_long.pixels;
+  std::copy(values.begin(), values.end(), environment.pixels.get());
+  return sun;
+}
+
+void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes) {
+  constexpr const char* kTakeOut = "--take-out-sun";
+  table.push_back({.names = kTakeOut,
+                   .target = &choice.take_out,
+                   .text = "Take the sun out of the environment and report it as a directional light",
+                   .excludes = excludes});
+  const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {
+    table.push_back({.names = name,
+                     .target = &value,
+                     .text = text,
+                     .type = type,
+                     .bounds = number_between(least, most),
+                     .needs = {kTakeOut}});
+  };
+  add("--sun-threshold", choice.options.relative_threshold, 1e-9, 1.0, "SHARE",
+      "What has this share of the brightest luminance belongs to the sun; default 0.02");
+  add("--sun-radius", choice.options.maximum_radius_degrees, 0.0, 90.0, "DEGREES",
+      "What is larger than this is no sun; default 3");
+  add("--sun-contrast", choice.options.minimum_contrast, 1.0, 1e300, "TIMES",
+      "What is less than so many times as bright as the mean is no sun; default 20");
+  add("--sun-share", choice.options.minimum_share, 0.0, 1.0, "SHARE",
+      "What has less of the light than this is no sun; default 0.01");
+}
+
+std::string sun_text(const std::optional<Sun>& sun, bool z_is_up) {
+  if (!sun) return "Sun: none found; nothing was taken out\n";
+  const bool was_in_pixels = sun->texels > 0;
+  return std::string(was_in_pixels ? "Sun, taken out" : "Sun, apart") + "\n  towards     " +
+         direction_text(sun->direction, z_is_up) + "\n  irradiance  " + significant(sun->irradiance) +
+         "  on a surface that faces it\n  radiance    " + significant(sun->radiance) + "  its mean\n  extent      " +
+         significant(sun->solid_angle) + " sr" +
+         (was_in_pixels ? " (" + counted(sun->texels, "texel") + " changed)" : "") + ", a disc of " +
+         significant(sun->angular_radius_degrees, 3) + " degrees radius\n";
+}
+
+}  // namespace welkin::tool

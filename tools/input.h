@@ -1,0 +1,116 @@
+// What is read and how: the options of commands that read an environment, and what they hold of it in memory.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/arguments.h"
+#include "welkin/directional_light.h"
+#include "welkin/environment_file.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+
+namespace welkin {
+class ResultCache;
+}
+
+namespace welkin::tool {
+
+/// What every subcommand that reads an environment takes.
+struct CommonOptions {
+  bool json = false;
+  int threads = 0;  ///< 0: as many as the process may use
+  ReadOptions read;
+  std::string cache;  ///< a folder; empty: results are not kept
+};
+
+void add_json_option(Options& table, CommonOptions& options);
+void add_threads_option(Options& table, CommonOptions& options);
+void add_memory_limit_option(Options& table, CommonOptions& options);
+void add_cache_option(Options& table, CommonOptions& options);
+
+/// How the input is read: its layout, which part of it, and how its numbers are meant. `input`: the place that they
+/// need, if it may be left out; else empty. `layout_option`: for a command that has a layout of its own to ask for.
+void add_read_options(Options& table, CommonOptions& options, const std::string& input,
+                      const std::string& layout_option = "--layout");
+
+/// The layouts' words.
+[[nodiscard]] std::vector<std::pair<std::string, Layout>> layout_choices();
+
+/// The number of threads that the options ask for.
+[[nodiscard]] int thread_count(const CommonOptions& options);
+
+/// Calls `work` with the cache that was asked for, or with null. What was damaged or could not be kept is noted:
+/// results are right without it.
+void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
+                const std::function<void(ResultCache* cache)>& work);
+
+/// A clamp as it is put together from two options, either of which may be absent.
+struct ClampChoice {
+  RadianceClamp clamp;
+  bool clamps = false;
+
+  void apply(ProjectionOptions& options) const {
+    if (clamps) options.clamp = clamp;
+  }
+};
+
+/// --clamp, --preserve-clamped, --gamma, --nan, --infinity, --negative.
+void add_pixel_options(Options& table, ProjectionOptions& options, ClampChoice& clamp);
+
+/// Where light came from, for those who read of it.
+struct Source {
+  std::string path;
+  std::string layout;
+  int width = 0;
+  int height = 0;
+  std::string format;
+  std::string detail;  ///< what a person may want to know besides: channel type, compression, what told the layout
+  std::vector<std::string> notes;  ///< what was done to the pixels on the way in
+};
+
+[[nodiscard]] Source source_of(const std::string& path, const EnvironmentInfo& info);
+
+/// An environment in memory, where more is asked of it than one pass over its rows.
+struct Pixels {
+  bool is_cubemap = false;
+  LatLongImage lat_long;
+  CubemapImage cubemap;
+};
+
+/// A copy of what was read.
+[[nodiscard]] Pixels pixels_of(const Environment& environment);
+
+/// Puts `largest` in the place of +infinity and 0 in that of -infinity: a sun that overflowed has a value then.
+/// How many there were.
+std::uint64_t replace_infinities(Pixels& pixels, float largest);
+
+[[nodiscard]] std::optional<Sun> take_out_sun(Pixels& pixels, const SunOptions& options);
+
+/// The same in what was read, infinities being 65504, the largest half.
+[[nodiscard]] std::optional<Sun> take_out_sun(Environment& environment, const SunOptions& options);
+
+/// Calls `function` with the view of whichever it is.
+template <typename Function>
+auto with_view(const Pixels& pixels, const Function& function) {
+  return pixels.is_cubemap ? function(pixels.cubemap.view()) : function(pixels.lat_long.view());
+}
+
+/// What becomes of the sun.
+struct SunChoice {
+  bool take_out = false;
+  SunOptions options;
+};
+
+/// --take-out-sun and --sun-threshold, --sun-radius, --sun-contrast, --sun-share. `excludes`: options that go with none
+/// of that.
+void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes = {});
+
+/// Some lines for a person about the sun that was taken out or is apart, or that there was none.
+[[nodiscard]] std::string sun_text(const std::optional<Sun>& sun, bool z_is_up);
+
+}  // namespace welkin::tool

@@ -1,0 +1,257 @@
+#include "tools/json.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "welkin/error.h"
+
+namespace welkin::tool {
+namespace {
+
+using Library = nlohmann::ordered_json;
+
+}  // namespace
+
+/// Between our values and the library's.
+struct JsonAccess {
+  static Library to_library(const Json& json) {
+    return std::visit([](const auto& value) { return converted(value); }, json.value_);
+  }
+
+ private:
+  static Library converted(std::monostate /*null*/) { return nullptr; }
+  template <class Value>
+  static Library converted(const Value& value) {
+    return value;
+  }
+  static Library converted(const Json::List& list) {
+    Library result = Library::array();
+    for (const Json& element : list) result.push_back(to_library(element));
+    return result;
+  }
+  static Library converted(const Json::Members& members) {
+    Library result = Library::object();
+    for (const auto& [name, value] : members) result[name] = to_library(value);
+    return result;
+  }
+};
+
+namespace {
+
+Json from_library(const Library& value) {
+  switch (value.type()) {
+    case Library::value_t::boolean: return value.get<bool>();
+    case Library::value_t::number_integer: return value.get<std::int64_t>();
+    case Library::value_t::number_unsigned: return value.get<std::uint64_t>();
+    case Library::value_t::number_float: return value.get<double>();
+    case Library::value_t::string: return value.get<std::string>();
+    case Library::value_t::array: {
+      Json list = Json::array();
+      for (const Library& element : value) list.push_back(from_library(element));
+      return list;
+    }
+    case Library::value_t::object: {
+      Json object = Json::object();
+      for (const auto& [name, member] : value.items()) object[name] = from_library(member);
+      return object;
+    }
+    default: return nullptr;
+  }
+}
+
+constexpr std::size_t kLongestText = std::size_t{1} << 20U;  // sound ones have some kilobytes
+constexpr int kDeepestNesting = 8;                           // sound ones have 5
+constexpr std::size_t kMostElements = 4096;                  // of a list; what sense they make, others know
+
+Flaw unknown_member(const std::string& where, const std::string& key, const std::string& known) {
+  return {where + " has a member \"" + key + "\"; it can have " + known};
+}
+
+std::string text_of(const std::filesystem::path& path, const std::string& hint) {
+  std::error_code none;
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path, none)) {
+    throw Error(ErrorCode::file_access, path.string() + ": cannot be read (" +
+                                            (errno != 0 ? std::strerror(errno) : "it is a directory") + "); " + hint);
+  }
+  std::string text(kLongestText + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > kLongestText) {
+    throw Error(ErrorCode::limit_exceeded,
+                path.string() + ": has more than a megabyte; sound ones have some kilobytes");
+  }
+  return text;
+}
+
+Json parsed(const std::string& text) {
+  const auto not_too_deep = [](int depth, Library::parse_event_t /*event*/, Library& /*value*/) {
+    if (depth > kDeepestNesting) throw Flaw{"nests deeper than a sound one does"};
+    return true;
+  };
+  try {
+    return from_library(Library::parse(text, not_too_deep));
+  } catch (const Library::exception& flaw) {
+    throw Flaw{std::string("is no JSON (") + flaw.what() + ")"};
+  }
+}
+
+std::string member_text(const Json& value) {
+  if (!value.is_array() || value.elements().empty() || value.elements().front().is_number()) return value.one_line();
+  std::string text;
+  for (const Json& element : value.elements()) {
+    text += text.empty() ? "[\n    " : ",\n    ";
+    text += element.one_line();
+  }
+  return text + ']';
+}
+
+bool is_member(const Json& value) {
+  return value.is_array() && value.size() == 2 && value.elements().front().is_text();
+}
+
+}  // namespace
+
+Json::Json() = default;
+Json::Json(std::nullptr_t) {}
+Json::Json(bool value) : value_(value) {}
+Json::Json(double value) : value_(value) {}
+Json::Json(const char* text) : value_(std::string(text)) {}
+Json::Json(std::string text) : value_(std::move(text)) {}
+Json::Json(Signed whole) : value_(whole.value) {}
+Json::Json(Unsigned whole) : value_(whole.value) {}
+Json::Json(const Json& other) = default;
+Json::Json(Json&& other) noexcept = default;
+Json& Json::operator=(const Json& other) = default;
+Json& Json::operator=(Json&& other) noexcept = default;
+Json::~Json() = default;
+
+void Json::push_back(Json element) { std::get<List>(value_).push_back(std::move(element)); }
+
+Json& Json::back() { return std::get<List>(value_).back(); }
+
+Json::Json(std::initializer_list<Json> values) {
+  if (!std::all_of(values.begin(), values.end(), is_member)) {
+    value_ = List(values);
+    return;
+  }
+  Members& members = value_.emplace<Members>();
+  for (const Json& pair : values) members.emplace_back(pair.elements().front().text(), pair.elements().back());
+}
+
+Json Json::array(std::initializer_list<Json> values) {
+  Json json;
+  json.value_ = List(values);
+  return json;
+}
+
+Json Json::object() {
+  Json json;
+  json.value_ = Members();
+  return json;
+}
+
+bool Json::is_whole_number() const noexcept {
+  return std::holds_alternative<std::int64_t>(value_) || std::holds_alternative<std::uint64_t>(value_);
+}
+
+double Json::number() const {
+  if (const auto* whole = std::get_if<std::int64_t>(&value_)) return static_cast<double>(*whole);
+  if (const auto* whole = std::get_if<std::uint64_t>(&value_)) return static_cast<double>(*whole);
+  return std::get<double>(value_);
+}
+
+Json& Json::operator[](const std::string& name) {
+  if (is_null()) value_ = Members();
+  auto& members = std::get<Members>(value_);
+  const auto found =
+      std::find_if(members.begin(), members.end(), [&](const auto& member) { return member.first == name; });
+  return found != members.end() ? found->second : members.emplace_back(name, Json()).second;
+}
+
+std::string Json::one_line() const {
+  return JsonAccess::to_library(*this).dump(-1, ' ', false, Library::error_handler_t::replace);
+}
+
+Json json_triple(const glm::dvec3& rgb) { return Json::array({rgb.x, rgb.y, rgb.z}); }
+
+std::string json_text(const Json& object) {
+  std::string text;
+  for (const auto& [key, value] : object.members()) {
+    text += text.empty() ? "{\n  " : ",\n  ";
+    text += Json(key).one_line() + ": " + member_text(value);
+  }
+  return text + "\n}\n";
+}
+
+void read_object(const Json& object, const std::string& where, const std::vector<Member>& members) {
+  if (!object.is_object()) throw Flaw{where + " is no object in braces"};
+  for (const auto& [key, value] : object.members()) {
+    const Member* found = nullptr;
+    std::string known;
+    for (const Member& member : members) {
+      if (!known.empty()) known += ", ";
+      known += member.name;
+      if (key == member.name) found = &member;
+    }
+    if (found == nullptr) throw unknown_member(where, key, known);
+    found->read(value, std::string(where).append(".").append(key));
+  }
+}
+
+void read_list(const Json& list, const std::string& where,
+               const std::function<void(const Json& element, const std::string& where)>& read) {
+  if (!list.is_array()) throw Flaw{where + " is no list in brackets"};
+  if (list.size() > kMostElements) throw Flaw{where + " has " + std::to_string(list.size()) + " elements"};
+  for (std::size_t i = 0; i < list.size(); ++i) read(list.elements()[i], where + '[' + std::to_string(i) + ']');
+}
+
+Member number(const char* name, double& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            if (!value.is_number()) throw Flaw{where + " is no number"};
+            target = value.number();
+          }};
+}
+
+Member numbers(const char* name, std::vector<double>& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            target.clear();
+            read_list(value, where, [&](const Json& element, const std::string& at) {
+              if (!element.is_number()) throw Flaw{at + " is no number"};
+              target.push_back(element.number());
+            });
+          }};
+}
+
+Member text(const char* name, std::string& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            if (!value.is_text()) throw Flaw{where + " is no text in quotes"};
+            target = value.text();
+          }};
+}
+
+Member whole_number(const char* name, int& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            const bool whole = value.is_whole_number() && value.number() >= std::numeric_limits<int>::min() &&
+                               value.number() <= std::numeric_limits<int>::max();
+            if (!whole) throw Flaw{where + " is no whole number"};
+            target = static_cast<int>(value.number());
+          }};
+}
+
+Member flag(const char* name, bool& target) {
+  return {name, [&target](const Json& value, const std::string& where) {
+            if (!value.is_boolean()) throw Flaw{where + " is neither true nor false"};
+            target = value.boolean();
+          }};
+}
+
+Json read_json_file(const std::filesystem::path& path, const std::string& hint) { return parsed(text_of(path, hint)); }
+
+}  // namespace welkin::tool

@@ -1,0 +1,185 @@
+#include "tools/needs.h"
+
+#include <vector>
+
+#include "welkin/error.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::tool {
+namespace {
+
+void read_range(const Json& value, const std::string& where, std::optional<RoughnessRange>& target) {
+  if (value.is_null()) {
+    target.reset();
+    return;
+  }
+  RoughnessRange range;
+  read_object(value, where, {number("least", range.least), number("greatest", range.greatest)});
+  if (!(range.least >= 0.0 && range.least <= range.greatest && range.greatest <= 1.0)) {
+    throw Flaw{where + " goes from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) +
+               "; roughness must rise, from 0 to 1"};
+  }
+  target = range;
+}
+
+void read_budget(const Json& value, const std::string& where, std::optional<double>& target) {
+  if (value.is_null()) {
+    target.reset();
+    return;
+  }
+  double budget = 0.0;
+  number("", budget).read(value, where);
+  if (!(budget >= 1e-6 && budget <= 1.0))
+    throw Flaw{where + " is " + value.one_line() + "; it is a share of each result, from 1e-6 to 1 (0.01 is 1 %)"};
+  target = budget;
+}
+
+SceneNeeds needs_of(const Json& json) {
+  SceneNeeds needs;
+  read_object(json, "needs",
+              {whole_number("diffuse_bands", needs.diffuse_bands),
+               flag("irradiance_cubemap", needs.irradiance_cubemap),
+               {"glossy", [&](const Json& value, const std::string& where) { read_range(value, where, needs.glossy); }},
+               flag("background", needs.background),
+               flag("background_mips", needs.background_mips),
+               flag("brdf_table", needs.brdf_table),
+               flag("stored_results", needs.stored_results),
+               flag("same_bits", needs.same_bits),
+               {"error_budget",
+                [&](const Json& value, const std::string& where) { read_budget(value, where, needs.error_budget); }},
+               flag("sun_moves", needs.sun_moves)});
+  if (needs.diffuse_bands < 0 || needs.diffuse_bands > kMaximumBands) {
+    throw Flaw{"needs.diffuse_bands is " + std::to_string(needs.diffuse_bands) + "; it must be from 0 to " +
+               std::to_string(kMaximumBands)};
+  }
+  return needs;
+}
+
+constexpr double kLeastNanoseconds = 1e-6;
+constexpr double kMostNanoseconds = 1e12;
+
+CostModel costs_of(const Json& json) {
+  CostModel costs;
+  std::vector<Member> members;
+  for (const CostUnit& unit : cost_units()) members.push_back(number(unit.name, costs.*unit.value));
+  read_object(json, "costs", members);
+  for (const CostUnit& unit : cost_units()) {
+    const double value = costs.*unit.value;
+    if (!(value >= kLeastNanoseconds && value <= kMostNanoseconds)) {
+      throw Flaw{std::string("costs.") + unit.name + " is " + Json(value).one_line() +
+                 "; nothing costs that: nanoseconds, from 1e-6 to 1e12"};
+    }
+  }
+  return costs;
+}
+
+/// The file's name before what is wrong in it.
+template <class Read>
+auto naming_file(const std::filesystem::path& path, const Read& read) {
+  try {
+    return read();
+  } catch (const Flaw& flaw) {
+    throw Error(ErrorCode::corrupt_file, path.string() + ": " + flaw.message);
+  }
+}
+
+}  // namespace
+
+SceneNeeds NeedsChoice::needs() const {
+  SceneNeeds needs;
+  needs.diffuse_bands = kMaximumBands;  // as many as --bands asks for
+  if (file) needs = read_needs(*file);
+  if (glossy) needs.glossy = glossy;
+  if (no_glossy) needs.glossy.reset();
+  if (no_background) needs.background = false;
+  if (no_diffuse) needs.diffuse_bands = 0;
+  if (error_budget) needs.error_budget = error_budget;
+  if (!any()) needs.stored_results = false;
+  return needs;
+}
+
+CostModel NeedsChoice::costs() const { return costs_file ? read_costs(*costs_file) : CostModel(); }
+
+void add_needs_options(Options& table, NeedsChoice& choice) {
+  const auto set_range = [&choice](const std::vector<double>& range) {
+    if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the least roughness first"};
+    choice.glossy = RoughnessRange{range[0], range[1]};
+  };
+  table.push_back({.names = "--needs",
+                   .target = &choice.file,
+                   .text = "A JSON file that says what the scene uses (docs/plans.md); what it does not is not baked",
+                   .type = "FILE"});
+  table.push_back(
+      {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
+  table.push_back({.names = "--glossy",
+                   .target = On<std::vector<double>>(set_range),
+                   .text = "The least and the greatest roughness of materials: mips beyond are not made",
+                   .type = "LEAST,GREATEST",
+                   .bounds = finite_between(0.0, 1.0),
+                   .list = List::commas,
+                   .count = 2,
+                   .excludes = {"--no-glossy"}});
+  table.push_back(
+      {.names = "--no-background", .target = &choice.no_background, .text = "Nothing shows the environment itself"});
+  table.push_back({.names = "--no-diffuse", .target = &choice.no_diffuse, .text = "No diffuse light is used"});
+  table.push_back({.names = "--error-budget",
+                   .target = &choice.error_budget,
+                   .text =
+                       "What each pass may lose, relative: 0.01 is 1 %. Each takes its cheapest setting whose error, "
+                       "estimated on this input, is under it; --explain says which. What the input carries is not "
+                       "taken",
+                   .type = "SHARE",
+                   .bounds = finite_between(1e-6, 1.0)});
+  table.push_back({.names = "--explain",
+                   .target = &choice.explain,
+                   .text = "Say which passes run, are reused or left out, and why; then predicted against measured "
+                           "times"});
+  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "The same, and bake nothing"});
+  table.push_back({.names = "--costs",
+                   .target = &choice.costs_file,
+                   .text = "A JSON file of what work costs on this machine, of 'welkin report --calibrate'; default "
+                           "stored ratios",
+                   .type = "FILE"});
+}
+
+Json needs_json(const SceneNeeds& needs) {
+  Json glossy = nullptr;
+  if (needs.glossy) glossy = {{"least", needs.glossy->least}, {"greatest", needs.glossy->greatest}};
+  Json budget = nullptr;
+  if (needs.error_budget) budget = *needs.error_budget;
+  return {{"diffuse_bands", needs.diffuse_bands},
+          {"irradiance_cubemap", needs.irradiance_cubemap},
+          {"glossy", glossy},
+          {"background", needs.background},
+          {"background_mips", needs.background_mips},
+          {"brdf_table", needs.brdf_table},
+          {"stored_results", needs.stored_results},
+          {"same_bits", needs.same_bits},
+          {"error_budget", budget},
+          {"sun_moves", needs.sun_moves}};
+}
+
+SceneNeeds read_needs(const std::filesystem::path& path) {
+  return naming_file(path, [&] { return needs_of(read_json_file(path, "docs/plans.md says what stands in one")); });
+}
+
+CostModel read_costs(const std::filesystem::path& path) {
+  return naming_file(path, [&] { return costs_of(read_json_file(path, "'welkin report --calibrate' writes one")); });
+}
+
+Json plan_json(const Plan& plan) {
+  Json passes = Json::array();
+  for (const PlannedPass& pass : plan.passes) {
+    passes.push_back({{"name", pass.name},
+                      {"action", name(pass.action)},
+                      {"reason", pass.reason},
+                      {"predicted_ms", pass.predicted_milliseconds},
+                      {"bytes", pass.bytes}});
+  }
+  return {{"source", plan.source},
+          {"passes", passes},
+          {"result_bytes", plan.result_bytes},
+          {"working_bytes", plan.working_bytes}};
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,307 @@
+// The commands that write an environment as pictures: `welkin convert`, in another format, layout, size or orientation,
+// and `welkin testmap`, one that shows by itself how it is turned.
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "tools/commands.h"
+#include "tools/input.h"
+#include "tools/terminal.h"
+#include "tools/test_map.h"
+#include "tools/text.h"
+#include "tools/turning.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/error.h"
+#include "welkin/image.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr const char* kConvertFooter =
+    R"(What it does:
+  Reads an environment and writes it in the format that OUT's name ends with:
+  .exr, .hdr, .pfm or .png. Where no other layout, size or orientation is asked
+  for, or one that only moves whole texels (a cube by quarter turns, a mirror),
+  every texel stays what it is. Else each new texel is the mean over its area.
+
+Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
+  axes: right-handed, y up; a lat-long's centre looks along +z, +x lies to its
+  left. --from and --for say whose axes the faces of IN and OUT are named after;
+  a lat-long is the same picture for all engines. 'welkin testmap' makes a
+  picture that shows what was done.
+
+Examples:
+  welkin convert sky.hdr sky.exr                        half, lat-long as it was
+  welkin convert sky.hdr sky.exr --type float           every bit
+  welkin convert sky.exr cube.exr --layout vertical-strip --size 512
+  welkin convert sky.exr face.png --layout six-files    face_px.png, face_nx.png..
+  welkin convert cross.png sky.exr --in-layout vertical-cross --layout lat-long
+  welkin convert sky.exr turned.exr --yaw 90            a quarter to the left
+  welkin convert sky.exr cube.png --layout horizontal-cross --for three
+  welkin convert sky.exr small.exr --size 1024          1024 x 512
+  welkin convert sky.exr rest.exr --take-out-sun        and a directional light
+
+Units: values as they are in the file, linear; a PNG is sRGB. What a format
+  cannot hold is clamped to it and counted: .exr half 65504; .hdr nothing
+  negative; .png 0 to 1.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+constexpr const char* kTestmapFooter =
+    R"(What it does:
+  Draws an environment whose six sides have a colour each, with their axes
+  written on them, to be read from inside the sphere: LEFT +X (red), RIGHT -X
+  (cyan), UP +Y (green), DOWN -Y (magenta), FRONT +Z (blue), BACK -Z (yellow).
+  Arrows point up; lines are 15 degrees apart. In an engine, letters that are
+  mirrored mean that the environment is; letters in the wrong place, that it is
+  turned. UP and DOWN read for one who faces +Z and looks up, or down.
+
+  A cubemap's faces, looked at as pictures, show their letters mirrored: cube
+  faces are laid out for left-handed axes, and Welkin's are right-handed. With
+  'welkin convert --for babylon' they read upright. docs/orientation.md shows it.
+
+Examples:
+  welkin testmap -o test.exr                            2048 x 1024
+  welkin testmap -o test.png --size 1024
+  welkin testmap -o cube.exr --layout vertical-strip --size 256
+  welkin testmap -o face.png --layout six-files         face_px.png, face_nx.png..
+
+Units: linear values from 0 to 1; a PNG is sRGB.
+
+Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+
+// What both share.
+
+struct OutputOptions {
+  std::string path;
+  WriteOptions write;
+  int size = 0;  ///< of a cube: a face's edge; of a lat-long: its width; 0: as it comes
+};
+
+/// A lat-long's height for its width: half, rounded up.
+constexpr int lat_long_height(int width) noexcept { return (width + 1) / 2; }
+
+constexpr int kLargestWidth = 65536;
+
+std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+std::string described(const WriteReport& report, const std::string& what) {
+  std::string text;
+  for (const auto& file : report.files) text += printable(file.string()) + ": " + what + '\n';
+  if (report.values_clamped > 0) {
+    text += "note: " + counted(report.values_clamped, "value") + " beyond what the format holds, clamped to it\n";
+  }
+  return text;
+}
+
+/// --layout, --size and --type.
+void add_output_options(Options& table, OutputOptions& options) {
+  table.push_back(
+      choice<Layout>("--layout", options.write.layout, layout_choices(),
+                     "How OUT holds the sphere; by default a lat-long stays one, and a cube becomes a vertical strip"));
+  table.push_back({.names = "--size",
+                   .target = &options.size,
+                   .text = "Texels along the edge of a cube's face, or the width of a lat-long, which is half as high",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargestWidth)});
+  table.push_back(
+      choice<SampleType>("--type", options.write.type,
+                         {{"half", SampleType::half},
+                          {"float", SampleType::float32},
+                          {"8bit", SampleType::uint8},
+                          {"16bit", SampleType::uint16}},
+                         "How OUT holds a value: .exr half (default) or float, .pfm float, .png 8bit (default) or "
+                         "16bit"));
+}
+
+/// Whether the options ask for a cubemap, where the environment at hand is one or is none.
+bool wants_cubemap(const OutputOptions& options, bool have_cubemap) noexcept {
+  const Layout layout = options.write.layout;
+  return layout == Layout::automatic ? have_cubemap : layout != Layout::lat_long;
+}
+
+/// Writes, and says what was written: a line a file, and a note about clamped values.
+std::string write_output(const OutputOptions& options, const LatLongView& picture, const Control& control) {
+  const WriteReport report = write_environment(options.path, picture, options.write, control);
+  return described(report, std::string(name(Layout::lat_long)) + ", " + size_text(picture.width, picture.height));
+}
+
+std::string write_output(const OutputOptions& options, const CubemapView& picture, const Control& control) {
+  const WriteReport report = write_environment(options.path, picture, options.write, control);
+  const Layout layout = options.write.layout == Layout::automatic ? Layout::vertical_strip : options.write.layout;
+  const std::string face = size_text(picture.size, picture.size);
+  return described(report, layout == Layout::six_files ? "one face of six, " + face
+                                                       : std::string(name(layout)) + ", faces of " + face);
+}
+
+// `welkin convert`.
+
+// Shares of the progress bar.
+constexpr double kRead = 0.3;
+constexpr double kResampled = 0.7;
+
+struct ConvertOptions {
+  CommonOptions common;
+  std::string input;
+  OutputOptions output;
+  TurnOptions turn;
+  SunChoice sun;
+};
+
+/// The source is still held while the result, of so many texels, is made from it.
+void require_memory(const ConvertOptions& options, const Environment& source, std::uint64_t texels) {
+  constexpr std::uint64_t kTexelBytes = 12;
+  const auto face = static_cast<std::uint64_t>(source.face_size());
+  const std::uint64_t held = kTexelBytes * (face > 0 ? 6 * face * face
+                                                     : static_cast<std::uint64_t>(source.info.width) *
+                                                           static_cast<std::uint64_t>(source.info.height));
+  const std::uint64_t bytes = kTexelBytes * texels;
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  if (held + bytes <= limit) return;
+  throw Error(ErrorCode::limit_exceeded,
+              options.output.path + ": takes " + std::to_string(bytes) + " bytes at that size beside the " +
+                  std::to_string(held) + " of the picture that is read, above the limit of " + std::to_string(limit) +
+                  "; ask for a smaller --size or raise --memory-limit");
+}
+
+/// Nothing is resampled, or moved, unless something asks for it.
+std::string write_cubemap(const ConvertOptions& options, const Environment& source, const Control& control) {
+  const int face = source.face_size();
+  const glm::dmat3 turn = turn_of_picture(options.turn, face > 0, true);
+  const int size = options.output.size > 0 ? options.output.size : face > 0 ? face : (source.info.width + 3) / 4;
+  const Control last = part_of(control, kResampled, 1.0);
+  if (face == size && turn == glm::dmat3(1.0)) return write_output(options.output, source.cubemap(), last);
+  require_memory(options, source,
+                 std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
+  const Control middle = part_of(control, kRead, kResampled);
+  const CubemapImage result =
+      face > 0 ? to_cubemap(source.cubemap(), size, turn, middle) : to_cubemap(source.lat_long(), size, turn, middle);
+  return write_output(options.output, result.view(), last);
+}
+
+std::string write_lat_long(const ConvertOptions& options, const Environment& source, const Control& control) {
+  const int face = source.face_size();
+  const glm::dmat3 turn = turn_of_picture(options.turn, face > 0, false);
+  const int size = options.output.size;
+  const int width = size > 0 ? size : face > 0 ? 4 * face : source.info.width;
+  const int height = size > 0 || face > 0 ? lat_long_height(width) : source.info.height;
+  const Control last = part_of(control, kResampled, 1.0);
+  const bool same_shape = face == 0 && width == source.info.width && height == source.info.height;
+  if (same_shape && turn == glm::dmat3(1.0)) return write_output(options.output, source.lat_long(), last);
+  require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
+  const Control middle = part_of(control, kRead, kResampled);
+  const LatLongImage result = face > 0 ? to_lat_long(source.cubemap(), width, height, turn, middle)
+                                       : to_lat_long(source.lat_long(), width, height, turn, middle);
+  return write_output(options.output, result.view(), last);
+}
+
+std::string convert(const ConvertOptions& options) {
+  ProgressBar bar;
+  const Control control = bar.control();
+  const bool reads_cubemap = inspect_environment(options.input, options.common.read).layout != Layout::lat_long;
+  check_write_options(options.output.path, options.output.write, wants_cubemap(options.output, reads_cubemap));
+  Environment source = read_environment(options.input, options.common.read, part_of(control, 0.0, kRead));
+  const bool is_cubemap = source.face_size() > 0;
+  std::optional<Sun> sun;
+  if (options.sun.take_out) {
+    sun = take_out_sun(source, options.sun.options);
+    if (sun) sun->direction = turn_of_light(options.turn, is_cubemap) * sun->direction;
+  }
+  const std::string written = wants_cubemap(options.output, is_cubemap) ? write_cubemap(options, source, control)
+                                                                        : write_lat_long(options, source, control);
+  return written + (options.sun.take_out ? sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5) : "");
+}
+
+void run_convert(const ConvertOptions& options) {
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = convert(options); });
+  print_result(text);
+}
+
+// `welkin testmap`.
+
+constexpr int kFaceSize = 512;
+constexpr int kLatLongWidth = 2048;
+
+struct TestmapOptions {
+  CommonOptions common;
+  OutputOptions output;
+};
+
+void require_memory_to_draw(const TestmapOptions& options, std::uint64_t texels) {
+  constexpr std::uint64_t kTexelBytes = 12;
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  if (texels * kTexelBytes <= limit) return;
+  throw Error(ErrorCode::limit_exceeded, options.output.path + ": takes " + std::to_string(texels * kTexelBytes) +
+                                             " bytes at that size, above the limit of " + std::to_string(limit) +
+                                             "; ask for a smaller --size or raise --memory-limit");
+}
+
+// Drawing is most of the work.
+std::string draw_and_write(const TestmapOptions& options) {
+  constexpr double kDrawn = 0.9;
+  const OutputOptions& output = options.output;
+  const bool cubemap = wants_cubemap(output, false);
+  check_write_options(output.path, output.write, cubemap);
+  const auto square = [](int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); };
+  ProgressBar bar;
+  const Control control = bar.control();
+  const Control drawing = part_of(control, 0.0, kDrawn);
+  const Control writing = part_of(control, kDrawn, 1.0);
+  if (cubemap) {
+    const int size = output.size > 0 ? output.size : kFaceSize;
+    require_memory_to_draw(options, 6 * square(size));
+    return write_output(output, test_map_cubemap(size, drawing).view(), writing);
+  }
+  const int width = output.size > 0 ? output.size : kLatLongWidth;
+  require_memory_to_draw(options, square(width) / 2);
+  return write_output(output, test_map_lat_long(width, lat_long_height(width), drawing).view(), writing);
+}
+
+void run_testmap(const TestmapOptions& options) {
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = draw_and_write(options); });
+  print_result(text);
+}
+
+}  // namespace
+
+Command convert_command() {
+  const auto options = std::make_shared<ConvertOptions>();
+  Command command{"convert", "Write an environment in another format, layout or size", kConvertFooter};
+  Options& table = command.options;
+  table.push_back(
+      {.names = "IN", .target = &options->input, .text = "An OpenEXR, Radiance, PFM or PNG file", .required = true});
+  table.push_back({.names = "OUT",
+                   .target = &options->output.path,
+                   .text = "The file to write: .exr, .hdr, .pfm or .png",
+                   .required = true});
+  add_output_options(table, options->output);
+  add_turn_options(table, options->turn);
+  add_sun_options(table, options->sun);
+  add_read_options(table, options->common, "", "--in-layout");
+  add_threads_option(table, options->common);
+  command.run = [options](const Given& /*given*/) { run_convert(*options); };
+  return command;
+}
+
+Command testmap_command() {
+  const auto options = std::make_shared<TestmapOptions>();
+  Command command{"testmap", "Make an environment that shows how it is turned", kTestmapFooter};
+  Options& table = command.options;
+  table.push_back({.names = "-o,--output",
+                   .target = &options->output.path,
+                   .text = "The file to write: .exr, .hdr, .pfm or .png",
+                   .type = "OUT",
+                   .required = true});
+  add_output_options(table, options->output);
+  add_memory_limit_option(table, options->common);
+  add_threads_option(table, options->common);
+  command.run = [options](const Given& /*given*/) { run_testmap(*options); };
+  return command;
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,529 @@
+// Harmonics in the forms that `welkin sh` prints.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+
+#include "tools/json.h"
+#include "tools/sh_report.h"
+#include "tools/text.h"
+#include "welkin/instruction_set.h"
+#include "welkin/version.h"
+
+namespace welkin::tool {
+
+// For a person: plain ASCII, in 80 columns but for the reasons that the library gives.
+
+namespace {
+
+constexpr std::size_t kLabelWidth = 13;
+constexpr std::size_t kNumberWidth = 10;
+constexpr std::size_t kPassWidth = 10;
+constexpr int kNamedBands = 4;
+
+/// The polynomial in (x, y, z) that Y(l, m) is a multiple of; for higher bands the Legendre function of z
+/// and the wave around the z axis (p = atan2(y, x)) whose product it is.
+std::string harmonic_name(int l, int m) {
+  constexpr std::array<std::string_view, kNamedBands* kNamedBands> kPolynomials = {
+      "1",                                                          //
+      "y",           "z",   "x",                                    //
+      "xy",          "yz",  "3zz - 1",    "xz",         "xx - yy",  //
+      "y(3xx - yy)", "xyz", "y(5zz - 1)", "z(5zz - 3)", "x(5zz - 1)", "z(xx - yy)", "x(xx - 3yy)"};
+  if (l < kNamedBands) return std::string(kPolynomials.at(SphericalHarmonics::index(l, m)));
+  const std::string order = std::to_string(std::abs(m));
+  std::string product = "P";
+  product += std::to_string(l) + ',' + order;
+  if (m != 0) product += (m < 0 ? " sin " : " cos ") + order + 'p';
+  return product;
+}
+
+std::string convention_lines(int bands) {
+  std::string text =
+      "\n"
+      "  radiance    c(l,m) = integral over the sphere of L(d) Y(l,m)(d)\n"
+      "  irradiance  e(l,m) = A(l) c(l,m),  A = pi, 2pi/3, pi/4, 0, -pi/24, ...\n"
+      "  The irradiance on a surface that faces n is the sum of e(l,m) Y(l,m)(n).\n"
+      "  Y is real and orthonormal, without Condon-Shortley phase:\n"
+      "    0.282095;  0.488603 y, z, x;\n"
+      "    1.092548 xy, yz, xz;  0.315392 (3zz - 1);  0.546274 (xx - yy)\n";
+  if (bands > kNamedBands) text += "  From l = 4 on: Pl,m is the Legendre function of z, and p = atan2(y, x).\n";
+  return text;
+}
+
+double largest_coefficient(const SphericalHarmonics& harmonics) {
+  double largest = 0.0;
+  for (const glm::dvec3& rgb : harmonics.coefficients()) largest = std::max(largest, largest_magnitude(rgb));
+  return largest;
+}
+
+std::string coefficient_lines(const SphericalHarmonics& radiance, const SphericalHarmonics& irradiance) {
+  const NumberColumn radiance_column(largest_coefficient(radiance));
+  const NumberColumn irradiance_column(largest_coefficient(irradiance));
+  std::string text = "\n   l   m  " + pad_right("Y ~", kLabelWidth) +
+                     pad_right("  radiance r, g, b", 3 * kNumberWidth) + "  irradiance r, g, b\n";
+  for (int l = 0; l < radiance.bands(); ++l) {
+    for (int m = -l; m <= l; ++m) {
+      text += pad_left(std::to_string(l), 4) + pad_left(std::to_string(m), 4) + "  " +
+              pad_right(harmonic_name(l, m), kLabelWidth) + radiance_column.cells(radiance.at(l, m), kNumberWidth) +
+              irradiance_column.cells(irradiance.at(l, m), kNumberWidth) + '\n';
+    }
+  }
+  return text;
+}
+
+std::string babylon_lines(const BabylonPolynomial& polynomial) {
+  struct Term {
+    std::string_view name;
+    const glm::dvec3& rgb;
+  };
+  const std::array<Term, 9> terms = {{{"x", polynomial.x},
+                                      {"y", polynomial.y},
+                                      {"z", polynomial.z},
+                                      {"xx", polynomial.xx},
+                                      {"yy", polynomial.yy},
+                                      {"zz", polynomial.zz},
+                                      {"yz", polynomial.yz},
+                                      {"zx", polynomial.zx},
+                                      {"xy", polynomial.xy}}};
+  double largest = 0.0;
+  for (const Term& term : terms) largest = std::max(largest, largest_magnitude(term.rgb));
+  const NumberColumn column(largest);
+  std::string text = "\nBabylon.js SphericalPolynomial (irradiance / pi; its signs and constants)\n";
+  for (const Term& term : terms) text += "  " + pad_right(term.name, 4) + column.cells(term.rgb) + '\n';
+  return text;
+}
+
+std::string source_lines(const ShReport& report) {
+  const Source& source = report.source;
+  std::string text = source.path + ": ";
+  if (source.width > 0) {
+    text += std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' + source.layout + ", ";
+  }
+  text += source.format + "\n  (" + source.detail + ")\n";
+  if (report.sky) text += sky_lines(*report.sky);
+  for (const std::string& note : source.notes) text += "  note: " + printable(note) + '\n';
+  return text;
+}
+
+std::string indented(const std::string& text) {
+  std::string lines = "  ";
+  for (const char c : text) {
+    lines += c;
+    if (c == '\n') lines += "  ";
+  }
+  return lines + '\n';
+}
+
+std::string engine_lines(const EngineLight& light) {
+  double largest = 0.0;
+  std::size_t width = 0;
+  for (const EngineTerm& term : light.terms) {
+    largest = std::max(largest, largest_magnitude(term.rgb));
+    width = std::max(width, term.name.size());
+  }
+  for (const EngineVector& vector : light.vectors) width = std::max(width, vector.name.size());
+  const NumberColumn column(largest);
+  std::string text = std::string("\n") + convention(light.engine).title + ": " + light.form + '\n';
+  for (const EngineTerm& term : light.terms) {
+    text += "  " + pad_right(term.name, width + 1) + column.cells(term.rgb) + '\n';
+  }
+  for (const EngineVector& vector : light.vectors) {
+    text += "  " + pad_right(vector.name, width + 1) + column.cells(glm::dvec3(vector.value)) +
+            column.cell(vector.value.w) + '\n';
+  }
+  return text + indented(light.formula);
+}
+
+std::string window_lines(const ShReport& report) {
+  const Windowed& windowed = report.windowed;
+  const std::string least = "\nLeast irradiance over all normals  ";
+  if (report.window == Window::none) {
+    const glm::dvec3& value = windowed.minimum_before;
+    const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
+    return least + significant(value) +
+           (negative ? "\n  negative: the few bands ring; --window least mends that" : "") + '\n';
+  }
+  std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
+                     significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
+                     (report.window == Window::least ? "lambda " : "width ") + significant(windowed.parameter) +
+                     "; bands times";
+  for (const double factor : windowed.factors) text += ' ' + significant(factor, 4);
+  return text + ")\n";
+}
+
+bool z_is_up(const ShReport& report) { return convention(report.engine).from_welkin[1].z > 0.5; }
+
+std::string dominant_lines(const ShReport& report) {
+  if (!report.dominant) return "\nDominant light: none, the light has no direction\n";
+  return "\nDominant light" + std::string(report.sun ? " of what is left" : "") + "\n  towards     " +
+         direction_text(report.dominant->direction, z_is_up(report)) + "\n  irradiance  " +
+         significant(report.dominant->irradiance) + "  on a surface that faces it\n";
+}
+
+std::string irradiance_error_lines(const ShReport& report) {
+  if (report.irradiance_errors.empty()) return "";
+  std::string text = std::string("\nIrradiance") + (report.sun ? " of what is left" : "") +
+                     " against direct cosine integration, relative to its rms\n  bands   rms       maximum\n";
+  for (const IrradianceError& error : report.irradiance_errors) {
+    text += pad_left(std::to_string(error.bands), 7) + "   " + pad_right(significant(error.rms, 3), 10) +
+            significant(error.maximum, 3) + '\n';
+  }
+  return text;
+}
+
+std::string replaced_sentence(const ProjectionDiagnostics& diagnostics) {
+  if (diagnostics.nans_replaced + diagnostics.infinities_replaced + diagnostics.negatives_replaced == 0) {
+    return "no pixel value had to be replaced";
+  }
+  return "replaced: " + counted({{diagnostics.nans_replaced, "NaN"},
+                                 {diagnostics.infinities_replaced, "infinite value"},
+                                 {diagnostics.negatives_replaced, "negative value"}});
+}
+
+std::string clamp_sentence(const ShReport& report) {
+  const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
+  if (!report.options.clamp) return "no clamp was asked for";
+  const std::string limit = "the clamp at " + significant(report.options.clamp->maximum);
+  if (diagnostics.texels_clamped == 0) return limit + " changed no texel";
+  const double before =
+      diagnostics.flux_before_clamp.x + diagnostics.flux_before_clamp.y + diagnostics.flux_before_clamp.z;
+  const double after = diagnostics.flux.x + diagnostics.flux.y + diagnostics.flux.z;
+  return limit + " changed " + counted(diagnostics.texels_clamped, "texel") + " and took away " +
+         significant(100.0 * (before - after) / before, 3) + " % of the light";
+}
+
+std::string diagnostics_lines(const ShReport& report) {
+  const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
+  std::string text = "\nDiagnostics\n";
+  const bool texels = !(report.sky && report.sky->quadrature);
+  text += "  " + counted(diagnostics.texels, texels ? "texel" : "direction") + (texels ? " projected, " : " asked, ") +
+          quadrature_name(report) + " quadrature, " + counted(static_cast<std::uint64_t>(report.threads), "thread") +
+          ", " + name(active_instruction_set()) + '\n';
+  text += "  " + replaced_sentence(diagnostics) + '\n';
+  text += "  " + clamp_sentence(report) + '\n';
+  text += "  total flux (integral over the sphere) " + significant(diagnostics.flux) + '\n';
+  text += "  estimated relative error of the coefficients " + significant(diagnostics.error_estimate, 2) + '\n';
+  std::size_t width = kPassWidth;
+  for (const PassRecord& pass : diagnostics.passes) width = std::max(width, pass.name.size() + 1);
+  for (const PassRecord& pass : diagnostics.passes) {
+    text += "  pass " + pad_right(pass.name, width) + pad_right(pass.action, 6) +
+            pad_left(duration(pass.milliseconds), 9) + "  " + pass.reason + '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string sh_table(const ShReport& report) {
+  const SphericalHarmonics& radiance = report.projection.radiance;
+  std::string text = source_lines(report) + convention_lines(radiance.bands()) + indented("Axes: " + report.axes) +
+                     coefficient_lines(radiance, report.irradiance);
+  text += report.engine_light ? engine_lines(*report.engine_light) : babylon_lines(report.polynomial);
+  return text + "\nAverage colour (mean radiance of the sphere)  " + significant(average_radiance(radiance)) + '\n' +
+         window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +
+         dominant_lines(report) + irradiance_error_lines(report) + diagnostics_lines(report);
+}
+
+// JSON. Members are only ever added: programs read this.
+
+namespace {
+
+Json source_json(const Source& source) {
+  return {{"path", source.path},     {"layout", source.layout}, {"width", source.width},
+          {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
+}
+
+Json coefficients_json(const SphericalHarmonics& harmonics) {
+  Json list = Json::array();
+  for (const glm::dvec3& rgb : harmonics.coefficients()) list.push_back(json_triple(rgb));
+  return list;
+}
+
+Json babylon_json(const BabylonPolynomial& polynomial) {
+  return {{"x", json_triple(polynomial.x)},   {"y", json_triple(polynomial.y)},   {"z", json_triple(polynomial.z)},
+          {"xx", json_triple(polynomial.xx)}, {"yy", json_triple(polynomial.yy)}, {"zz", json_triple(polynomial.zz)},
+          {"yz", json_triple(polynomial.yz)}, {"zx", json_triple(polynomial.zx)}, {"xy", json_triple(polynomial.xy)}};
+}
+
+Json settings_json(const ShReport& report) {
+  const ProjectionOptions& options = report.options;
+  Json settings = {{"quadrature", quadrature_name(report)},
+                   {"target_size", options.target_size},
+                   {"clamp", nullptr},
+                   {"preserve_clamped", options.clamp && options.clamp->preserve_colour},
+                   {"gamma", options.gamma}};
+  if (options.clamp) settings["clamp"] = options.clamp->maximum;
+  return settings;
+}
+
+Json diagnostics_json(const ShReport& report) {
+  const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
+  Json passes = Json::array();
+  for (const PassRecord& pass : diagnostics.passes) {
+    passes.push_back(
+        {{"name", pass.name}, {"action", pass.action}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
+  }
+  return {{"texels", diagnostics.texels},
+          {"replaced", diagnostics.nans_replaced + diagnostics.infinities_replaced + diagnostics.negatives_replaced},
+          {"nans_replaced", diagnostics.nans_replaced},
+          {"infinities_replaced", diagnostics.infinities_replaced},
+          {"negatives_replaced", diagnostics.negatives_replaced},
+          {"clamped", diagnostics.texels_clamped},
+          {"flux_before_clamp", json_triple(diagnostics.flux_before_clamp)},
+          {"flux", json_triple(diagnostics.flux)},
+          {"average", json_triple(average_radiance(report.projection.radiance))},
+          {"error_estimate", diagnostics.error_estimate},
+          {"settings", settings_json(report)},
+          {"passes", passes}};
+}
+
+Json axes_json(const ShReport& report) { return {{"engine", convention(report.engine).name}, {"words", report.axes}}; }
+
+Json window_json(const ShReport& report) {
+  const Windowed& windowed = report.windowed;
+  return {{"name", name(report.window)},
+          {"parameter", windowed.parameter},
+          {"factors", windowed.factors},
+          {"minimum_irradiance_before", json_triple(windowed.minimum_before)},
+          {"minimum_irradiance_after", json_triple(windowed.minimum_after)}};
+}
+
+Json engine_json(const EngineLight& light) {
+  Json terms = Json::object();
+  for (const EngineTerm& term : light.terms) terms[term.name] = json_triple(term.rgb);
+  Json json = {
+      {"name", convention(light.engine).name}, {"form", light.form}, {"formula", light.formula}, {"terms", terms}};
+  for (const auto& [name, value] : light.vectors) json["vectors"][name] = {value.x, value.y, value.z, value.w};
+  return json;
+}
+
+/// All engines' forms; each says which axes it is in.
+Json engines_json(const std::vector<EngineLight>& lights) {
+  Json list = Json::array();
+  for (const EngineLight& light : lights) {
+    list.push_back(engine_json(light));
+    list.back()["axes"] = convention(light.engine).axes;
+  }
+  return list;
+}
+
+Json dominant_json(const std::optional<DominantLight>& light) {
+  if (!light) return nullptr;
+  return {{"direction", json_triple(light->direction)}, {"irradiance", json_triple(light->irradiance)}};
+}
+
+Json sun_json(const std::optional<Sun>& sun) {
+  if (!sun) return nullptr;
+  return {{"direction", json_triple(sun->direction)},
+          {"irradiance", json_triple(sun->irradiance)},
+          {"radiance", json_triple(sun->radiance)},
+          {"solid_angle", sun->solid_angle},
+          {"angular_radius_degrees", sun->angular_radius_degrees},
+          {"texels", sun->texels},
+          {"flux_before", json_triple(sun->flux_before)},
+          {"flux_after", json_triple(sun->flux_after)}};
+}
+
+Json irradiance_errors_json(const std::vector<IrradianceError>& errors) {
+  Json list = Json::array();
+  for (const IrradianceError& error : errors) {
+    list.push_back(
+        {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string sh_json(const ShReport& report) {
+  Json json = {{"source", source_json(report.source)},
+               {"axes", axes_json(report)},
+               {"bands", report.projection.radiance.bands()},
+               {"radiance", coefficients_json(report.projection.radiance)},
+               {"irradiance", coefficients_json(report.irradiance)},
+               {"babylon", babylon_json(report.polynomial)},
+               {"engine", report.engine_light ? engine_json(*report.engine_light) : Json(nullptr)},
+               {"window", window_json(report)},
+               {"dominant_light", dominant_json(report.dominant)}};
+  if (!report.engine_lights.empty()) json["engines"] = engines_json(report.engine_lights);
+  if (report.sky) json["sky"] = sky_json(*report.sky);
+  if (report.sun_wanted) json["sun"] = sun_json(report.sun);
+  if (!report.irradiance_errors.empty()) json["irradiance_errors"] = irradiance_errors_json(report.irradiance_errors);
+  json["diagnostics"] = diagnostics_json(report);
+  return json_text(json);
+}
+
+// One line a coefficient, every digit, remarks behind #. For awk, spreadsheets and people.
+
+namespace {
+
+std::string remark(const std::string& text) {
+  std::string lines = "# ";
+  for (const char c : text) {
+    lines += c;
+    if (c == '\n') lines += "# ";
+  }
+  return lines + '\n';
+}
+
+std::string term_line(const std::string& name, const glm::dvec3& rgb) {
+  return name + ' ' + all_digits(rgb.x) + ' ' + all_digits(rgb.y) + ' ' + all_digits(rgb.z) + '\n';
+}
+
+std::string harmonics_lines(const std::string& name, const SphericalHarmonics& harmonics) {
+  std::string text;
+  for (int l = 0; l < harmonics.bands(); ++l) {
+    for (int m = -l; m <= l; ++m) {
+      text += term_line(name + '[' + std::to_string(l) + ',' + std::to_string(m) + ']', harmonics.at(l, m));
+    }
+  }
+  return text;
+}
+
+std::string engine_remarks(const EngineLight& light) {
+  std::string text = remark(light.form + "\n" + light.formula);
+  for (const EngineTerm& term : light.terms) text += term_line(term.name, term.rgb);
+  if (!light.vectors.empty()) text += remark("the same for the shader: x y z w behind each name");
+  for (const EngineVector& vector : light.vectors) {
+    text += term_line(vector.name, glm::dvec3(vector.value));
+    text.back() = ' ';
+    text += all_digits(vector.value.w) + '\n';
+  }
+  return text;
+}
+
+std::string harmonics_of_both(const ShReport& report) {
+  return remark("radiance[l,m] = integral over the sphere of L Y(l,m); Y real, orthonormal, no Condon-Shortley phase") +
+         harmonics_lines("radiance", report.projection.radiance) +
+         remark("irradiance[l,m] = A(l) radiance[l,m], A = pi, 2pi/3, pi/4, 0, -pi/24, ...") +
+         harmonics_lines("irradiance", report.irradiance);
+}
+
+std::string sun_remarks(const Sun& sun) {
+  return remark(
+             "the sun, which is not in the harmonics: unit direction towards it, irradiance on a surface that faces "
+             "it") +
+         term_line("sun.direction", sun.direction) + term_line("sun.irradiance", sun.irradiance) + "sun.solid_angle " +
+         all_digits(sun.solid_angle) + '\n';
+}
+
+}  // namespace
+
+std::string sh_text(const ShReport& report) {
+  std::string text = remark(printable(report.source.path) + "; r g b behind each name; axes: " + report.axes);
+  text += report.engine_light ? engine_remarks(*report.engine_light) : harmonics_of_both(report);
+  if (report.sun) text += sun_remarks(*report.sun);
+  return text;
+}
+
+// A header for C and C++.
+
+namespace {
+
+/// The file's stem as a C identifier: "city-at noon.exr" to "city_at_noon".
+std::string identifier(const std::string& path) {
+  std::string name;
+  for (const char c : std::filesystem::path(path).stem().string()) {
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  }
+  if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) != 0) name.insert(0, "environment_");
+  return name;
+}
+
+/// Shortest text that reads back as the same float, as a C constant.
+std::string float_constant(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;
+  std::string text(buffer.data(), end);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text + 'f';
+}
+
+/// Nothing in it can end the comment that it stands in.
+std::string in_comment(std::string text) {
+  for (std::size_t i = 0; (i = text.find("*/", i)) != std::string::npos;) text.replace(i, 2, "* /");
+  return text;
+}
+
+std::string comment(const std::string& text) {
+  std::string lines = "/* ";
+  for (const char c : in_comment(text)) {
+    lines += c;
+    if (c == '\n') lines += " * ";
+  }
+  return lines + " */\n";
+}
+
+std::string row(const glm::dvec4& value, const std::string& name) {
+  return "  {" + float_constant(value.x) + ", " + float_constant(value.y) + ", " + float_constant(value.z) + ", " +
+         float_constant(value.w) + "}, /* " + in_comment(name) + " */\n";
+}
+
+std::string row(const glm::dvec3& rgb, const std::string& name) {
+  return "  {" + float_constant(rgb.x) + ", " + float_constant(rgb.y) + ", " + float_constant(rgb.z) + "}, /* " +
+         in_comment(name) + " */\n";
+}
+
+std::string array_start(const std::string& name, std::size_t count, int numbers = 3) {
+  return "static const float " + name + '[' + std::to_string(count) + "][" + std::to_string(numbers) + "] = {\n";
+}
+
+std::string harmonics_array(const std::string& name, const SphericalHarmonics& harmonics) {
+  std::string text = array_start(name, harmonics.coefficients().size());
+  for (int l = 0; l < harmonics.bands(); ++l) {
+    for (int m = -l; m <= l; ++m) text += row(harmonics.at(l, m), std::to_string(l) + ", " + std::to_string(m));
+  }
+  return text + "};\n";
+}
+
+std::string engine_array(const std::string& name, const EngineLight& light) {
+  std::string text = comment(light.form + "\n" + light.formula) + array_start(name, light.terms.size());
+  for (const EngineTerm& term : light.terms) text += row(term.rgb, term.name);
+  text += "};\n";
+  if (light.vectors.empty()) return text;
+  text += comment("The same for the shader: each row is x, y, z, w.") +
+          array_start(name + "_vectors", light.vectors.size(), 4);
+  for (const EngineVector& vector : light.vectors) text += row(vector.value, vector.name);
+  return text + "};\n";
+}
+
+std::string harmonics_arrays(const std::string& name, const ShReport& report) {
+  return comment(
+             "Coefficient (l, m) at l (l + 1) + m: integral over the sphere of radiance times Y(l, m);\n"
+             "Y real, orthonormal, without Condon-Shortley phase; Y(1, -1..1) ~ y, z, x.") +
+         harmonics_array(name + "_radiance", report.projection.radiance) +
+         comment(
+             "A(l) times that, A = pi, 2pi/3, pi/4, 0, -pi/24, ...; the sum over all coefficients times\n"
+             "Y(l, m)(n) is the irradiance on a surface that faces n.") +
+         harmonics_array(name + "_irradiance", report.irradiance);
+}
+
+std::string sun_arrays(const std::string& name, const Sun& sun) {
+  return comment(
+             "The sun, which is not in the harmonics: unit direction towards it, irradiance on a surface that faces "
+             "it.") +
+         array_start(name + "_sun", 2) + row(sun.direction, "direction") + row(sun.irradiance, "irradiance") + "};\n";
+}
+
+}  // namespace
+
+std::string sh_c_header(const ShReport& report) {
+  const std::string name = identifier(report.source.path);
+  std::string text = comment("Light of " + printable(report.source.path) +
+                             ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes +
+                             "\nEach row is r, g, b where nothing else is said.") +
+                     "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n";
+  text += report.engine_light ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)
+                              : harmonics_arrays(name, report);
+  for (const EngineLight& light : report.engine_lights) {
+    text += comment(std::string(convention(light.engine).title) + ", axes: " + convention(light.engine).axes) +
+            engine_array(name + '_' + convention(light.engine).name, light);
+  }
+  if (report.sun) text += sun_arrays(name, *report.sun);
+  return text + "\n#endif\n";
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,96 @@
+#include "tools/terminal.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <string_view>
+#include <system_error>
+
+#include "tools/text.h"
+#include "welkin/error.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr auto kPatience = std::chrono::milliseconds(300);  // work that is over by then shows nothing
+constexpr auto kInterval = std::chrono::milliseconds(50);
+constexpr std::string_view kWipe = "\r\033[K";
+
+bool standard_error_is_terminal() {
+  const char* kind = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
+/// Empty where the system does not say.
+std::filesystem::path own_folder() {
+  std::error_code unknown;
+  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+}
+
+}  // namespace
+
+void print_result(const std::string& text) {
+  std::cout << text << std::flush;
+  if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written");
+}
+
+ProgressBar::ProgressBar() : terminal_(standard_error_is_terminal()), next_drawing_(Clock::now() + kPatience) {}
+
+ProgressBar::~ProgressBar() {
+  if (drawn_) std::cerr << kWipe << std::flush;
+}
+
+Control ProgressBar::control() {
+  Control control;
+  if (terminal_) control.progress = [this](double share) { report(share); };
+  return control;
+}
+
+void ProgressBar::report(double share) {
+  const auto now = Clock::now();
+  if (now < next_drawing_) return;
+  next_drawing_ = now + kInterval;
+  drawn_ = true;
+  constexpr std::size_t kCells = 40;
+  const auto done = static_cast<std::size_t>(share * static_cast<double>(kCells));
+  const std::string bar = std::string(done, '#') + std::string(kCells - done, '.');
+  const std::string percent = pad_left(std::to_string(static_cast<int>(share * 100.0)), 3);
+  std::cerr << std::string(kWipe) + "  [" + bar + "] " + percent + " %" << std::flush;
+}
+
+Control part_of(const Control& control, double from, double to) {
+  Control part{control.stop, {}};
+  if (control.progress) {
+    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
+  }
+  return part;
+}
+
+long process_number() { return getpid(); }
+
+std::string reason_not_to_write_in(const std::filesystem::path& folder) {
+  return access(folder.c_str(), W_OK | X_OK) == 0 ? "" : std::strerror(errno);
+}
+
+void become(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> copies = arguments;
+  std::string name = program;
+  std::vector<char*> words = {name.data()};
+  for (std::string& word : copies) words.push_back(word.data());
+  words.push_back(nullptr);
+  const std::filesystem::path folder = own_folder();
+  if (!folder.empty()) execv((folder / program).c_str(), words.data());
+  const int beside = errno;
+  if (folder.empty() || beside == ENOENT) execvp(program.c_str(), words.data());
+  const int reason = errno;
+  throw Error(ErrorCode::file_access,
+              program + ": cannot be run (" + std::strerror(reason) +
+                  "); it is a program of its own, which belongs beside " +
+                  (folder.empty() ? "welkin" : (folder / "welkin").string()) +
+                  " or on the PATH: build the target welkin_report_command, or start 'scripts/welkin report'");
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,144 @@
+#include "tools/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <numbers>
+#include <system_error>
+
+#include "tools/terminal.h"
+#include "welkin/error.h"
+
+namespace welkin::tool {
+namespace {
+
+std::string formatted(double value, std::chars_format format, int precision) {
+  std::array<char, 512> text{};  // DBL_MAX in fixed point takes 309 digits
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, format, precision);
+  return {text.data(), result.ptr};
+}
+
+std::string degrees(double radians) { return significant(std::abs(radians) * 180.0 / std::numbers::pi, 4); }
+
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, int reason) {
+  throw Error(ErrorCode::file_access, path.string() + ": cannot be written (" + std::strerror(reason) +
+                                          "); write to a folder that has room and lets this user write");
+}
+
+}  // namespace
+
+std::string significant(double value, int digits) {
+  return formatted(value + 0.0, std::chars_format::general, digits);  // + 0.0: no "-0"
+}
+
+std::string significant(const glm::dvec3& rgb, int digits) {
+  return significant(rgb.x, digits) + "  " + significant(rgb.y, digits) + "  " + significant(rgb.z, digits);
+}
+
+std::string all_digits(double value) {
+  std::array<char, 32> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
+  return {text.data(), result.ptr};
+}
+
+std::string grouped(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');
+  return text;
+}
+
+std::string counted(std::uint64_t count, std::string_view noun) {
+  return grouped(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
+}
+
+std::string counted(std::initializer_list<Count> counts) {
+  std::string text;
+  for (const Count& count : counts) {
+    if (count.number == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += counted(count.number, count.noun);
+  }
+  return text;
+}
+
+std::string duration(double milliseconds) {
+  if (milliseconds < 1000.0) return significant(milliseconds, 3) + " ms";
+  return significant(milliseconds / 1000.0, 3) + " s";
+}
+
+std::string pad_left(std::string_view text, std::size_t width) {
+  return std::string(width - std::min(width, text.size()), ' ') + std::string(text);
+}
+
+std::string pad_right(std::string_view text, std::size_t width) {
+  return std::string(text) + std::string(width - std::min(width, text.size()), ' ');
+}
+
+NumberColumn::NumberColumn(double largest_magnitude) {
+  constexpr int kDigits = 6;
+  if (largest_magnitude == 0.0) return;
+  scientific_ = !(largest_magnitude >= 1e-3 && largest_magnitude < 1e8);
+  const int digits_before_point = scientific_ ? 1 : static_cast<int>(std::floor(std::log10(largest_magnitude))) + 1;
+  decimals_ = std::max(0, kDigits - digits_before_point);
+}
+
+std::string NumberColumn::cell(double value, std::size_t width) const {
+  const auto format = scientific_ ? std::chars_format::scientific : std::chars_format::fixed;
+  const std::string text = formatted(value, format, decimals_);
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  // A rounded-away negative would print as "-0.0000", which reads as a claim about its sign.
+  const std::string unsigned_zero = is_zero && text.front() == '-' ? text.substr(1) : text;
+  return ' ' + pad_left(unsigned_zero, width - 1);
+}
+
+std::string NumberColumn::cells(const glm::dvec3& rgb, std::size_t width) const {
+  return cell(rgb.x, width) + cell(rgb.y, width) + cell(rgb.z, width);
+}
+
+double largest_magnitude(const glm::dvec3& rgb) {
+  return std::max({std::abs(rgb.x), std::abs(rgb.y), std::abs(rgb.z)});
+}
+
+std::string direction_text(const glm::dvec3& unit, bool z_is_up) {
+  const double elevation = std::asin(std::clamp(z_is_up ? unit.z : unit.y, -1.0, 1.0));
+  const double azimuth = z_is_up ? std::atan2(unit.y, unit.x) : std::atan2(unit.x, unit.z);
+  const std::string sign = azimuth < 0.0 ? "-" : "+";
+  return '(' + significant(unit.x, 4) + ", " + significant(unit.y, 4) + ", " + significant(unit.z, 4) +
+         "): " + degrees(elevation) + " degrees " + (elevation < 0.0 ? "down" : "up") + ", " + degrees(azimuth) +
+         " degrees from " + (z_is_up ? "+x towards " + sign + "y" : "+z towards " + sign + "x");
+}
+
+const char* face_name(int face) noexcept {
+  constexpr std::array<const char*, 6> kNames = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
+  return kNames.at(static_cast<std::size_t>(face));
+}
+
+std::string printable(std::string text) {
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
+}
+
+void write_text_file(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::path beside = path;
+  beside += ".welkin-" + std::to_string(process_number());
+  errno = 0;
+  // Not one that is there already: x.
+  std::FILE* const stream = std::fopen(beside.c_str(), "wxb");
+  if (stream == nullptr) fail_to_write(path, errno);
+  const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
+  int reason = written ? 0 : errno;
+  if (std::fclose(stream) != 0 && reason == 0) reason = errno;
+  std::error_code trouble;
+  if (reason == 0) std::filesystem::rename(beside, path, trouble);
+  if (reason == 0 && !trouble) return;
+  std::error_code ignored;
+  std::filesystem::remove(beside, ignored);
+  fail_to_write(path, reason != 0 ? reason : trouble.value());
+}
+
+}  // namespace welkin::tool

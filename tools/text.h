@@ -1,0 +1,73 @@
+// Numbers, directions and files' names as a person reads them, independent of the locale; small files of text.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace welkin::tool {
+
+/// The number with so many significant digits, no trailing zeros: "0.25", "1.3e-08".
+[[nodiscard]] std::string significant(double value, int digits = 6);
+
+/// Three of them: "0.2  0.25  0.4".
+[[nodiscard]] std::string significant(const glm::dvec3& rgb, int digits = 6);
+
+/// The shortest text that reads back as the same number.
+[[nodiscard]] std::string all_digits(double value);
+
+/// Digits in groups of three: "2,097,152".
+[[nodiscard]] std::string grouped(std::uint64_t count);
+
+/// A count with its noun, in the plural where that is due: "1 texel", "2,097,152 texels".
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
+
+struct Count {
+  std::uint64_t number;
+  std::string_view noun;
+};
+
+/// Those of the counts that are not zero, with their nouns: "2 NaNs, 1 negative value".
+[[nodiscard]] std::string counted(std::initializer_list<Count> counts);
+
+/// A duration with its unit: "0.21 ms", "3.4 s".
+[[nodiscard]] std::string duration(double milliseconds);
+
+[[nodiscard]] std::string pad_left(std::string_view text, std::size_t width);
+[[nodiscard]] std::string pad_right(std::string_view text, std::size_t width);
+
+/// A column of numbers with their decimal points below each other: fixed point, so many decimals that the
+/// largest number shows six significant digits, or scientific where that would be mostly zeros.
+class NumberColumn {
+ public:
+  explicit NumberColumn(double largest_magnitude);
+
+  /// Right-aligned in `width` characters.
+  [[nodiscard]] std::string cell(double value, std::size_t width = 11) const;
+  [[nodiscard]] std::string cells(const glm::dvec3& rgb, std::size_t width = 11) const;
+
+ private:
+  int decimals_ = 0;
+  bool scientific_ = false;
+};
+
+/// The largest absolute value of the three.
+[[nodiscard]] double largest_magnitude(const glm::dvec3& rgb);
+
+/// "(0.287, 0.643, 0.710): 40.0 degrees up, 22.0 degrees from +z towards +x" where y is up; where z is (Unreal,
+/// Blender) the azimuth is counted from +x towards +y.
+[[nodiscard]] std::string direction_text(const glm::dvec3& unit, bool z_is_up = false);
+
+/// "+X", "-X", ... for 0 to 5.
+[[nodiscard]] const char* face_name(int face) noexcept;
+
+/// Every control character becomes '?': a file's channel names must not steer the reader's terminal.
+[[nodiscard]] std::string printable(std::string text);
+
+/// Writes beside the file's place and renames: it is whole or as it was. Throws `Error` (file_access).
+void write_text_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace welkin::tool

@@ -1,0 +1,136 @@
+#include "tools/turning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/matrix.hpp>
+#include <utility>
+#include <vector>
+
+#include "welkin/error.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+namespace {
+
+std::vector<std::pair<std::string, Engine>> engine_words() {
+  std::vector<std::pair<std::string, Engine>> words;
+  for (const Convention& each : conventions()) words.emplace_back(each.name, each.engine);
+  return words;
+}
+
+// Entries that are whole but for rounding become whole: a quaternion of a quarter turn is then exact.
+glm::dmat3 tidied(glm::dmat3 matrix) {
+  constexpr double kRounding = 1e-15;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const double whole = std::round(matrix[column][row]);
+      if (std::abs(matrix[column][row] - whole) < kRounding) matrix[column][row] = whole;
+    }
+  }
+  return matrix;
+}
+
+glm::dmat3 faces_matrix(const Convention& engine) {
+  if (!engine.faces_from_engine) {
+    throw Error(ErrorCode::invalid_argument,
+                std::string(engine.title) + " has no cube faces of its own; use a lat-long, or another convention");
+  }
+  return *engine.faces_from_engine;
+}
+
+// From Welkin's axes to where a picture in the engine's convention holds a direction. A lat-long is the same picture
+// for all of them: they differ in which of their axes its centre is, and from_welkin is just that. Cube faces are
+// named after the engine's axes.
+glm::dmat3 into_picture(Engine engine, bool cubemap) {
+  const Convention& of = convention(engine);
+  return cubemap ? faces_matrix(of) * of.from_welkin : glm::dmat3(1.0);
+}
+
+// Between what the file holds and what the result will, in Welkin's axes.
+glm::dmat3 turn_in_welkin(const TurnOptions& options, bool source_is_cubemap) {
+  // Orthogonal: the transpose is the inverse.
+  glm::dmat3 turn = glm::transpose(into_picture(options.from, source_is_cubemap));
+  if (options.mirror) turn = glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1) * turn;
+  return turn_about_y(options.yaw_degrees) * glm::mat3_cast(options.rotation) * turn;
+}
+
+void set_rotation(TurnOptions& options, const std::vector<double>& values) {
+  const glm::dquat quaternion(values[3], values[0], values[1], values[2]);
+  const double length = glm::length(quaternion);
+  if (!std::isfinite(length) || length == 0.0) {
+    throw BadValue{"--rotation", "is no rotation: a quaternion x,y,z,w of finite length above 0 is"};
+  }
+  options.rotation = quaternion / length;
+}
+
+}  // namespace
+
+void add_engine_option(Options& table, TurnOptions& options) {
+  table.push_back(choice<Engine>("--for", options.to, engine_words(),
+                                 "Whose axes the result is in, so that the surroundings look the same there"));
+}
+
+void add_turn_options(Options& table, TurnOptions& options) {
+  table.push_back(choice<Engine>(
+      "--from", options.from, engine_words(),
+      "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture "
+      "for all)"));
+  add_engine_option(table, options);
+  table.push_back({.names = "--yaw",
+                   .target = &options.yaw_degrees,
+                   .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above: what was "
+                           "at +z comes to +x by 90",
+                   .type = "DEGREES",
+                   .bounds = number_between(-1e6, 1e6)});
+  table.push_back({.names = "--mirror",
+                   .target = &options.mirror,
+                   .text = "Mirror the environment left to right (x changes its sign)"});
+  const auto rotate = [&options](const std::vector<double>& values) { set_rotation(options, values); };
+  table.push_back({.names = "--rotation",
+                   .target = On<std::vector<double>>(rotate),
+                   .text = "Turn the environment by the quaternion X,Y,Z,W, before --yaw",
+                   .type = "X,Y,Z,W",
+                   .list = List::commas_or_spaces,
+                   .count = 4});
+}
+
+glm::dmat3 turn_of_light(const TurnOptions& options, bool source_is_cubemap) {
+  return tidied(convention(options.to).from_welkin * turn_in_welkin(options, source_is_cubemap));
+}
+
+glm::dmat3 turn_of_picture(const TurnOptions& options, bool source_is_cubemap, bool result_is_cubemap) {
+  return tidied(into_picture(options.to, result_is_cubemap) * turn_in_welkin(options, source_is_cubemap));
+}
+
+std::string axes_text(const TurnOptions& options) {
+  const Convention& engine = convention(options.to);
+  return std::string(engine.title) + "'s: " + engine.axes;
+}
+
+glm::dmat3 faces_of(Engine engine) {
+  TurnOptions options;
+  options.to = engine;
+  return turn_of_picture(options, false, true);
+}
+
+CubemapChain turned(const CubemapChain& chain, const glm::dmat3& symmetry, const Control& control) {
+  if (chain.levels() == 0) return {};
+  const Control quiet{control.stop, {}};
+  CubemapChain result(chain.size(), chain.levels());
+  for (int level = 0; level < chain.levels(); ++level) {
+    const CubemapImage image = to_cubemap(chain.view(level), chain.level_size(level), symmetry, quiet);
+    const auto values = static_cast<std::ptrdiff_t>(image.pixels.size() / 6);
+    for (int face = 0; face < 6; ++face) {
+      std::copy_n(image.pixels.begin() + face * values, values, result.face(level, face));
+    }
+  }
+  return result;
+}
+
+CubemapImage turned(const CubemapImage& cubemap, const glm::dmat3& symmetry, const Control& control) {
+  if (cubemap.size == 0) return {};
+  return to_cubemap(cubemap.view(), cubemap.size, symmetry, Control{control.stop, {}});
+}
+
+}  // namespace welkin::tool
