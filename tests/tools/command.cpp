@@ -1,22 +1,41 @@
 #include "tools/command.h"
 
+#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
+#include <system_error>
 
 #include "places.h"
 #include "support/catch.h"
-#include "tools/temporary_folder.h"
 
 namespace welkin::test {
 
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "welkin-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
 CommandResult run_welkin(const std::string& arguments, const std::string& environment) {
+  return run_program(WELKIN_COMMAND, arguments, environment);
+}
+
+CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
+                          const std::string& environment) {
   const TemporaryFolder folder;
   const std::filesystem::path errors = folder.path() / "errors";
-  const std::string line = environment + " " + quoted(WELKIN_COMMAND) + " " + arguments + " 2>" + quoted(errors);
+  const std::string line = environment + " " + quoted(program) + " " + arguments + " 2>" + quoted(errors);
   FILE* pipe = popen(line.c_str(), "r");
   REQUIRE(pipe != nullptr);
   CommandResult result;
@@ -48,5 +67,19 @@ nlohmann::json run_sh_json_without_times(const std::string& arguments, const std
 bool contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
 std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+
+void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb) {
+  std::ofstream file(path, std::ios::binary);
+  file << "PF\n" << width << ' ' << height << "\n-1.0\n";
+  const std::size_t row_values = static_cast<std::size_t>(width) * 3;
+  for (int row = height - 1; row >= 0; --row) {
+    const float* values = rgb.data() + static_cast<std::size_t>(row) * row_values;
+    file.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(row_values * sizeof(float)));
+  }
+}
+
+std::vector<float> grey_picture(int width, int height, float value) {
+  return std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, value);
+}
 
 }  // namespace welkin::test

@@ -1,12 +1,27 @@
-// Runs the built `welkin` as a user does: through a shell.
+// Runs the built `welkin` as a user does, through a shell; a folder of a test's own, and small files to read.
 #pragma once
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace welkin::test {
+
+/// A folder of a test's own, gone when the test is.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 struct CommandResult {
   int exit_code = -1;
@@ -16,6 +31,10 @@ struct CommandResult {
 
 /// `arguments` as they would be typed; `environment` such as "WELKIN_ISA=sse2".
 CommandResult run_welkin(const std::string& arguments, const std::string& environment = "");
+
+/// The same of another file, such as a copy of the program.
+CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
+                          const std::string& environment = "");
 
 /// Runs `welkin sh --json` with more arguments, requires success and silence, and parses the output.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
@@ -27,5 +46,12 @@ bool contains(std::string_view text, std::string_view part);
 
 /// A path in single quotes, for `arguments`.
 std::string quoted(const std::filesystem::path& path);
+
+/// Writes a small PFM file, the simplest format that the command reads. `rgb`: width x height x 3 floats, row 0 on top
+/// (PFM keeps its rows bottom-up). Little-endian.
+void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb);
+
+/// The same grey everywhere.
+std::vector<float> grey_picture(int width, int height, float value);
 
 }  // namespace welkin::test

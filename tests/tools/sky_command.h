@@ -7,7 +7,9 @@
 
 #include "support/catch.h"
 #include "tools/command.h"
+#include "welkin/image.h"
 #include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
 
 namespace welkin::test {
 
@@ -50,6 +52,16 @@ inline glm::dvec3 rgb_of(const nlohmann::json& value) {
   REQUIRE(value.is_array());
   REQUIRE(value.size() == 3);
   return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+/// What the command bakes and projects where no file is named, as the library makes it.
+inline LatLongImage built_in_sky() {
+  SkyTableOptions options;
+  options.heights = 8;
+  options.view_zeniths = 64;
+  options.sun_zeniths = 16;
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
+  return sky_lat_long(view, sun_direction(40.0, 25.0), 512, {.sun_disc = true});
 }
 
 }  // namespace welkin::test

@@ -1,12 +1,10 @@
-// `welkin bake`: the folder holds what the manifest says, and the files hold what was asked for.
 #include <cmath>
 #include <limits>
 #include <sstream>
 
 #include "support/exr_files.h"
 #include "tools/baked_folder.h"
-#include "tools/pfm_file.h"
-#include "tools/temporary_folder.h"
+#include "tools/command.h"
 #include "welkin/babylon_environment.h"
 #include "welkin/environment_file.h"
 #include "welkin/environment_writer.h"
@@ -15,6 +13,8 @@
 
 using namespace welkin;
 using namespace welkin::test;
+
+// `welkin bake`: the folder holds what the manifest says, and the files hold what was asked for.
 
 namespace {
 
@@ -572,4 +572,21 @@ TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
     CHECK(result.exit_code == 0);
   }
   CHECK(examples >= 8);
+}
+
+TEST_CASE("--sky names the built-in sky, which no input names too; together with an input it is refused",
+          "[command][bake]") {
+  const TemporaryFolder folder;
+  const std::string small = " --size 8 --irradiance 8 --brdf 8 --formats ktx2 --no-previews";
+  const nlohmann::json named = bake_into(folder.path() / "named", "--sky" + small);
+  const nlohmann::json not_named = bake_into(folder.path() / "not_named", small);
+  CHECK(named.at("source") == not_named.at("source"));
+  for (const char* const file : {"specular.ktx2", "background.ktx2", "irradiance.ktx2", "sh.json"}) {
+    CAPTURE(file);
+    CHECK(file_text(folder.path() / "named" / file) == file_text(folder.path() / "not_named" / file));
+  }
+  const CommandResult both = run_welkin("bake some.hdr --sky -o " + quoted(folder.path() / "both"));
+  CHECK(both.exit_code == 2);
+  CHECK(contains(both.errors, "--sky"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "both"));
 }

@@ -1,14 +1,15 @@
-// `welkin report`: pages and figures from the command line.
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "places.h"
 #include "support/catch.h"
 #include "tools/command.h"
-#include "tools/temporary_folder.h"
 
 using namespace welkin::test;
+
+// `welkin report`: pages and figures from the command line.
 
 namespace {
 
@@ -127,4 +128,24 @@ TEST_CASE("report: what cannot be done is refused before any work", "[tools][rep
   require_refused(
       kTiny + "--environment " + quoted(folder.path() / "none.exr") + " --csv " + quoted(folder.path() / "c"), 1,
       "none.exr");
+}
+
+TEST_CASE("The report's program is found beside the command, then on the PATH; without it the command says so",
+          "[command][report]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path built = WELKIN_COMMAND;
+  const std::filesystem::path copy = folder.path() / "welkin";
+  std::filesystem::copy_file(built, copy);
+  const CommandResult alone = run_program(copy, "report --quick", "PATH=/nowhere");
+  CHECK(alone.exit_code == 1);
+  CHECK(alone.output.empty());
+  CHECK(contains(alone.errors, "welkin: welkin-report: cannot be run"));
+  CHECK(contains(alone.errors, folder.path().string()));
+
+  const CommandResult on_path = run_program(copy, "report --help", "PATH=" + quoted(built.parent_path()));
+  CHECK(on_path.exit_code == 0);
+  const CommandResult beside = run_program(built, "report --help", "PATH=/nowhere");
+  CHECK(beside.exit_code == 0);
+  CHECK(contains(beside.output, "Usage: welkin report [OPTIONS]"));
+  CHECK(beside.output == on_path.output);
 }

@@ -1,11 +1,15 @@
-// `welkin sky --json` is what `welkin sh --json` is, and holds every digit of what the library computes.
+#include "tools/sky_command.h"
+
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <limits>
 #include <set>
 
-#include "tools/sky_command.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
 #include "welkin/babylon.h"
 #include "welkin/convention.h"
 #include "welkin/harmonic_transforms.h"
@@ -17,6 +21,8 @@
 
 using namespace welkin;
 using namespace welkin::test;
+
+// `welkin sky --json` is what `welkin sh --json` is, and holds every digit of what the library computes.
 
 namespace {
 
@@ -212,4 +218,178 @@ TEST_CASE("sky: the same output on any number of threads and every instruction s
     INFO(name(set));
     CHECK(without_times(sky_json(arguments, std::string("WELKIN_ISA=") + name(set))) == expected);
   }
+}
+
+// `welkin sky`: what cannot be is refused with exit code 2 and the option's name, before any work.
+
+TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
+  for (const char* option : {"--sun-elevation 90.001",
+                             "--sun-elevation -91",
+                             "--sun-elevation nan",
+                             "--sun-elevation inf",
+                             "--sun-elevation up",
+                             "--sun-azimuth nan",
+                             "--sun-azimuth inf",
+                             "--altitude -1",
+                             "--altitude nan",
+                             "--altitude 2e9",
+                             "--orders 0",
+                             "--orders 65",
+                             "--orders 1.5",
+                             "--ground-albedo -0.1",
+                             "--ground-albedo 1.1",
+                             "--ground-albedo nan",
+                             "--until-change -1",
+                             "--until-change nan",
+                             "--colour rgb",
+                             "--layout 4d",
+                             "--table-size 32,128",
+                             "--table-size 1,2,3,4,5",
+                             "--table-size a,b,c",
+                             "--quadrature monte-carlo",
+                             "--directions 16",
+                             "--preset venus",
+                             "--bands 0",
+                             "--bands 17",
+                             "--window-width 0",
+                             "--for doom",
+                             "--threads -1",
+                             "--memory-limit -1",
+                             "--format xml"}) {
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    const std::string said = sky_failure(option, 2);
+    INFO(option << ": " << said);
+    CHECK(contains(said, name));
+  }
+}
+
+TEST_CASE("sky: what the library refuses is the command line's fault", "[tools][sky]") {
+  for (const char* option :
+       {"--table-size 1,128,32,8", "--table-size 32,127,32,8", "--table-size 32,128,32,1", "--directions 1,17",
+        "--directions 16,257", "--wavelengths 680,550", "--wavelengths 680,550,nan", "--wavelengths 100,200,300",
+        "--wavelengths 450,500,550,600", "--preset mars --wavelengths 680,550,440"}) {
+    INFO(option);
+    CHECK_FALSE(sky_failure(option, 2).empty());
+  }
+  CHECK(contains(sky_failure("--wavelengths 450,500,550,600", 2), "--colour srgb"));
+  CHECK(contains(sky_failure("--preset mars --wavelengths 680,550,440", 2), "--wavelengths"));
+  CHECK(contains(sky_failure("--memory-limit 1MB", 1), "limit"));
+}
+
+TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const std::string out = quoted(folder.path() / "out");
+  const std::string day = "--sweep " + quoted(folder.path() / "day.png");
+  for (const std::string& arguments : {std::string("--size 64"),
+                                       std::string("--sun-disc"),
+                                       std::string("--formats exr"),
+                                       std::string("--picture-height 64"),
+                                       std::string("--sweep-to -6"),
+                                       std::string("--sweep-tiles 3"),
+                                       "-o " + out + " --format c",
+                                       "-o " + out + " " + day,
+                                       "-o " + out + " --window least",
+                                       "-o " + out + " --quadrature gauss",
+                                       "-o " + out + " --directions 8,8",
+                                       day + std::string(" --json"),
+                                       day + std::string(" --sun-azimuth 5"),
+                                       day + std::string(" --quadrature gauss"),
+                                       day + std::string(" --directions 8,8"),
+                                       day + std::string(" --bands 2"),
+                                       day + std::string(" --window least"),
+                                       day + std::string(" --for unity"),
+                                       "-o " + out + " --size 0",
+                                       "-o " + out + " --picture-height 0",
+                                       "--sweep " + quoted(folder.path() / "day.jpg"),
+                                       day + std::string(" --sweep-tiles 0"),
+                                       day + std::string(" --sweep-to -91"),
+                                       day + std::string(" --sweep-size 4"),
+                                       std::string("--json --format text"),
+                                       std::string("input.hdr")}) {
+    INFO(arguments);
+    CHECK_FALSE(sky_failure(arguments, 2).empty());
+  }
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "out"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "day.png"));
+}
+
+TEST_CASE("sky: a table for a person says what sky it is", "[tools][sky]") {
+  const CommandResult result = run_welkin("sky --sun-elevation 20 " + kSmallSky);
+  CHECK(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  for (const char* part : {"computed sky", "sun 20 degrees up", "altitude 0 m", "2 orders", "ground albedo 0.1",
+                           "4 x 16 x 8 x 4", "W/m2/sr/nm at 680, 550, 440 nm", "Sun, apart", "degrees radius",
+                           "radiance r, g, b", "directions asked", "gauss"}) {
+    INFO(part);
+    CHECK(contains(result.output, part));
+  }
+  CHECK_FALSE(contains(result.output, "taken out"));
+  CHECK(contains(run_welkin("sky --sun-elevation -4 " + kSmallSky).output, "4 degrees below the horizon"));
+  CHECK(contains(run_welkin("sky --for unity --format c " + kSmallSky).output, "computed_sky_unity"));
+  CHECK(contains(run_welkin("sky --format text " + kSmallSky).output, "sun.solid_angle"));
+}
+
+// `welkin sky --tables FILE`: made once, used again if they are what is asked for, never trusted blindly.
+
+namespace {
+
+std::string tables_action(const nlohmann::json& document) {
+  for (const auto& pass : document.at("diagnostics").at("passes")) {
+    if (pass.at("name") == "tables") return pass.at("action").get<std::string>();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("sky: tables are saved, and used again for any sun and height", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "earth.sky";
+  const std::string tables = "--tables " + quoted(file);
+  const nlohmann::json first = sky_json("--sun-elevation 20 " + tables);
+  CHECK(tables_action(first) == "run");
+  REQUIRE(std::filesystem::exists(file));
+  const std::string stored = file_text(file);
+  const nlohmann::json again = sky_json("--sun-elevation 20 " + tables);
+  CHECK(tables_action(again) == "reuse");
+  CHECK(again.at("radiance") == first.at("radiance"));
+  CHECK(again.at("sun") == first.at("sun"));
+  CHECK(tables_action(sky_json("--sun-elevation -3 --altitude 5000 --memory-limit 1GB " + tables)) == "reuse");
+  CHECK(sky_json("--sun-elevation -3 " + tables).at("radiance") == sky_json("--sun-elevation -3").at("radiance"));
+  CHECK((file_text(file) == stored));
+  CHECK(names_in(folder.path()) == std::vector<std::string>{"earth.sky"});
+}
+
+TEST_CASE("sky: tables of another sky are made anew, and replace those in the file", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const std::string tables = "--sun-elevation 20 --tables " + quoted(folder.path() / "some.sky");
+  sky_json(tables);
+  for (const char* other : {"--ground-albedo 0.5 ", "--preset mars ", "--until-change 0.5 ", "--layout compact ", ""}) {
+    INFO(other);
+    const nlohmann::json made = sky_json(other + tables);
+    CHECK(tables_action(made) == "run");
+    CHECK(made.at("radiance") == sky_json(std::string(other) + "--sun-elevation 20").at("radiance"));
+    CHECK(tables_action(sky_json(other + tables)) == "reuse");
+  }
+}
+
+TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "broken.sky";
+  const std::string tables = kSmallSky + "--tables " + quoted(file);
+  std::ofstream(file) << "my holiday pictures\n";
+  CHECK(contains(sky_failure(tables, 1), "broken.sky"));
+  CHECK(file_text(file) == "my holiday pictures\n");
+  std::filesystem::remove(file);
+
+  sky_json("--tables " + quoted(file));
+  const std::string sound = file_text(file);
+  std::string damaged = sound;
+  damaged[sound.size() / 2] = static_cast<char>(damaged[sound.size() / 2] ^ 1);
+  std::ofstream(file, std::ios::binary) << damaged;
+  CHECK(contains(sky_failure(tables, 1), "broken.sky"));
+  std::ofstream(file, std::ios::binary) << sound.substr(0, sound.size() - 5);
+  CHECK(contains(sky_failure(tables, 1), "broken.sky"));
+  CHECK(contains(sky_failure(kSmallSky + "--tables " + quoted(folder.path() / "no" / "folder.sky"), 1), "folder.sky"));
+  CHECK(contains(sky_failure(kSmallSky + "--tables " + quoted(folder.path()), 1), folder.path().filename().string()));
 }

@@ -1,0 +1,254 @@
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "places.h"
+#include "support/catch.h"
+#include "tools/command.h"
+#include "welkin/instruction_set.h"
+#include "welkin/version.h"
+
+using namespace welkin::test;
+using namespace welkin;
+
+// --help teaches: what the command does, examples that run, units and exit codes.
+
+TEST_CASE("command: --help teaches", "[tools]") {
+  for (const char* arguments : {"--help", "bake --help", "sh --help", "sky --help", "info --help", "convert --help",
+                                "testmap --help", "report --help", "-h"}) {
+    const CommandResult result = run_welkin(arguments);
+    INFO("welkin " << arguments);
+    CHECK(result.exit_code == 0);
+    CHECK(result.errors.empty());
+    CHECK(contains(result.output, "Usage: welkin"));
+    CHECK(contains(result.output, "Examples:"));
+    CHECK(contains(result.output, "Units:"));
+    CHECK(contains(result.output, "Exit codes:"));
+  }
+}
+
+TEST_CASE("command: sh --help names every option", "[tools]") {
+  const CommandResult result = run_welkin("sh --help");
+  for (const char* option : {"INPUT", "--json", "--bands", "--quadrature exact|midpoint", "--target-size", "--layout",
+                             "vertical-strip", "--clamp", "--preserve-clamped", "--gamma", "--nan", "--infinity",
+                             "--negative keep|replace|reject", "--threads", "--memory-limit"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: sky --help names every option", "[tools][sky]") {
+  const CommandResult result = run_welkin("sky --help");
+  for (const char* option : {"--sun-elevation",
+                             "--sun-azimuth",
+                             "--altitude",
+                             "--no-ground",
+                             "--preset earth|earth-hillaire|mars|no-aerosol",
+                             "--atmosphere FILE",
+                             "--wavelengths",
+                             "--ground-albedo",
+                             "--print-atmosphere",
+                             "--orders",
+                             "--until-change",
+                             "--colour spectral|srgb",
+                             "--layout full|compact",
+                             "--table-size",
+                             "--tables FILE",
+                             "--quadrature article|gauss|gauss-split",
+                             "--directions",
+                             "--json",
+                             "--bands",
+                             "--for",
+                             "--sweep FILE.png",
+                             "--sweep-to",
+                             "--output",
+                             "--picture-height",
+                             "--sun-disc",
+                             "--size",
+                             "--formats",
+                             "--memory-limit",
+                             "--threads"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: bake --help names every option", "[tools]") {
+  const CommandResult result = run_welkin("bake --help");
+  for (const char* option : {"INPUT",
+                             "--output",
+                             "--json",
+                             "--size",
+                             "--background-size",
+                             "--mips",
+                             "--roughness filament|linear|babylon|LIST",
+                             "--method automatic|spectral|sampled|reference",
+                             "--samples",
+                             "--irradiance",
+                             "--irradiance-method",
+                             "--bands",
+                             "--brdf",
+                             "--brdf-model",
+                             "--no-brdf",
+                             "--formats",
+                             "--ktx2-format rgba16f|rgba32f|b10g11r11|e5b9g9r9",
+                             "--supercompression none|zlib|zstd",
+                             "--no-previews",
+                             "--for",
+                             "--clamp",
+                             "--nan",
+                             "--threads",
+                             "--memory-limit"}) {
+    INFO(option);
+    CHECK(contains(result.output, option));
+  }
+}
+
+TEST_CASE("command: report --help names every option and pass", "[tools][report]") {
+  const CommandResult result = run_welkin("report --help");
+  for (const char* part : {"--output", "--json", "--csv", "--plots", "--scale", "--quick", "--passes", "--environment",
+                           "--threads", "--against", "--error-factor", "--time-factor", "--node-modules", "--no-peers",
+                           "--stability", "project-cubemap", "prefilter-file", "sky-tables"}) {
+    INFO(part);
+    CHECK(contains(result.output, part));
+  }
+}
+
+TEST_CASE("command: --version tells version and instruction sets", "[tools]") {
+  const CommandResult result = run_welkin("--version");
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.output, "welkin " WELKIN_VERSION_STRING));
+  for (const auto set : welkin::available_instruction_sets()) CHECK(contains(result.output, welkin::name(set)));
+  CHECK(contains(run_welkin("--version", "WELKIN_ISA=sse2").output, "in use: sse2"));
+}
+
+// The command says by its exit code who is to blame, and says why on standard error alone.
+
+namespace {
+
+void require_failure(const std::string& arguments, int exit_code, const std::string& message_part) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(result.errors.rfind("welkin: ", 0) == 0);
+  CHECK(contains(result.errors, message_part));
+}
+
+}  // namespace
+
+TEST_CASE("command: bad usage exits with 2", "[tools]") {
+  require_failure("", 2, "nothing to do");
+  require_failure("frobnicate", 2, "frobnicate");
+  require_failure("sh --frobnicate", 2, "--frobnicate");
+  require_failure("sh one.exr two.exr", 2, "two.exr");
+  require_failure("sh --bands 0", 2, "--bands");
+  require_failure("sh --bands 17", 2, "--bands");
+  require_failure("sh --bands many", 2, "--bands");
+  require_failure("sh --quadrature 1", 2, "--quadrature");
+  require_failure("sh --target-size -1", 2, "--target-size");
+  require_failure("sh --clamp 0", 2, "--clamp");
+  require_failure("sh --clamp nan", 2, "--clamp");
+  require_failure("sh --clamp inf", 2, "--clamp");
+  require_failure("sh --threads -1", 2, "--threads");
+  require_failure("sh --nan keep", 2, "--nan");
+  require_failure("sh file.exr --layout cross", 2, "--layout");
+  require_failure("sh file.exr --memory-limit -1", 2, "--memory-limit");
+  require_failure("sh file.exr --memory-limit 5XB", 2, "--memory-limit");
+  require_failure("sh --layout lat-long", 2, "INPUT");
+  require_failure("info", 2, "FILE");
+  require_failure("info --bands 3 file.exr", 2, "--bands");
+}
+
+TEST_CASE("command: bad input exits with 1 and names the file", "[tools]") {
+  const TemporaryFolder folder;
+  const auto missing = folder.path() / "missing.exr";
+  require_failure("sh " + quoted(missing), 1, "missing.exr");
+  require_failure("sh --json " + quoted(missing), 1, "missing.exr");
+  require_failure("info " + quoted(missing), 1, "missing.exr");
+  require_failure("sh " + quoted(folder.path()), 1, folder.path().filename().string());
+  require_failure("sh ''", 1, "");
+
+  const auto text = folder.path() / "text.exr";
+  std::ofstream(text) << "this is no picture\n";
+  require_failure("sh " + quoted(text), 1, "text.exr");
+  require_failure("info " + quoted(text), 1, "text.exr");
+
+  const auto odd = folder.path() / "odd.pfm";
+  write_pfm(odd, 7, 5, grey_picture(7, 5, 1.0F));
+  require_failure("sh " + quoted(odd), 1, "--layout");
+  require_failure("sh --layout vertical-strip " + quoted(odd), 1, "odd.pfm");
+  CHECK(run_welkin("sh --layout lat-long " + quoted(odd)).exit_code == 0);
+
+  const auto strip = folder.path() / "strip.pfm";
+  write_pfm(strip, 64, 384, grey_picture(64, 384, 1.0F));
+  require_failure("sh --memory-limit 10KiB " + quoted(strip), 1, "strip.pfm");
+}
+
+TEST_CASE("command: a rejected pixel exits with 1 and is named", "[tools]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "nan.pfm";
+  std::vector<float> rgb = grey_picture(8, 4, 1.0F);
+  rgb[(2 * 8 + 5) * 3 + 1] = std::numeric_limits<float>::quiet_NaN();
+  rgb[(3 * 8 + 1) * 3] = -1.0F;
+  write_pfm(file, 8, 4, rgb);
+  require_failure("sh --nan reject " + quoted(file), 1, "row 2");
+  require_failure("sh --negative reject " + quoted(file), 1, "row 3");
+  CHECK(run_welkin("sh --infinity reject " + quoted(file)).exit_code == 0);
+}
+
+TEST_CASE("command: an unknown WELKIN_ISA exits with 2 and is named", "[tools]") {
+  for (const char* arguments : {"sh", "sh --json", "--version"}) {
+    const CommandResult result = run_welkin(arguments, "WELKIN_ISA=nonsense");
+    INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+    CHECK(result.exit_code == 2);
+    CHECK(result.output.empty());
+    CHECK(contains(result.errors, "nonsense"));
+  }
+}
+
+TEST_CASE("command: a full device exits with 1", "[tools]") {
+  for (const char* arguments : {"sh >/dev/full", "sh --help >/dev/full", "--version >/dev/full"}) {
+    const CommandResult result = run_welkin(arguments);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "standard output"));
+  }
+}
+
+// The same input gives the same output: on any number of threads, on every instruction set.
+
+namespace {
+
+/// The built-in sky, and two of the shared photographs where they are.
+std::vector<std::string> inputs() {
+  std::vector<std::string> list = {""};
+  for (const char* name : {"blender_city.exr", "openexr_KernerEnvCube.exr"}) {
+    const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
+    if (std::filesystem::exists(path)) list.push_back(quoted(path));
+  }
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("sh: the same output on any number of threads", "[tools]") {
+  for (const std::string& input : inputs()) {
+    const nlohmann::json expected = run_sh_json_without_times("--threads 1 " + input);
+    for (const char* threads : {"--threads 2 ", "--threads 5 ", ""}) {
+      INFO(threads << input);
+      CHECK(run_sh_json_without_times(threads + input) == expected);
+    }
+  }
+}
+
+TEST_CASE("sh: the same output on every instruction set", "[tools]") {
+  for (const std::string& input : inputs()) {
+    const nlohmann::json expected = run_sh_json_without_times("--bands 6 " + input);
+    for (const InstructionSet set : available_instruction_sets()) {
+      INFO(name(set) << ' ' << input);
+      CHECK(run_sh_json_without_times("--bands 6 " + input, std::string("WELKIN_ISA=") + name(set)) == expected);
+    }
+  }
+}

@@ -1,0 +1,251 @@
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "places.h"
+#include "support/catch.h"
+#include "support/damaged_files.h"
+#include "support/exr_files.h"
+#include "support/png_files.h"
+#include "support/temporary_directory.h"
+#include "tools/command.h"
+#include "welkin/environment_writer.h"
+#include "welkin/image.h"
+
+using namespace welkin::test;
+
+// `welkin info` tells what is in a file, as it is there.
+
+namespace {
+
+nlohmann::json info_json(const std::filesystem::path& file) {
+  const CommandResult result = run_welkin("info --json " + quoted(file));
+  INFO("standard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return nlohmann::json::parse(result.output);
+}
+
+/// 16 x 8, grey 0.5, with a NaN, an infinity, a negative and a bright texel (column 4, row 3).
+std::filesystem::path odd_file(const TemporaryFolder& folder) {
+  std::vector<float> rgb = grey_picture(16, 8, 0.5F);
+  rgb[0] = std::numeric_limits<float>::quiet_NaN();
+  rgb[4] = -std::numeric_limits<float>::infinity();
+  rgb[8] = -0.25F;
+  rgb[(3 * 16 + 4) * 3 + 1] = 100.0F;
+  auto path = folder.path() / "odd.pfm";
+  write_pfm(path, 16, 8, rgb);
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
+  const TemporaryFolder folder;
+  const nlohmann::json document = info_json(odd_file(folder));
+  CHECK(document.at("source").at("width") == 16);
+  CHECK(document.at("source").at("height") == 8);
+  CHECK(document.at("source").at("format") == "PFM");
+  CHECK(!document.at("channels").empty());
+  const auto& pixels = document.at("pixels");
+  CHECK(pixels.at("texels") == 128);
+  CHECK(pixels.at("nans") == 1);
+  CHECK(pixels.at("infinities") == 1);
+  CHECK(pixels.at("negatives") == 1);
+  CHECK(pixels.at("minimum").at(2) == -0.25);
+  CHECK(pixels.at("maximum").at(1) == 100.0);
+  const auto& brightest = document.at("brightest");
+  CHECK(brightest.at("column") == 4);
+  CHECK(brightest.at("row") == 3);
+  // Column 4.5 of 16 lies at longitude pi - 2 pi 4.5/16, row 3.5 of 8 at latitude pi/2 - pi 3.5/8.
+  const double longitude = std::numbers::pi * (1.0 - 9.0 / 16.0);
+  const double latitude = std::numbers::pi / 16.0;
+  CHECK(std::abs(brightest.at("direction").at(0).get<double>() - std::sin(longitude) * std::cos(latitude)) < 1e-12);
+  CHECK(std::abs(brightest.at("direction").at(1).get<double>() - std::sin(latitude)) < 1e-12);
+}
+
+TEST_CASE("info --json: flux is 4 pi times the mean", "[tools]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "strip.pfm";
+  write_pfm(file, 5, 30, grey_picture(5, 30, 3.0F));
+  const nlohmann::json document = info_json(file);
+  CHECK(document.at("source").at("layout") == "vertical-strip");
+  CHECK(std::abs(document.at("pixels").at("mean").at(0).get<double>() - 3.0) < 1e-9);
+  CHECK(std::abs(document.at("pixels").at("flux").at(0).get<double>() - 12.0 * std::numbers::pi) < 1e-8);
+}
+
+TEST_CASE("info: a table for a person", "[tools]") {
+  const TemporaryFolder folder;
+  const CommandResult result = run_welkin("info " + quoted(odd_file(folder)));
+  CHECK(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  for (const char* part : {"16 x 8", "lat-long", "PFM", "1 NaN", "1 infinite value", "1 negative value",
+                           "column 4, row 3", "degrees up", "integral over the sphere"}) {
+    INFO(part);
+    CHECK(contains(result.output, part));
+  }
+}
+
+// Every photograph that the project shares goes through the command.
+
+namespace {
+
+std::vector<std::filesystem::path> shared_files() {
+  std::vector<std::filesystem::path> files;
+  const auto folder = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env";
+  if (!std::filesystem::exists(folder)) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    files.push_back(entry.path());
+  }
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("command: sh and info agree on the light of real environments", "[tools]") {
+  const auto files = shared_files();
+  if (files.empty()) WARN("no shared environments here");
+  for (const auto& file : files) {
+    INFO(file.string());
+    const nlohmann::json light = run_sh_json(quoted(file));
+    const CommandResult info = run_welkin("info --json " + quoted(file));
+    REQUIRE(info.exit_code == 0);
+    const nlohmann::json content = nlohmann::json::parse(info.output);
+    CHECK(content.at("source") == light.at("source"));
+    // c(0,0) is the flux divided by sqrt(4 pi); files with values to replace would differ.
+    if (light.at("diagnostics").at("replaced") != 0) continue;
+    const double constant = light.at("radiance").at(0).at(1).get<double>();
+    const double flux = content.at("pixels").at("flux").at(1).get<double>();
+    CHECK(std::abs(constant * std::sqrt(4.0 * std::numbers::pi) - flux) <= 1e-6 * std::abs(flux));
+  }
+}
+
+// The command meets damaged files: it reads them or says in one line why not, within 512 MB and ten seconds.
+
+#if defined(__SANITIZE_ADDRESS__)
+#define WELKIN_LIMIT "0"  // address space is not theirs to save: the sanitizer itself counts what is resident
+#define WELKIN_SANITIZER_LIMIT "ASAN_OPTIONS=hard_rss_limit_mb=512:allocator_may_return_null=0 "
+#elif defined(__SANITIZE_THREAD__)
+#define WELKIN_LIMIT "0"
+#define WELKIN_SANITIZER_LIMIT ""
+#else
+#define WELKIN_LIMIT "524288"
+#define WELKIN_SANITIZER_LIMIT ""
+#endif
+
+namespace {
+
+constexpr int kFilesOfAKind = 24;
+
+/// Evenly chosen damages of every sound file, and the sound files themselves.
+int write_corpus(const std::filesystem::path& folder, const std::filesystem::path& scratch) {
+  int written = 0;
+  for (const SoundFile& sound : sound_files(scratch)) {
+    std::vector<std::vector<char>> all;
+    for_each_damage(sound, [&](const std::vector<char>& bytes) { all.push_back(bytes); });
+    write_bytes(folder / ("sound-" + sound.name), sound.bytes);
+    ++written;
+    for (std::size_t i = 0; i < kFilesOfAKind; ++i, ++written) {
+      const std::size_t which = (2 * i + 1) * all.size() / (2 * kFilesOfAKind);
+      write_bytes(folder / (std::to_string(which) + "-" + sound.name), all[which]);
+    }
+  }
+  return written;
+}
+
+std::string output_of(const std::string& line) {
+  std::string output;
+  FILE* pipe = popen(line.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  char block[4096];
+  for (std::size_t read = 0; (read = fread(block, 1, sizeof(block), pipe)) > 0;) output.append(block, read);
+  CHECK(pclose(pipe) == 0);
+  return output;
+}
+
+}  // namespace
+
+TEST_CASE("command: damaged files within 512 MB", "[tools][damage]") {
+  const TemporaryDirectory directory;
+  std::filesystem::create_directory(directory.file("corpus"));
+  const int files = write_corpus(directory.file("corpus"), directory.file(""));
+  const std::string script = std::string(WELKIN_TEST_DATA) + "/../tools/run_limited.sh";
+  std::istringstream results(output_of("cd " + quoted(directory.file("corpus")) +
+                                       " && ls | " WELKIN_SANITIZER_LIMIT "xargs -P 2 -I{} " +
+                                       quoted(std::filesystem::path(script)) + " " +
+                                       quoted(std::filesystem::path(WELKIN_COMMAND)) + " " WELKIN_LIMIT " {}"));
+  int runs = 0;
+  for (std::string line; std::getline(results, line); ++runs) {
+    INFO("file, command, exit code, lines on standard error, their first word: " << line);
+    std::istringstream words(line);
+    std::string file;
+    std::string command;
+    std::string first;
+    int code = -1;
+    int lines = -1;
+    words >> file >> command >> code >> lines >> first;
+    CHECK((code == 0 || code == 1 || code == 2));
+    CHECK(lines == (code == 0 ? 0 : 1));
+    CHECK((code == 0 || first == "welkin:"));
+    if (file.rfind("sound-", 0) == 0) CHECK(code == 0);
+  }
+  CHECK(runs == 2 * files);
+}
+
+// Promises: --memory-limit counts all pixels that are held at once, and a refusal's remedy is one that would do.
+
+namespace {
+
+constexpr int kWidth = 512;
+constexpr int kHeight = 256;
+constexpr int kPictureBytes = 12 * kWidth * kHeight;
+constexpr int kRowsBytes = 1'000'000;  // of some rows at a time, and to spare
+
+std::string limit(int bytes) { return " --memory-limit " + std::to_string(bytes); }
+
+std::filesystem::path write_map(const TemporaryFolder& folder) {
+  const auto path = folder.path() / "sky.pfm";
+  const welkin::LatLongImage map{kWidth, kHeight, some_pixels(kWidth, kHeight)};
+  welkin::write_environment(path, map.view());
+  return path;
+}
+
+void check_refused(const std::string& arguments, const std::string& message) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == 1);
+  CHECK(contains(result.errors, message));
+}
+
+}  // namespace
+
+TEST_CASE("command: convert's memory limit counts the source and the result", "[tools]") {
+  const TemporaryFolder folder;
+  const std::string convert =
+      "convert " + quoted(write_map(folder)) + " " + quoted(folder.path() / "out.pfm") + " --yaw 33";
+  CHECK(run_welkin(convert + limit(2 * kPictureBytes)).exit_code == 0);
+  check_refused(convert + limit(2 * kPictureBytes - 1), "beside the 1572864 of the picture that is read");
+}
+
+TEST_CASE("command: what sh holds twice counts twice", "[tools]") {
+  const TemporaryFolder folder;
+  const std::string sh = "sh " + quoted(write_map(folder));
+  CHECK(run_welkin(sh + limit(kRowsBytes)).exit_code == 0);
+  CHECK(run_welkin(sh + " --take-out-sun" + limit(2 * kPictureBytes)).exit_code == 0);
+  check_refused(sh + " --take-out-sun" + limit(2 * kPictureBytes - 1), "held twice for --take-out-sun");
+}
+
+TEST_CASE("command: a picture that must be decoded whole is not told to have smaller blocks", "[tools]") {
+  const TemporaryFolder folder;
+  PngRecipe recipe;
+  recipe.width = 640;
+  recipe.height = 320;
+  recipe.interlaced = true;
+  const auto path = folder.path() / "sky.png";
+  write_bytes(path, png_bytes(recipe, some_samples(recipe)));
+  check_refused("info " + quoted(path) + limit(300'000), "save it without interlacing");
+}

@@ -1,0 +1,518 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "tools/command.h"
+#include "tools/sky_command.h"
+#include "welkin/babylon.h"
+#include "welkin/convention.h"
+#include "welkin/environment_file.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/projection.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+// `welkin sh --json` has the documented shape and every digit of what the library computes.
+
+namespace {
+
+bool is_triple(const nlohmann::json& value) {
+  return value.is_array() && value.size() == 3 && value[0].is_number() && value[1].is_number() && value[2].is_number();
+}
+
+void require_triples(const nlohmann::json& list, std::size_t count) {
+  REQUIRE(list.is_array());
+  REQUIRE(list.size() == count);
+  for (const auto& element : list) REQUIRE(is_triple(element));
+}
+
+glm::dvec3 triple(const nlohmann::json& value) {
+  REQUIRE(is_triple(value));
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+void require_documented_shape(const nlohmann::json& document, int bands) {
+  const auto count = static_cast<std::size_t>(bands * bands);
+  const auto& source = document.at("source");
+  CHECK(source.at("path").is_string());
+  CHECK(source.at("layout").is_string());
+  CHECK(source.at("width").is_number_integer());
+  CHECK(source.at("height").is_number_integer());
+  CHECK(source.at("format").is_string());
+  CHECK(document.at("bands") == bands);
+  require_triples(document.at("radiance"), count);
+  require_triples(document.at("irradiance"), count);
+  CHECK(document.at("babylon").size() == 9);
+  for (const char* term : {"x", "y", "z", "xx", "yy", "zz", "yz", "zx", "xy"}) {
+    CHECK(is_triple(document.at("babylon").at(term)));
+  }
+  const auto& diagnostics = document.at("diagnostics");
+  for (const char* count_name : {"texels", "replaced", "clamped"})
+    CHECK(diagnostics.at(count_name).is_number_integer());
+  CHECK(diagnostics.at("error_estimate").is_number());
+  CHECK(diagnostics.at("passes").size() > 0);
+  for (const auto& pass : diagnostics.at("passes")) {
+    CHECK(pass.at("name").is_string());
+    CHECK((pass.at("action") == "run" || pass.at("action") == "reuse" || pass.at("action") == "skip"));
+    CHECK(!pass.at("reason").get<std::string>().empty());
+    CHECK(pass.at("ms").is_number());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("sh --json: documented shape for every number of bands", "[tools]") {
+  for (const int bands : {1, 2, 3, 5, 16}) {
+    require_documented_shape(run_sh_json("--bands " + std::to_string(bands)), bands);
+  }
+}
+
+TEST_CASE("sh --json: the built-in sky to the last bit", "[tools]") {
+  const nlohmann::json document = run_sh_json("");
+  CHECK(document.at("source").at("path") == "built-in sky");
+  CHECK(document.at("source").at("layout") == "lat-long");
+  CHECK(document.at("sky").at("unit") == "W/m2/sr/nm at 680, 550, 440 nm");
+  CHECK(document.at("sky").at("sun_elevation_degrees") == 40.0);
+
+  const LatLongImage sky = built_in_sky();
+  const Projection light = project(sky.view());
+  const SphericalHarmonics irradiance = irradiance_from_radiance(light.radiance);
+  CHECK(document.at("diagnostics").at("texels") == light.diagnostics.texels);
+  for (std::size_t i = 0; i < 9; ++i) {
+    CHECK(triple(document.at("radiance").at(i)) == light.radiance.coefficients()[i]);
+    CHECK(triple(document.at("irradiance").at(i)) == irradiance.coefficients()[i]);
+  }
+  const BabylonPolynomial polynomial = babylon_polynomial(light.radiance);
+  CHECK(triple(document.at("babylon").at("y")) == polynomial.y);
+  CHECK(triple(document.at("babylon").at("zx")) == polynomial.zx);
+}
+
+TEST_CASE("sh --json: a file in either layout", "[tools]") {
+  const TemporaryFolder folder;
+  const auto lat_long = folder.path() / "lat-long.pfm";
+  const auto strip = folder.path() / "strip.pfm";
+  write_pfm(lat_long, 16, 8, grey_picture(16, 8, 2.0F));
+  write_pfm(strip, 4, 24, grey_picture(4, 24, 2.0F));
+  for (const auto& [path, layout] : {std::pair{lat_long, "lat-long"}, {strip, "vertical-strip"}}) {
+    const nlohmann::json document = run_sh_json(quoted(path));
+    require_documented_shape(document, 3);
+    CHECK(document.at("source").at("path") == path.string());
+    CHECK(document.at("source").at("layout") == layout);
+    CHECK(document.at("source").at("format") == "PFM");
+    const double constant = triple(document.at("radiance").at(0)).x;
+    CHECK(std::abs(constant - 2.0 * std::sqrt(4.0 * std::numbers::pi)) < 1e-6);
+  }
+}
+
+TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "odd.pfm";
+  std::vector<float> rgb = grey_picture(16, 8, 1.0F);
+  rgb[0] = std::numeric_limits<float>::quiet_NaN();
+  rgb[30] = std::numeric_limits<float>::infinity();
+  rgb[60] = -1.0F;
+  rgb[90] = 5000.0F;
+  write_pfm(file, 16, 8, rgb);
+
+  const auto kept = run_sh_json(quoted(file)).at("diagnostics");
+  CHECK(kept.at("replaced") == 2);
+  CHECK(kept.at("nans_replaced") == 1);
+  CHECK(kept.at("infinities_replaced") == 1);
+  CHECK(kept.at("clamped") == 0);
+  const auto clamped = run_sh_json("--negative replace --clamp 100 " + quoted(file)).at("diagnostics");
+  CHECK(clamped.at("replaced") == 3);
+  CHECK(clamped.at("settings").at("clamp") == 100.0);
+  CHECK(triple(clamped.at("flux")).x < triple(clamped.at("flux_before_clamp")).x);
+  const auto preserved = run_sh_json("--preserve-clamped " + quoted(file)).at("diagnostics");
+  CHECK(preserved.at("settings").at("clamp") == 4096.0);
+  CHECK(preserved.at("settings").at("preserve_clamped") == true);
+}
+
+TEST_CASE("sh --json: valid JSON whatever the file is called", "[tools]") {
+  const TemporaryFolder folder;
+  for (const std::string name : {"a \"b\" \\ c.pfm", "l\xc3\xa4nd.pfm", "not-utf8-\xff\xfe.pfm", "new\nline.pfm"}) {
+    const auto file = folder.path() / name;
+    write_pfm(file, 4, 2, grey_picture(4, 2, 1.0F));
+    require_documented_shape(run_sh_json(quoted(file)), 3);
+  }
+}
+
+TEST_CASE("sh: the options reach the projection", "[tools]") {
+  const LatLongImage sky = built_in_sky();
+  const auto check = [&](const std::string& arguments, auto&& set) {
+    ProjectionOptions options;
+    set(options);
+    INFO(arguments);
+    CHECK(triple(run_sh_json(arguments).at("radiance").at(4)) == project(sky.view(), options).radiance.at(2, -2));
+  };
+  check("--quadrature midpoint", [](ProjectionOptions& options) { options.quadrature = Quadrature::midpoint; });
+  check("--target-size 16", [](ProjectionOptions& options) { options.target_size = 16; });
+  check("--clamp 1.5", [](ProjectionOptions& options) { options.clamp = RadianceClamp{1.5F, false}; });
+  check("--clamp 1.5 --preserve-clamped", [](ProjectionOptions& options) {
+    options.clamp = RadianceClamp{1.5F, true};
+  });
+  check("--gamma", [](ProjectionOptions& options) { options.gamma = true; });
+}
+
+// `welkin sh` without --json: a table that says what its numbers are.
+
+TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tools]") {
+  const CommandResult result = run_welkin("sh");
+  CHECK(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  for (const char* part : {"built-in sky: 1024 x 512 lat-long", "without Condon-Shortley phase", "3zz - 1", "xx - yy",
+                           "radiance r, g, b", "irradiance r, g, b", "Babylon.js", "Average colour", "524,288 texels",
+                           "no pixel value had to be replaced", "no clamp was asked for", "relative error"}) {
+    INFO(part);
+    CHECK(contains(result.output, part));
+  }
+}
+
+TEST_CASE("sh: one row a coefficient", "[tools]") {
+  for (const int bands : {1, 4, 6}) {
+    std::istringstream lines(run_welkin("sh --bands " + std::to_string(bands)).output);
+    int rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      int l = 0;
+      int m = 0;
+      if (words >> l >> m) ++rows;
+    }
+    CHECK(rows == bands * bands);
+  }
+}
+
+TEST_CASE("sh: the table tells what a clamp took away", "[tools]") {
+  CHECK(contains(run_welkin("sh --clamp 1.5").output, "% of the light"));
+  CHECK(contains(run_welkin("sh --clamp 1e9").output, "changed no texel"));
+}
+
+TEST_CASE("sh: nothing but results without a terminal", "[tools]") {
+  const CommandResult result = run_welkin("sh --bands 16");
+  CHECK(result.errors.empty());
+  const bool printable = std::all_of(result.output.begin(), result.output.end(),
+                                     [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
+  CHECK(printable);
+}
+
+// `welkin sh --format`: text and C header carry the JSON's numbers.
+
+namespace {
+
+// The line "NAME r g b" of a text.
+glm::dvec3 numbers_behind(const std::string& name, const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string first;
+    glm::dvec3 rgb{};
+    if (words >> first >> rgb.x >> rgb.y >> rgb.z && first == name) return rgb;
+  }
+  FAIL("no line " << name << " in\n" << text);
+  return {};
+}
+
+bool run_shell(const std::string& command) { return std::system(command.c_str()) == 0; }
+
+// What a C program that includes the header prints for `expression`s, one a line.
+std::string printed_by_c(const std::string& header, const std::string& expressions) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "light.h") << header;
+  std::ofstream(folder.path() / "main.c") << "#include \"light.h\"\n#include \"light.h\"\n#include <stdio.h>\n"
+                                          << "int main(void) {\n"
+                                          << expressions << "  return 0;\n}\n";
+  const std::string in_folder = "cd " + quoted(folder.path()) + " && ";
+  REQUIRE(run_shell(in_folder + "cc -std=c99 -pedantic -Wall -Wno-unused-const-variable -Wno-unused-variable -Werror "
+                                "-o main main.c && ./main > printed"));
+  std::ifstream printed(folder.path() / "printed");
+  std::stringstream text;
+  text << printed.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
+  const nlohmann::json json = run_sh_json("--bands 4");
+  const CommandResult result = run_welkin("sh --bands 4 --format text");
+  CHECK(result.exit_code == 0);
+  CHECK(result.errors.empty());
+  for (int l = 0; l < 4; ++l) {
+    for (int m = -l; m <= l; ++m) {
+      const std::string place = '[' + std::to_string(l) + ',' + std::to_string(m) + ']';
+      const std::size_t index = static_cast<std::size_t>(l * (l + 1) + m);
+      CHECK(numbers_behind("radiance" + place, result.output) == triple(json.at("radiance").at(index)));
+      CHECK(numbers_behind("irradiance" + place, result.output) == triple(json.at("irradiance").at(index)));
+    }
+  }
+}
+
+TEST_CASE("sh: an engine's text has the engine's terms and its formula", "[tools]") {
+  const nlohmann::json json = run_sh_json("--for unity");
+  const CommandResult result = run_welkin("sh --for unity --format text");
+  CHECK(contains(result.output, "# "));
+  CHECK(contains(result.output, json.at("engine").at("form").get<std::string>()));
+  for (const auto& [name, rgb] : json.at("engine").at("terms").items()) {
+    CHECK(numbers_behind(name, result.output) == triple(rgb));
+  }
+  const nlohmann::json& vectors = json.at("engine").at("vectors");
+  CHECK(vectors.size() == 7);
+  for (const auto& [name, value] : vectors.items()) {
+    CHECK(numbers_behind(name, result.output) == triple(value));
+    CHECK(contains(run_welkin("sh --for unity").output, name));
+  }
+}
+
+TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tools]") {
+  const nlohmann::json vectors = run_sh_json("--for unity").at("engine").at("vectors");
+  const CommandResult result = run_welkin("sh --format c --for unity");
+  REQUIRE(result.exit_code == 0);
+  const std::string printed = printed_by_c(result.output,
+                                           "  const float (*v)[4] = built_in_sky_unity_vectors;\n"
+                                           "  for (int i = 0; i < 7; ++i) printf(\"xyz%d %.9g %.9g %.9g\\nw%d %.9g 0 "
+                                           "0\\n\", i, v[i][0], v[i][1], v[i][2], i, "
+                                           "v[i][3]);\n");
+  const char* const names[] = {"unity_SHAr", "unity_SHAg", "unity_SHAb", "unity_SHBr",
+                               "unity_SHBg", "unity_SHBb", "unity_SHC"};
+  for (int i = 0; i < 7; ++i) {
+    const nlohmann::json& expected = vectors.at(names[i]);
+    CHECK(glm::vec3(numbers_behind("xyz" + std::to_string(i), printed)) == glm::vec3(triple(expected)));
+    CHECK(static_cast<float>(numbers_behind("w" + std::to_string(i), printed).x) == expected.at(3).get<float>());
+  }
+}
+
+TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools]") {
+  const nlohmann::json json = run_sh_json("");
+  const CommandResult result = run_welkin("sh --format c");
+  REQUIRE(result.exit_code == 0);
+  const std::string printed = printed_by_c(
+      result.output,
+      "  for (int i = 0; i < 9; ++i) printf(\"radiance%d %.9g %.9g %.9g\\n\", i, built_in_sky_radiance[i][0], "
+      "built_in_sky_radiance[i][1], built_in_sky_radiance[i][2]);\n");
+  for (std::size_t i = 0; i < 9; ++i) {
+    const glm::dvec3 expected = triple(json.at("radiance").at(i));
+    const glm::dvec3 found = numbers_behind("radiance" + std::to_string(i), printed);
+    for (int channel = 0; channel < 3; ++channel) {
+      CHECK(static_cast<float>(found[channel]) == static_cast<float>(expected[channel]));
+    }
+  }
+}
+
+TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools]") {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "7 a*-b*.pfm";
+  write_pfm(path, 8, 4, grey_picture(8, 4, 0.5F));
+  const CommandResult result = run_welkin("sh --format c --for babylon --take-out-sun " + quoted(path));
+  REQUIRE(result.exit_code == 0);
+  const std::string printed =
+      printed_by_c(result.output, "  printf(\"first %.9g 0 0\\n\", environment_7_a__b__babylon[0][0]);\n");
+  CHECK(std::isfinite(numbers_behind("first", printed).x));
+}
+
+// `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
+
+TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools]") {
+  const nlohmann::json plain = run_sh_json("");
+  CHECK(plain.at("window").at("name") == "none");
+  for (const char* window : {"hanning", "lanczos", "least"}) {
+    INFO(window);
+    const nlohmann::json json = run_sh_json(std::string("--window ") + window);
+    const auto& factors = json.at("window").at("factors");
+    REQUIRE(factors.size() == 3);
+    CHECK(factors.at(0) == 1.0);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const double factor = factors.at(i == 0 ? 0 : i < 4 ? 1 : 2).get<double>();
+      CHECK(glm::length(triple(json.at("radiance").at(i)) - factor * triple(plain.at("radiance").at(i))) < 1e-12);
+    }
+    CHECK(triple(json.at("window").at("minimum_irradiance_before")) ==
+          triple(plain.at("window").at("minimum_irradiance_before")));
+    CHECK(json.at("window").contains("minimum_irradiance_after"));
+  }
+  CHECK(contains(run_welkin("sh --window least").output, "after it (least"));
+  CHECK(run_welkin("sh --window-width 0").exit_code == 2);
+}
+
+TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by it", "[tools]") {
+  const nlohmann::json json = run_sh_json("--take-out-sun");
+  REQUIRE(json.at("sun").is_object());
+  const glm::dvec3 direction = triple(json.at("sun").at("direction"));
+  CHECK(direction.y == Approx(std::sin(40.0 / 180.0 * std::acos(-1.0))).margin(0.01));
+  const nlohmann::json whole = run_sh_json("");
+  const glm::dvec3 lost = triple(whole.at("diagnostics").at("flux")) - triple(json.at("diagnostics").at("flux"));
+  const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
+  CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("flux"))));
+  CHECK(contains(run_welkin("sh --take-out-sun").output, "Sun, taken out"));
+}
+
+TEST_CASE("sh: the sun turns with the light", "[tools]") {
+  const glm::dvec3 before = triple(run_sh_json("--take-out-sun").at("sun").at("direction"));
+  const glm::dvec3 after = triple(run_sh_json("--take-out-sun --yaw 90").at("sun").at("direction"));
+  CHECK(glm::length(after - glm::dvec3(before.z, before.y, -before.x)) < 1e-12);
+}
+
+TEST_CASE("sh: the dominant light of a sunny sky points at its sun", "[tools]") {
+  const nlohmann::json json = run_sh_json("");
+  CHECK(triple(json.at("dominant_light").at("direction")).y > 0.3);
+}
+
+TEST_CASE("sh: where z is up, directions are told so", "[tools]") {
+  const std::string text = run_welkin("sh --take-out-sun --for unreal").output;
+  CHECK(contains(text, "degrees up"));
+  CHECK(contains(text, "degrees from +x towards"));
+  CHECK_FALSE(contains(text, "+z towards"));
+  CHECK_FALSE(contains(text, "y is up"));
+}
+
+TEST_CASE("sh: a sun that overflowed to infinity is taken out too", "[tools]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "overflow.pfm";
+  std::vector<float> pixels = grey_picture(64, 32, 0.5F);
+  for (std::size_t k = 0; k < 3; ++k) pixels[3 * (10 * 64 + 20) + k] = std::numeric_limits<float>::infinity();
+  write_pfm(file, 64, 32, pixels);
+  const nlohmann::json json = run_sh_json(quoted(file) + " --take-out-sun");
+  CHECK(json.at("sun").is_object());
+  CHECK(json.at("diagnostics").at("infinities_replaced") == 3);
+  CHECK(run_welkin("sh --take-out-sun --gamma").exit_code == 2);
+}
+
+TEST_CASE("sh: a window leaves the dominant light as it is", "[tools]") {
+  const nlohmann::json plain = run_sh_json("");
+  CHECK(run_sh_json("--window hanning").at("dominant_light") == plain.at("dominant_light"));
+}
+
+TEST_CASE("sh: the error of the irradiance falls with the bands", "[tools]") {
+  const nlohmann::json json = run_sh_json("--irradiance-error --bands 3");
+  const auto& errors = json.at("irradiance_errors");
+  REQUIRE(errors.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(errors.at(i).at("bands") == i + 1);
+  CHECK(errors.at(2).at("rms").get<double>() < 0.2 * errors.at(0).at("rms").get<double>());
+  CHECK(errors.at(0).at("maximum").get<double>() >= errors.at(0).at("rms").get<double>());
+}
+
+TEST_CASE("convert: the map without its sun, plus the sun that is reported, is the map", "[tools][convert]") {
+  const TemporaryFolder folder;
+  const auto sky = folder.path() / "sky.pfm";
+  const auto rest = folder.path() / "rest.pfm";
+  std::vector<float> pixels = grey_picture(128, 64, 0.5F);
+  for (const std::size_t texel : {20 * 128 + 40, 20 * 128 + 41, 21 * 128 + 40, 21 * 128 + 41}) {
+    for (std::size_t k = 0; k < 3; ++k) pixels[3 * texel + k] = 5000.0F + 700.0F * static_cast<float>(k);
+  }
+  write_pfm(sky, 128, 64, pixels);
+  const CommandResult result =
+      run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --take-out-sun --sun-radius 10");
+  INFO(result.errors);
+  REQUIRE(result.exit_code == 0);
+  CHECK(contains(result.output, "Sun, taken out"));
+  const nlohmann::json whole = run_sh_json(quoted(sky) + " --take-out-sun --sun-radius 10");
+  REQUIRE(whole.at("sun").is_object());
+  const glm::dvec3 flux = triple(run_sh_json(quoted(sky)).at("diagnostics").at("flux"));
+  const glm::dvec3 left = triple(run_sh_json(quoted(rest)).at("diagnostics").at("flux"));
+  const glm::dvec3 sun = triple(whole.at("sun").at("irradiance"));
+  CHECK(glm::length(flux - left - sun) < 1e-6 * glm::length(flux));
+  CHECK(glm::length(left - triple(whole.at("diagnostics").at("flux"))) < 1e-9 * glm::length(flux));
+  CHECK(run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --sun-radius 10").exit_code == 2);
+}
+
+// `welkin sh` turns the light: --yaw, --mirror, --rotation, --from, --for.
+
+namespace {
+
+SphericalHarmonics radiance_of(const nlohmann::json& json) {
+  SphericalHarmonics harmonics(json.at("bands").get<int>());
+  for (std::size_t i = 0; i < harmonics.coefficients().size(); ++i) {
+    harmonics.coefficients()[i] = triple(json.at("radiance").at(i));
+  }
+  return harmonics;
+}
+
+double distance(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.coefficients().size(); ++i) {
+    largest = std::max(largest, glm::length(a.coefficients()[i] - b.coefficients()[i]));
+  }
+  return largest;
+}
+
+// A vertical strip whose texels are all different.
+std::vector<float> uneven_strip(int size) {
+  std::vector<float> pixels(static_cast<std::size_t>(size * size * 18));
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>((i * 2654435761U) % 1009U) / 1009.0F;
+  return pixels;
+}
+
+}  // namespace
+
+TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools]") {
+  const SphericalHarmonics plain = radiance_of(run_sh_json("--bands 4"));
+  const SphericalHarmonics turned = radiance_of(run_sh_json("--bands 4 --yaw 90"));
+  CHECK(glm::length(turned.at(1, 1) - plain.at(1, 0)) < 1e-12);
+  CHECK(glm::length(turned.at(1, -1) - plain.at(1, -1)) < 1e-12);
+  CHECK(distance(turned, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
+  const std::string half = std::to_string(std::sqrt(0.5));
+  CHECK(distance(turned, radiance_of(run_sh_json("--bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
+  CHECK(distance(plain, radiance_of(run_sh_json("--bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
+                                                "-0.9659258262890683"))) < 1e-12);
+  CHECK(distance(plain, radiance_of(run_sh_json("--bands 4 --yaw 360"))) == 0.0);
+}
+
+TEST_CASE("sh: a mirror changes the sign of what is odd in x", "[tools]") {
+  const SphericalHarmonics plain = radiance_of(run_sh_json("--bands 3"));
+  const SphericalHarmonics mirrored = radiance_of(run_sh_json("--bands 3 --mirror"));
+  for (int l = 0; l < 3; ++l) {
+    for (int m = -l; m <= l; ++m) {
+      // Y(l, m) ~ x: (1, 1); xy: (2, -2); xz: (2, 1)
+      const bool odd = (l == 1 && m == 1) || (l == 2 && (m == -2 || m == 1));
+      CHECK(glm::length(mirrored.at(l, m) - (odd ? -1.0 : 1.0) * plain.at(l, m)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools]") {
+  const SphericalHarmonics plain = radiance_of(run_sh_json(""));
+  for (const Convention& engine : conventions()) {
+    INFO(engine.name);
+    const nlohmann::json json = run_sh_json(std::string("--for ") + engine.name);
+    CHECK(json.at("axes").at("engine") == engine.name);
+    CHECK(distance(radiance_of(json), transform(plain, engine.from_welkin)) < 1e-12);
+  }
+}
+
+TEST_CASE("sh: a cubemap of an engine, for that engine, is taken as it is", "[tools]") {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "faces.pfm";
+  write_pfm(path, 4, 24, uneven_strip(4));
+  const nlohmann::json as_it_is = run_sh_json(quoted(path));
+  const nlohmann::json babylon = run_sh_json("--from babylon --for babylon " + quoted(path));
+  CHECK(distance(radiance_of(as_it_is), radiance_of(babylon)) < 1e-12);
+  const BabylonPolynomial polynomial = babylon_polynomial(radiance_of(babylon));
+  CHECK(glm::length(triple(babylon.at("babylon").at("zx")) - polynomial.zx) < 1e-12);
+
+  // three.js looks the other way along x into its cube textures.
+  const nlohmann::json three = run_sh_json("--from three --for three " + quoted(path));
+  const SphericalHarmonics mirrored = transform(radiance_of(as_it_is), glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1));
+  CHECK(distance(radiance_of(three), mirrored) < 1e-12);
+}
+
+TEST_CASE("sh: what cannot be turned is refused", "[tools]") {
+  CHECK(run_welkin("sh --rotation 0,0,0,0").exit_code == 2);
+  CHECK(run_welkin("sh --rotation 1,2,3").exit_code == 2);
+  CHECK(run_welkin("sh --yaw nan").exit_code == 2);
+  CHECK(run_welkin("sh --for godzilla").exit_code == 2);
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "faces.pfm";
+  write_pfm(path, 4, 24, uneven_strip(4));
+  const CommandResult blender = run_welkin("sh --from blender " + quoted(path));
+  CHECK(blender.exit_code == 2);
+  CHECK(contains(blender.errors, "Blender"));
+  CHECK(contains(blender.errors, "no cube faces"));
+}

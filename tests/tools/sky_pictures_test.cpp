@@ -1,0 +1,318 @@
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <sstream>
+
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+#include "tools/sky_command.h"
+#include "welkin/environment_file.h"
+#include "welkin/sky_view.h"
+#include "welkin/texture_file.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the picture that lies beside it.
+
+namespace {
+
+const std::string kSmallBake = "--irradiance 16 --brdf 16 ";
+
+nlohmann::json bake_sky(const std::filesystem::path& folder, const std::string& arguments) {
+  const CommandResult result = run_welkin("sky " + kSmallSky + kSmallBake + arguments + " -o " + quoted(folder));
+  INFO("welkin sky " << arguments << "\nstandard error: " << result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return manifest_of(folder);
+}
+
+}  // namespace
+
+TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake]") {
+  const TemporaryFolder scratch;
+  const auto sky = scratch.path() / "sky";
+  const auto baked = scratch.path() / "baked";
+  for (const std::string& engine : {std::string(), std::string("--for unreal ")}) {
+    const nlohmann::json manifest =
+        bake_sky(sky, engine + "--sun-elevation 20 --picture-height 64 --no-previews --formats ktx2,dds,exr,env");
+    CHECK(names_in(sky) == names_of(manifest));
+    bake_into(baked, engine + kSmallBake +
+                         "--size 32 --mips all --background-size 128 --no-previews --formats ktx2,dds,exr,env " +
+                         quoted(sky / "sky.exr"));
+    std::vector<std::string> names = names_in(baked);
+    names.insert(std::upper_bound(names.begin(), names.end(), "sky.exr"), "sky.exr");
+    REQUIRE(names_in(sky) == names);
+    for (const std::string& name : names_in(baked)) {
+      if (name == "manifest.json" || name == "sh.json" || name == "sh.h") continue;  // they name their source
+      INFO(name);
+      CHECK((file_text(sky / name) == file_text(baked / name)));
+    }
+    const auto ours = nlohmann::json::parse(file_text(sky / "sh.json"));
+    const auto theirs = nlohmann::json::parse(file_text(baked / "sh.json"));
+    CHECK(ours.at("radiance") == theirs.at("radiance"));
+    CHECK(ours.at("engines") == theirs.at("engines"));
+  }
+}
+
+TEST_CASE("sky -o: sky.exr is the library's picture, the sun apart unless asked for", "[tools][sky][bake]") {
+  const TemporaryFolder scratch;
+  const auto out = scratch.path() / "out";
+  const auto tables = small_sky();
+  const SkyView view(tables, 0.0);
+  const glm::dvec3 sun = sun_direction(30.0, 40.0);
+  for (const bool inside : {false, true}) {
+    const nlohmann::json manifest =
+        bake_sky(out, std::string("--sun-elevation 30 --sun-azimuth 40 --picture-height 48 --no-previews ") +
+                          (inside ? "--sun-disc" : ""));
+    const Environment stored = read_environment(out / "sky.exr");
+    const LatLongImage expected = sky_lat_long(view, sun, 48, {.sun_disc = inside});
+    REQUIRE(stored.info.width == 96);
+    const auto* pixels = static_cast<const float*>(stored.lat_long().pixels);
+    CHECK(std::equal(expected.pixels.begin(), expected.pixels.end(), pixels));
+    CHECK(manifest.contains("sun") == !inside);
+    CHECK(manifest.at("sky").at("sun_elevation_degrees") == 30.0);
+    if (!inside) {
+      CHECK(rgb_of(manifest.at("sun").at("irradiance")) == view.sun(sun).irradiance);
+      CHECK(rgb_of(manifest.at("sun").at("direction")) == view.sun(sun).direction);
+    }
+    const auto sh = nlohmann::json::parse(file_text(out / "sh.json"));
+    CHECK(sh.contains("sun") == !inside);
+  }
+}
+
+TEST_CASE("sky -o: sizes, and the manifest on standard output", "[tools][sky][bake]") {
+  const TemporaryFolder scratch;
+  const auto out = scratch.path() / "out";
+  const nlohmann::json manifest = bake_sky(out, "--picture-height 32 --no-previews");
+  CHECK(read_texture(out / "specular.ktx2").cubemap.size() == 32);
+  CHECK(read_texture(out / "specular.ktx2").cubemap.levels() == 6);
+  CHECK(read_texture(out / "background.ktx2").cubemap.size() == 128);
+  CHECK(manifest.at("source").at("path") == "sky");
+  bake_sky(out, "--picture-height 16 --roughness 0,0.5,1 --no-previews");
+  CHECK(read_texture(out / "specular.ktx2").cubemap.levels() == 3);
+  bake_sky(out, "--picture-height 33 --size 7 --background-size 5 --no-previews --bands 5");
+  CHECK(read_texture(out / "specular.ktx2").cubemap.size() == 7);
+  CHECK(read_texture(out / "background.ktx2").cubemap.size() == 5);
+  CHECK(nlohmann::json::parse(file_text(out / "sh.json")).at("bands") == 5);
+  const CommandResult result =
+      run_welkin("sky " + kSmallSky + kSmallBake + "--json --picture-height 16 --no-previews -o " + quoted(out));
+  CHECK(result.exit_code == 0);
+  CHECK(result.output == file_text(out / "manifest.json"));
+  CHECK(run_welkin("sky " + kSmallSky + " -o /proc/welkin").exit_code == 1);
+}
+
+// `welkin sky --sweep`: a picture and a text beside it; days are bright and blue, dusk is red, nights are dark.
+
+namespace {
+
+/// Colours of any size; the wavelengths are few, for speed.
+const std::string kFewColours = kSmallSky + "--wavelengths 440,490,550,600,640,680 ";
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<float> rgb;
+};
+
+Picture read_picture(const std::filesystem::path& path) {
+  ReadOptions options;
+  options.layout = Layout::lat_long;
+  const Environment environment = read_environment(path, options);
+  Picture picture{environment.info.width, environment.info.height, {}};
+  const auto count = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3;
+  const auto view = environment.lat_long();
+  const auto* const pixels = static_cast<const float*>(view.pixels);
+  if (view.format == PixelFormat::rgb_f32) picture.rgb.assign(pixels, pixels + count);
+  return picture;
+}
+
+std::vector<double> elevations(const std::string& text) {
+  std::vector<double> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::size_t number = 0;
+    double elevation = 0.0;
+    if (words >> number >> elevation && number == found.size() + 1) found.push_back(elevation);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "day.png";
+  struct Case {
+    const char* arguments;
+    int width, height;
+    std::size_t tiles;
+    double first, last;
+  };
+  for (const Case& each : {Case{"--sweep-tiles 6 --sweep-size 32", 4 * 64 - 4, 2 * 36 - 4, 6, 90.0, -18.0},
+                           Case{"--sweep-tiles 1 --sweep-size 16 --sun-elevation 50", 30, 16, 1, 50.0, 50.0},
+                           Case{"--sweep-tiles 9 --sweep-size 15 --sweep-view fisheye --sun-elevation 61.5 --sweep-to "
+                                "-7",
+                                8 * 19 - 4, 2 * 19 - 4, 9, 61.5, -7.0}}) {
+    INFO(each.arguments);
+    const CommandResult result = run_welkin("sky " + kFewColours + each.arguments + " --sweep " + quoted(file));
+    INFO(result.errors);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.errors.empty());
+    CHECK(result.output == file_text(folder.path() / "day.txt"));
+    const Picture picture = read_picture(file);
+    CHECK(picture.width == each.width);
+    CHECK(picture.height == each.height);
+    const std::vector<double> found = elevations(result.output);
+    REQUIRE(found.size() == each.tiles);
+    CHECK(found.front() == each.first);
+    CHECK(found.back() == each.last);
+    CHECK(std::is_sorted(found.rbegin(), found.rend()));
+    CHECK(names_in(folder.path()) == std::vector<std::string>{"day.png", "day.txt"});
+  }
+}
+
+TEST_CASE("sky --sweep: noon is blue above, the setting sun red below, night dark", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "day.png";
+  constexpr int kSize = 64;
+  const CommandResult result =
+      run_welkin("sky " + kFewColours + "--sweep-tiles 3 --sun-elevation 40 --sweep-to -40 --sweep-size 64 --sweep " +
+                 quoted(file));
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(elevations(result.output) == std::vector<double>{40.0, 0.0, -40.0});
+  const Picture picture = read_picture(file);
+  REQUIRE(picture.rgb.size() == static_cast<std::size_t>(picture.width) * kSize * 3);
+  const auto at = [&](int tile, double x, double elevation) {
+    const auto column = static_cast<std::size_t>(tile * 124 + x * 120);
+    const auto row = static_cast<std::size_t>((90.0 - elevation) / 96.0 * kSize);
+    const float* const rgb = &picture.rgb[(row * static_cast<std::size_t>(picture.width) + column) * 3];
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  };
+  const glm::vec3 noon = at(0, 0.05, 60.0);
+  CHECK(noon.b > 1.3F * noon.r);
+  const glm::vec3 dusk = at(1, 0.5, 3.0);
+  CHECK(dusk.r > 1.3F * dusk.b);
+  CHECK(noon.g > 0.02F);
+  const glm::vec3 night = at(2, 0.5, 30.0);
+  CHECK(night.g < 0.1F * noon.g);
+}
+
+TEST_CASE("sky --sweep: a place that cannot be written to is named", "[tools][sky]") {
+  CHECK(contains(sky_failure(kFewColours + "--sweep-tiles 1 --sweep-size 8 --sweep /proc/day.png", 1), "day.png"));
+}
+
+// `welkin sky` writes air as JSON and reads it; what is wrong with a file is said with its name.
+
+namespace {
+
+nlohmann::json printed(const std::string& arguments) {
+  const CommandResult result = run_welkin("sky --print-atmosphere " + arguments);
+  INFO(result.errors);
+  REQUIRE(result.exit_code == 0);
+  REQUIRE(result.errors.empty());
+  return nlohmann::json::parse(result.output);
+}
+
+void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+nlohmann::json same_light(const nlohmann::json& document) {
+  return {document.at("radiance"), document.at("sun"), document.at("sky").at("parameters")};
+}
+
+}  // namespace
+
+TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "air.json";
+  for (const char* preset : {"earth", "earth-hillaire", "mars", "no-aerosol"}) {
+    INFO(preset);
+    write(file, printed(std::string("--preset ") + preset).dump());
+    CHECK(same_light(sky_json("--atmosphere " + quoted(file))) ==
+          same_light(sky_json(std::string("--preset ") + preset)));
+  }
+  const nlohmann::json air = printed("--ground-albedo 0.3 --wavelengths 615,535,445");
+  CHECK(air.at("ground_albedo") == nlohmann::json({0.3, 0.3, 0.3}));
+  CHECK(air.at("wavelengths_nm") == nlohmann::json({615.0, 535.0, 445.0}));
+  CHECK(air.at("solar_irradiance").get<std::vector<double>>() == earth({615.0, 535.0, 445.0}).solar_irradiance);
+  CHECK(printed("--colour srgb").at("wavelengths_nm").size() == 15);
+}
+
+TEST_CASE("sky: air from a file can be changed", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "air.json";
+  nlohmann::json air = printed("");
+  air["aerosol_phase"] = "henyey-greenstein";
+  air["name"] = "hazy \xc3\xa4";
+  write(file, air.dump());
+  const nlohmann::json json = sky_json("--ground-albedo 0.5 --atmosphere " + quoted(file));
+  CHECK(json.at("sky").at("atmosphere") == "hazy \xc3\xa4");
+  CHECK(json.at("sky").at("parameters").at("aerosol_phase") == "henyey-greenstein");
+  CHECK(json.at("sky").at("parameters").at("ground_albedo") == nlohmann::json({0.5, 0.5, 0.5}));
+  CHECK(json.at("radiance") != sky_json("--ground-albedo 0.5").at("radiance"));
+}
+
+TEST_CASE("sky: air that makes no sense is refused, and the member named", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "air.json";
+  const nlohmann::json air = printed("");
+  const auto refused = [&](const std::string& pointer, const nlohmann::json& value, const std::string& message) {
+    nlohmann::json changed = air;
+    changed[nlohmann::json::json_pointer(pointer)] = value;
+    write(file, changed.dump());
+    const std::string said = sky_failure("--atmosphere " + quoted(file), 1);
+    INFO(said);
+    CHECK(contains(said, "air.json: "));
+    CHECK(contains(said, message));
+  };
+  refused("/rayliegh", 1, "\"rayliegh\"");
+  refused("/rayleigh/density/0/scale", 1, "rayleigh.density[0] has a member \"scale\"");
+  refused("/aerosol_phase", "mie", "aerosol_phase");
+  refused("/aerosol_phase", 0, "aerosol_phase");
+  refused("/aerosol_asymmetry", "0.8", "aerosol_asymmetry is no number");
+  refused("/aerosol_asymmetry", 1.0, "");
+  refused("/aerosol", {1, 2}, "aerosol is no object");
+  refused("/absorbers", {{"density", 1}}, "absorbers is no list");
+  refused("/name", 7, "name is no text");
+  refused("/solar_irradiance", {1.0, nullptr, 1.0}, "solar_irradiance[1] is no number");
+  refused("/solar_irradiance", {1.0, -1.0, 1.0}, "");
+  refused("/solar_irradiance", {1.0, 1.0}, "");
+  refused("/rayleigh/scattering_per_m", {-1e-5, 1e-5, 1e-5}, "");
+  refused("/bottom_radius_m", -1.0, "");
+  refused("/top_radius_m", 6.0e6, "");
+  refused("/ground_albedo", {2.0, 0.1, 0.1}, "");
+}
+
+TEST_CASE("sky: files that hold no air are refused", "[tools][sky]") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "air.json";
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    write(file, text);
+    const std::string said = sky_failure("--atmosphere " + quoted(file), 1);
+    INFO(said);
+    CHECK(contains(said, "air.json: "));
+    CHECK(contains(said, message));
+  };
+  refused("", "is no JSON");
+  refused("{\"name\": ", "is no JSON");
+  refused("{\"bottom_radius_m\": NaN}", "is no JSON");
+  refused("{\"bottom_radius_m\": 1e999}", "");
+  refused("[]", "no object");
+  refused("\xff\xfe", "is no JSON");
+  refused(std::string(100000, '['), "nests deeper");
+  refused("{\"ground_albedo\": [" + std::string(20000, '0') + "]}", "");
+  refused(
+      "{\"ground_albedo\": [0" +
+          [] {
+            std::string text;
+            for (int i = 0; i < 5000; ++i) text += ",0";
+            return text;
+          }() +
+          "]}",
+      "5001 elements");
+  refused(std::string(2 << 20, ' '), "megabyte");
+  CHECK(contains(sky_failure("--atmosphere " + quoted(folder.path() / "none.json"), 1), "none.json"));
+  CHECK(contains(sky_failure("--atmosphere " + quoted(folder.path()), 1), "directory"));
+  CHECK(contains(sky_failure("--atmosphere a.json --preset mars", 2), "--preset"));
+}
