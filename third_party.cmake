@@ -19,19 +19,40 @@ if(NOT TARGET xtl)
 endif()
 find_package(xsimd REQUIRED)
 
-# Reading OpenEXR files; Imath comes with it. (libopenexr-dev)
-find_package(OpenEXR REQUIRED)
-
-# Reading PNG files. (libspng-dev) Debian's package brings no CMake configuration: cmake/FindSPNG.cmake finds it.
+# What each codec is built with. One that is switched off is not looked for; its files are then refused with an error
+# that says what Welkin was built without.
+option(WELKIN_EXR "Read and write OpenEXR files" ON)
+option(WELKIN_PNG "Read and write PNG files, and the pictures of .env files that are PNG" ON)
+option(WELKIN_WEBP "Read the pictures of .env files that are WebP" ON)
+option(WELKIN_ZLIB "Pack and unpack levels of KTX2 textures with zlib" ON)
+option(WELKIN_ZSTD "Pack and unpack levels of KTX2 textures with Zstandard" ON)
+set(welkin_codec_packages)   # that find_package knows
+set(welkin_codec_libraries)  # that CMake links
+set(welkin_codec_modules)    # that pkg-config knows
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
-find_package(SPNG REQUIRED)
 
-# Packed levels of KTX2 textures. (zlib1g-dev, libzstd-dev) cmake/FindZSTD.cmake: one target, whichever way it was built.
-find_package(ZLIB REQUIRED)
-find_package(ZSTD REQUIRED)
+# welkin_codec(OPTION PACKAGE TARGET MODULE): looks for what a codec is built with, unless it is switched off.
+macro(welkin_codec option package target module)
+  if(${option})
+    find_package(${package} REQUIRED)
+    list(APPEND welkin_codec_packages ${package})
+    list(APPEND welkin_codec_libraries ${target})
+    list(APPEND welkin_codec_modules ${module})
+  endif()
+endmacro()
+
+# Reading and writing OpenEXR files; Imath comes with it. (libopenexr-dev)
+welkin_codec(WELKIN_EXR OpenEXR OpenEXR::OpenEXR OpenEXR)
+
+# Reading and writing PNG files. (libspng-dev) Debian's package brings no CMake configuration: cmake/FindSPNG.cmake.
+welkin_codec(WELKIN_PNG SPNG SPNG::SPNG spng)
+
+# Packed levels of KTX2 textures. (zlib1g-dev, libzstd-dev) cmake/FindZSTD.cmake: one target, however it was built.
+welkin_codec(WELKIN_ZLIB ZLIB ZLIB::ZLIB zlib)
+welkin_codec(WELKIN_ZSTD ZSTD ZSTD::ZSTD libzstd)
 
 # Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
-find_package(WebP REQUIRED)
+welkin_codec(WELKIN_WEBP WebP WebP::WebP libwebp)
 
 # Hashes of contents, by which results are found again, and checksums of stored results. Header only, inlined.
 # (libxxhash-dev) cmake/FindXXHASH.cmake finds it.

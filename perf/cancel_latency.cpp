@@ -15,6 +15,7 @@
 #include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/environment_writer.h"
+#include "welkin/file_requests.h"
 #include "worker_subjects.h"
 
 namespace welkin::perf {

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "reference/reference_projection.h"
 #include "subjects.h"
 #include "welkin/instruction_set.h"
 #include "welkin/projection.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "image/fill_cubemap.h"
-#include "image/grid_faces.h"
+#include "image/cubemap.h"
+#include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "subjects.h"
 #include "welkin/irradiance_cubemap.h"

@@ -13,6 +13,7 @@
 
 #include "scratch_files.h"
 #include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
 #include "welkin/mip_chain.h"
 #include "welkin/plan.h"
 #include "welkin/resampling.h"

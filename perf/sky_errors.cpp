@@ -13,9 +13,10 @@
 #include <numbers>
 #include <sstream>
 
+#include "reference/path_tracer.h"
+#include "reference/sky_reference.h"
 #include "sky_method_errors.h"
 #include "welkin/error.h"
-#include "welkin/sky_reference.h"
 #include "welkin/sky_tables.h"
 #include "welkin/sky_view.h"
 #include "welkin/spherical_harmonics.h"

@@ -11,7 +11,7 @@
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"
-#include "welkin/sky_reference.h"
+#include "reference/sky_reference.h"
 
 namespace welkin::perf {
 namespace {

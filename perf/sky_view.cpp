@@ -8,6 +8,7 @@
 #include <string>
 
 #include "subjects.h"
+#include "welkin/sky_specular.h"
 #include "welkin/sky_view.h"
 
 namespace welkin::perf {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "tables/aligned_buffer.h"
+#include "platform/memory.h"
 #include "welkin/control.h"
 
 namespace welkin::perf {
@@ -13,12 +13,12 @@ namespace {
 /// On a cache line, as engines align their images; a line that every load straddles would cost both sides
 /// of a ratio.
 const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
-  static tables::AlignedBuffer<std::byte> pixels;
+  static platform::AlignedBuffer<std::byte> pixels;
   static PixelFormat pixels_format{};
   const std::size_t bytes = texels * bytes_per_texel(format);
   if (pixels.size() == bytes && pixels_format == format) return pixels.data();
   pixels = {};  // freed before the next one is allocated
-  pixels = tables::AlignedBuffer<std::byte>(bytes);
+  pixels = platform::AlignedBuffer<std::byte>(bytes);
   pixels_format = format;
   const bool half = format == PixelFormat::rgb_f16 || format == PixelFormat::rgba_f16;
   const bool single = format == PixelFormat::rgb_f32 || format == PixelFormat::rgba_f32;

@@ -2,33 +2,34 @@
 
 #include <string>
 
+#include "projection/lat_long_weights.h"
+#include "projection/texel_weights.h"
 #include "subjects.h"
-#include "tables/lat_long_weights.h"
-#include "tables/texel_weights.h"
 
 namespace welkin::perf {
 
 void add_tables() {
   for (const int size : {16, 64, 128}) {
     for (const int bands : {3, 10}) {
-      const tables::TexelWeightsKey key{size, bands, false, size};
+      const projection::TexelWeightsKey key{size, bands, false, size};
       const double texels = 6.0 * size * size;
       const std::string suffix = "-bands" + std::to_string(bands);
       add_benchmark(
           "TexelWeights", "cold" + suffix, std::to_string(size), 1, texels, 0.0,
-          [=]() -> std::function<void()> { return [=] { benchmark::DoNotOptimize(tables::TexelWeights(key)); }; });
-      add_benchmark(
-          "TexelWeights", "warm" + suffix, std::to_string(size), 1, texels, 0.0,
-          [=]() -> std::function<void()> { return [=] { benchmark::DoNotOptimize(tables::TexelWeights::get(key)); }; });
+          [=]() -> std::function<void()> { return [=] { benchmark::DoNotOptimize(projection::TexelWeights(key)); }; });
+      add_benchmark("TexelWeights", "warm" + suffix, std::to_string(size), 1, texels, 0.0,
+                    [=]() -> std::function<void()> {
+                      return [=] { benchmark::DoNotOptimize(projection::TexelWeights::get(key)); };
+                    });
     }
   }
-  const tables::LatLongWeightsKey key{4096, 2048, 3, false, 0};
+  const projection::LatLongWeightsKey key{4096, 2048, 3, false, 0};
   constexpr double texels = 4096.0 * 2048.0;
   add_benchmark("LatLongWeights", "cold-bands3", "4096x2048", 1, texels, 0.0, [=]() -> std::function<void()> {
-    return [=] { benchmark::DoNotOptimize(tables::LatLongWeights(key)); };
+    return [=] { benchmark::DoNotOptimize(projection::LatLongWeights(key)); };
   });
   add_benchmark("LatLongWeights", "warm-bands3", "4096x2048", 1, texels, 0.0, [=]() -> std::function<void()> {
-    return [=] { benchmark::DoNotOptimize(tables::LatLongWeights::get(key)); };
+    return [=] { benchmark::DoNotOptimize(projection::LatLongWeights::get(key)); };
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"
+#include "reference/reference_projection.h"
 #include "simd/kernels.h"
 #include "welkin/environment_file.h"
 #include "welkin/instruction_set.h"

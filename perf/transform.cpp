@@ -3,11 +3,10 @@
 #include <memory>
 #include <string>
 
-#include "specular/spectrum.h"
 #include "subjects.h"
-#include "tables/legendre_factors.h"
-#include "tables/legendre_rings.h"
-#include "tables/ring_fourier.h"
+#include "transform/ring_fft.h"
+#include "transform/ring_legendre.h"
+#include "transform/spectrum.h"
 
 namespace welkin::perf {
 namespace {
@@ -17,17 +16,17 @@ constexpr int kHeight = 512;
 constexpr double kTexels = 1.0 * kWidth * kHeight;
 
 void add_synthesis(int bands, int threads, image::GridContent content) {
-  const specular::GridSize size = specular::grid_for_bands(bands);
+  const transforms::GridSize size = transforms::grid_for_bands(bands);
   const double texels = 1.0 * size.rings * size.columns;
   const bool spline = content == image::GridContent::spline_coefficients;
   add_benchmark("Synthesise", std::to_string(bands) + (spline ? "-spline" : "-samples"),
                 std::to_string(size.columns) + "x" + std::to_string(size.rings), threads, texels, 16.0 * texels,
                 [=]() -> std::function<void()> {
                   const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
-                  const auto spectrum = std::make_shared<specular::Spectrum>(specular::analyse(view, bands, {}));
+                  const auto spectrum = std::make_shared<transforms::Spectrum>(transforms::analyse(view, bands, {}));
                   const auto grid = std::make_shared<image::SphereGrid>(size.rings, size.columns, content);
                   const std::vector<double> zonal(static_cast<std::size_t>(bands), 1.0);
-                  return [=] { specular::synthesise(*spectrum, zonal, *grid, {}); };
+                  return [=] { transforms::synthesise(*spectrum, zonal, *grid, {}); };
                 });
 }
 
@@ -40,16 +39,16 @@ void add_transform(const std::vector<int>& thread_counts) {
       add_benchmark("Analyse", std::to_string(bands), size, threads, kTexels, 12.0 * kTexels,
                     [=]() -> std::function<void()> {
                       const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
-                      return [=] { benchmark::DoNotOptimize(specular::analyse(view, bands, {})); };
+                      return [=] { benchmark::DoNotOptimize(transforms::analyse(view, bands, {})); };
                     });
       add_synthesis(bands, threads, image::GridContent::samples);
       add_synthesis(bands, threads, image::GridContent::spline_coefficients);
     }
     add_benchmark("TransformTables", std::to_string(bands), size, 1, kTexels, 0.0, [=]() -> std::function<void()> {
       return [=] {
-        benchmark::DoNotOptimize(tables::LegendreFactors(bands));
-        benchmark::DoNotOptimize(tables::LegendreRings({kHeight, bands, tables::RingPlaces::edges}));
-        benchmark::DoNotOptimize(tables::RingFourier(kWidth));
+        benchmark::DoNotOptimize(transforms::LegendreFactors(bands));
+        benchmark::DoNotOptimize(transforms::LegendreRings({kHeight, bands, transforms::RingPlaces::edges}));
+        benchmark::DoNotOptimize(transforms::RingFourier(kWidth));
       };
     });
   }

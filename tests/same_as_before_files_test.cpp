@@ -16,6 +16,7 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/environment_writer.h"
 #include "welkin/stored_environment.h"

@@ -14,6 +14,7 @@
 #include "welkin/convention.h"
 #include "welkin/directional_light.h"
 #include "welkin/engine_light.h"
+#include "welkin/environment_file.h"
 #include "welkin/error_budget.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance.h"

@@ -11,6 +11,8 @@
 #include "welkin/error_budget.h"
 #include "welkin/sky_harmonics.h"
 #include "welkin/sky_plan.h"
+#include "welkin/sky_specular.h"
+#include "welkin/sky_table_file.h"
 #include "welkin/sky_tables.h"
 #include "welkin/sky_view.h"
 

@@ -12,6 +12,7 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/cubemap_chain.h"
+#include "welkin/environment_file.h"
 #include "welkin/error.h"
 
 namespace welkin::tool {

@@ -5,6 +5,7 @@
 
 #include "tools/text.h"
 #include "welkin/control.h"
+#include "welkin/environment_file.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::tool {

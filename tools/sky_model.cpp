@@ -9,6 +9,7 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/error.h"
+#include "welkin/sky_table_file.h"
 
 namespace welkin::tool {
 namespace {

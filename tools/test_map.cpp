@@ -6,11 +6,10 @@
 #include <cstddef>
 #include <string_view>
 
-#include "image/check_views.h"
-#include "image/cube_texels.h"
-#include "image/texel_geometry.h"
+#include "image/geometry.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
-#include "tables/trigonometry.h"
+#include "math/elementary.h"
 
 namespace welkin {
 namespace {
@@ -135,8 +134,8 @@ double degrees_off(double turns, double step) {
 /// towards the poles, where they would run into one another.
 double grid_share(const glm::dvec3& unit) {
   const double horizontal = std::sqrt(unit.x * unit.x + unit.z * unit.z);
-  const double latitude = tables::turns_of(unit.y, horizontal);
-  const double longitude = tables::turns_of(unit.x, unit.z);
+  const double latitude = math::turns_of(unit.y, horizontal);
+  const double longitude = math::turns_of(unit.x, unit.z);
   constexpr double kThin = 0.28;
   constexpr double kWide = 0.5;
   constexpr double kFine = 1.0 / 24.0;

@@ -2,9 +2,10 @@
 #pragma once
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// A labelled sphere: each of the six sides has its colour, and its axis written on it in letters that read from
 /// inside the sphere ("+X", "-Y", ...), a grid of latitudes and longitudes, edges of the faces, and an arrow

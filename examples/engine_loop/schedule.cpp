@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "welkin/file_requests.h"
+
 namespace engine_loop {
 namespace {
 

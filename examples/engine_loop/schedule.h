@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "turning_sky.h"
+#include "welkin/file_requests.h"
 
 namespace engine_loop {
 

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// A layer of a density profile, relative to the density at which coefficients are stated:
 ///   density(h) = clamp(exponential_term exp(exponential_scale_per_m h) + linear_term_per_m h + constant_term, 0, 1),
@@ -45,6 +47,16 @@ enum class AerosolPhase {
   henyey_greenstein,  ///< Henyey and Greenstein 1941
 };
 
+/// A planet's air, its ground and its sun. The model of all of Welkin's skies, the tables as well as the truth that
+/// they are tested against:
+/// - Light propagates along straight lines in spherical shells. Sunlight at a point x is solar irradiance times
+///   transmittance from x towards the sun's centre, or towards the horizon if the centre is below it, times the visible
+///   share of the disc, v(t) = t^2 (3 - 2 t) with t = clamp((e + a) / 2a, 0, 1), e = (mu_s - mu_h) r / R the elevation
+///   of the centre over x's own horizon in radians, nearly (mu_s: cosine between zenith and sun; mu_h = -sqrt(1 -
+///   (R/r)^2); R: the ground's radius, r: x's), a the sun's angular radius in radians. Of a point (a = 0) 1 above the
+///   horizon, else 0. (Bruneton 2017, GetTransmittanceToSun.)
+/// - For scattering the sun's direction is that of the centre.
+/// - The ground is Lambertian.
 struct Atmosphere {
   std::string name;  ///< for people
 

@@ -3,9 +3,10 @@
 
 #include <glm/vec3.hpp>
 
+#include "welkin/export.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Babylon.js's SphericalPolynomial: a quadratic in the surface normal (x, y, z), one RGB triple a term.
 /// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried

@@ -10,10 +10,11 @@
 #include "welkin/control.h"
 #include "welkin/cubemap_chain.h"
 #include "welkin/environment_writer.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// What an .env file holds, all of it in Babylon.js's axes, which are left-handed: x is Welkin's -x. Faces and rows are
 /// in the order of `CubemapView`, row 0 on top (the file has them bottom row first).

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,14 +13,14 @@
 #include "welkin/brdf_table.h"
 #include "welkin/control.h"
 #include "welkin/cubemap_chain.h"
-#include "welkin/environment_file.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/image_view.h"
 #include "welkin/mip_chain.h"
 #include "welkin/projection.h"
 #include "welkin/specular.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 enum class IrradianceMethod {
   harmonics,  ///< from the coefficients
@@ -94,10 +93,5 @@ void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions&
                const Control& control = {});
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options = {},
                const Control& control = {});
-
-/// Reads and bakes a file: all that `read_environment` reads; the full size of .env, KTX2 and DDS cubemaps. Throws as
-/// `read_environment` too.
-[[nodiscard]] BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
-                                   const BakeOptions& options = {}, const Control& control = {});
 
 }  // namespace welkin

@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// What the first two channels hold. With V the height-correlated Smith visibility (Heitz 2014, equation 99), F
 /// Schlick's Fresnel and alpha = roughness squared, E = Int D V F (n.l) dl over the lights' hemisphere is

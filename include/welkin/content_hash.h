@@ -15,10 +15,11 @@
 #include "welkin/bake.h"
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/sky_tables.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct ContentHash {
   std::uint64_t high = 0;

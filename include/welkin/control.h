@@ -4,7 +4,9 @@
 #include <functional>
 #include <stop_token>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// Passed to every call that can take longer than a frame. The default asks for nothing.
 struct Control {
@@ -17,6 +19,13 @@ struct Control {
   /// It comes from whichever thread finished a tile, one call at a time, and may use TBB itself; what it
   /// throws ends the call and reaches the caller. Left empty, progress costs nothing.
   std::function<void(double)> progress{};
+};
+
+/// How the system ranks a worker's threads against all others.
+enum class ThreadPriority {
+  idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
+  below,   ///< a tenth of a normal thread's share when both want a processor (nice + 10)
+  normal,  ///< as the thread that made the worker
 };
 
 /// Runs `work` in an arena of its own with `threads` threads (0: as many as the process may use).

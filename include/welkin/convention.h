@@ -11,7 +11,9 @@
 #include <string>
 #include <string_view>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
 

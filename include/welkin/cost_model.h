@@ -6,7 +6,9 @@
 
 #include <span>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// The stored numbers are estimates from benchmarks of single passes: their ratios hold roughly, their sum is another
 /// on every machine, which is what `welkin report --calibrate` is for. They predict, they never decide a result's bits.

@@ -5,9 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How many levels a whole chain has, from `size` down to 1: 1 + floor(log2(size)). `size` >= 1.
 [[nodiscard]] constexpr int full_chain_levels(int size) noexcept {

@@ -5,10 +5,11 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// The one directional light that comes closest to an environment of two bands or more.
 struct DominantLight {

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "welkin/convention.h"
+#include "welkin/export.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// One named number triple of an engine's form.
 struct EngineTerm {

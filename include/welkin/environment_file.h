@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How a picture holds a sphere. Faces are those of `CubemapView`, N x N texels each.
 enum class Layout {

@@ -5,9 +5,10 @@
 
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How a channel's value is stored.
 enum class SampleType {

@@ -4,7 +4,9 @@
 #include <stdexcept>
 #include <string>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// What kind of thing went wrong; the message says what, where, and what would do instead.
 enum class ErrorCode {

@@ -16,6 +16,7 @@
 
 #include "welkin/atmosphere.h"
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"
 #include "welkin/sky_harmonics.h"
@@ -24,7 +25,7 @@
 #include "welkin/specular.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How errors over a sphere become one number, where a pass gives a function of direction.
 enum class ErrorMeasure {

@@ -11,11 +11,12 @@
 #include <memory>
 #include <span>
 
+#include "welkin/export.h"
 #include "welkin/projection.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
-namespace sh {
+namespace projection {
 struct FaceSums;
 }
 
@@ -28,21 +29,21 @@ class FaceHarmonics {
   [[nodiscard]] std::size_t bytes() const noexcept;
 
   /// The sums of a face, 0 to 5: which face it is does not matter to them. For caches.
-  [[nodiscard]] const std::shared_ptr<const sh::FaceSums>& face(int face) const {
+  [[nodiscard]] const std::shared_ptr<const projection::FaceSums>& face(int face) const {
     return faces_[static_cast<std::size_t>(face)];
   }
 
   /// No sums yet.
   FaceHarmonics() = default;
   FaceHarmonics(int size, const ProjectionOptions& options) : size_(size), options_(options) {}
-  void set_face(int face, std::shared_ptr<const sh::FaceSums> sums) {
+  void set_face(int face, std::shared_ptr<const projection::FaceSums> sums) {
     faces_[static_cast<std::size_t>(face)] = std::move(sums);
   }
 
  private:
   int size_ = 0;
   ProjectionOptions options_{};
-  std::array<std::shared_ptr<const sh::FaceSums>, 6> faces_{};
+  std::array<std::shared_ptr<const projection::FaceSums>, 6> faces_{};
 };
 
 /// Projects all six faces and keeps their sums. Costs what `project` costs. Throws as `project`, and invalid_argument

@@ -4,9 +4,10 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "welkin/export.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Coefficients of the light after it was turned: what came from direction d comes from rotation * d.
 /// Band by band by the recurrence of Ivanic and Ruedenberg (1996, with the 1998 corrections); error below 1e-13 for

@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// An RGB float lat-long picture that owns its pixels.
 struct LatLongImage {

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// How one texel lies in memory: interleaved channels, no padding inside a texel.
 /// Alpha is read past and never used. f16 is IEEE 754 binary16; u8 maps 0..255 to 0..1;

@@ -3,7 +3,9 @@
 
 #include <vector>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// The builds of the kernels that an x86-64 binary carries, narrowest first. All give the same bits.
 enum class InstructionSet { sse2, avx2, avx512 };

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Irradiance by direct cosine integration, in double: the sum over all texels of radiance times the texel's integral
 /// of max(0, normal . direction). W/m2 where radiance is W/m2/sr.

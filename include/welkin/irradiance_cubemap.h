@@ -2,11 +2,12 @@
 #pragma once
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/image_view.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Irradiance (W/m2 where radiance is W/m2/sr; pi times it in a uniform environment) at each texel's centre, by the
 /// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. SIMD; the same bits

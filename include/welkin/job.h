@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "welkin/detail/computation.h"
+#include "welkin/export.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 namespace detail {
 

@@ -5,9 +5,10 @@
 
 #include "welkin/control.h"
 #include "welkin/cubemap_chain.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 enum class MipFilter {
   box,          ///< the plain mean of the texels below: what graphics APIs do

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <string>
@@ -15,12 +14,12 @@
 
 #include "welkin/bake.h"
 #include "welkin/cost_model.h"
+#include "welkin/export.h"
 #include "welkin/planned_pass.h"
 #include "welkin/scene_needs.h"
 #include "welkin/source_shape.h"
-#include "welkin/stored_environment.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct Plan {
   std::string source;               ///< "lat-long 1024 x 512"; of files with their name
@@ -60,17 +59,11 @@ struct Plan {
                         const CostModel& costs = {}, const Control& control = {});
 [[nodiscard]] Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole = {},
                         const CostModel& costs = {}, const Control& control = {});
-/// Of a file that was probed: with what it carries. Where nothing wants pixels it is projected while it is read, or not
-/// even read. Nothing is read here: an error budget is refused as of a shape.
-[[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {},
-                        const CostModel& costs = {});
 
 /// Carries a plan out; the source must have the shape that was planned for. The records' reasons are the plan's. Throws
 /// as `bake`, and invalid_argument for another source.
 [[nodiscard]] BakeResult bake(const LatLongView& source, const Plan& plan, const Control& control = {});
 [[nodiscard]] BakeResult bake(const CubemapView& source, const Plan& plan, const Control& control = {});
-/// Throws as `bake_file` too.
-[[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
 /// How an environment changed that was baked before: what came from direction d comes from turn * d, times a factor.
 struct EnvironmentChange {

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 enum class PassAction {
   run,    ///< it is computed

@@ -16,10 +16,11 @@
 #include <vector>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// What a texel stands for while it is integrated.
 enum class Quadrature {
@@ -124,12 +125,5 @@ struct Projection {
 /// Projects a lat-long image directly, without a cubemap in between. Cost, accuracy and errors as above.
 [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
-
-/// The readable double-precision twin of the calls above: one texel after the other, textbook formulas, no
-/// shared tables, one thread, hundreds of times slower. It is the truth that they are tested against.
-[[nodiscard]] SphericalHarmonics reference_projection(const CubemapView& cubemap,
-                                                      const ProjectionOptions& options = {});
-[[nodiscard]] SphericalHarmonics reference_projection(const LatLongView& lat_long,
-                                                      const ProjectionOptions& options = {});
 
 }  // namespace welkin

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <memory>
 #include <span>
@@ -15,13 +14,15 @@
 
 #include "welkin/bake.h"
 #include "welkin/control.h"
-#include "welkin/environment_file.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
+
+struct Environment;  // environment_file.h
 
 /// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels. Two are equal if they
 /// are the same pixels in memory: values are not compared.
@@ -29,7 +30,7 @@ class CubemapSource {
  public:
   /// The pixels go over to the request, without a copy, and are freed when it is done.
   CubemapSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written down as what it reads
-  /// Throws `Error` (invalid_argument) if it is a lat-long.
+  /// Defined in welkin::files. Throws `Error` (invalid_argument) if it is a lat-long.
   CubemapSource(Environment environment);  // NOLINT(google-explicit-constructor)
   /// Shared and read-only.
   CubemapSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
@@ -57,7 +58,8 @@ class CubemapSource {
 /// The same for a lat-long.
 class LatLongSource {
  public:
-  LatLongSource(LatLongImage image);                         // NOLINT(google-explicit-constructor)
+  LatLongSource(LatLongImage image);  // NOLINT(google-explicit-constructor)
+  /// Defined in welkin::files.
   LatLongSource(Environment environment);                    // NOLINT(google-explicit-constructor)
   LatLongSource(std::shared_ptr<const LatLongImage> image);  // NOLINT(google-explicit-constructor)
   LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner);
@@ -93,39 +95,6 @@ struct ProjectLatLong {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const ProjectLatLong&, const ProjectLatLong&) = default;
-};
-
-/// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
-struct ProjectFile {
-  static constexpr bool kReadsFiles = true;
-
-  std::filesystem::path path;
-  ReadOptions read_options{};
-  ProjectionOptions options{};
-
-  [[nodiscard]] Projection operator()(const Control& control) const;
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
-};
-
-/// `read_environment`. Its result cannot be copied, so it is not shared.
-struct ReadFile {
-  std::filesystem::path path;
-  ReadOptions read_options{};
-
-  [[nodiscard]] Environment operator()(const Control& control) const;
-};
-
-/// `measure_environment`. Shared as `ProjectFile`.
-struct MeasureFile {
-  static constexpr bool kReadsFiles = true;
-
-  std::filesystem::path path;
-  ReadOptions read_options{};
-
-  [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
 };
 
 /// `to_cubemap` of a lat-long.
@@ -174,19 +143,6 @@ struct Bake {
   [[nodiscard]] std::uint64_t bytes() const noexcept;
   [[nodiscard]] std::size_t hash() const noexcept;
   friend bool operator==(const Bake&, const Bake&) = default;
-};
-
-/// `bake_file`. Shared as `ProjectFile`.
-struct BakeFile {
-  static constexpr bool kReadsFiles = true;
-
-  std::filesystem::path path;
-  ReadOptions read_options{};
-  BakeOptions options{};
-
-  [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
-  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
-  friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
 
 }  // namespace welkin

@@ -4,9 +4,10 @@
 #include <glm/mat3x3.hpp>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How a lat-long becomes a cubemap, or the other way about.
 enum class ResampleFilter {

@@ -13,11 +13,12 @@
 #include "welkin/bake.h"
 #include "welkin/content_hash.h"
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/projection.h"
 #include "welkin/sky_tables.h"
 #include "welkin/specular.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct CacheOptions {
   std::filesystem::path folder{};                          ///< made if it is not there; empty: nothing on disk

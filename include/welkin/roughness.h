@@ -5,7 +5,9 @@
 
 #include <vector>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// Named ways to spread roughness over a chain, t = mip / (mips - 1) in [0, 1].
 enum class RoughnessSchedule {

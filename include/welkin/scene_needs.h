@@ -6,7 +6,9 @@
 
 #include <optional>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// Perceptual roughness, as artists set it.
 struct RoughnessRange {

@@ -11,10 +11,11 @@
 #include <string>
 
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/sky_view.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Directions and weights. A sky is mirror-symmetric about the sun's vertical plane, so all of them look at half the
 /// azimuths only, and no coefficient that is odd in the azimuth from the sun is computed.

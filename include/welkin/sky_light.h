@@ -26,13 +26,14 @@
 
 #include "welkin/atmosphere.h"
 #include "welkin/directional_light.h"
+#include "welkin/export.h"
 #include "welkin/sky_harmonics.h"
 #include "welkin/sky_tables.h"
 #include "welkin/specular.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/worker.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct SkyLightOptions {
   SkyTableOptions tables{};

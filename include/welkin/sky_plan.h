@@ -16,6 +16,7 @@
 #include "welkin/brdf_table.h"
 #include "welkin/control.h"
 #include "welkin/cost_model.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/planned_pass.h"
 #include "welkin/scene_needs.h"
@@ -24,7 +25,7 @@
 #include "welkin/sky_view.h"
 #include "welkin/specular.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct SkyBakeOptions {
   SkyTableOptions tables{};

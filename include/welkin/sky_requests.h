@@ -10,12 +10,13 @@
 
 #include "welkin/atmosphere.h"
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/sky_harmonics.h"
 #include "welkin/sky_tables.h"
 #include "welkin/sky_view.h"
 #include "welkin/specular.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// `precompute_sky`. Handed out by pointer: views and curves share the tables.
 struct PrecomputeSky {

@@ -5,16 +5,16 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
 
 #include "welkin/atmosphere.h"
 #include "welkin/control.h"
+#include "welkin/export.h"
 #include "welkin/projection.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 enum class ScatteringLayout {
   /// Height x cosine of view's zenith x cosine of sun's zenith x cosine of the azimuth between view and sun (Bruneton,
@@ -97,13 +97,5 @@ struct SkyTables {
 /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                        const Control& control = {});
-
-/// Writes tables with all their parameters and a checksum; read again they are the same bits. Written beside, renamed.
-/// Throws `Error`: invalid_argument for tables whose sizes are not their options', file_access.
-void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path);
-/// Throws `Error`: file_access, corrupt_file (a checksum that differs, a table cut off), unsupported_file (another
-/// version), limit_exceeded.
-[[nodiscard]] SkyTables load_sky_tables(const std::filesystem::path& path,
-                                        std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U);
 
 }  // namespace welkin

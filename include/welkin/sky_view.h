@@ -6,13 +6,12 @@
 #include <span>
 
 #include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
 #include "welkin/directional_light.h"
+#include "welkin/export.h"
 #include "welkin/image.h"
 #include "welkin/sky_tables.h"
-#include "welkin/specular.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct SkyViewOptions {
   bool ground = true;  ///< rays that end on the ground see it, lit by sun and sky; else only the air before it
@@ -76,11 +75,5 @@ class SkyView {
                                        const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height,
                                         const SkyPictureOptions& options = {}, const Control& control = {});
-
-/// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the disc is apart unless asked for.
-/// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
-[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun,
-                                               const PrefilterOptions& options, const SkyPictureOptions& picture = {},
-                                               const Control& control = {});
 
 }  // namespace welkin

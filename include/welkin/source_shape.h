@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 struct SourceShape {
   bool cubemap = false;

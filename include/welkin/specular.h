@@ -13,10 +13,11 @@
 
 #include "welkin/control.h"
 #include "welkin/cubemap_chain.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
   automatic,  ///< for each mip the fastest within both bounds; below roughness 0.055 sampled, which is not within

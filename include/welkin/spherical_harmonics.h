@@ -9,7 +9,9 @@
 #include <span>
 #include <vector>
 
-namespace welkin {
+#include "welkin/export.h"
+
+namespace WELKIN_EXPORT welkin {
 
 /// The most bands that any call takes. Band l = bands - 1 is the highest one present.
 inline constexpr int kMaximumBands = 16;

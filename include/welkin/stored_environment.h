@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "welkin/environment_file.h"
+#include "welkin/export.h"
 #include "welkin/source_shape.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// What the levels below the first are.
 enum class LevelContent {

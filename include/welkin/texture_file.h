@@ -12,9 +12,10 @@
 #include "welkin/control.h"
 #include "welkin/cubemap_chain.h"
 #include "welkin/environment_writer.h"
+#include "welkin/export.h"
 #include "welkin/image_view.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// How a texel is stored; each value is rounded to the nearest that there is, and what a format cannot hold is clamped
 /// and counted: what is above its largest value becomes that, NaN becomes 0, negatives become 0 where there are none.

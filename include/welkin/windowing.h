@@ -4,9 +4,10 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "welkin/export.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// By what band l is multiplied. `width` is in bands.
 enum class Window {

@@ -24,17 +24,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "welkin/export.h"
 #include "welkin/job.h"
 #include "welkin/requests.h"
 
-namespace welkin {
-
-/// How the system ranks a worker's threads against all others.
-enum class ThreadPriority {
-  idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
-  below,   ///< a tenth of a normal thread's share when both want a processor (nice + 10)
-  normal,  ///< as the thread that made the worker
-};
+namespace WELKIN_EXPORT welkin {
 
 /// What `post` does when a worker is at its limits.
 enum class WhenFull {

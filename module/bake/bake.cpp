@@ -11,14 +11,13 @@
 #include <utility>
 
 #include "bake/bake_plan.h"
-#include "bake/bake_source.h"
-#include "bake/pass_graph.h"
-#include "image/fill_cubemap.h"
+#include "brdf/brdf_table.h"
+#include "image/cubemap.h"
+#include "jobs/pass_graph.h"
 #include "jobs/tiles.h"
-#include "specular/brdf_integration.h"
-#include "specular/clean_source.h"
-#include "specular/extreme_values.h"
-#include "specular/prefilter.h"
+#include "projection/clean_pixels.h"
+#include "reflections/prefilter.h"
+#include "reflections/prefilter_source.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
@@ -119,13 +118,13 @@ class Baking {
     return {"run", "a copy as RGB floats, clamped and replaced as asked for"};
   }
 
-  [[nodiscard]] const View& clean_view() const { return specular::view_of(*clean_, source_); }
+  [[nodiscard]] const View& clean_view() const { return projection::view_of(*clean_, source_); }
 
   Outcome fill_background(const Control& control) {
     CubemapChain& chain = result_.background;
     const int size = chain.size();
     // A chain of huge values went through a scale and back, which loses what is very dark.
-    if (plan_.same_level && !(clean_ && specular::safe_scale(*clean_) != 1.0F)) {
+    if (plan_.same_level && !(clean_ && reflections::safe_scale(*clean_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
       return done(BakePass::background);
     }
@@ -183,7 +182,7 @@ class Baking {
     PrefilterOptions prefiltering = *options_.specular;
     prefiltering.pixels = {};
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    result_.specular = specular::prefilter(clean_view(), prefiltering, 0, std::move(room), control).specular;
+    result_.specular = reflections::prefilter(clean_view(), prefiltering, 0, std::move(room), control).specular;
     return done(BakePass::specular);
   }
 
@@ -211,7 +210,7 @@ class Baking {
 
   Outcome look_up_brdf(const Control& control) {
     bool made = false;
-    result_.brdf = specular::shared_brdf(*options_.brdf, control, made);
+    result_.brdf = brdf::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
     return {"reuse", "made before: it depends on no scene"};
   }
@@ -244,9 +243,9 @@ class Baking {
   const BakePlan& plan_;
   const StoredResults& stored_;
   BakeResult& result_;
-  PassGraph graph_;
+  jobs::PassGraph graph_;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
-  std::optional<specular::CleanSource> clean_;
+  std::optional<projection::CleanSource> clean_;
   std::optional<Projection> projection_;
 };
 

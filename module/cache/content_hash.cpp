@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "cache/byte_writer.h"
-#include "codec/byte_file.h"
-#include "image/check_views.h"
+#include "cache/payloads.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "platform/file.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -133,7 +133,7 @@ ContentHash hash_pixels(const LatLongView& lat_long, const Control& control) {
 }
 
 ContentHash hash_file(const std::filesystem::path& path, const Control& control) {
-  codec::ByteFile file(path);
+  platform::ByteFile file(path);
   std::vector<std::byte> block(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kFileBlockBytes)));
   XXH3_state_t state;
   XXH3_128bits_reset(&state);

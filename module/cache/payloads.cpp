@@ -2,10 +2,16 @@
 
 #include <utility>
 
-#include "cache/byte_writer.h"
 #include "sky/table_sizes.h"
 
 namespace welkin::cache {
+
+void ByteWriter::raw(const void* bytes, std::size_t count) {
+  if (count == 0) return;
+  const auto* const first = static_cast<const std::uint8_t*>(bytes);
+  bytes_.insert(bytes_.end(), first, first + count);
+}
+
 namespace {
 
 constexpr std::size_t kSmallChange = 4096;
@@ -167,30 +173,31 @@ std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels) {
   return if_complete(loader, std::move(mip));
 }
 
-Bytes encode(const sh::FaceSums& sums) {
+Bytes encode(const projection::FaceSums& sums) {
   Saver saver(sums.bytes());
   saver(sums.functions, sums.records.size());
   saver.writer.raw(sums.values.data(), sums.values.size() * sizeof(double));
-  for (const sh::CleaningRecord& record : sums.records) {
+  for (const projection::CleaningRecord& record : sums.records) {
     saver(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(saver, record.flux_removed);
   }
   return saver.writer.take();
 }
 
-std::optional<std::shared_ptr<const sh::FaceSums>> decode_face_sums(ByteSpan bytes, int bands, std::size_t tiles) {
+std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
+                                                                            std::size_t tiles) {
   Loader loader(bytes);
   std::size_t functions = 0;
   loader(functions);
   if (functions != static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands)) return std::nullopt;
   if (loader.reader.count(3 * functions * sizeof(double)) != tiles) return std::nullopt;
-  auto sums = std::make_shared<sh::FaceSums>(tiles, bands);
+  auto sums = std::make_shared<projection::FaceSums>(tiles, bands);
   loader.reader.raw(sums->values.data(), sums->values.size() * sizeof(double));
-  for (sh::CleaningRecord& record : sums->records) {
+  for (projection::CleaningRecord& record : sums->records) {
     loader(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(loader, record.flux_removed);
   }
-  return if_complete(loader, std::shared_ptr<const sh::FaceSums>(std::move(sums)));
+  return if_complete(loader, std::shared_ptr<const projection::FaceSums>(std::move(sums)));
 }
 
 Bytes encode(const SkyTables& tables) {

@@ -1,21 +1,21 @@
-#include "welkin/result_cache.h"
+#include "cache/result_cache.h"
 
 #include <array>
 #include <cmath>
 #include <system_error>
 #include <type_traits>
 
-#include "cache/cleaned_pixels.h"
-#include "cache/result_store.h"
-#include "cache/stored_chain.h"
+#include "cache/cached_bake.h"
+#include "cache/recipe.h"
 #include "jobs/tiles.h"
-#include "sh/check_arguments.h"
-#include "sh/cubemap_projection.h"
-#include "sh/level_choice.h"
-#include "specular/prefilter.h"
+#include "projection/cubemap_projection.h"
+#include "projection/pixel_policy.h"
+#include "projection/project.h"
+#include "reflections/prefilter.h"
 #include "welkin/error.h"
 #include "welkin/face_harmonics.h"
 #include "welkin/harmonic_transforms.h"
+#include "welkin/result_cache.h"
 
 namespace welkin {
 namespace {
@@ -32,7 +32,7 @@ void finished(const Control& control) {
 
 bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change) {
   return change.keep_faces &&
-         (options.quadrature == Quadrature::exact || sh::effective_target(cubemap.size, options) == 0);
+         (options.quadrature == Quadrature::exact || projection::effective_target(cubemap.size, options) == 0);
 }
 
 EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {
@@ -45,8 +45,8 @@ Projection project_by_faces(Store& store, const CubemapView& cubemap, const std:
                             const ProjectionOptions& options, std::size_t& found_faces, const Control& control) {
   FaceHarmonics faces(cubemap.size, options);
   ProjectionOptions effective = options;
-  effective.target_size = sh::effective_target(cubemap.size, options);
-  const std::size_t tiles = sh::tiles_of_face(cubemap.size, effective);
+  effective.target_size = projection::effective_target(cubemap.size, options);
+  const std::size_t tiles = projection::tiles_of_face(cubemap.size, effective);
   const auto decode = [&](cache::ByteSpan bytes) { return cache::decode_face_sums(bytes, options.bands, tiles); };
   std::vector<int> missing;
   for (int face = 0; face < 6; ++face) {
@@ -110,7 +110,7 @@ CacheStatistics ResultCache::statistics() const { return store_->statistics(); }
 template <class View>
 Projection ResultCache::project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
                                      const Control& control) {
-  sh::check_options(options);
+  projection::check_options(options);
   check(change);
   const Control hashing = jobs::part_of(control, 0.0, kHashing);
   std::array<ContentHash, 6> faces{};
@@ -156,7 +156,7 @@ Projection ResultCache::project(const LatLongView& lat_long, const ProjectionOpt
 
 Projection ResultCache::project_file(const std::filesystem::path& path, const ReadOptions& read_options,
                                      const ProjectionOptions& options, const Control& control) {
-  sh::check_options(options);
+  projection::check_options(options);
   std::error_code none;
   const bool whole = std::filesystem::is_regular_file(path, none) &&
                      inspect_environment(path, read_options).layout != Layout::six_files;
@@ -188,18 +188,18 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
   auto cleaned = cache::find_cleaned(*store_, cleaned_entry);
   std::uint64_t clean_bytes = 0;
   if (!cleaned || !chain.complete()) {
-    const specular::CleanSource source(view, options.pixels, {control.stop, {}});
+    const projection::CleanSource source(view, options.pixels, {control.stop, {}});
     clean_bytes = source.bytes();
     cleaned = cache::store_cleaned(*store_, cleaned_entry, source);
     if (!chain.complete()) {
       PrefilterOptions missing = chain.missing();
       missing.pixels = {};
-      const View& clean = specular::view_of(source, view);
+      const View& clean = projection::view_of(source, view);
       chain.add(*store_, welkin::prefilter_specular(clean, missing, jobs::part_of(control, kHashing, 1.0)));
     }
   }
   PrefilteredSpecular specular = chain.take();
-  specular::describe_pixels(cleaned->diagnostics, cleaned->clamped_flux, specular);
+  reflections::describe_pixels(cleaned->diagnostics, cleaned->clamped_flux, specular);
   specular.peak_bytes += clean_bytes;
   finished(control);
   return specular;

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
-#include "image/cube_texels.h"
-#include "image/float_plane.h"
-#include "image/formats.h"
-#include "image/sampler.h"
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "image/resampling.h"
 #include "jobs/tiles.h"
-#include "tables/trigonometry.h"
+#include "math/elementary.h"
 
 namespace welkin::image {
 namespace {
@@ -53,7 +52,7 @@ std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& turn, int width
   if (!is_near(std::abs(up.y), 1.0) || !is_near(up.x, 0.0) || !is_near(up.z, 0.0)) return {};
   const glm::dvec3 ahead = turn * glm::dvec3(0, 0, 1);
   const glm::dvec3 left = turn * glm::dvec3(1, 0, 0);
-  const double shift = tables::turns_of(ahead.x, ahead.z) * width;
+  const double shift = math::turns_of(ahead.x, ahead.z) * width;
   const double whole = std::round(shift);
   if (std::abs(shift - whole) > kColumnTolerance) return {};
   const int moved = static_cast<int>(whole) % width;

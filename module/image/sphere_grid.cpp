@@ -1,6 +1,15 @@
+// A row of a face and its mirror image, on all faces alike, share their places on the rings; so these are worked out
+// once for the four faces round the equator, and once for the two at the poles.
 #include "image/sphere_grid.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <vector>
+
+#include "jobs/tiles.h"
+#include "simd/kernels.h"
 
 namespace welkin::image {
 namespace {
@@ -39,6 +48,240 @@ void SphereGrid::fill_poles() noexcept {
     fill_sides(-beyond, 1);
     fill_sides(rings_ - 1 + beyond, 1);
   }
+}
+
+namespace {
+
+constexpr int kTileTexels = 16384;
+constexpr int kInlineTexels = 16384;  // some 50 microseconds
+
+constexpr int kFaceX = 0;
+constexpr int kFaceMinusX = 1;
+constexpr int kFaceY = 2;
+constexpr int kFaceMinusY = 3;
+constexpr int kFaceZ = 4;
+constexpr int kFaceMinusZ = 5;
+constexpr std::array<int, 4> kSides{kFaceX, kFaceMinusX, kFaceZ, kFaceMinusZ};
+
+/// Between which texels of the grid a row's points lie along one axis, and with which weights.
+struct Taps {
+  explicit Taps(int count) : first(static_cast<std::size_t>(count)), weights(4 * static_cast<std::size_t>(count)) {}
+
+  std::vector<std::int32_t> first;
+  std::vector<float> weights;
+};
+
+/// The places of one row of a face.
+struct RowTaps {
+  explicit RowTaps(int size) : rings(size), front(size), back(size) {}
+
+  Taps rings;
+  Taps front;  ///< polar faces: columns where z >= 0
+  Taps back;   ///< and where z < 0
+};
+
+/// One worker's room.
+struct Scratch {
+  Scratch(int size, int rows)
+      : across(static_cast<std::size_t>(size)),
+        along(static_cast<std::size_t>(size)),
+        angles(static_cast<std::size_t>(size)),
+        places(static_cast<std::size_t>(size)),
+        taps(static_cast<std::size_t>(rows), RowTaps(size)) {}
+
+  std::vector<double> across, along, angles, places;
+  std::vector<RowTaps> taps;
+};
+
+/// Rows [first, end) of the upper half of a face.
+struct Rows {
+  int first;
+  int end;
+};
+
+class FaceSampler {
+ public:
+  FaceSampler(const SphereGrid& grid, int size, const std::array<float*, 6>& faces, const GridSampling& sampling)
+      : grid_(grid),
+        size_(size),
+        half_((size + 1) / 2),
+        faces_(faces),
+        sampling_(sampling),
+        rings_a_quarter_(0.5 * grid.rings()),
+        columns_a_quarter_(0.25 * grid.columns()),
+        side_columns_{Taps(size), Taps(size), Taps(size), Taps(size)},
+        distances_(static_cast<std::size_t>(half_)) {
+    for (int column = 0; column < half_; ++column) distances_[static_cast<std::size_t>(column)] = distance(column);
+    side_lengths_.resize(distances_.size());
+    kernels_.plane_lengths(distances_.data(), 1.0, half_, side_lengths_.data());
+    place_side_columns();
+  }
+
+  /// Rows of the four side faces, and their rows opposite. Face after face: rows side by side share most of their
+  /// rings, and a processor foresees a few runs of memory but not 32 at a time.
+  void sample_sides(const Rows& rows, Scratch& scratch) const {
+    for (int row = rows.first; row < rows.end; ++row) place_side_rings(row, scratch, taps_of(rows, row, scratch));
+    for (std::size_t side = 0; side < kSides.size(); ++side) {
+      for (const bool below : {false, true}) {
+        for (int row = rows.first; row < rows.end; ++row) {
+          if (below && row == opposite(row)) continue;
+          sample_row(kSides[side], below ? opposite(row) : row, below, taps_of(rows, row, scratch).rings,
+                     side_columns_[side]);
+        }
+      }
+    }
+  }
+
+  /// The same of the faces +Y and -Y. On +Y the upper rows have z < 0, on -Y the lower ones.
+  void sample_poles(const Rows& rows, Scratch& scratch) const {
+    for (int row = rows.first; row < rows.end; ++row) place_polar_taps(row, scratch, taps_of(rows, row, scratch));
+    for (const bool below : {false, true}) {
+      for (const bool front : {false, true}) {
+        for (int row = rows.first; row < rows.end; ++row) {
+          if (!front && row == opposite(row)) continue;
+          const RowTaps& taps = taps_of(rows, row, scratch);
+          sample_row(below ? kFaceMinusY : kFaceY, front == below ? row : opposite(row), below, taps.rings,
+                     front ? taps.front : taps.back);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] int half() const noexcept { return half_; }
+
+ private:
+  /// |u| of a column, |v| of a row, in the first half.
+  [[nodiscard]] double distance(int index) const noexcept { return static_cast<double>(size_ - 1 - 2 * index) / size_; }
+  [[nodiscard]] int opposite(int row) const noexcept { return size_ - 1 - row; }
+
+  void take_taps(const std::vector<double>& places, Taps& taps) const {
+    const bool cubic = grid_.content() == GridContent::spline_coefficients;
+    kernels_.taps_of_places(places.data(), size_, cubic, taps.first.data(), taps.weights.data());
+  }
+
+  [[nodiscard]] static RowTaps& taps_of(const Rows& rows, int row, Scratch& scratch) {
+    return scratch.taps[static_cast<std::size_t>(row - rows.first)];
+  }
+
+  void place_side_rings(int row, Scratch& scratch, RowTaps& taps) const {
+    std::fill_n(scratch.across.begin(), half_, distance(row));
+    kernels_.places_of_angles(scratch.across.data(), side_lengths_.data(), half_, -rings_a_quarter_,
+                              0.5 * grid_.rings() - 0.5, scratch.places.data());
+    place_rings(scratch, taps.rings);
+  }
+
+  void place_polar_taps(int row, Scratch& scratch, RowTaps& taps) const {
+    kernels_.plane_lengths(distances_.data(), distance(row), half_, scratch.across.data());
+    std::fill_n(scratch.along.begin(), half_, 1.0);
+    kernels_.places_of_angles(scratch.across.data(), scratch.along.data(), half_, rings_a_quarter_, -0.5,
+                              scratch.places.data());
+    place_rings(scratch, taps.rings);
+    place_polar_columns(row, scratch, taps);
+  }
+
+  /// From the places of the left half.
+  void place_rings(Scratch& scratch, Taps& rings) const {
+    for (int column = half_; column < size_; ++column) {
+      scratch.places[static_cast<std::size_t>(column)] = scratch.places[static_cast<std::size_t>(opposite(column))];
+    }
+    take_taps(scratch.places, rings);
+  }
+
+  /// Calls left(column, angle) for the columns with u <= 0 and right(column, angle) for the others; `angles`: of the
+  /// left half, in columns of the grid. The grid's columns run against longitude, column c's centre being at
+  /// columns / 2 - 1/2 - c past +z.
+  template <class Left, class Right>
+  void fill_places(const double* angles, std::vector<double>& places, const Left& left, const Right& right) const {
+    for (int column = 0; column < half_; ++column) places[static_cast<std::size_t>(column)] = left(angles[column]);
+    for (int column = half_; column < size_; ++column) {
+      places[static_cast<std::size_t>(column)] = right(angles[opposite(column)]);
+    }
+  }
+
+  // The longitude is that of the face's middle plus atan(u).
+  void place_side_columns() {
+    Scratch scratch(size_, 0);
+    std::fill_n(scratch.along.begin(), half_, 1.0);
+    kernels_.places_of_angles(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
+                              scratch.angles.data());
+    const double columns = grid_.columns();
+    const std::array<double, 4> middles{0.25 * columns - 0.5, 0.75 * columns - 0.5, 0.5 * columns - 0.5, -0.5};
+    for (std::size_t side = 0; side < kSides.size(); ++side) {
+      const double left_middle = middles[side];
+      const double right_middle = kSides[side] == kFaceMinusZ ? columns - 0.5 : left_middle;  // beyond the seam
+      fill_places(
+          scratch.angles.data(), scratch.places, [&](double angle) { return left_middle + angle; },
+          [&](double angle) { return right_middle - angle; });
+      take_taps(scratch.places, side_columns_[side]);
+    }
+  }
+
+  // The longitude is +-a where z >= 0 and +-(pi - a) where z < 0, a = atan(|u| / |v|).
+  void place_polar_columns(int row, Scratch& scratch, RowTaps& taps) const {
+    std::fill_n(scratch.along.begin(), half_, distance(row));
+    kernels_.places_of_angles(distances_.data(), scratch.along.data(), half_, columns_a_quarter_, 0.0,
+                              scratch.angles.data());
+    const double columns = grid_.columns();
+    const double middle = 0.5 * columns - 0.5;
+    fill_places(
+        scratch.angles.data(), scratch.places, [&](double angle) { return middle + angle; },
+        [&](double angle) { return middle - angle; });
+    take_taps(scratch.places, taps.front);
+    fill_places(
+        scratch.angles.data(), scratch.places, [&](double angle) { return columns - 0.5 - angle; },
+        [](double angle) { return angle - 0.5; });
+    take_taps(scratch.places, taps.back);
+  }
+
+  /// `below`: rings counted from the other pole.
+  void sample_row(int face, int row, bool below, const Taps& rings, const Taps& columns) const {
+    simd::GridRun run{};
+    run.origin = below ? grid_.texel(0, grid_.rings() - 1) : grid_.texel(0, 0);
+    run.ring_stride = below ? -grid_.stride() : grid_.stride();
+    run.rings = rings.first.data();
+    run.columns = columns.first.data();
+    run.ring_weights = rings.weights.data();
+    run.column_weights = columns.weights.data();
+    run.count = size_;
+    run.not_negative = sampling_.not_negative;
+    kernels_.sample_grid(run, faces_[static_cast<std::size_t>(face)] +
+                                  std::size_t{3} * static_cast<std::size_t>(row) * static_cast<std::size_t>(size_));
+  }
+
+  const simd::Kernels& kernels_ = simd::active_kernels();
+  const SphereGrid& grid_;
+  int size_;
+  int half_;
+  std::array<float*, 6> faces_;
+  GridSampling sampling_;
+  double rings_a_quarter_;  ///< turn
+  double columns_a_quarter_;
+  std::array<Taps, 4> side_columns_;
+  std::vector<double> distances_;     ///< |u| of the left half's columns
+  std::vector<double> side_lengths_;  ///< sqrt(1 + u^2)
+};
+
+}  // namespace
+
+void sample_faces(const SphereGrid& grid, int size, const std::array<float*, 6>& faces, const GridSampling& sampling,
+                  const Control& control) {
+  const FaceSampler sampler(grid, size, faces, sampling);
+  const bool small = std::int64_t{6} * size * size <= kInlineTexels;
+  const jobs::Placement placement = small ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  const std::size_t workers = jobs::worker_count(placement);
+  const int side_rows = std::max(1, kTileTexels / (8 * size));
+  const int polar_rows = std::max(1, kTileTexels / (4 * size));
+  std::vector<Scratch> scratch(workers, Scratch(size, std::min(polar_rows, sampler.half())));
+  const auto tiles_of = [&](int rows) { return static_cast<std::size_t>((sampler.half() + rows - 1) / rows); };
+  const std::size_t side_tiles = tiles_of(side_rows);
+  jobs::run_tiles(side_tiles + tiles_of(polar_rows), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const bool polar = tile >= side_tiles;
+                    const int count = polar ? polar_rows : side_rows;
+                    const int first = static_cast<int>(polar ? tile - side_tiles : tile) * count;
+                    const Rows rows{first, std::min(first + count, sampler.half())};
+                    polar ? sampler.sample_poles(rows, scratch[worker]) : sampler.sample_sides(rows, scratch[worker]);
+                  });
 }
 
 }  // namespace welkin::image

@@ -1,4 +1,4 @@
-#include "simd/kernel_functions.h"
+#include "simd/kernel_table.h"
 
 namespace welkin::simd::WELKIN_ISA {
 

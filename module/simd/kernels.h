@@ -8,10 +8,8 @@
 #include <cstdint>
 
 #include "simd/basis_recurrence.h"
-#include "simd/sky_kernels.h"
-#include "simd/sky_ring_kernels.h"
-#include "simd/sky_view_kernels.h"
-#include "simd/transform_kernels.h"
+#include "sky/sky_kernels.h"
+#include "transform/transform_kernels.h"
 #include "welkin/instruction_set.h"
 
 namespace welkin::simd {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
 #include "sky/sky_geometry.h"
-#include "tables/trigonometry.h"
 
 namespace welkin::sky {
 namespace {
@@ -18,7 +18,7 @@ std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * k
 /// Place of an angle of that cosine among nodes evenly from 0 to pi.
 double place_of_angle(double cosine, int nodes) noexcept {
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
-  return 2.0 * tables::turns_of(sine, cosine) * (nodes - 1);
+  return 2.0 * math::turns_of(sine, cosine) * (nodes - 1);
 }
 
 struct Between {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/elementary.h"
+#include "math/quadrature.h"
 #include "sky/sky_geometry.h"
-#include "tables/exponential.h"
-#include "tables/gauss_legendre.h"
 
 namespace welkin::sky {
 namespace {
@@ -41,7 +41,7 @@ double integral(const Collocation& rule, std::size_t j, double x) {
 }
 
 Collocation make_collocation() {
-  const simd::GaussRule gauss = tables::gauss_legendre(static_cast<int>(kPanelNodes));
+  const simd::GaussRule gauss = math::gauss_legendre(static_cast<int>(kPanelNodes));
   Collocation rule{};
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
     rule.nodes[k] = 0.5 + 0.5 * gauss.nodes[k];
@@ -149,7 +149,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
   std::array<double, 3> after{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double depth = optical_depth(extinctions[c], whole);
-    after[c] = transmittance_[c] * tables::exponential(-depth);
+    after[c] = transmittance_[c] * math::exponential(-depth);
     if (!last_chance && depth > kThickest && transmittance_[c] > kFaintest) return false;
   }
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
@@ -160,7 +160,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
         for (std::size_t j = 0; j < kPanelNodes; ++j) before += rule.before[k][j] * nodes[j].density[i];
         depth += extinctions[c][i] * before;
       }
-      nodes[k].transmittance[c] = transmittance_[c] * tables::exponential(-std::max(0.0, size * depth));
+      nodes[k].transmittance[c] = transmittance_[c] * math::exponential(-std::max(0.0, size * depth));
     }
   }
   transmittance_ = after;

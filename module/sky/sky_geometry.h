@@ -6,7 +6,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <string>
+
+#include "welkin/error.h"
 
 namespace welkin::sky {
 
@@ -62,5 +68,88 @@ namespace welkin::sky {
 [[nodiscard]] inline double horizon_cosine(double bottom_radius, double altitude) noexcept {
   return -tangent_distance(bottom_radius, altitude) / (bottom_radius + altitude);
 }
+
+// Directions as callers give them.
+
+/// The same direction at a length whose square neither overflows nor vanishes; one that is neither is left alone.
+[[nodiscard]] inline glm::dvec3 of_moderate_length(const glm::dvec3& direction) noexcept {
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (largest > 1e-100 && largest < 1e100) return direction;
+  return largest > 0.0 ? direction / largest : direction;
+}
+
+/// Towards a sun, of length 1. Throws `Error` (invalid_argument) for one that has no direction.
+[[nodiscard]] inline glm::dvec3 sun_unit(const glm::dvec3& sun) {
+  const glm::dvec3 moderate = of_moderate_length(sun);
+  const double length = std::sqrt(glm::dot(moderate, moderate));
+  if (length > 0.0 && std::isfinite(length)) return moderate / length;
+  throw Error(ErrorCode::invalid_argument, "the sun's direction is (" + std::to_string(sun.x) + ", " +
+                                               std::to_string(sun.y) + ", " + std::to_string(sun.z) +
+                                               "); it must be finite and have a length, best 1");
+}
+
+// The cubic through four neighbouring nodes: how tables of a sky are read between them.
+
+struct Cubic {
+  int first = 0;
+  double weights[4]{};
+};
+
+/// At a position among `count` nodes, 0 to count - 1. With less than four nodes: the curve through all of them, the
+/// rest of the weights 0 (and of a node that is not there).
+[[nodiscard]] inline Cubic cubic_at(double position, int count) noexcept {
+  Cubic cubic;
+  const double inside = std::min(std::max(position, 0.0), static_cast<double>(count - 1));
+  const int nodes = std::min(count, 4);
+  cubic.first = std::clamp(static_cast<int>(inside) - 1, 0, count - nodes);
+  const double x = inside - cubic.first;
+  for (int i = 0; i < nodes; ++i) {
+    double weight = 1.0;
+    for (int k = 0; k < nodes; ++k) {
+      if (k != i) weight *= (x - k) / (i - k);
+    }
+    cubic.weights[i] = weight;
+  }
+  return cubic;
+}
+
+// Directions at a height that light is summed over.
+
+/// Directions of the quadrature at a height: over the ground, between the horizon and the horizontal, and upwards, each
+/// by Gauss and Legendre, closer together about the horizon.
+struct DirectionRule {
+  static constexpr int kGroundNodes = 8;
+  static constexpr int kLowNodes = 8;
+  static constexpr int kUpperNodes = 16;
+  static constexpr int kZeniths = kGroundNodes + kLowNodes + kUpperNodes;
+  static constexpr int kAzimuths = 16;  ///< over half the circle, at the middles of as many parts
+
+  std::array<double, kZeniths> cosines{};
+  std::array<double, kZeniths> weights{};  ///< of the cosine
+};
+
+/// `horizon`: cosine of the zenith angle of the horizon at that height, -1 to 0.
+[[nodiscard]] DirectionRule direction_rule(double horizon);
+
+// What places and directions of skies must be.
+
+inline constexpr double kHighestAltitude = 1e9;  // m
+
+/// Throw `Error` (invalid_argument), by the argument's name.
+void check_altitude(double altitude_m);
+void check_direction(const char* what, const glm::dvec3& direction);
+
+// A sun's direction as what skies ask of it.
+
+/// Relative to the vertical, azimuth counted from +z towards +x.
+struct SunAngles {
+  double zenith_cosine = 1.0;
+  double zenith_sine = 0.0;
+  double azimuth_cosine = 1.0;  ///< in the zenith as for azimuth 0
+  double azimuth_sine = 0.0;
+};
+
+/// Of a direction of any length. Throws `Error` (invalid_argument) if it is not finite or has none.
+[[nodiscard]] SunAngles sun_angles(const glm::dvec3& sun);
 
 }  // namespace welkin::sky

@@ -1,21 +1,23 @@
 // A view as pictures.
+#include "sky/sky_pictures.h"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
-#include "image/texel_geometry.h"
-#include "image/texel_grid.h"
-#include "jobs/floating_point_scope.h"
+#include "image/geometry.h"
 #include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "simd/kernels.h"
-#include "sky/direction.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_slice.h"
-#include "sky/sun_disc.h"
-#include "tables/trigonometry.h"
 #include "welkin/error.h"
 #include "welkin/sky_view.h"
 
@@ -39,7 +41,7 @@ class SunnySlice {
   SunnySlice(const SkyView& view, const glm::dvec3& sun)
       : kernels_(simd::active_kernels().sky_view), run_(SkyViewAccess::slice(view).run(sky::sun_unit(sun))) {
     if (run_.outside) return;
-    const jobs::FloatingPointScope scope;
+    const platform::FloatingPointScope scope;
     rows_.resize(std::size_t{2} * simd::kSkyRow * static_cast<std::size_t>(run_.half) *
                  static_cast<std::size_t>(run_.azimuths));
     kernels_.reduce(run_, rows_.data());
@@ -87,10 +89,10 @@ void for_rows(int rows, int columns, const Control& control, const Row& row) {
 template <class Covered>
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
               std::vector<float>& pixels) {
-  const jobs::FloatingPointScope scope;
+  const platform::FloatingPointScope scope;
   const Sun sun = view.sun(towards);
   if (!(std::max({sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}) > 0.0)) return;
-  const tables::SineCosine radius = tables::sine_cosine_of_turns(sun.angular_radius_degrees / 360.0);
+  const math::SineCosine radius = math::sine_cosine_of_turns(sun.angular_radius_degrees / 360.0);
   const double horizon = sky::horizon_cosine(view.tables()->atmosphere.bottom_radius_m, view.altitude_m());
   const std::vector<sky::CoveredTexel> texels = covered({sun.direction, radius.sine, radius.cosine, horizon});
   std::vector<std::int64_t> numbers;
@@ -138,16 +140,16 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
   const int width = 2 * height;
   const auto columns = static_cast<std::size_t>(width);
   LatLongImage picture{width, height, std::vector<float>(3 * columns * static_cast<std::size_t>(height))};
-  std::vector<tables::SineCosine> longitudes;
+  std::vector<math::SineCosine> longitudes;
   longitudes.reserve(columns);
-  for (int i = 0; i < width; ++i) longitudes.push_back(tables::sine_cosine_of_turns(0.5 - (i + 0.5) / width));
+  for (int i = 0; i < width; ++i) longitudes.push_back(math::sine_cosine_of_turns(0.5 - (i + 0.5) / width));
   const SunnySlice slice(view, sun);
   for_rows(height, width, control, [&](int j) {
-    const tables::SineCosine latitude = tables::sine_cosine_of_turns(0.25 - (j + 0.5) / (2.0 * height));
+    const math::SineCosine latitude = math::sine_cosine_of_turns(0.25 - (j + 0.5) / (2.0 * height));
     slice.fill(
         width,
         [&](int i) {
-          const tables::SineCosine& longitude = longitudes[static_cast<std::size_t>(i)];
+          const math::SineCosine& longitude = longitudes[static_cast<std::size_t>(i)];
           return glm::dvec3(longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine);
         },
         picture.pixels.data() + 3 * columns * static_cast<std::size_t>(j));
@@ -162,3 +164,204 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
 }
 
 }  // namespace welkin
+
+namespace welkin::sky {
+namespace {
+
+constexpr double kFinest = 1.0 / 48.0;  // of the disc's radius: cells are cut down to that size
+constexpr int kLeastCuts = 3;           // of a texel that the rim goes through
+constexpr double kLargestTurns = 1.0 / 32.0;
+
+double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
+
+/// A rectangle of a picture, in texels.
+struct Cell {
+  double left, right, top, bottom;
+};
+
+struct CubeFace {
+  int size, face;
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
+    return image::face_direction(size, face, column, row);
+  }
+  [[nodiscard]] static bool large(const Cell&) { return false; }  // convex: its corners are what is farthest out
+  [[nodiscard]] static double area(const Cell&, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                                   const glm::dvec3& d) {
+    return 0.5 * length(glm::cross(d - a, c - b));
+  }
+};
+
+struct LatLong {
+  int width, height;
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
+    return image::lat_long_direction(width, height, column, row);
+  }
+  [[nodiscard]] bool large(const Cell& cell) const {
+    return cell.right - cell.left > kLargestTurns * width || cell.bottom - cell.top > 2.0 * kLargestTurns * height;
+  }
+  [[nodiscard]] double area(const Cell& cell, const glm::dvec3& a, const glm::dvec3&, const glm::dvec3& c,
+                            const glm::dvec3&) const {
+    return 2.0 * std::numbers::pi * (cell.right - cell.left) / width * (a.y - c.y);
+  }
+};
+
+/// Cuts a picture into cells until each is inside of the disc, outside, or small.
+template <class Picture>
+class Coverage {
+ public:
+  Coverage(const VisibleDisc& disc, const Picture& picture, std::size_t first, int columns,
+           std::vector<CoveredTexel>& found)
+      : disc_(disc),
+        picture_(picture),
+        first_(first),
+        columns_(columns),
+        found_(found),
+        // chord from the centre to the rim: 2 sin(a / 2)
+        chord_(disc.radius_sine * std::sqrt(2.0 / (1.0 + disc.radius_cosine))),
+        horizon_sine_(std::sqrt(std::max(0.0, (1.0 - disc.horizon_cosine) * (1.0 + disc.horizon_cosine)))) {}
+
+  /// Whole texels.
+  void visit(const Cell& cell) {
+    const Bound bound = bound_of(cell);
+    if (bound.outside) return;
+    const double columns = cell.right - cell.left;
+    const double rows = cell.bottom - cell.top;
+    if (columns <= 1.0 && rows <= 1.0) {
+      const double steradians = covered(cell, bound, 0);
+      const auto texel = first_ + static_cast<std::size_t>(cell.top) * static_cast<std::size_t>(columns_) +
+                         static_cast<std::size_t>(cell.left);
+      if (steradians > 0.0) found_.push_back({texel, steradians});
+    } else if (columns > rows) {
+      const double middle = std::floor(0.5 * (cell.left + cell.right));
+      visit({cell.left, middle, cell.top, cell.bottom});
+      visit({middle, cell.right, cell.top, cell.bottom});
+    } else {
+      const double middle = std::floor(0.5 * (cell.top + cell.bottom));
+      visit({cell.left, cell.right, cell.top, middle});
+      visit({cell.left, cell.right, middle, cell.bottom});
+    }
+  }
+
+ private:
+  struct Bound {
+    bool outside = false;
+    bool inside = false;
+    double radius = 0.0;       ///< chord from the middle to the farthest corner
+    double within_disc = 0.0;  ///< of the middle: how far inside of the rim
+    double above_horizon = 0.0;
+    double disc_extent = 0.0;  ///< over how much of either the corners spread
+    double horizon_extent = 0.0;
+    double steradians = 0.0;
+  };
+
+  Bound bound_of(const Cell& cell) const {
+    Bound bound;
+    const glm::dvec3 middle = picture_.direction(0.5 * (cell.left + cell.right), 0.5 * (cell.top + cell.bottom));
+    const glm::dvec3 a = picture_.direction(cell.left, cell.top);
+    const glm::dvec3 b = picture_.direction(cell.right, cell.top);
+    const glm::dvec3 c = picture_.direction(cell.left, cell.bottom);
+    const glm::dvec3 d = picture_.direction(cell.right, cell.bottom);
+    constexpr double rounder = 1.1;  // parallels bulge
+    bound.radius = rounder * std::max({length(a - middle), length(b - middle), length(c - middle), length(d - middle)});
+    bound.within_disc = chord_ - length(middle - disc_.centre);
+    bound.above_horizon = disc_.horizon_cosine > -1.0
+                              ? (middle.y - disc_.horizon_cosine) / std::max(horizon_sine_, 1e-3)
+                              : 2.0 + 2.0 * bound.radius;
+    const auto spread = [](double p, double q, double r, double t) {
+      return std::max({p, q, r, t, 1e-300}) - std::min({p, q, r, t});
+    };
+    const glm::dvec3& centre = disc_.centre;
+    bound.disc_extent = spread(length(a - centre), length(b - centre), length(c - centre), length(d - centre));
+    bound.horizon_extent = spread(a.y, b.y, c.y, d.y) / std::max(horizon_sine_, 1e-3);
+    bound.steradians = picture_.area(cell, a, b, c, d);
+    if (picture_.large(cell)) return bound;
+    bound.outside = bound.within_disc < -bound.radius || bound.above_horizon < -1.1 * bound.radius;
+    bound.inside = bound.within_disc > bound.radius && bound.above_horizon > 1.1 * bound.radius;
+    return bound;
+  }
+
+  double covered(const Cell& cell, const Bound& bound, int cuts) const {
+    if (bound.outside) return 0.0;
+    if (bound.inside && cuts > 0) return bound.steradians;
+    const bool small = bound.radius < kFinest * chord_ && cuts >= kLeastCuts;
+    if (small && !picture_.large(cell)) {
+      const auto share = [](double inside, double extent) {
+        return extent > 0.0 ? std::clamp(0.5 + inside / extent, 0.0, 1.0) : inside > 0.0 ? 1.0 : 0.0;
+      };
+      const double within = share(bound.within_disc, bound.disc_extent);
+      const double above = share(bound.above_horizon, bound.horizon_extent);
+      return bound.steradians * within * above;
+    }
+    const double column = 0.5 * (cell.left + cell.right);
+    const double row = 0.5 * (cell.top + cell.bottom);
+    double sum = 0.0;
+    for (const Cell& part : {Cell{cell.left, column, cell.top, row}, Cell{column, cell.right, cell.top, row},
+                             Cell{cell.left, column, row, cell.bottom}, Cell{column, cell.right, row, cell.bottom}}) {
+      sum += covered(part, bound_of(part), cuts + 1);
+    }
+    return sum;
+  }
+
+  const VisibleDisc& disc_;
+  Picture picture_;
+  std::size_t first_;
+  int columns_;
+  std::vector<CoveredTexel>& found_;
+  double chord_ = 0.0;
+  double horizon_sine_ = 0.0;
+};
+
+/// The disc's centre or, from below the horizon, the place above it on the horizon.
+glm::dvec3 highest(const VisibleDisc& disc) {
+  if (disc.centre.y >= disc.horizon_cosine) return disc.centre;
+  const double level = std::sqrt(disc.centre.x * disc.centre.x + disc.centre.z * disc.centre.z);
+  const double sine = std::sqrt(std::max(0.0, 1.0 - disc.horizon_cosine * disc.horizon_cosine));
+  if (!(level > 0.0)) return disc.centre;
+  return {disc.centre.x / level * sine, disc.horizon_cosine, disc.centre.z / level * sine};
+}
+
+int texel_of(double place, int count) { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
+
+void sort_and_fill(std::vector<CoveredTexel>& found, std::size_t otherwise) {
+  if (found.empty()) found.push_back({otherwise, 1.0});
+  std::sort(found.begin(), found.end(), [](const CoveredTexel& a, const CoveredTexel& b) { return a.texel < b.texel; });
+}
+
+}  // namespace
+
+std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int size) {
+  std::vector<CoveredTexel> found;
+  const std::size_t face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  const double edge = size;
+  for (int face = 0; face < 6 && disc.radius_sine > 0.0; ++face) {
+    Coverage(disc, CubeFace{size, face}, static_cast<std::size_t>(face) * face_texels, size, found)
+        .visit({0.0, edge, 0.0, edge});
+  }
+  const glm::dvec3 place = highest(disc);
+  const int face = image::face_of(place);
+  const image::Frame& frame = image::face_frame(face);
+  const double scale = 0.5 * size / glm::dot(place, frame.normal);
+  const int column = texel_of(0.5 * size + scale * glm::dot(place, frame.u), size);
+  const int row = texel_of(0.5 * size + scale * glm::dot(place, frame.v), size);
+  sort_and_fill(found, static_cast<std::size_t>(face) * face_texels +
+                           static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                           static_cast<std::size_t>(column));
+  return found;
+}
+
+std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int width, int height) {
+  std::vector<CoveredTexel> found;
+  if (disc.radius_sine > 0.0) {
+    Coverage(disc, LatLong{width, height}, 0, width, found)
+        .visit({0.0, static_cast<double>(width), 0.0, static_cast<double>(height)});
+  }
+  const glm::dvec3 place = highest(disc);
+  const double level = std::sqrt(place.x * place.x + place.z * place.z);
+  const int row = texel_of((0.25 - math::turns_of(place.y, level)) * 2.0 * height, height);
+  const int column = texel_of((0.5 - math::turns_of(place.x, place.z)) * width, width);
+  sort_and_fill(found,
+                static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column));
+  return found;
+}
+
+}  // namespace welkin::sky

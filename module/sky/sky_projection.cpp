@@ -1,19 +1,21 @@
 #include "sky/sky_projection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
 
+#include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "simd/kernels.h"
-#include "sky/phase_functions.h"
-#include "sky/phase_spectrum.h"
+#include "sky/phase.h"
 #include "sky/sky_geometry.h"
 #include "sky/vertical_harmonics.h"
-#include "tables/trigonometry.h"
 #include "welkin/error.h"
+#include "welkin/sky_harmonics.h"
 
 namespace welkin::sky {
 namespace {
@@ -99,7 +101,7 @@ void SkyProjection::add_rings(const RingRule& rings, bool below) {
 void SkyProjection::fill_values(RingGroup& group) const {
   const auto suns = static_cast<std::size_t>(slice_.suns());
   const auto azimuths = static_cast<std::size_t>(options_.azimuths);
-  group.values = tables::AlignedBuffer<float>(azimuths * suns * simd::kSkyChannels * kRings);
+  group.values = platform::AlignedBuffer<float>(azimuths * suns * simd::kSkyChannels * kRings);
   std::vector<float> rows(static_cast<std::size_t>(slice_.azimuths()) * suns * kSliceRow);
   for (std::size_t lane = 0; lane < kRings; ++lane) {
     const ViewPlace place = slice_.view_place(group.cosines[lane]);
@@ -138,7 +140,7 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
   const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
   const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
   const double share =
-      0.5 + 2.0 * tables::turns_of(angle, std::sqrt(aerosol_.gap / std::max(0.5 * aerosol_.slope, 1e-3)));
+      0.5 + 2.0 * math::turns_of(angle, std::sqrt(aerosol_.gap / std::max(0.5 * aerosol_.slope, 1e-3)));
   const ViewPlace view = slice_.view_place(std::max(sun.zenith_cosine, horizon_));
   const Taps azimuth = slice_.azimuth_taps(1.0);
   const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
@@ -338,3 +340,51 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
 }
 
 }  // namespace welkin::sky
+
+namespace welkin {
+
+struct SkyProjector::Prepared {
+  sky::SkyProjection projection;
+};
+
+SkyProjector::SkyProjector(SkyView view, const SkyHarmonicsOptions& options) {
+  const platform::FloatingPointScope environment;
+  prepared_ = std::make_shared<const Prepared>(Prepared{sky::SkyProjection(std::move(view), options)});
+}
+
+void SkyProjector::project(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const {
+  const sky::SkyProjection& projection = prepared_->projection;
+  const int bands = projection.options().bands;
+  sky::check_room(coefficients.size(), bands);
+  const platform::FloatingPointScope environment;
+  const sky::SunAngles angles = sky::sun_angles(sun);
+  std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
+  projection.project(angles, even);
+  sky::turn_even(even, bands, angles, coefficients);
+}
+
+SphericalHarmonics SkyProjector::project(const glm::dvec3& sun) const {
+  SphericalHarmonics result(options().bands);
+  project(sun, result.coefficients());
+  return result;
+}
+
+int SkyProjector::directions() const noexcept { return prepared_->projection.directions(); }
+const SkyView& SkyProjector::view() const noexcept { return prepared_->projection.view(); }
+const SkyHarmonicsOptions& SkyProjector::options() const noexcept { return prepared_->projection.options(); }
+
+const sky::SkyProjection& SkyProjectorAccess::projection(const SkyProjector& projector) noexcept {
+  return projector.prepared_->projection;
+}
+
+namespace sky {
+
+void check_room(std::size_t room, int bands) {
+  const auto needed = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
+  if (room >= needed) return;
+  throw Error(ErrorCode::invalid_argument, "sky harmonics: room for " + std::to_string(room) + " coefficients; " +
+                                               std::to_string(bands) + " bands have " + std::to_string(needed));
+}
+
+}  // namespace sky
+}  // namespace welkin

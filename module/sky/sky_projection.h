@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "simd/sky_ring_kernels.h"
-#include "sky/aerosol_lobe.h"
+#include "platform/memory.h"
+#include "sky/phase.h"
+#include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/sky_quadrature.h"
 #include "sky/sky_slice.h"
-#include "sky/sun_angles.h"
-#include "tables/aligned_buffer.h"
 #include "welkin/sky_harmonics.h"
 
 namespace welkin::sky {
@@ -30,7 +30,7 @@ struct RingGroup {
   bool below = false;
   bool any_ground = false;
   GroundRay ground[16];
-  tables::AlignedBuffer<float> values;  ///< [azimuths][suns][6][16]; none from outside the air
+  platform::AlignedBuffer<float> values;  ///< [azimuths][suns][6][16]; none from outside the air
 };
 
 class SkyProjection {
@@ -87,3 +87,19 @@ class SkyProjection {
 };
 
 }  // namespace welkin::sky
+
+namespace welkin {
+
+// What stands behind a projector.
+
+struct SkyProjectorAccess {
+  [[nodiscard]] static const sky::SkyProjection& projection(const SkyProjector& projector) noexcept;
+};
+
+namespace sky {
+
+/// Throws `Error` (invalid_argument) unless bands^2 coefficients have room.
+void check_room(std::size_t room, int bands);
+
+}  // namespace sky
+}  // namespace welkin

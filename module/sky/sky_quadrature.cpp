@@ -5,8 +5,8 @@
 #include <numbers>
 #include <string>
 
-#include "tables/gauss_legendre.h"
-#include "tables/trigonometry.h"
+#include "math/elementary.h"
+#include "math/quadrature.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -54,7 +54,7 @@ void add_ring(RingRule& rings, double cosine, double weight) {
 /// The horizon is where a sky changes fastest: cosine = horizon + (end - horizon) t^2.
 RingRule gauss_rings(int count, double horizon, double end) {
   RingRule rings;
-  const tables::GaussNodes rule = tables::gauss_nodes(count);
+  const math::GaussNodes rule = math::gauss_nodes(count);
   for (int k = 0; k < count; ++k) {
     const double t = 0.5 * (1.0 + rule.nodes[static_cast<std::size_t>(k)]);
     const double weight = rule.weights[static_cast<std::size_t>(k)] * t;  // 1/2 of the interval, 2 t of the square
@@ -65,7 +65,7 @@ RingRule gauss_rings(int count, double horizon, double end) {
 
 void add_article_rings(SkyRule& rule, int count, double horizon) {
   for (int k = 0; k < count; ++k) {
-    const tables::SineCosine zenith = tables::sine_cosine_of_turns((2.0 * k + 1.0) / (4.0 * count));
+    const math::SineCosine zenith = math::sine_cosine_of_turns((2.0 * k + 1.0) / (4.0 * count));
     const double weight = zenith.sine * std::numbers::pi / count;
     add_ring(zenith.cosine >= horizon ? rule.above : rule.below, zenith.cosine, weight);
   }
@@ -89,7 +89,7 @@ double azimuth_clustering(int count, double asymmetry) {
 AzimuthRule azimuth_rule(int count, double clustering) {
   AzimuthRule rule;
   for (int k = 0; k < count; ++k) {
-    const tables::SineCosine half = tables::sine_cosine_of_turns((2.0 * k + 1.0) / (8.0 * count));
+    const math::SineCosine half = math::sine_cosine_of_turns((2.0 * k + 1.0) / (8.0 * count));
     const double towards = half.cosine * half.cosine;
     const double away = clustering * clustering * half.sine * half.sine;
     const double sum = towards + away;

@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "simd/kernels.h"
-#include "sky/sky_colour.h"
+#include "sky/spectrum.h"
 #include "sky/table_mapping.h"
+#include "welkin/sky_tables.h"
 #include "welkin/sky_view.h"
 
 namespace welkin::sky {
@@ -104,3 +105,37 @@ struct SkyViewAccess {
 };
 
 }  // namespace welkin
+
+namespace welkin::sky {
+
+// The scattering tables cut at one altitude.
+
+/// Nodes along the axes of a slice: those of the tables, and at least four (of the views: eight, four to the ground),
+/// on which less of them are continued by the curve through all.
+struct SliceShape {
+  int views = 0;
+  int azimuths = 0;
+  int suns = 0;
+};
+
+[[nodiscard]] SliceShape slice_shape(const SkyTableOptions& options) noexcept;
+
+/// Rows of eight floats (sky_slice.h): [views][azimuths][suns].
+[[nodiscard]] std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mapping,
+                                            const ColourFold& fold, double altitude);
+
+// What a view sees of the ground: how bright it is under any sun, and how much of that gets through.
+
+/// Nodes over the square root of |mu_s| with mu_s' sign, from -1 to 1: dense about the horizon, where the disc sets.
+inline constexpr int kGroundNodes = 513;
+
+/// Radiance that leaves the ground at each of them, lit by the sun and by the sky: [kGroundNodes][4], the last 0.
+[[nodiscard]] std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping& mapping,
+                                                  const ColourFold& fold);
+
+/// Share of the ground's light that arrives at an altitude within the air, along the rays of the `half` view nodes that
+/// end on the ground (of 2 half, as the mapping has them): [half][4], the last 0.
+[[nodiscard]] std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping,
+                                              const ColourFold& fold, double altitude, int half);
+
+}  // namespace welkin::sky

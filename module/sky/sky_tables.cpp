@@ -7,16 +7,15 @@
 #include <memory>
 #include <string>
 
-#include "jobs/floating_point_scope.h"
 #include "jobs/tiles.h"
-#include "sky/phase_functions.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "sky/phase.h"
 #include "sky/ray_light.h"
+#include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
-#include "sky/source_solver.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
-#include "tables/exponential.h"
-#include "tables/trigonometry.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -66,7 +65,7 @@ class Precomputation {
       : options_(options),
         air_(atmosphere),
         mapping_(atmosphere.bottom_radius_m, atmosphere.top_radius_m,
-                 tables::sine_cosine_of_turns(options.lowest_sun_degrees / 360.0).sine),
+                 math::sine_cosine_of_turns(options.lowest_sun_degrees / 360.0).sine),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
@@ -138,7 +137,7 @@ void Precomputation::transmittance() {
     for (std::size_t i = 0; i < (weights_.empty() ? 3 : weights_.size()); ++i) {
       Amounts extinction{};
       for (std::size_t k = 0; k < air_.constituents(); ++k) extinction[k] = air_.extinction(k, i);
-      const double through = tables::exponential(-sky::optical_depth(extinction, lengths));
+      const double through = math::exponential(-sky::optical_depth(extinction, lengths));
       if (weights_.empty()) {
         sum[static_cast<glm::length_t>(i)] = through;
       } else {
@@ -292,7 +291,7 @@ void Precomputation::clip() {
 }  // namespace
 
 SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control) {
-  const jobs::FloatingPointScope environment;                        // for what is computed outside of tiles
+  const platform::FloatingPointScope environment;                    // for what is computed outside of tiles
   const std::uint64_t bytes = sky_table_bytes(atmosphere, options);  // checks both
   if (bytes > options.memory_limit_bytes) {
     throw Error(ErrorCode::limit_exceeded, "the sky tables need " + std::to_string(bytes) + " bytes, the limit is " +

@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
-#include "jobs/floating_point_scope.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "simd/kernels.h"
-#include "sky/direct_sun.h"
-#include "sky/direction.h"
+#include "sky/sky_geometry.h"
 #include "sky/sky_slice.h"
+#include "sky/sunlight.h"
 #include "sky/table_sizes.h"
-#include "tables/trigonometry.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -66,7 +66,7 @@ struct SkyView::Slice {
 
 SkyView::SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options)
     : slice_([&] {
-        const jobs::FloatingPointScope scope;
+        const platform::FloatingPointScope scope;
         return std::make_shared<const Slice>(Slice{sky::SkySlice(checked(tables, altitude_m), altitude_m, options)});
       }()) {}
 
@@ -82,7 +82,7 @@ const std::shared_ptr<const SkyTables>& SkyView::tables() const noexcept { retur
 double SkyView::altitude_m() const noexcept { return slice_->slice.altitude(); }
 
 glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun) const {
-  const jobs::FloatingPointScope scope;
+  const platform::FloatingPointScope scope;
   const simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   const glm::dvec3 towards = sky::of_moderate_length(direction);
   const double xyz[3] = {towards.x, towards.y, towards.z};
@@ -97,7 +97,7 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
            " directions");
   }
   const simd::SkyViewKernels& kernels = simd::active_kernels().sky_view;
-  const jobs::FloatingPointScope scope;
+  const platform::FloatingPointScope scope;
   simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   // Reducing the slice to the sun pays from some directions on; of large tables it would not fit on the stack.
   constexpr std::size_t room = 16384;
@@ -122,10 +122,10 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
 }
 
 Sun SkyView::sun(const glm::dvec3& sun) const {
-  const jobs::FloatingPointScope scope;
+  const platform::FloatingPointScope scope;
   const sky::SkySlice& slice = slice_->slice;
   const double half_turns = tables()->atmosphere.sun_angular_radius_degrees / 720.0;
-  const double sine = tables::sine_cosine_of_turns(half_turns).sine;
+  const double sine = math::sine_cosine_of_turns(half_turns).sine;
   Sun light;
   light.direction = sky::sun_unit(sun);
   light.irradiance =
@@ -137,7 +137,7 @@ Sun SkyView::sun(const glm::dvec3& sun) const {
 }
 
 glm::dvec3 SkyView::irradiance(const glm::dvec3& sun) const {
-  const jobs::FloatingPointScope scope;
+  const platform::FloatingPointScope scope;
   const sky::SkySlice& slice = slice_->slice;
   const double mu_s = sky::sun_unit(sun).y;
   if (slice.outside()) return {};

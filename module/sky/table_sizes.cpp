@@ -6,7 +6,7 @@
 
 #include "jobs/tiles.h"
 #include "sky/ray_nodes.h"
-#include "sky/source_solver.h"
+#include "sky/scattering_solver.h"
 #include "sky/sunlight.h"
 #include "welkin/error.h"
 

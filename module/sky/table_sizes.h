@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sky/scattering_source.h"
+#include "sky/ray_light.h"
 #include "sky/sunlight.h"
 #include "welkin/sky_tables.h"
 

@@ -1,13 +1,15 @@
 #include "sky/vertical_harmonics.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
+#include "math/basis.h"
+#include "math/elementary.h"
+#include "math/quadrature.h"
 #include "simd/basis_recurrence.h"
-#include "tables/basis_constants.h"
-#include "tables/gauss_legendre.h"
-#include "tables/trigonometry.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::sky {
@@ -30,7 +32,7 @@ using Basis = std::array<double, kMaximumBands * kMaximumBands>;
 
 Basis basis_at(double x, double y, double z) {
   Basis values{};
-  simd::for_each_basis_value(tables::basis_constants(), x, y, z, 1.0, kMaximumBands,
+  simd::for_each_basis_value(math::basis_constants(), x, y, z, 1.0, kMaximumBands,
                              [&](int index, double value) { values[static_cast<std::size_t>(index)] = value; });
   return values;
 }
@@ -41,7 +43,7 @@ AxisChange make_axis_change() {
   constexpr int rings = kMaximumBands;
   constexpr int columns = 2 * kMaximumBands;
   constexpr double pi = 3.14159265358979323846;
-  const simd::GaussRule rule = tables::gauss_legendre(rings);
+  const simd::GaussRule rule = math::gauss_legendre(rings);
   std::vector<double> products(static_cast<std::size_t>(kMaximumBands) * kMaximumBands * (2 * kMaximumBands));
   const auto place = [](int to, int l, int from) {
     return static_cast<std::size_t>(to * 2 * kMaximumBands + from - l * l);
@@ -50,7 +52,7 @@ AxisChange make_axis_change() {
     const double z = rule.nodes[j];
     const double sine = std::sqrt(1.0 - z * z);
     for (int i = 0; i < columns; ++i) {
-      const tables::SineCosine azimuth = tables::sine_cosine_of_turns(static_cast<double>(i) / columns);
+      const math::SineCosine azimuth = math::sine_cosine_of_turns(static_cast<double>(i) / columns);
       const double x = sine * azimuth.cosine;
       const double y = sine * azimuth.sine;
       const Basis own = basis_at(x, y, z);
@@ -80,7 +82,8 @@ AxisChange make_axis_change() {
 }
 
 const AxisChange& axis_change() {
-  static const AxisChange change = make_axis_change();
+  // Never destroyed: a worker's thread may still compute while the program exits.
+  static const AxisChange& change = *new AxisChange(make_axis_change());
   return change;
 }
 
@@ -118,6 +121,27 @@ void turn_even(std::span<const glm::dvec3> even, int bands, const SunAngles& sun
   for (std::size_t k = 0; k < end; ++k) {
     const Entry& entry = change.entries[k];
     coefficients[static_cast<std::size_t>(entry.to)] += entry.factor * turned[static_cast<std::size_t>(entry.from)];
+  }
+}
+
+void even_legendre(int bands, double zenith_cosine, double* values) noexcept {
+  const double sine = std::sqrt(std::max(0.0, (1.0 - zenith_cosine) * (1.0 + zenith_cosine)));
+  double start = std::sqrt(0.25 / std::numbers::pi);
+  for (int m = 0; m < bands; ++m) {
+    if (m > 0) start *= sine * std::sqrt((2.0 * m + 1.0) / (2.0 * m) * (m == 1 ? 2.0 : 1.0));
+    double before = 0.0;
+    double here = start;
+    for (int l = m; l < bands; ++l) {
+      values[pair_index(bands, l, m)] = here;
+      const double n = l + 1.0;
+      const double a = std::sqrt((4.0 * n * n - 1.0) / (n * n - m * m));
+      const double b =
+          l > m ? std::sqrt((2.0 * n + 1.0) * ((n - 1.0) * (n - 1.0) - m * m) / ((2.0 * n - 3.0) * (n * n - m * m)))
+                : 0.0;
+      const double next = a * zenith_cosine * here - b * before;
+      before = here;
+      here = next;
+    }
   }
 }
 

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "welkin/error.h"
+#include "welkin/sky_requests.h"
+#include "welkin/sky_specular.h"
 
 namespace welkin {
 namespace {
@@ -37,10 +39,6 @@ const Image& there(const std::shared_ptr<const Image>& image) {
 CubemapSource::CubemapSource(CubemapImage image) : CubemapSource(kept(std::move(image))) {}
 CubemapSource::CubemapSource(std::shared_ptr<const CubemapImage> image)
     : mips_{there(image).view()}, owner_(std::move(image)) {}
-CubemapSource::CubemapSource(Environment environment) {
-  mips_ = {environment.cubemap()};
-  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
-}
 CubemapSource::CubemapSource(const CubemapView& view, std::shared_ptr<const void> owner)
     : mips_{view}, owner_(std::move(owner)) {}
 CubemapSource::CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner)
@@ -61,9 +59,6 @@ std::size_t CubemapSource::hash() const noexcept { return std::hash<const void*>
 LatLongSource::LatLongSource(LatLongImage image) : LatLongSource(kept(std::move(image))) {}
 LatLongSource::LatLongSource(std::shared_ptr<const LatLongImage> image)
     : view_(there(image).view()), owner_(std::move(image)) {}
-LatLongSource::LatLongSource(Environment environment) : view_(environment.lat_long()) {
-  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
-}
 LatLongSource::LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner)
     : view_(view), owner_(std::move(owner)) {}
 
@@ -79,16 +74,6 @@ Projection ProjectCubemap::operator()(const Control& control) const {
 }
 
 Projection ProjectLatLong::operator()(const Control& control) const { return project(source.view(), options, control); }
-
-Projection ProjectFile::operator()(const Control& control) const {
-  return project_file(path, read_options, options, control);
-}
-
-Environment ReadFile::operator()(const Control& control) const { return read_environment(path, read_options, control); }
-
-EnvironmentStatistics MeasureFile::operator()(const Control& control) const {
-  return measure_environment(path, read_options, control);
-}
 
 CubemapImage LatLongToCubemap::operator()(const Control& control) const {
   return to_cubemap(source.view(), size, turn, control);
@@ -118,8 +103,26 @@ std::size_t Bake::hash() const noexcept {
   return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
 }
 
-std::shared_ptr<const BakeResult> BakeFile::operator()(const Control& control) const {
-  return std::make_shared<const BakeResult>(bake_file(path, read_options, options, control));
+namespace {
+
+const std::shared_ptr<const SkyTables>& there(const std::shared_ptr<const SkyTables>& tables) {
+  if (!tables) throw Error(ErrorCode::invalid_argument, "a sky's tables are a null pointer; precompute_sky makes some");
+  return tables;
+}
+
+}  // namespace
+
+std::shared_ptr<const SkyTables> PrecomputeSky::operator()(const Control& control) const {
+  return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
+}
+
+SkyCurve BakeSkyCurve::operator()(const Control& control) const {
+  return SkyCurve(SkyView(there(tables), altitude_m), options, control);
+}
+
+std::shared_ptr<const PrefilteredSpecular> SkySpecular::operator()(const Control& control) const {
+  return std::make_shared<const PrefilteredSpecular>(
+      sky_specular(SkyView(there(tables), altitude_m), sun, options, {}, control));
 }
 
 }  // namespace welkin

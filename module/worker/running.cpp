@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "worker/crew.h"
+#include "platform/thread.h"
 #include "worker/scheduler.h"
-#include "worker/system_thread.h"
+#include "worker/thread_executor.h"
 
 namespace welkin::detail {
 namespace {

@@ -5,8 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include "worker/crew.h"
 #include "worker/scheduler.h"
+#include "worker/thread_executor.h"
 
 namespace welkin::detail {
 namespace {

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "brdf/brdf_table.h"
+#include "projection/clean_pixels.h"
+#include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
-#include "specular/brdf_integration.h"
-#include "specular/clean_source.h"
-#include "specular/prefilter_plan.h"
-#include "specular/spectrum.h"
+#include "transform/spectrum.h"
 #include "welkin/cost_model.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
@@ -215,7 +215,8 @@ class Calibration {
 
   void measure_pixels() {
     const LatLongView view = image_.view();
-    costs_.clean_texel = fastest_nanoseconds([&] { const specular::CleanSource clean(view, {}, quiet()); }) / texels();
+    costs_.clean_texel =
+        fastest_nanoseconds([&] { const projection::CleanSource clean(view, {}, quiet()); }) / texels();
     const auto projecting = [&](int bands) {
       return fastest_nanoseconds([&] { static_cast<void>(project(view, {.bands = bands}, quiet())); }) / texels();
     };
@@ -283,7 +284,7 @@ class Calibration {
     costs_.face_texel = nanoseconds_of(sharp.pixels.passes, "mip 0: faces") / cube_texels(128);
     const CubemapImage cube = to_cubemap(image_.view(), 64, glm::dmat3(1.0), quiet());
     const PrefilterOptions options{.size = 64, .roughness = {0.2}};
-    const double rows = specular::plan_prefilter(options).rows_for_cubemap(64);
+    const double rows = reflections::plan_prefilter(options).rows_for_cubemap(64);
     const PrefilteredSpecular of_cube = prefiltered(cube.view(), options);
     const double per_texel = nanoseconds_of(of_cube.pixels.passes, "bright texels") / (2.0 * rows * rows);
     costs_.ring_texel = std::max(kLeast, per_texel - costs_.bright_texel);
@@ -322,8 +323,7 @@ class Calibration {
     costs_.irradiance_direction = line.rest;
     const auto tabulating = [&](bool sheen) {
       const BrdfTableOptions options{.width = 32, .height = 32, .sheen = sheen};
-      return fastest_nanoseconds([&] { static_cast<void>(specular::integrated_brdf(options, quiet())); }) /
-             (32.0 * 32.0);
+      return fastest_nanoseconds([&] { static_cast<void>(brdf::integrated_brdf(options, quiet())); }) / (32.0 * 32.0);
     };
     costs_.brdf_texel = tabulating(false);
     costs_.sheen_texel = tabulating(true);

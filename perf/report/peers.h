@@ -9,6 +9,7 @@
 
 #include "perf/report/stopwatch.h"
 #include "welkin/cubemap_chain.h"
+#include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -12,6 +12,7 @@
 #include "perf/report/words.h"
 
 namespace welkin::report {
+namespace {
 
 /// Values to places along a picture's edge.
 class LogAxis {
@@ -58,12 +59,8 @@ class LabelPlaces {
   std::vector<Box> taken_;
 };
 
-namespace {
-
 constexpr double kLeastDecades = 1.5;
 constexpr double kMargin = 0.12;  // decades
-
-}  // namespace
 
 LogAxis::LogAxis(const std::vector<double>& values, double floor, double from, double to)
     : floor_(floor), from_(from), to_(to) {
@@ -109,16 +106,12 @@ std::vector<double> LogAxis::minor() const {
   return found;
 }
 
-namespace {
-
 constexpr double kLetter = 0.56;  // a letter's width in its size, on the safe side
 constexpr double kGap = 9.0;      // from the point's centre
 
 bool touch(const Box& a, const Box& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
-
-}  // namespace
 
 std::optional<LabelPlace> LabelPlaces::place(double x, double y, const std::string& text, double size) {
   const double width = kLetter * size * static_cast<double>(text.size());
@@ -141,8 +134,6 @@ std::optional<LabelPlace> LabelPlaces::place(double x, double y, const std::stri
   }
   return std::nullopt;
 }
-
-namespace {
 
 constexpr double kWidth = 860.0;
 constexpr double kLeft = 70.0, kRight = 20.0, kTop = 16.0, kBottom = 52.0;

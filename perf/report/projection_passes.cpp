@@ -4,6 +4,7 @@
 #include "perf/report/environment.h"
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
+#include "reference/reference_projection.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"

@@ -3,7 +3,7 @@
 
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
-#include "welkin/sky_reference.h"
+#include "reference/sky_reference.h"
 #include "welkin/sky_tables.h"
 
 namespace welkin::report {

@@ -7,24 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "support/chains.h"
 #include "support/same_bits.h"
 #include "welkin/bake.h"
 
 namespace welkin::test {
-
-/// All values of a chain's level, face after face.
-inline std::span<const float> level_values(const CubemapChain& chain, int level) {
-  const auto edge = static_cast<std::size_t>(chain.level_size(level));
-  return {chain.face(level, 0), 18 * edge * edge};
-}
-
-inline bool same_bits(const CubemapChain& a, const CubemapChain& b) {
-  if (a.size() != b.size() || a.levels() != b.levels()) return false;
-  for (int level = 0; level < a.levels(); ++level) {
-    if (!same_bytes(level_values(a, level), level_values(b, level))) return false;
-  }
-  return true;
-}
 
 /// Everything but times and memory; the reasons of passes too, but for whether a table was made before.
 inline bool same_bits(const BakeResult& a, const BakeResult& b) {

@@ -1,44 +1,46 @@
-// What comes out of a cache is what would have been computed.
+// What comes out of a cache is what would have been computed, whole or put together.
+
 #include "welkin/result_cache.h"
 
 #include <cmath>
+#include <functional>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <vector>
 
 #include "support/catch.h"
+#include "support/chains.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/environment_file.h"
 #include "welkin/environment_writer.h"
 #include "welkin/harmonic_transforms.h"
+#include "welkin/roughness.h"
+
+namespace welkin::test {
+
+// What comes out of a cache is what would have been computed.
 
 namespace {
 
-using namespace welkin;
-using test::Content;
-
 bool same_light(const Projection& a, const Projection& b) {
-  return test::same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) &&
-         test::same_bits(a.diagnostics.flux, b.diagnostics.flux) &&
-         test::same_bits(a.diagnostics.flux_before_clamp, b.diagnostics.flux_before_clamp) &&
-         test::same_bits(a.diagnostics.error_estimate, b.diagnostics.error_estimate) &&
+  return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) &&
+         same_bits(a.diagnostics.flux, b.diagnostics.flux) &&
+         same_bits(a.diagnostics.flux_before_clamp, b.diagnostics.flux_before_clamp) &&
+         same_bits(a.diagnostics.error_estimate, b.diagnostics.error_estimate) &&
          a.diagnostics.texels == b.diagnostics.texels && a.diagnostics.texels_clamped == b.diagnostics.texels_clamped &&
          a.diagnostics.nans_replaced == b.diagnostics.nans_replaced &&
          a.diagnostics.infinities_replaced == b.diagnostics.infinities_replaced &&
          a.diagnostics.negatives_replaced == b.diagnostics.negatives_replaced;
 }
 
-bool same_chain(const CubemapChain& a, const CubemapChain& b) {
-  return a.size() == b.size() && a.levels() == b.levels() &&
-         (a.levels() == 0 || test::same_bytes<float>({a.face(0, 0), a.bytes() / 4}, {b.face(0, 0), b.bytes() / 4}));
-}
-
 bool same_bake(const BakeResult& a, const BakeResult& b) {
-  return same_chain(a.background, b.background) && a.specular.has_value() == b.specular.has_value() &&
-         (!a.specular || same_chain(a.specular->cubemap, b.specular->cubemap)) &&
-         test::same_bits(a.irradiance, b.irradiance) && a.radiance.has_value() == b.radiance.has_value() &&
-         (!a.radiance || test::same_bytes(a.radiance->coefficients(), b.radiance->coefficients())) &&
+  return same_bits(a.background, b.background) && a.specular.has_value() == b.specular.has_value() &&
+         (!a.specular || same_bits(a.specular->cubemap, b.specular->cubemap)) &&
+         same_bits(a.irradiance, b.irradiance) && a.radiance.has_value() == b.radiance.has_value() &&
+         (!a.radiance || same_bytes(a.radiance->coefficients(), b.radiance->coefficients())) &&
          (a.brdf == nullptr) == (b.brdf == nullptr) && a.peak_bytes == b.peak_bytes &&
          same_light({SphericalHarmonics(), a.diagnostics}, {SphericalHarmonics(), b.diagnostics});
 }
@@ -59,16 +61,16 @@ BakeOptions small_bake() {
 }
 
 TEST_CASE("cache: a projection is computed once, in memory and on disk, and never for other options") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const CacheOptions options{.folder = directory.file("cache")};
-  const test::TestLatLong lat_long = test::make_lat_long(Content::special_values, 64, 32, 3);
-  const test::TestCubemap cubemap = test::make_cubemap(Content::high_range, 20, 3, 3);
+  const TestLatLong lat_long = make_lat_long(Content::special_values, 64, 32, 3);
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 20, 3, 3);
   ProjectionOptions clamped{.bands = 4};
   clamped.clamp = RadianceClamp{10.0F};
   ResultCache cache(options);
   for (const ProjectionOptions& each : {ProjectionOptions{}, clamped}) {
-    CHECK(test::same_bits(cache.project(lat_long.view(), each), project(lat_long.view(), each)));
-    CHECK(test::same_bits(cache.project(cubemap.view(), each), project(cubemap.view(), each)));
+    CHECK(same_bits(cache.project(lat_long.view(), each), project(lat_long.view(), each)));
+    CHECK(same_bits(cache.project(cubemap.view(), each), project(cubemap.view(), each)));
   }
   CHECK(cache.statistics().misses == 4);
   const Projection again = cache.project(lat_long.view(), clamped);
@@ -84,7 +86,7 @@ TEST_CASE("cache: a projection is computed once, in memory and on disk, and neve
 
 TEST_CASE("cache: a changed face alone is projected again") {
   ResultCache cache;
-  test::TestCubemap cubemap = test::make_cubemap(Content::random, 70, 3, 9);
+  TestCubemap cubemap = make_cubemap(Content::random, 70, 3, 9);
   const LightChange keep{.keep_faces = true};
   CHECK(same_light(cache.project(cubemap.view(), {}, keep), project(cubemap.view())));
   cubemap.pixels[cubemap.pixels.size() / 2] += 3.0F;
@@ -98,7 +100,7 @@ TEST_CASE("cache: a changed face alone is projected again") {
 
 TEST_CASE("cache: exposure is a factor, rotation a transform, and no pixel is projected for them") {
   ResultCache cache;
-  const test::TestCubemap cubemap = test::make_cubemap(Content::high_range, 16, 3, 9);
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 16, 3, 9);
   const Projection plain = cache.project(cubemap.view(), {.bands = 5});
   const glm::dquat turn = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0)));
   const Projection light = cache.project(cubemap.view(), {.bands = 5}, {.exposure = 4.0, .rotation = turn});
@@ -107,21 +109,21 @@ TEST_CASE("cache: exposure is a factor, rotation a transform, and no pixel is pr
   CHECK(action(light.diagnostics, "exposure") == "run");
   CHECK(action(light.diagnostics, "rotation") == "run");
   const SphericalHarmonics expected = rotate(scale(plain.radiance, glm::dvec3(4.0)), turn);
-  CHECK(test::same_bytes(light.radiance.coefficients(), expected.coefficients()));
+  CHECK(same_bytes(light.radiance.coefficients(), expected.coefficients()));
   // A power of two: what the exposed pixels themselves give, bit for bit.
-  test::TestCubemap exposed = cubemap;
+  TestCubemap exposed = cubemap;
   for (float& value : exposed.pixels) value *= 4.0F;
   CHECK(same_light(changed(plain, {.exposure = 4.0}), project(exposed.view(), {.bands = 5})));
   for (const double wrong : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    CHECK(test::thrown_by([&] { static_cast<void>(changed(plain, {.exposure = wrong})); }).code ==
+    CHECK(thrown_by([&] { static_cast<void>(changed(plain, {.exposure = wrong})); }).code ==
           ErrorCode::invalid_argument);
   }
 }
 
 TEST_CASE("cache: a bake is what it is without, and only what is missing is baked") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   const CacheOptions where{.folder = directory.file("cache"), .memory_bytes = 0};
-  const test::TestLatLong lat_long = test::make_lat_long(Content::high_range, 64, 32, 5);
+  const TestLatLong lat_long = make_lat_long(Content::high_range, 64, 32, 5);
   const BakeOptions options = small_bake();
   ResultCache cache(where);
   const BakeResult first = cache.bake(lat_long.view(), options);
@@ -150,7 +152,7 @@ TEST_CASE("cache: a bake is what it is without, and only what is missing is bake
 
 TEST_CASE("cache: every option of a bake is part of some key") {
   ResultCache cache;
-  const test::TestCubemap cubemap = test::make_cubemap(Content::special_values, 12, 3, 5);
+  const TestCubemap cubemap = make_cubemap(Content::special_values, 12, 3, 5);
   std::vector<BakeOptions> all(15, small_bake());
   all[1].background_size = 10;
   all[2].background = false;
@@ -178,7 +180,7 @@ TEST_CASE("cache: every option of a bake is part of some key") {
 }
 
 TEST_CASE("cache: irradiance from the first of many bands is not taken for that from a few") {
-  const test::TestLatLong lat_long = test::make_lat_long(Content::high_range, 32, 16, 5);
+  const TestLatLong lat_long = make_lat_long(Content::high_range, 32, 16, 5);
   BakeOptions options = small_bake();
   options.bands = 2;
   ResultCache cache;
@@ -190,18 +192,18 @@ TEST_CASE("cache: irradiance from the first of many bands is not taken for that 
 }
 
 TEST_CASE("cache: a prefilter and a file's projection are found again") {
-  const test::TemporaryDirectory directory;
+  const TemporaryDirectory directory;
   ResultCache cache({.folder = directory.file("cache"), .memory_bytes = 0});
-  const test::TestLatLong lat_long = test::make_lat_long(Content::smooth, 32, 16, 5);
+  const TestLatLong lat_long = make_lat_long(Content::smooth, 32, 16, 5);
   const PrefilterOptions options{.size = 8, .mips = 2};
   const PrefilteredSpecular truth = prefilter_specular(lat_long.view(), options);
   for (const char* expected : {"none", "reuse"}) {
     const PrefilteredSpecular specular = cache.prefilter_specular(lat_long.view(), options);
-    CHECK(same_chain(specular.cubemap, truth.cubemap));
+    CHECK(same_bits(specular.cubemap, truth.cubemap));
     CHECK(action(specular.pixels, "cache") == expected);
     REQUIRE(specular.mips.size() == 2);
     CHECK(specular.mips[1].method == truth.mips[1].method);
-    CHECK(test::same_bits(specular.mips[1].mean, truth.mips[1].mean));
+    CHECK(same_bits(specular.mips[1].mean, truth.mips[1].mean));
   }
   const std::filesystem::path path = directory.file("sky.pfm");
   static_cast<void>(write_environment(path, lat_long.view()));
@@ -210,7 +212,7 @@ TEST_CASE("cache: a prefilter and a file's projection are found again") {
     CHECK(same_light(projection, project_file(path)));
     CHECK(action(projection.diagnostics, "cache") == expected);
   }
-  test::TestLatLong other = lat_long;
+  TestLatLong other = lat_long;
   other.pixels[100] += 1.0F;
   static_cast<void>(write_environment(path, other.view()));
   CHECK(same_light(cache.project_file(path), project_file(path)));
@@ -227,44 +229,42 @@ TEST_CASE("cache: sky tables come back with the caller's own names and limits") 
   CHECK(cache.statistics().memory_hits == 1);
   CHECK(second.atmosphere == air);
   CHECK(second.options == options);
-  CHECK(test::same_bytes<float>(first.scattering, second.scattering));
-  CHECK(test::same_bytes<float>(first.single_mie, second.single_mie));
-  CHECK(test::same_bytes<float>(first.transmittance, second.transmittance));
-  CHECK(test::same_bytes<float>(first.irradiance, second.irradiance));
+  CHECK(same_bytes<float>(first.scattering, second.scattering));
+  CHECK(same_bytes<float>(first.single_mie, second.single_mie));
+  CHECK(same_bytes<float>(first.transmittance, second.transmittance));
+  CHECK(same_bytes<float>(first.irradiance, second.irradiance));
   CHECK(action({.passes = second.passes}, "cache") == "reuse");
   options.memory_limit_bytes = 1000;
-  CHECK(test::thrown_by([&] { static_cast<void>(cache.precompute_sky(air, options)); }).code ==
-        ErrorCode::limit_exceeded);
+  CHECK(thrown_by([&] { static_cast<void>(cache.precompute_sky(air, options)); }).code == ErrorCode::limit_exceeded);
 }
 
 TEST_CASE("cache: what is refused without a cache is refused with one, hit or not") {
   ResultCache cache;
-  const test::TestCubemap cubemap = test::make_cubemap(Content::smooth, 8, 3, 5);
+  const TestCubemap cubemap = make_cubemap(Content::smooth, 8, 3, 5);
   BakeOptions options = small_bake();
   static_cast<void>(cache.bake(cubemap.view(), options));
   options.memory_limit_bytes = 1000;
-  CHECK(test::thrown_by([&] { static_cast<void>(cache.bake(cubemap.view(), options)); }).code ==
-        ErrorCode::limit_exceeded);
-  CHECK(test::thrown_by([&] { static_cast<void>(cache.project(cubemap.view(), {.bands = 0})); }).code ==
+  CHECK(thrown_by([&] { static_cast<void>(cache.bake(cubemap.view(), options)); }).code == ErrorCode::limit_exceeded);
+  CHECK(thrown_by([&] { static_cast<void>(cache.project(cubemap.view(), {.bands = 0})); }).code ==
         ErrorCode::invalid_argument);
-  CHECK(test::thrown_by([&] { static_cast<void>(cache.project(CubemapView{})); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { static_cast<void>(cache.project(CubemapView{})); }).code == ErrorCode::invalid_argument);
 }
 
 TEST_CASE("cache: a file that a memory limit refuses is refused, whoever read it before") {
-  const test::TemporaryDirectory directory;
-  const test::TestCubemap cubemap = test::make_cubemap(Content::high_range, 8, 3, 3);
+  const TemporaryDirectory directory;
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
   const std::filesystem::path file = directory.file("cube.exr");
   write_environment(file, cubemap.view());
   ResultCache cache({.folder = directory.file("cache")});
   static_cast<void>(cache.project_file(file));
   ReadOptions tight;
   tight.memory_limit_bytes = 100;
-  CHECK(test::thrown_by([&] { static_cast<void>(project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
-  CHECK(test::thrown_by([&] { static_cast<void>(cache.project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
+  CHECK(thrown_by([&] { static_cast<void>(project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
+  CHECK(thrown_by([&] { static_cast<void>(cache.project_file(file, tight)); }).code == ErrorCode::limit_exceeded);
 }
 
 TEST_CASE("cache: a change that is none is refused before anything is computed") {
-  const test::TestCubemap cubemap = test::make_cubemap(Content::high_range, 8, 3, 3);
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
   ResultCache cache;
   for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.rotation = {0.0, 0.0, 0.0, 0.0}}}) {
     CHECK_THROWS_AS(cache.project(cubemap.view(), {}, change), Error);
@@ -273,7 +273,7 @@ TEST_CASE("cache: a change that is none is refused before anything is computed")
 }
 
 TEST_CASE("cache: what was found on the way to a projection is not told again when the projection is found") {
-  test::TestCubemap cubemap = test::make_cubemap(Content::high_range, 8, 3, 3);
+  TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
   ResultCache cache;
   static_cast<void>(cache.project(cubemap.view(), {}, {.keep_faces = true}));
   cubemap.pixels[0] += 1.0F;
@@ -282,7 +282,7 @@ TEST_CASE("cache: what was found on the way to a projection is not told again wh
 }
 
 TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever was there before") {
-  test::TestCubemap cubemap = test::make_cubemap(Content::smooth, 16, 3, 2);
+  TestCubemap cubemap = make_cubemap(Content::smooth, 16, 3, 2);
   for (std::size_t k = 0; k < cubemap.pixels.size(); ++k) cubemap.pixels[k] = k % 2 == 0 ? 1.0F : 1e-30F;
   cubemap.pixels[77] = 3e38F;
   BakeOptions apart = small_bake();  // a background of another size than the chain's
@@ -291,24 +291,217 @@ TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever w
   const BakeResult truth = bake(cubemap.view(), small_bake());
   CHECK(truth.background.face(0, 0)[1] == 1e-30F);
   ResultCache cache;
-  CHECK(same_chain(cache.bake(cubemap.view(), small_bake()).background, truth.background));
-  CHECK(same_chain(cache.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
+  CHECK(same_bits(cache.bake(cubemap.view(), small_bake()).background, truth.background));
+  CHECK(same_bits(cache.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
   ResultCache the_other_way;
-  CHECK(same_chain(the_other_way.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
-  CHECK(same_chain(the_other_way.bake(cubemap.view(), small_bake()).background, truth.background));
+  CHECK(same_bits(the_other_way.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
+  CHECK(same_bits(the_other_way.bake(cubemap.view(), small_bake()).background, truth.background));
 }
 
 TEST_CASE("cache: memory stays within its bound") {
   ResultCache cache({.memory_bytes = 20'000});
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
-    static_cast<void>(cache.project(test::make_cubemap(Content::random, 4, 3, seed).view(), {.bands = 16}));
+    static_cast<void>(cache.project(make_cubemap(Content::random, 4, 3, seed).view(), {.bands = 16}));
     CHECK(cache.statistics().memory_bytes <= 20'000);
   }
   CHECK(cache.statistics().memory_bytes > 10'000);
-  static_cast<void>(cache.project(test::make_cubemap(Content::random, 4, 3, 19).view(), {.bands = 16}));
+  static_cast<void>(cache.project(make_cubemap(Content::random, 4, 3, 19).view(), {.bands = 16}));
   CHECK(cache.statistics().memory_hits == 1);
-  static_cast<void>(cache.project(test::make_cubemap(Content::random, 4, 3, 0).view(), {.bands = 16}));
+  static_cast<void>(cache.project(make_cubemap(Content::random, 4, 3, 0).view(), {.bands = 16}));
   CHECK(cache.statistics().memory_hits == 1);
 }
 
 }  // namespace
+
+// A chain of mips is put together from what other chains left, and is the chain that would have been made.
+
+namespace {
+
+/// The options of a chain without bounds to think about.
+PrefilterOptions chain(std::vector<double> roughness, int size = 32) {
+  PrefilterOptions options{.size = size};
+  options.roughness = std::move(roughness);
+  return options;
+}
+
+bool same_mip(const MipRecord& a, const MipRecord& b) {
+  return a.size == b.size && a.roughness == b.roughness && a.method == b.method && a.bands == b.bands &&
+         a.bright_texels == b.bright_texels && a.samples == b.samples && a.error_estimate == b.error_estimate &&
+         same_bits(a.mean, b.mean);
+}
+
+bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {
+  return a.texels == b.texels && a.nans_replaced == b.nans_replaced && a.infinities_replaced == b.infinities_replaced &&
+         a.negatives_replaced == b.negatives_replaced && a.texels_clamped == b.texels_clamped &&
+         same_bits(a.flux, b.flux) && same_bits(a.flux_before_clamp, b.flux_before_clamp) &&
+         same_bits(a.error_estimate, b.error_estimate);
+}
+
+bool same_specular(const PrefilteredSpecular& a, const PrefilteredSpecular& b) {
+  const auto values = [](const CubemapChain& c) { return std::span<const float>(c.face(0, 0), c.bytes() / 4); };
+  return a.cubemap.size() == b.cubemap.size() && a.cubemap.levels() == b.cubemap.levels() &&
+         same_bytes(values(a.cubemap), values(b.cubemap)) &&
+         std::equal(a.mips.begin(), a.mips.end(), b.mips.begin(), b.mips.end(), same_mip) &&
+         same_pixels(a.pixels, b.pixels);
+}
+
+std::string reason_of_cache(const PrefilteredSpecular& specular) {
+  const std::vector<PassRecord>& passes = specular.pixels.passes;
+  return !passes.empty() && passes.front().name == "cache" ? passes.front().reason : "";
+}
+
+struct Change {
+  const char* what;
+  PrefilterOptions before;
+  PrefilterOptions after;
+  std::uint64_t made;  ///< mips of the second chain that the first does not have
+};
+
+std::vector<Change> changes() {
+  const PrefilterOptions four = chain({0.0, 0.3, 0.5, 0.8});
+  const auto with = [&](const std::function<void(PrefilterOptions&)>& change) {
+    PrefilterOptions options = four;
+    change(options);
+    return options;
+  };
+  const auto babylon = [](int mips) { return chain(roughness_of_mips(RoughnessSchedule::babylon, mips, 32)); };
+  PrefilterOptions sampled = four;
+  sampled.method = PrefilterMethod::sampled;
+  sampled.samples = 32;
+  PrefilterOptions more_samples = sampled;
+  more_samples.samples = 48;
+  PrefilterOptions mixed = chain({0.0, 0.03, 0.3, 0.6});
+  mixed.samples = 32;
+  PrefilterOptions looser = mixed;
+  looser.rms_error = 1e-2;
+  looser.maximum_error = 5e-2;
+  return {
+      {"a mip more", four, chain({0.0, 0.3, 0.5, 0.8, 1.0}), 1},
+      {"two mips more", four, chain({0.0, 0.3, 0.5, 0.8, 0.9, 1.0}), 2},
+      {"a mip less", four, chain({0.0, 0.3, 0.5}), 0},
+      {"a mip more of a schedule that does not look at their number", babylon(4), babylon(5), 1},
+      {"a mip more of one that does", {.size = 32, .mips = 4}, {.size = 32, .mips = 5}, 4},
+      {"a rougher mip changed", four, chain({0.0, 0.3, 0.6, 0.8}), 1},
+      {"two that are not neighbours", four, chain({0.1, 0.3, 0.6, 0.8}), 4},  // and so the narrowest lobe
+      {"the narrowest lobe changed", four, chain({0.0, 0.25, 0.5, 0.8}), 3},
+      {"the narrowest lobe gone", four, chain({0.0, 0.0, 0.5, 0.8}), 3},
+      {"a mip more at the sharp end, not the narrowest lobe", four, chain({0.0, 0.0, 0.3, 0.5, 0.8}, 64), 1},
+      {"ends left out", four, with([](PrefilterOptions& o) { o.leave_out_sharp = o.leave_out_rough = 1; }), 0},
+      {"ends no longer left out", with([](PrefilterOptions& o) { o.leave_out_sharp = o.leave_out_rough = 1; }), four,
+       2},
+      {"another word for the method", four, with([](PrefilterOptions& o) { o.method = PrefilterMethod::spectral; }), 0},
+      {"other samples, and none is sampled", four, with([](PrefilterOptions& o) { o.samples = 9; }), 0},
+      {"other samples", sampled, more_samples, 3},
+      {"another bound, which one mip does not look at", mixed, looser, 2},
+      {"other pixels", four, with([](PrefilterOptions& o) { o.pixels.clamp = RadianceClamp{3.0F}; }), 4},
+  };
+}
+
+template <class View>
+void check(const View& view, const Change& change) {
+  INFO(change.what);
+  ResultCache cache;
+  CHECK(same_specular(cache.prefilter_specular(view, change.before), prefilter_specular(view, change.before)));
+  const PrefilteredSpecular truth = prefilter_specular(view, change.after);
+  const std::uint64_t misses = cache.statistics().misses;
+  const PrefilteredSpecular made = cache.prefilter_specular(view, change.after);
+  CHECK(same_specular(made, truth));
+  const std::uint64_t cleaned = change.before.pixels == change.after.pixels ? 0 : 1;
+  CHECK(cache.statistics().misses - misses == change.made + cleaned);
+  if (change.made == 0) CHECK(reason_of_cache(made) == "found in memory");
+  if (change.made == truth.mips.size()) CHECK(reason_of_cache(made).empty());
+  CHECK(same_specular(cache.prefilter_specular(view, change.after), truth));
+}
+
+TEST_CASE("chains: with other mips only what is missing is made, and every bit is as without a cache") {
+  const TestLatLong lat_long = make_lat_long(Content::high_range, 64, 32, 5);
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
+  for (const Change& change : changes()) {
+    check(lat_long.view(), change);
+    check(cubemap.view(), change);
+  }
+}
+
+TEST_CASE("chains: pixels that must be cleaned, and huge ones") {
+  const TestLatLong lat_long = make_lat_long(Content::special_values, 64, 32, 5);
+  TestCubemap huge = make_cubemap(Content::high_range, 24, 3, 5);
+  for (float& value : huge.pixels) value *= 1e28F;
+  PrefilterOptions before = chain({0.0, 0.3, 0.5});
+  before.pixels.negative = NegativePolicy::replace;
+  before.pixels.clamp = RadianceClamp{100.0F};
+  PrefilterOptions after = before;
+  after.roughness.push_back(0.9);
+  check(lat_long.view(), {"special", before, after, 1});
+  check(huge.view(), {"huge", chain({0.0, 0.3, 0.5}), chain({0.0, 0.3, 0.5, 0.9}), 1});
+}
+
+TEST_CASE("chains: mips that are gone from the folder are made again, those between them too") {
+  const TemporaryDirectory directory;
+  const CacheOptions where{.folder = directory.file("cache"), .memory_bytes = 0};
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
+  const PrefilterOptions options = chain({0.0, 0.3, 0.4, 0.5, 0.8});
+  const PrefilteredSpecular truth = ResultCache(where).prefilter_specular(cubemap.view(), options);
+  const auto remove_mip = [&](int size) {
+    const auto texels = static_cast<std::uintmax_t>(72 * size * size);
+    int removed = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(where.folder)) {
+      const std::uintmax_t rest = entry.file_size() - std::min(entry.file_size(), texels);
+      if (entry.file_size() < texels || rest > 300) continue;
+      std::filesystem::remove(entry.path());
+      ++removed;
+    }
+    REQUIRE(removed == 1);
+  };
+  remove_mip(16);
+  remove_mip(4);
+  ResultCache cache(where);
+  const PrefilteredSpecular made = cache.prefilter_specular(cubemap.view(), options);
+  CHECK(same_specular(made, truth));
+  CHECK(reason_of_cache(made) == "2 of 5 mips found on disk");
+  CHECK(reason_of_cache(cache.prefilter_specular(cubemap.view(), options)) == "found on disk");
+}
+
+TEST_CASE("chains: a bake's mips are those of a prefilter, and the other way round") {
+  const TestLatLong lat_long = make_lat_long(Content::special_values, 64, 32, 5);
+  BakeOptions baking;
+  baking.specular = chain({0.0, 0.3, 0.5, 0.8});
+  baking.pixels.negative = NegativePolicy::replace;
+  baking.irradiance_size = 0;
+  baking.brdf.reset();
+  PrefilterOptions alone = *baking.specular;
+  alone.pixels = baking.pixels;
+  const BakeResult truth = bake(lat_long.view(), baking);
+  const PrefilteredSpecular truth_alone = prefilter_specular(lat_long.view(), alone);
+  ResultCache baked;
+  CHECK(same_specular(*baked.bake(lat_long.view(), baking).specular, *truth.specular));
+  CHECK(same_specular(baked.prefilter_specular(lat_long.view(), alone), truth_alone));
+  CHECK(baked.statistics().memory_hits == 4);
+  ResultCache prefiltered;
+  CHECK(same_specular(prefiltered.prefilter_specular(lat_long.view(), alone), truth_alone));
+  CHECK(same_specular(*prefiltered.bake(lat_long.view(), baking).specular, *truth.specular));
+  CHECK(prefiltered.statistics().memory_hits == 4);
+}
+
+TEST_CASE("chains: a bake with a mip more makes one mip, and says so") {
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
+  BakeOptions options;
+  options.specular = chain({0.0, 0.3, 0.5});
+  options.irradiance_size = 8;
+  options.brdf.reset();
+  ResultCache cache;
+  static_cast<void>(cache.bake(cubemap.view(), options));
+  const std::uint64_t misses = cache.statistics().misses;
+  options.specular->roughness.push_back(0.9);
+  const BakeResult made = cache.bake(cubemap.view(), options);
+  CHECK(cache.statistics().misses == misses + 1);
+  CHECK(same_specular(*made.specular, *bake(cubemap.view(), options).specular));
+  for (const PassRecord& pass : made.diagnostics.passes) {
+    if (pass.name != "specular") continue;
+    CHECK(pass.action == "run");
+    CHECK(pass.reason == "3 of 4 mips found in memory, the others made");
+  }
+}
+
+}  // namespace
+
+}  // namespace welkin::test

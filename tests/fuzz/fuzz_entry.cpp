@@ -5,8 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "cache/byte_writer.h"
-#include "cache/entry_format.h"
+#include "cache/entry_store.h"
 #include "cache/payloads.h"
 
 namespace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "welkin/error.h"
+#include "welkin/sky_table_file.h"
 #include "welkin/sky_tables.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "cache/entry_format.h"
+#include "cache/entry_store.h"
 #include "cache/payloads.h"
 #include "support/chains.h"
 #include "support/exr_files.h"
@@ -18,6 +18,7 @@
 #include "welkin/face_harmonics.h"
 #include "welkin/image.h"
 #include "welkin/mip_chain.h"
+#include "welkin/sky_table_file.h"
 #include "welkin/sky_tables.h"
 #include "welkin/specular.h"
 #include "welkin/texture_file.h"

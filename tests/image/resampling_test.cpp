@@ -1,17 +1,29 @@
-// Promise: resampling keeps light where it is, knows no seams, and gives the same bits on any number of threads.
+// Resampling between cubemaps and lat-longs, by filter and by area.
+
 #include "welkin/resampling.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
 
-#include "image/texel_geometry.h"
+#include "image/geometry.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/instruction_set.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {
+
+// Promise: resampling keeps light where it is, knows no seams, and gives the same bits on any number of threads.
+
 namespace {
 
 // A smooth environment: a polynomial of degree 3 in the direction.
@@ -184,6 +196,277 @@ TEST_CASE("Resampling refuses what it cannot do, and can be stopped", "[resampli
   CHECK(thrown_by([&] {
           return to_cubemap(map.view(), 5, kAskew, {stop.get_token(), {}});
         }).code == ErrorCode::cancelled);
+}
+
+// Promise: from a lat-long to a cubemap by area no light is lost, gained or moved, wherever a texel lies.
+
+namespace {
+
+LatLongImage black(int width, int height) {
+  return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
+}
+
+glm::dvec3 flux(const CubemapImage& map) {
+  std::vector<double> angles(static_cast<std::size_t>(map.size));
+  glm::dvec3 sum(0.0);
+  for (int row = 0; row < map.size; ++row) {
+    image::cubemap_row_solid_angles(row, angles);
+    for (int face = 0; face < 6; ++face) {
+      for (int column = 0; column < map.size; ++column) {
+        const float* const rgb = map.pixels.data() + 3 * ((face * map.size + row) * map.size + column);
+        sum += angles[static_cast<std::size_t>(column)] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
+      }
+    }
+  }
+  return sum;
+}
+
+/// Where the light lies: the integral of direction times radiance, over that of radiance.
+glm::dvec3 middle_of_light(const CubemapImage& map) {
+  std::vector<double> angles(static_cast<std::size_t>(map.size));
+  glm::dvec3 sum(0.0);
+  for (int row = 0; row < map.size; ++row) {
+    image::cubemap_row_solid_angles(row, angles);
+    for (int face = 0; face < 6; ++face) {
+      for (int column = 0; column < map.size; ++column) {
+        const float value = map.pixels[static_cast<std::size_t>(3 * ((face * map.size + row) * map.size + column))];
+        sum += angles[static_cast<std::size_t>(column)] * static_cast<double>(value) *
+               image::face_direction(map.size, face, column + 0.5, row + 0.5);
+      }
+    }
+  }
+  return sum;
+}
+
+/// The relative error of a lone texel's flux.
+double lone_texel_error(int width, int height, int column, int row, int size) {
+  LatLongImage map = black(width, height);
+  map.pixels[static_cast<std::size_t>(3 * (row * width + column) + 1)] = 1e6F;
+  const CubemapImage cube = to_cubemap(map.view(), size);
+  for (const float value : cube.pixels) REQUIRE(value >= 0.0F);
+  const double wanted = 1e6 * image::lat_long_texel_solid_angle(width, height, row);
+  return std::abs(flux(cube).y / wanted - 1.0);
+}
+
+}  // namespace
+
+TEST_CASE("A lone bright texel keeps its flux wherever it lies", "[area]") {
+  struct Shape {
+    int width, height;
+  };
+  for (const auto& [width, height] :
+       {Shape{1, 1}, {2, 1}, {3, 2}, {5, 3}, {8, 4}, {7, 9}, {32, 16}, {33, 17}, {34, 15}, {64, 32}, {200, 20}}) {
+    for (const int size : {1, 2, 3, 4, 7, 16, 17, 40}) {
+      double worst = 0.0;
+      int worst_texel = -1;
+      const int step = std::max(1, width * height / 40);
+      for (int texel = 0; texel < width * height; texel += texel < 2 * width ? 1 : step) {
+        const double error = lone_texel_error(width, height, texel % width, texel / width, size);
+        if (error > worst) {
+          worst = error;
+          worst_texel = texel;
+        }
+      }
+      CAPTURE(width, height, size, worst_texel);
+      CHECK(worst < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("A lone bright texel keeps its flux at random places, sizes and at all seams", "[area]") {
+  std::mt19937 generator(11);
+  const auto upto = [&](int count) { return static_cast<int>(generator() % static_cast<unsigned>(count)); };
+  for (int k = 0; k < 60; ++k) {
+    const int width = 1 + upto(400);
+    const int height = 1 + upto(200);
+    const int size = 1 + upto(130);  // odd ones too: the texel around a pole, and those next to it, are wide
+    const int row = k % 3 == 0 ? (upto(2) == 0 ? 0 : height - 1) : upto(height);
+    const int column = k % 5 == 0 ? (upto(2) == 0 ? 0 : width - 1) : upto(width);
+    CAPTURE(width, height, size, row, column);
+    CHECK(lone_texel_error(width, height, column, row, size) < 1e-6);
+  }
+  // Where three faces meet: latitude 35.26 degrees, longitude 45; and where two do.
+  for (const int row : {63, 76, 77, 78, 179}) {
+    for (const int column : {63, 64, 191, 192, 255, 256}) {
+      CHECK(lone_texel_error(512, 256, column, row, 100) < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("Light stays where it is", "[area]") {
+  std::mt19937 generator(3);
+  for (int k = 0; k < 60; ++k) {
+    const int width = 128;
+    const int height = 64;
+    const int size = std::vector<int>{16, 33, 64, 128}[static_cast<std::size_t>(k % 4)];
+    const int row = k < 20 ? k : static_cast<int>(generator() % 64U);
+    const int column = static_cast<int>(generator() % 128U);
+    LatLongImage map = black(width, height);
+    map.pixels[static_cast<std::size_t>(3 * (row * width + column))] = 1.0F;
+    const glm::dvec3 found = glm::normalize(middle_of_light(to_cubemap(map.view(), size)));
+    const glm::dvec3 wanted = image::lat_long_direction(width, height, column + 0.5, row + 0.5);
+    CAPTURE(size, row, column);
+    // What lies in a corner of a texel is at its centre afterwards: 0.71 of the widest.
+    CHECK(glm::length(found - wanted) < 0.71 * 2.0 / size + 0.1 * std::numbers::pi / height);
+  }
+}
+
+TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area]") {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
+    const LatLongImage map{width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.1F)};
+    for (const int size : {1, 2, 3, 7, 64, 257}) {
+      for (const float value : to_cubemap(map.view(), size).pixels) REQUIRE(value == 0.1F);
+    }
+  }
+}
+
+TEST_CASE("Quarter turns and mirrors of a lat-long permute the cubemap's texels", "[area]") {
+  const int width = 64;
+  const int height = 32;
+  const TestLatLong noise = make_lat_long(Content::random, width, height, 5);
+  LatLongImage map{width, height, noise.pixels};
+  for (const int size : {2, 7, 16}) {
+    for (const glm::dmat3& turn : {turn_about_y(90.0), turn_about_y(180.0), glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, 1),
+                                   glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)}) {
+      const LatLongImage turned = to_lat_long(map.view(), width, height, turn);
+      const CubemapImage before = to_cubemap(to_cubemap(map.view(), size).view(), size, turn);
+      const CubemapImage after = to_cubemap(turned.view(), size);
+      for (std::size_t i = 0; i < after.pixels.size(); ++i) {
+        REQUIRE(after.pixels[i] == Approx(before.pixels[i]).epsilon(3e-6));
+      }
+    }
+  }
+}
+
+TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[area]") {
+  for (const int width : {256, 255}) {
+    LatLongImage map = black(width, 128);
+    const auto radiance = [](const glm::dvec3& d) {
+      return glm::dvec3(1.0 + 0.5 * d.x + 0.3 * d.y * d.z, 2.0 + d.z - d.x * d.y * d.z, 1.5 - 0.7 * d.y);
+    };
+    for (int texel = 0; texel < width * 128; ++texel) {
+      const glm::dvec3 value =
+          radiance(image::lat_long_direction(width, 128, texel % width + 0.5, texel / width + 0.5));
+      for (int c = 0; c < 3; ++c) map.pixels[static_cast<std::size_t>(3 * texel + c)] = static_cast<float>(value[c]);
+    }
+    for (const int size : {3, 48, 64, 150, 600}) {
+      double worst[2] = {};
+      double worst_off_poles = 0.0;
+      for (int k = 0; k < 2; ++k) {
+        const CubemapImage cube =
+            to_cubemap(map.view(), size, glm::dmat3(1.0), {}, k == 0 ? ResampleFilter::area : ResampleFilter::bilinear);
+        for (int row = 0; row < 6 * size; ++row) {
+          for (int column = 0; column < size; ++column) {
+            const glm::dvec3 wanted = radiance(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
+            for (int c = 0; c < 3; ++c) {
+              const double found = cube.pixels[static_cast<std::size_t>(3 * (row * size + column) + c)];
+              worst[k] = std::max(worst[k], std::abs(found - wanted[c]));
+              const double y = image::face_direction(size, row / size, column + 0.5, row % size + 0.5).y;
+              if (k == 0 && std::abs(y) < 0.998)
+                worst_off_poles = std::max(worst_off_poles, std::abs(found - wanted[c]));
+            }
+          }
+        }
+      }
+      CAPTURE(width, size);
+      // A texel's mean is not its centre's value: size 3. Next to a pole the first row goes on unchanged: size 600.
+      CHECK(worst[0] < (size == 3 ? 0.18 : 7e-3));
+      CHECK(worst_off_poles < (size == 3 ? 0.18 : 2.5e-3));
+      CHECK(worst[1] < 1e-3);
+    }
+  }
+}
+
+TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and allocates nothing in its tiles",
+          "[area]") {
+  const InstructionSet before = active_instruction_set();
+  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
+    for (const auto& [width, height] : {std::pair{320, 160}, {333, 301}}) {
+      const TestLatLong map = make_lat_long(Content::high_range, width, height, 4);
+      for (const int size : {16, 61, 130}) {
+        const auto resampled = [&] { return to_cubemap(map.view(), size, glm::dmat3(1.0), {}, filter); };
+        CubemapImage expected;
+        force_instruction_set(InstructionSet::sse2);
+        run_with_threads(1, [&] { expected = resampled(); });
+        for (const InstructionSet set : available_instruction_sets()) {
+          force_instruction_set(set);
+          for (const int threads : {1, 2, 7}) {
+            CAPTURE(name(set), threads, size, static_cast<int>(filter));
+            forget_allocations_in_tiles();
+            run_with_threads(threads, [&] { CHECK(same_bits(resampled(), expected)); });
+            CHECK(allocations_in_tiles() == 0);
+          }
+        }
+      }
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("A cube's lone bright texel keeps its flux in a lat-long, by area", "[area]") {
+  for (const int size : {1, 2, 3, 8, 15, 24}) {
+    for (const auto& [width, height] : {std::pair{4 * size, 2 * size}, {7, 3}, {33, 50}, {64, 32}}) {
+      double worst = 0.0;
+      const int step = std::max(1, 6 * size * size / 150);
+      for (int texel = 0; texel < 6 * size * size; texel += step) {
+        CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
+        cube.pixels[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
+        const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), {}, ResampleFilter::area);
+        glm::dvec3 sum(0.0);
+        glm::dvec3 place(0.0);
+        for (int at = 0; at < width * height; ++at) {
+          const double value = map.pixels[static_cast<std::size_t>(3 * at + 1)];
+          REQUIRE(value >= 0.0);
+          const double flux_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
+          sum.y += flux_there;
+          place += flux_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
+        }
+        std::vector<double> angles(static_cast<std::size_t>(size));
+        image::cubemap_row_solid_angles(texel / size % size, angles);
+        worst = std::max(worst, std::abs(sum.y / (1e6 * angles[static_cast<std::size_t>(texel % size)]) - 1.0));
+        if (width < 4 * size || height < 2 * size || size < 8) continue;
+        const glm::dvec3 to =
+            image::face_direction(size, texel / (size * size), texel % size + 0.5, texel / size % size + 0.5);
+        CHECK(glm::length(glm::normalize(place) - to) < 0.42 / size);  // a fifth of a texel
+      }
+      CAPTURE(size, width, height);
+      CHECK(worst < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("A uniform cube is a uniform lat-long by area, and the same bits everywhere", "[area]") {
+  for (const int size : {1, 2, 3, 7, 64}) {
+    const CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
+    for (const glm::dmat3& turn : {glm::dmat3(1.0), turn_about_y(90.0)}) {
+      const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, {}, ResampleFilter::area);
+      for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
+    }
+    const TestCubemap noise = make_cubemap(Content::random, size, 4, 2);
+    LatLongImage alone;
+    const auto resampled = [&] {
+      return to_lat_long(noise.view(), 4 * size, 2 * size, glm::dmat3(1.0), {}, ResampleFilter::area);
+    };
+    run_with_threads(1, [&] { alone = resampled(); });
+    forget_allocations_in_tiles();
+    run_with_threads(3, [&] { CHECK(same_bits(resampled(), alone)); });
+    CHECK(allocations_in_tiles() == 0);
+  }
+}
+
+TEST_CASE("Resampling by area can be stopped, and reports", "[area]") {
+  const TestLatLong map = make_lat_long(Content::random, 64, 32, 4);
+  std::stop_source stop;
+  stop.request_stop();
+  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
+    CHECK(thrown_by([&] {
+            return to_cubemap(map.view(), 8, glm::dmat3(1.0), {stop.get_token(), {}}, filter);
+          }).code == ErrorCode::cancelled);
+    std::vector<double> shares;
+    (void)to_cubemap(map.view(), 8, turn_about_y(90.0), {{}, [&](double share) { shares.push_back(share); }}, filter);
+    CHECK(std::is_sorted(shares.begin(), shares.end()));
+    CHECK(shares.back() == 1.0);
+  }
 }
 
 }  // namespace welkin::test

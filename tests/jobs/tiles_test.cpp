@@ -1,3 +1,4 @@
+// Work on tiles: all of it is done once, errors and stop requests come out, and its hot loops allocate nothing.
 #include "jobs/tiles.h"
 
 #include <tbb/parallel_for.h>
@@ -7,6 +8,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -15,7 +18,11 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "support/heap.h"
+#include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/projection.h"
 
 namespace welkin::test {
 namespace {
@@ -197,5 +204,61 @@ TEST_CASE("The number of threads is checked", "[jobs]") {
   run_with_threads(0, [&] { ran = true; });
   CHECK(ran);
 }
+
+// Hot loops allocate nothing: not by operator new, not by malloc, on no thread.
+
+// Sanitizers bring a heap of their own; there is nothing to count under them.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+namespace {
+
+template <class Work>
+long allocations_during(const Work& work) {
+  forget_allocations_in_tiles();
+  work();
+  return allocations_in_tiles();
+}
+
+}  // namespace
+
+TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {
+  run_with_threads(3, [] {
+    CHECK(allocations_during([] {
+            jobs::run_tiles(10, jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
+                            [](std::size_t, std::size_t) {
+                              int* volatile one = new int(1);  // volatile, or the compiler leaves both pairs out
+                              delete one;
+                              void* volatile other = std::malloc(100);
+                              std::free(other);
+                            });
+          }) == 20);
+  });
+}
+
+TEST_CASE("Projection allocates nothing while it runs", "[jobs][allocation]") {
+  for (const int threads : {1, 2, 4}) {
+    run_with_threads(threads, [] {
+      for (const int size : {64, 1024}) {
+        const TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
+        for (const int bands : {3, 10}) {
+          ProjectionOptions options;
+          options.bands = bands;
+          CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
+          options.target_size = 100;
+          CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
+          options.quadrature = Quadrature::midpoint;
+          options.clamp = RadianceClamp{};
+          CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
+        }
+      }
+      const TestCubemap special = make_cubemap(Content::special_values, 128, 4, 1);
+      CHECK(allocations_during([&] { static_cast<void>(project(special.view())); }) == 0);
+      const TestLatLong lat_long = make_lat_long(Content::special_values, 1024, 512, 1);
+      CHECK(allocations_during([&] { static_cast<void>(project(lat_long.view())); }) == 0);
+    });
+  }
+}
+
+#endif
 
 }  // namespace welkin::test

@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "image/texel_geometry.h"
+#include "image/geometry.h"
 #include "perf/report/environment.h"
 #include "perf/report/error_norms.h"
 #include "perf/report/measurement.h"

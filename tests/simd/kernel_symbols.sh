@@ -7,8 +7,8 @@ set -euo pipefail
 folder="${1:?usage: kernel_symbols.sh OBJECT_FOLDER}"
 status=0
 for isa in sse2 avx2 avx512; do
-  objects=("$folder/welkin_kernels_$isa.dir/"*.o)
-  [[ -e "${objects[0]}" ]] || { echo "no objects of $isa below $folder"; exit 1; }
+  mapfile -t objects < <(find "$folder/welkin_kernels_$isa.dir" -name '*.o')
+  [[ ${#objects[@]} -gt 0 ]] || { echo "no objects of $isa below $folder"; exit 1; }
   # Defined and visible outside the object: all of it must carry the instruction set's own namespace. (DW.ref is a
   # pointer to the exception personality, the same for all.)
   foreign="$(nm -C --defined-only --extern-only "${objects[@]}" |

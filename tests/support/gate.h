@@ -13,6 +13,11 @@
 
 namespace welkin::test {
 
+/// A request that runs until it is told to stop, awake all the time.
+inline void run_until_stopped(const Control& control) {
+  while (!control.stop.stop_requested()) std::this_thread::yield();
+}
+
 /// Holds those who pass until it is open. They stay awake: a worker whose threads all sleep lends another one.
 class Gate {
  public:

@@ -1,6 +1,9 @@
 // The threads of this process, as the system has them.
 #pragma once
 
+#include <sys/syscall.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -24,6 +27,8 @@ inline std::string thread_name(int thread) {
   std::getline(file, name);
   return name;
 }
+
+inline std::string this_threads_name() { return thread_name(static_cast<int>(syscall(SYS_gettid))); }
 
 /// Those that were not there `before`.
 inline std::set<int> threads_since(const std::set<int>& before) {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "image/texel_grid.h"
+#include "image/geometry.h"
 
 namespace welkin::test {
 namespace {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -19,6 +20,11 @@ bool same_bytes(std::span<const Value> a, std::span<const Value> b) {
 
 inline bool same_bits(const glm::dvec3& a, const glm::dvec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// `wanted` against as many values from `found` on.
+inline bool same_bits(const std::vector<float>& wanted, const float* found) {
+  return std::memcmp(wanted.data(), found, wanted.size() * sizeof(float)) == 0;
+}
 
 inline bool same_bits(const Projection& a, const Projection& b) {
   const ProjectionDiagnostics& x = a.diagnostics;

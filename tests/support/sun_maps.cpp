@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "image/texel_geometry.h"
+#include "image/geometry.h"
 
 namespace welkin::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "image/texel_grid.h"
+#include "image/geometry.h"
 #include "welkin/image.h"
 
 namespace welkin::test {

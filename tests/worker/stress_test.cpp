@@ -2,6 +2,7 @@
 // error that was asked for, every callback and coroutine is called or freed, and nothing hangs.
 //
 // WELKIN_STRESS_SEED=n repeats what a run chose; how its threads took turns cannot be repeated.
+
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 

@@ -24,8 +24,9 @@
 
 #include "welkin/control.h"
 #include "welkin/error.h"
+#include "welkin/export.h"
 
-namespace welkin {
+namespace WELKIN_EXPORT welkin {
 
 /// Which waiting job a worker starts next: the higher one, and of equals the older one.
 enum class Priority { low, normal, high };

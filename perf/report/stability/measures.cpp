@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "image/texel_geometry.h"
-#include "welkin/sky_reference.h"
+#include "image/geometry.h"
+#include "reference/sky_reference.h"
 
 namespace welkin::report::stability {
 namespace {

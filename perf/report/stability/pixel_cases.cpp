@@ -7,6 +7,7 @@
 
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
+#include "reference/reference_projection.h"
 #include "welkin/directional_light.h"
 #include "welkin/irradiance.h"
 #include "welkin/irradiance_cubemap.h"

@@ -6,8 +6,8 @@
 
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
+#include "reference/sky_reference.h"
 #include "welkin/sky_harmonics.h"
-#include "welkin/sky_reference.h"
 
 namespace welkin::report::stability {
 

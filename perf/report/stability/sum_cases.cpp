@@ -9,9 +9,10 @@
 #include <numbers>
 #include <vector>
 
-#include "image/texel_geometry.h"
+#include "image/geometry.h"
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
+#include "reference/reference_projection.h"
 #include "welkin/brdf_table.h"
 #include "welkin/directional_light.h"
 #include "welkin/harmonic_transforms.h"

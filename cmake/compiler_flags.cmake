@@ -1,0 +1,16 @@
+# welkin_flags: what every target of ours is compiled with.
+#
+# No contraction: a fused multiply-add rounds once where the other instruction sets round twice, and the same input must
+# give the same bits on all of them. Only what users call is visible outside a shared library.
+add_library(welkin_flags INTERFACE)
+if(MSVC)
+  target_compile_options(welkin_flags INTERFACE /W4 /fp:precise /utf-8 $<$<BOOL:${WELKIN_WARNINGS_AS_ERRORS}>:/WX>)
+else()
+  target_compile_options(welkin_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off
+                                                -fvisibility=hidden $<$<COMPILE_LANGUAGE:CXX>:-fvisibility-inlines-hidden>
+                                                $<$<BOOL:${WELKIN_WARNINGS_AS_ERRORS}>:-Werror>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # GCC 12 sees overlapping copies in its own std::string operator+ (PR105651).
+    target_compile_options(welkin_flags INTERFACE -Wno-restrict)
+  endif()
+endif()

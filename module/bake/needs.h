@@ -1,0 +1,49 @@
+// A bake of everything, less what a scene does not need.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bake/bake_plan.h"
+#include "welkin/bake.h"
+#include "welkin/scene_needs.h"
+
+namespace welkin::baking {
+
+/// Why a pass falls away.
+struct LeftOut {
+  BakePass pass;
+  std::string reason;
+};
+
+/// What an error budget did to a pass, for its reason.
+struct ChosenSetting {
+  BakePass pass;
+  std::string words;
+};
+
+struct NeededOptions {
+  BakeOptions options;
+  std::vector<LeftOut> left_out;  ///< of what the whole bake would have done
+  std::vector<ChosenSetting> chosen{};
+};
+
+/// Settings that an error budget may loosen are still those of the whole bake, without what would keep its bits.
+[[nodiscard]] NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs,
+                                           const BakeOptions& whole);
+
+/// Throws `Error` (invalid_argument) if there is an error budget: nothing is there that it could be judged by.
+/// `instead` says what to do.
+void refuse_budget(const SceneNeeds& needs, const std::string& instead);
+
+/// Mips, of a table of roughness that rises, that no lookup from `range.least` to `range.greatest` touches.
+struct UnusedMips {
+  int sharp = 0;
+  int rough = 0;
+};
+[[nodiscard]] UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRange& range);
+
+/// Takes those out of the options; with `same_bits` as left out, else as a chain of its own.
+void leave_out(const UnusedMips& unused, bool same_bits, PrefilterOptions& options);
+
+}  // namespace welkin::baking

@@ -1,0 +1,313 @@
+// Plans for skies carried out.
+#include "welkin/sky_plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "bake/bake_plan.h"
+#include "bake/needs.h"
+#include "jobs/tiles.h"
+#include "reflections/prefilter_plan.h"
+#include "sky/table_sizes.h"
+#include "welkin/error.h"
+#include "welkin/plan.h"
+#include "welkin/sky_specular.h"
+
+namespace welkin {
+namespace {
+
+constexpr double kNanoseconds = 1e6;  ///< in a millisecond
+constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
+
+bool any_matter(const Constituent& constituent) {
+  const auto acts = [](double coefficient) { return coefficient > 0.0; };
+  return !constituent.density.empty() && (std::ranges::any_of(constituent.scattering_per_m, acts) ||
+                                          std::ranges::any_of(constituent.absorption_per_m, acts));
+}
+
+SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& whole) {
+  SkyBakeOptions options = whole;
+  options.bands = std::min(whole.bands, needs.diffuse_bands);
+  if (!needs.background) options.background_size = 0;
+  if (!needs.glossy) options.specular.reset();
+  if (!needs.glossy || !needs.brdf_table) options.brdf.reset();
+  if (options.specular) {
+    const std::vector<double> roughness = reflections::roughness_of_chain(*options.specular);
+    // Whatever `same_bits` says: the sky is drawn at the chain's size, and a smaller chain would blur it.
+    constexpr bool same_size = true;
+    baking::leave_out(baking::unused_mips(roughness, *needs.glossy), same_size, *options.specular);
+  }
+  return options;
+}
+
+/// Puts the passes together: one function a group of them.
+class SkyPlanner {
+ public:
+  SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& whole, const CostModel& costs)
+      : plan_(plan), needs_(needs), whole_(whole), options_(plan.options), costs_(costs) {}
+
+  void run() {
+    plan_tables();
+    plan_matter();
+    plan_light();
+    plan_reflections();
+    plan_background();
+    if (options_.brdf) {
+      const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
+      add("brdf", "by quadrature", (options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel) * texels,
+          static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
+    } else {
+      skip("brdf", !whole_.brdf ? "not asked for" : needs_.glossy ? "the engine has a table of its own" : kNotGlossy);
+    }
+  }
+
+ private:
+  static constexpr const char* kNotGlossy = "no glossy materials";
+
+  void add(std::string name, std::string reason, double cost, std::uint64_t bytes) {
+    plan_.passes.push_back({std::move(name), PassAction::run, std::move(reason), cost / kNanoseconds, bytes});
+    plan_.result_bytes += bytes;
+  }
+  void skip(std::string name, std::string reason) {
+    plan_.passes.push_back({std::move(name), PassAction::skip, std::move(reason), 0.0, 0});
+  }
+  /// Of wavelengths: tables are computed three at a time.
+  [[nodiscard]] double groups() const {
+    const std::size_t wavelengths = plan_.atmosphere.wavelengths_nm.size();
+    return options_.tables.colour == SkyColour::spectral ? 1.0 : std::ceil(static_cast<double>(wavelengths) / 3.0);
+  }
+
+  void plan_tables() {
+    if (!plan_.tables) {
+      for (const char* name : {"transmittance", "sun paths", "orders", "scattering"}) {
+        skip(name, "nothing looks into the sky's tables");
+      }
+      return;
+    }
+    const SkyTableOptions& tables = options_.tables;
+    const std::uint64_t floats = sky::transmittance_floats(tables);
+    add("transmittance", "along every ray to the top", costs_.transmittance_texel * static_cast<double>(floats) / 3.0,
+        sizeof(float) * floats);
+    const sky::SunPaths::Size paths = sky::sun_path_size(tables);
+    add("sun paths", "lengths to the sun, of no wavelength",
+        costs_.sun_path_node * static_cast<double>(paths.heights) * paths.zeniths, 0);
+    const sky::SourceShape shape = sky::source_shape(tables);
+    const double nodes = static_cast<double>(shape.size()) / 4.0 / shape.angles;
+    add("orders",
+        tables.orders > 1 ? "orders 2 to " + std::to_string(tables.orders) + ", and what reaches the ground"
+                          : "of one order only what reaches the ground: multiple scattering falls away",
+        groups() * nodes * (costs_.first_order_node + costs_.order_node * (tables.orders - 1)),
+        sizeof(float) * sky::irradiance_floats(tables));
+    const auto texels = static_cast<double>(sky::scattering_texels(tables));
+    const double often = tables.orders > 1 ? costs_.scattered_often : 0.0;
+    add("scattering", tables.orders > 1 ? "sunlight scattered once, and more often" : "sunlight scattered once",
+        groups() * texels * (costs_.scattered_once + often),
+        sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
+  }
+
+  /// They have no pass of their own: costs are in the tables'.
+  void plan_matter() {
+    const Atmosphere& air = plan_.atmosphere;
+    if (!sky::scatters(air.aerosol)) {
+      skip("aerosol", "the planet has none that scatters: no table of single Mie scattering");
+    } else if (plan_.tables) {
+      add("aerosol", "in the tables", 0.0, 0);
+    } else {
+      skip("aerosol", "nothing looks into the sky's tables");
+    }
+    const auto absorbers = std::ranges::count_if(air.absorbers, any_matter);
+    if (absorbers == 0) {
+      skip("absorbers", "the planet has none: no ozone");
+    } else if (plan_.tables) {
+      add("absorbers", std::to_string(absorbers) + " of them, in the tables", 0.0, 0);
+    } else {
+      skip("absorbers", "nothing looks into the sky's tables");
+    }
+  }
+
+  /// A quadrature looks at so many directions for each sun, and both sides of the horizon.
+  static double directions(const SkyHarmonicsOptions& harmonics) {
+    const double sides = harmonics.quadrature == SkyQuadrature::article ? 1.0 : 2.0;
+    return sides * harmonics.zeniths * harmonics.azimuths;
+  }
+
+  void plan_light() {
+    if (!plan_.tables) {
+      skip("view", "nothing looks into the sky's tables");
+    } else {
+      const SkyTableOptions& tables = options_.tables;
+      const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
+      add("view", "the tables' slice at the altitude", costs_.slice_texel * texels,
+          8 * sizeof(float) * static_cast<std::uint64_t>(texels));
+    }
+    const std::string bands = std::to_string(options_.bands) + " bands";
+    if (plan_.curve) {
+      const std::uint64_t bytes =
+          static_cast<std::uint64_t>(options_.curve.nodes) *
+          (3 * static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands + 1) + 24) *
+          sizeof(double);
+      add("curve", bands + " over the sun's elevation",
+          costs_.projected_direction * options_.curve.nodes * directions(options_.curve.projection), bytes);
+    } else {
+      skip("curve", options_.bands == 0 ? no_light() : "the sun does not move");
+    }
+    if (options_.bands > 0 && !plan_.curve) {
+      add("project", bands + " for the one sun", costs_.sky_direction * directions(options_.harmonics), 0);
+    } else {
+      skip("project", options_.bands == 0 ? no_light() : "the curve has it for every sun");
+    }
+  }
+  [[nodiscard]] const char* no_light() const {
+    return whole_.bands == 0 ? "not asked for" : "no diffuse light is used";
+  }
+
+  void plan_reflections() {
+    if (!options_.specular) return skip("specular", whole_.specular ? kNotGlossy : "not asked for");
+    BakeOptions baking;
+    baking.background = false;
+    baking.specular = options_.specular;
+    baking.irradiance_size = 0;
+    baking.bands = 0;
+    baking.brdf.reset();
+    const int size = options_.specular->size;
+    const SourceShape source{true, size, 6 * size, PixelFormat::rgb_f32};
+    const baking::BakePlan baked = baking::plan_bake(source, baking, {}, costs_);
+    const PlannedPass& pass = baked.step(baking::BakePass::specular).planned;
+    add("specular", pass.reason + ", for one sun; a turn about the vertical is the shader's",
+        kNanoseconds * pass.predicted_milliseconds + costs_.sky_direction * static_cast<double>(source.texels()),
+        pass.bytes);
+  }
+
+  void plan_background() {
+    if (options_.background_size == 0)
+      return skip("background", whole_.background_size == 0 ? "not asked for" : "nothing shows it");
+    const std::uint64_t texels = baking::chain_texels(options_.background_size, 1);
+    add("background", "a cubemap of the sky for one sun", costs_.sky_direction * static_cast<double>(texels),
+        kTexelBytes * texels);
+  }
+
+  SkyPlan& plan_;
+  const SceneNeeds& needs_;
+  const SkyBakeOptions& whole_;
+  const SkyBakeOptions& options_;
+  const CostModel& costs_;
+};
+
+}  // namespace
+
+SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole,
+             const CostModel& costs) {
+  check(needs);
+  baking::refuse_budget(needs,
+                        "ask choose_sky_tables, choose_sky_orders and choose_sky_harmonics, and pass their settings");
+  static_cast<void>(sky_table_bytes(atmosphere, whole.tables));  // refuses what cannot be computed
+  SkyPlan plan;
+  plan.atmosphere = atmosphere;
+  plan.source = "the sky of " + (atmosphere.name.empty() ? std::string("a planet") : atmosphere.name) + ", " +
+                (needs.sun_moves ? "a moving sun" : "one sun");
+  plan.options = needed_options(needs, whole);
+  plan.tables = plan.options.bands > 0 || plan.options.specular || plan.options.background_size > 0;
+  plan.curve = plan.options.bands > 0 && needs.sun_moves;
+  SkyPlanner(plan, needs, whole, costs).run();
+  return plan;
+}
+
+double SkyPlan::milliseconds(int threads) const noexcept {
+  double sum = 0.0;
+  for (const PlannedPass& pass : passes) sum += pass.predicted_milliseconds;
+  return sum / std::max(1, threads);
+}
+
+const PlannedPass& SkyPlan::pass(const std::string& name) const {
+  const auto found = std::ranges::find(passes, name, &PlannedPass::name);
+  if (found == passes.end()) throw Error(ErrorCode::invalid_argument, "the plan has no pass called " + name);
+  return *found;
+}
+
+std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
+  return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured) + "  predicted on one thread\n";
+}
+
+namespace {
+
+constexpr double kTables = 0.8;  ///< of the progress
+
+class SkyBaking {
+ public:
+  SkyBaking(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
+      : plan_(plan), sun_(sun), control_(control), quiet_{control.stop, {}} {}
+
+  SkyBake run() {
+    if (plan_.tables) {
+      sky_.tables = std::make_shared<const SkyTables>(
+          precompute_sky(plan_.atmosphere, plan_.options.tables, jobs::part_of(control_, 0.0, kTables)));
+    }
+    for (const PlannedPass& pass : plan_.passes) {
+      if (pass.action == PassAction::skip) {
+        sky_.passes.push_back({pass.name, "skip", pass.reason, 0.0});
+      } else if (!record_of_tables(pass.name)) {
+        run_pass(pass);
+      }
+    }
+    if (control_.progress) control_.progress(1.0);
+    return std::move(sky_);
+  }
+
+ private:
+  /// The tables' own records, where they have some of that name.
+  bool record_of_tables(const std::string& name) {
+    bool found = false;
+    for (const PassRecord& record : sky_.tables ? sky_.tables->passes : std::vector<PassRecord>()) {
+      if (record.name != name) continue;
+      sky_.passes.push_back(record);
+      found = true;
+    }
+    return found;
+  }
+
+  void run_pass(const PlannedPass& pass) {
+    const auto start = std::chrono::steady_clock::now();
+    make(pass.name);
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+    sky_.passes.push_back({pass.name, name(pass.action), pass.reason, time.count()});
+  }
+
+  void make(const std::string& pass) {
+    const SkyBakeOptions& options = plan_.options;
+    if (pass == "view") {
+      view_.emplace(sky_.tables, options.altitude_m);
+      sky_.sun = view_->sun(sun_);
+    } else if (pass == "curve") {
+      SkyCurveOptions curve = options.curve;
+      curve.bands = options.bands;
+      sky_.curve.emplace(*view_, curve, quiet_);
+    } else if (pass == "project") {
+      SkyHarmonicsOptions harmonics = options.harmonics;
+      harmonics.bands = options.bands;
+      sky_.radiance = SkyProjector(*view_, harmonics).project(sun_);
+    } else if (pass == "specular") {
+      sky_.specular = sky_specular(*view_, sun_, *options.specular, {}, quiet_);
+    } else if (pass == "background") {
+      sky_.background = sky_cubemap(*view_, sun_, options.background_size, {}, quiet_);
+    } else if (pass == "brdf") {
+      sky_.brdf = brdf_table(*options.brdf, quiet_);
+    }  // aerosol and absorbers are in the tables
+  }
+
+  const SkyPlan& plan_;
+  glm::dvec3 sun_;
+  const Control& control_;
+  Control quiet_;  ///< stops, and reports nothing: what follows the tables is short
+  std::optional<SkyView> view_;
+  SkyBake sky_;
+};
+
+}  // namespace
+
+SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control) {
+  return SkyBaking(plan, sun, control).run();
+}
+
+}  // namespace welkin

@@ -1,0 +1,165 @@
+// Directional albedo by quadrature, sixteen view angles at a time. What is integrated, and why over these variables, is
+// in specular/brdf_quadrature.h; the names are the same there.
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+using IntegerLanes = xsimd::batch<std::int32_t, Architecture>;
+
+constexpr float kPi = 3.14159265F;
+
+WELKIN_INLINE Lanes fifth_power(Lanes x) {
+  const Lanes x2 = x * x;
+  return x2 * x2 * x;
+}
+
+WELKIN_INLINE Lanes fourth_root(Lanes x) { return xsimd::sqrt(xsimd::sqrt(x)); }
+
+/// A view direction against the normal, sixteen of them.
+struct View {
+  explicit WELKIN_INLINE View(Lanes normal_view)
+      : cosine(normal_view),
+        sine(xsimd::sqrt((Lanes(1.0F) - normal_view) * (Lanes(1.0F) + normal_view))),
+        tangent(sine / cosine) {}
+
+  Lanes cosine, sine, tangent;
+};
+
+/// Slope of the half vector, in the azimuth whose cosine against the view is `azimuth`, at which the light reaches the
+/// horizon: the positive root of m^2 - 2 b m - 1 = 0 with b = tangent x azimuth, without cancellation.
+WELKIN_INLINE Lanes horizon_slope(const View& view, float azimuth) {
+  const Lanes b = view.tangent * Lanes(azimuth);
+  const Lanes root = xsimd::sqrt(b * b + Lanes(1.0F));
+  return azimuth >= 0.0F ? root + b : Lanes(1.0F) / (root - b);
+}
+
+struct Albedo {
+  Lanes whole, fresnel;
+};
+
+/// One azimuth of the GGX integral.
+WELKIN_INLINE Albedo along_azimuth(const AlbedoRule& rule, const View& view, float alpha, float azimuth) {
+  const Lanes one(1.0F);
+  const Lanes alpha2(alpha * alpha);
+  const Lanes one_minus_alpha2((1.0F - alpha) * (1.0F + alpha));
+  const Lanes k = view.tangent * Lanes(alpha);
+  const Lanes n = xsimd::sqrt(k * k + one);
+  const Lanes k_azimuth = k * Lanes(azimuth);
+  const Lanes sine_azimuth = view.sine * Lanes(alpha * azimuth);
+  const Lanes end_r = horizon_slope(view, azimuth) / Lanes(alpha);
+  const Lanes end_f = xsimd::max(one / (end_r + xsimd::sqrt(end_r * end_r + one)), Lanes(kAlbedoTail));
+  const Lanes span = one - xsimd::sqrt(fourth_root(end_f));
+  Albedo sum{Lanes(0.0F), Lanes(0.0F)};
+  for (int i = 0; i < rule.radii; ++i) {
+    const Lanes p = one - span * Lanes(rule.radius_places[i]);
+    const Lanes p4 = (p * p) * (p * p);
+    const Lanes f = p4 * p4;
+    const Lanes f2 = f * f;
+    const Lanes c = f + f;  // c and s: cosine and sine of psi, both times q
+    const Lanes s = one - f2;
+    const Lanes q = one + f2;
+    const Lanes c2 = c * c;
+    const Lanes lean = c + k_azimuth * s;
+    const Lanes d = c2 + alpha2 * (s * s);
+    const Lanes light = xsimd::max(view.cosine * (c2 + (c + c) * (k_azimuth * s) - alpha2 * (s * s)), Lanes(0.0F));
+    const Lanes root = xsimd::sqrt(one_minus_alpha2 * (light * light) + alpha2 * (d * d));
+    const Lanes weight =
+        Lanes(rule.radius_weights[i]) * (c * s) * (lean * light) / ((p * q) * (q * q) * (light * n + root));
+    const Lanes view_half = (view.cosine * c + sine_azimuth * s) / xsimd::sqrt(d);
+    sum.whole = sum.whole + weight;
+    sum.fresnel = sum.fresnel + weight * fifth_power(one - view_half);
+  }
+  // 8: dx = 8 dp / p
+  const Lanes scale = span * Lanes(8.0F);
+  return {sum.whole * scale, sum.fresnel * scale};
+}
+
+/// log(1 - x) for 0 <= x < 1: exponent and mantissa, log(mantissa) = 2 artanh(t), |t| < 0.172, the first term left out
+/// below 1e-9. Where the exponent is 0 the numerator is x itself: nothing of a small x is lost.
+WELKIN_INLINE Lanes log_of_one_minus(Lanes x) {
+  const Lanes one(1.0F);
+  const auto bits = xsimd::bitwise_cast<IntegerLanes>(one - x);
+  const IntegerLanes exponent = (bits - IntegerLanes(0x3F3504F3)) >> 23;  // of sqrt(1/2)
+  const auto mantissa = xsimd::bitwise_cast<Lanes>(bits - (exponent << 23));
+  const Lanes whole = xsimd::to_float(exponent);
+  const Lanes numerator = xsimd::select(whole == Lanes(0.0F), -x, mantissa - one);
+  const Lanes t = numerator / (mantissa + one);
+  const Lanes t2 = t * t;
+  const Lanes series =
+      one + t2 * (Lanes(1.0F / 3.0F) + t2 * (Lanes(0.2F) + t2 * (Lanes(1.0F / 7.0F) + t2 * Lanes(1.0F / 9.0F))));
+  return whole * Lanes(0.693147181F) + (t + t) * series;
+}
+
+/// e^y for -80 < y <= 0, relative error below 1e-6 at -20: 2^whole by the exponent's bits, the rest by Taylor's series
+/// on [-0.35, 0.35], the first term left out below 1e-7.
+WELKIN_INLINE Lanes exponential(Lanes y) {
+  constexpr float rounder = 12582912.0F;  // 1.5 x 2^23: a sum with it has no fraction left
+  const Lanes shifted = y * Lanes(1.44269504F) + Lanes(rounder);
+  const Lanes whole = shifted - Lanes(rounder);
+  const Lanes r = y - whole * Lanes(0.693147181F);
+  Lanes series(1.0F);
+  for (int k = 7; k >= 1; --k) series = Lanes(1.0F) + series * r * Lanes(1.0F / static_cast<float>(k));
+  const IntegerLanes power = xsimd::bitwise_cast<IntegerLanes>(shifted) - IntegerLanes(0x4B400000);
+  return xsimd::bitwise_cast<Lanes>(xsimd::bitwise_cast<IntegerLanes>(series) + (power << 23));
+}
+
+/// One azimuth of the sheen integral.
+WELKIN_INLINE Lanes sheen_along_azimuth(const AlbedoRule& rule, const View& view, float half_power, float azimuth) {
+  const Lanes one(1.0F);
+  const Lanes slope = horizon_slope(view, azimuth);
+  const Lanes from2 = one / (one + slope * slope);
+  // The first of what is integrated is the largest. Lanes that it leaves out are 0, however wide the register.
+  const auto counts = log_of_one_minus(xsimd::min(from2, Lanes(0.99999994F))) * Lanes(half_power) > Lanes(-kSheenTail);
+  if (xsimd::none(counts)) return Lanes(0.0F);
+  const float reach = half_power > kSheenTail ? kSheenTail / half_power : 1.0F;
+  const Lanes to2 = from2 + (one - from2) * Lanes(reach);
+  const Lanes first = fourth_root(xsimd::sqrt(from2));
+  const Lanes span = fourth_root(xsimd::sqrt(to2)) - first;
+  Lanes sum(0.0F);
+  for (int i = 0; i < rule.radii; ++i) {
+    const Lanes p = first + span * Lanes(rule.radius_places[i]);
+    const Lanes p3 = p * p * p;
+    const Lanes z = p3 * p;
+    const Lanes z2 = xsimd::min(z * z, Lanes(0.99999994F));
+    const Lanes view_half = view.cosine * z + view.sine * xsimd::sqrt(one - z2) * Lanes(azimuth);
+    const Lanes light = xsimd::max((view_half + view_half) * z - view.cosine, Lanes(0.0F));
+    const Lanes density = exponential(xsimd::max(log_of_one_minus(z2) * Lanes(half_power), Lanes(-80.0F)));
+    sum = sum + Lanes(rule.radius_weights[i]) * density * (p3 * view_half * light) /
+                    (light + view.cosine - light * view.cosine);
+  }
+  return xsimd::select(counts, sum * span * Lanes(4.0F), Lanes(0.0F));
+}
+
+}  // namespace
+
+void directional_albedo(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole, float* fresnel) {
+  for (int lane = 0; lane < kLanes; lane += kWidth) {
+    const View view(Lanes::load_unaligned(normal_view + lane));
+    Albedo sum{Lanes(0.0F), Lanes(0.0F)};
+    for (int j = 0; j < rule.azimuths; ++j) {
+      const Albedo part = along_azimuth(rule, view, alpha, rule.azimuth_cosines[j]);
+      const Lanes weight(rule.azimuth_weights[j] * (4.0F / kPi));
+      sum.whole = sum.whole + weight * part.whole;
+      sum.fresnel = sum.fresnel + weight * part.fresnel;
+    }
+    sum.whole.store_unaligned(whole + lane);
+    sum.fresnel.store_unaligned(fresnel + lane);
+  }
+}
+
+void sheen_albedo(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo) {
+  const float power = 1.0F / alpha;
+  for (int lane = 0; lane < kLanes; lane += kWidth) {
+    const View view(Lanes::load_unaligned(normal_view + lane));
+    Lanes sum(0.0F);
+    for (int j = 0; j < rule.azimuths; ++j) {
+      sum =
+          sum + Lanes(rule.azimuth_weights[j]) * sheen_along_azimuth(rule, view, 0.5F * power, rule.azimuth_cosines[j]);
+    }
+    (sum * Lanes((2.0F + power) / kPi)).store_unaligned(albedo + lane);
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

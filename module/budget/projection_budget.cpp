@@ -1,0 +1,153 @@
+// How small an environment may be before it is projected.
+#include "budget/projection_budget.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "jobs/tiles.h"
+#include "projection/pixel_policy.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+using budget::relative_difference;
+
+/// Of float sums, against double: docs/projection.md, tested at 5e-7 there.
+constexpr double kRounding = 5e-7;
+/// Nanoseconds a texel and thread, docs/projection.md; a reduction on the fly takes some 2.5 / 1.2 times as long.
+constexpr double kTexelNanoseconds = 0.5;
+constexpr double kReductionFactor = 2.1;
+/// What is still to come over the last difference, see docs/error_budget.md.
+constexpr double kSafety = 1.5;
+constexpr const char* kRelativeTo = "norm of the radiance coefficients at full size";
+
+/// What finer levels may still change, from the differences between the last ones: they halve from level to level
+/// where light is a point's and are quartered where it is smooth; one may be small by accident, three are not.
+double still_to_come(const std::vector<double>& differences) {
+  double largest = 0.0;
+  double weight = 1.0;
+  const std::size_t looked_at = std::min<std::size_t>(3, differences.size());
+  for (std::size_t k = 0; k < looked_at; ++k, weight /= 3.0)
+    largest = std::max(largest, weight * differences[differences.size() - 1 - k]);
+  return kSafety * largest;
+}
+
+ProjectionOptions whole(ProjectionOptions options) {
+  options.quadrature = Quadrature::exact;
+  options.target_size = 0;
+  return options;
+}
+
+double texels_of(const CubemapView& view) { return 6.0 * view.size * view.size; }
+double texels_of(const LatLongView& view) { return 1.0 * view.width * view.height; }
+
+/// The least target that leaves the source as it is.
+int full_target(const CubemapView& view) { return view.size; }
+int full_target(const LatLongView& view) { return std::max((view.width + 3) / 4, (view.height + 1) / 2); }
+
+template <class View>
+BudgetChoice<ProjectionOptions> compare_targets(const View& view, const ProjectionOptions& options,
+                                                const ErrorBudget& budget, const Control& control) {
+  budget::check_budget(budget);
+  image::check_view(view);
+  projection::check_options(options);
+  BudgetChoice<ProjectionOptions> choice;
+  choice.relative_to = kRelativeTo;
+  const ProjectionOptions full = whole(options);
+  const double reading = kTexelNanoseconds * texels_of(view);
+  const Control quiet{control.stop, {}};
+  const SphericalHarmonics truth = project(view, full, quiet).radiance;
+  const auto sizes = static_cast<int>(std::bit_width(static_cast<unsigned>(full_target(view) - 1)));
+  const auto look_at = [&](const ProjectionOptions& setting, double nanoseconds) {
+    const double error = relative_difference(project(view, setting, quiet).radiance, truth) + kRounding;
+    choice.tried.push_back({setting, error, nanoseconds});
+    if (control.progress) control.progress(static_cast<double>(choice.tried.size()) / (sizes + 2));
+  };
+  for (int target = 1; target < full_target(view); target *= 2) {
+    ProjectionOptions reduced = full;
+    reduced.target_size = target;
+    look_at(reduced, kReductionFactor * reading);
+  }
+  ProjectionOptions midpoint = full;
+  midpoint.quadrature = Quadrature::midpoint;
+  look_at(midpoint, reading);
+  choice.tried.push_back({full, kRounding, reading});
+  if (control.progress) control.progress(1.0);
+  budget::settle(choice, budget);
+  return choice;
+}
+
+}  // namespace
+
+BudgetChoice<ProjectionOptions> choose_projection(std::span<const CubemapView> mips, const ProjectionOptions& options,
+                                                  const ErrorBudget& budget, const Control& control) {
+  budget::check_budget(budget);
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
+  BudgetChoice<ProjectionOptions> choice;
+  choice.relative_to = kRelativeTo;
+  std::vector<double> differences;
+  SphericalHarmonics before;
+  for (std::size_t level = mips.size(); level-- > 0;) {
+    ProjectionOptions setting = whole(options);
+    setting.target_size = level > 0 ? mips[level].size : 0;
+    // Through the chain's own call, which checks it.
+    SphericalHarmonics radiance = project(mips, setting, {control.stop, {}}).radiance;
+    if (level + 1 < mips.size()) differences.push_back(relative_difference(before, radiance));
+    before = std::move(radiance);
+    // Two differences at least, unless this is all there is.
+    if (level > 0 && differences.size() < 2) continue;
+    const double error = level > 0 ? still_to_come(differences) + kRounding : kRounding;
+    choice.tried.push_back({setting, error, kTexelNanoseconds * texels_of(mips[level])});
+    if (error <= budget.relative) break;
+  }
+  if (control.progress) control.progress(1.0);
+  budget::settle(choice, budget);
+  return choice;
+}
+
+BudgetChoice<ProjectionOptions> choose_projection(const CubemapView& cubemap, const ProjectionOptions& options,
+                                                  const ErrorBudget& budget, const Control& control) {
+  return compare_targets(cubemap, options, budget, control);
+}
+
+BudgetChoice<ProjectionOptions> choose_projection(const LatLongView& lat_long, const ProjectionOptions& options,
+                                                  const ErrorBudget& budget, const Control& control) {
+  return compare_targets(lat_long, options, budget, control);
+}
+
+}  // namespace welkin
+
+namespace welkin::budget {
+namespace {
+
+constexpr double kLeastBudget = 1e-6;  ///< what float arithmetic leaves
+
+}  // namespace
+
+void check_budget(const ErrorBudget& budget) {
+  if (budget.relative >= kLeastBudget && budget.relative <= 1.0) return;
+  throw Error(ErrorCode::invalid_argument, "the error budget is " + std::to_string(budget.relative) +
+                                               "; it is a share of the result, from 1e-6 to 1 (0.01 is 1 %)");
+}
+
+double relative_difference(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  double difference = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < b.coefficients().size(); ++k) {
+    const glm::dvec3 off = a.coefficients()[k] - b.coefficients()[k];
+    difference += glm::dot(off, off);
+    whole += glm::dot(b.coefficients()[k], b.coefficients()[k]);
+  }
+  if (difference == 0.0) return 0.0;
+  return whole > 0.0 ? std::sqrt(difference / whole) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace welkin::budget

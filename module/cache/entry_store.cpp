@@ -1,0 +1,280 @@
+#include "cache/entry_store.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "platform/file.h"
+#include "welkin/error.h"
+
+namespace welkin::cache {
+namespace {
+
+constexpr const char* kExtension = ".welkin-entry";
+/// Of what lies beside; a writer takes seconds.
+constexpr std::chrono::hours kLeftBehind{1};
+
+/// A descriptor that is closed.
+class Handle {
+ public:
+  explicit Handle(int number) : number_(number) {}
+  ~Handle() {
+    if (number_ >= 0) close(number_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  [[nodiscard]] int number() const noexcept { return number_; }
+
+ private:
+  int number_;
+};
+
+bool read_all(int handle, std::uint8_t* bytes, std::size_t count) {
+  while (count > 0) {
+    const ssize_t got = read(handle, bytes, count);
+    if (got <= 0) return false;
+    bytes += got;
+    count -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+/// A regular file of the stated length with the right name inside and the right sum; what it holds.
+std::optional<std::vector<std::uint8_t>> sound_payload(int handle, const EntryName& name) {
+  struct stat status {};
+  EntryHeader header{};
+  if (fstat(handle, &status) != 0 || !S_ISREG(status.st_mode) || !read_all(handle, header.data(), header.size())) {
+    return std::nullopt;
+  }
+  const std::optional<EntryStatement> statement = read_entry_header(header);
+  const auto payload_bytes = static_cast<std::uint64_t>(status.st_size) - kEntryHeaderBytes;
+  if (!statement || !(statement->name == name) || statement->payload_bytes != payload_bytes) return std::nullopt;
+  std::vector<std::uint8_t> payload(payload_bytes);
+  if (!read_all(handle, payload.data(), payload.size()) || !is_payload_of(*statement, payload)) return std::nullopt;
+  return payload;
+}
+
+struct Found {
+  std::filesystem::path path;
+  std::filesystem::file_time_type used;
+  std::uint64_t bytes;
+};
+
+bool has_only(std::string_view text, std::string_view letters) {
+  return !text.empty() && text.find_first_not_of(letters) == std::string_view::npos;
+}
+
+/// As `EntryFolder::path_of` has them: a hash and a kind.
+bool is_entry(const std::filesystem::path& path) {
+  constexpr std::size_t hash_letters = 32;
+  const std::string name = path.stem().string();
+  return path.extension() == kExtension && name.size() > hash_letters && name[hash_letters] == '-' &&
+         has_only(std::string_view(name).substr(0, hash_letters), "0123456789abcdef") &&
+         has_only(std::string_view(name).substr(hash_letters + 1), "0123456789");
+}
+
+bool is_left_behind(const std::filesystem::path& path, std::filesystem::file_time_type written) {
+  const std::string name = path.filename().string();
+  constexpr std::string_view start = ".welkin-";
+  constexpr std::string_view end = ".part";
+  return name.starts_with(start) && name.ends_with(end) && name.size() > start.size() + end.size() &&
+         has_only(std::string_view(name).substr(start.size(), name.size() - start.size() - end.size()),
+                  "0123456789-") &&
+         written + kLeftBehind < std::filesystem::file_time_type::clock::now();
+}
+
+/// All entries; what writers left behind is removed on the way.
+std::vector<Found> entries_in(const std::filesystem::path& folder) {
+  std::vector<Found> entries;
+  std::error_code failure;
+  std::filesystem::directory_iterator at(folder, failure);
+  for (; !failure && at != std::filesystem::directory_iterator(); at.increment(failure)) {
+    std::error_code gone;  // another process may have removed it
+    const std::filesystem::path& path = at->path();
+    const auto used = std::filesystem::last_write_time(path, gone);
+    if (gone) continue;
+    if (is_left_behind(path, used)) std::filesystem::remove(path, gone);
+    if (!is_entry(path)) continue;
+    const std::uint64_t bytes = std::filesystem::file_size(path, gone);
+    if (!gone) entries.push_back({path, used, bytes});
+  }
+  return entries;
+}
+
+}  // namespace
+
+EntryFolder::EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes)
+    : folder_(std::move(folder)), bound_bytes_(bound_bytes) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder_, failure);
+  if (failure) note_failure(folder_.string() + ": " + failure.message());
+  tidy();
+}
+
+std::filesystem::path EntryFolder::path_of(const EntryName& name) const {
+  return folder_ /
+         (name.key.text() + '-' + std::to_string(static_cast<std::uint32_t>(name.kind)) + std::string(kExtension));
+}
+
+std::optional<std::vector<std::uint8_t>> EntryFolder::find(const EntryName& name) {
+  const std::filesystem::path path = path_of(name);
+  // O_NONBLOCK: a pipe of that name must not keep anyone waiting.
+  const Handle handle(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (handle.number() < 0) return std::nullopt;
+  std::optional<std::vector<std::uint8_t>> payload = sound_payload(handle.number(), name);
+  if (!payload) {
+    remove_damaged(name);
+    return std::nullopt;
+  }
+  static_cast<void>(futimens(handle.number(), nullptr));  // used now
+  return payload;
+}
+
+void EntryFolder::store(const EntryName& name, std::span<const std::uint8_t> payload) {
+  if (payload.size() + kEntryHeaderBytes > bound_bytes_) return;
+  try {
+    platform::WholeFile file(path_of(name));
+    const EntryHeader header = entry_header(name, payload);
+    file.write(header.data(), header.size());
+    file.write(payload.data(), payload.size());
+    file.finish();
+    file.commit();
+  } catch (const Error& error) {
+    note_failure(error.what());
+    return;
+  }
+  bool full = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    bytes_ += payload.size() + kEntryHeaderBytes;
+    full = bytes_ > bound_bytes_;
+  }
+  if (full) tidy();
+}
+
+void EntryFolder::remove_damaged(const EntryName& name) {
+  std::error_code ignored;
+  std::filesystem::remove(path_of(name), ignored);
+  const std::scoped_lock lock(mutex_);
+  ++counts_.damaged;
+}
+
+void EntryFolder::tidy() {
+  std::vector<Found> entries = entries_in(folder_);
+  std::sort(entries.begin(), entries.end(), [](const Found& a, const Found& b) { return a.used < b.used; });
+  std::uint64_t bytes = 0;
+  for (const Found& entry : entries) bytes += entry.bytes;
+  // Where looking takes long, some room is made, so that the next entry does not look again.
+  constexpr std::size_t many = 1000;
+  const bool makes_room = bytes > bound_bytes_ && entries.size() > many;
+  const std::uint64_t rest = makes_room ? bound_bytes_ - bound_bytes_ / 10 : bound_bytes_;
+  for (const Found& entry : entries) {
+    if (bytes <= rest) break;
+    std::error_code ignored;
+    std::filesystem::remove(entry.path, ignored);
+    bytes -= entry.bytes;
+  }
+  const std::scoped_lock lock(mutex_);
+  bytes_ = bytes;
+}
+
+EntryFolder::Counts EntryFolder::counts() const {
+  const std::scoped_lock lock(mutex_);
+  return counts_;
+}
+
+void EntryFolder::note_failure(const std::string& what) {
+  const std::scoped_lock lock(mutex_);
+  ++counts_.write_failures;
+  counts_.last_failure = what;
+}
+
+namespace {
+
+constexpr std::array<std::uint8_t, 8> kMagic{'W', 'L', 'K', 'N', 'E', 'N', 'T', '\n'};
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kSummedBytes = kEntryHeaderBytes - sizeof(std::uint64_t);
+
+void append(std::vector<std::uint8_t>& bytes, const ContentHash& hash) {
+  platform::append_little_endian(bytes, hash.high);
+  platform::append_little_endian(bytes, hash.low);
+}
+
+ContentHash hash_at(const std::uint8_t* bytes) {
+  return {platform::read_little_endian<std::uint64_t>(bytes), platform::read_little_endian<std::uint64_t>(bytes + 8)};
+}
+
+}  // namespace
+
+EntryHeader entry_header(const EntryName& name, std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes(kMagic.begin(), kMagic.end());
+  platform::append_little_endian(bytes, kVersion);
+  platform::append_little_endian(bytes, static_cast<std::uint32_t>(name.kind));
+  append(bytes, name.key);
+  platform::append_little_endian(bytes, static_cast<std::uint64_t>(payload.size()));
+  append(bytes, hash_bytes(payload.data(), payload.size()));
+  platform::append_little_endian(bytes, hash_bytes(bytes.data(), bytes.size()).low);
+  EntryHeader header{};
+  std::copy_n(bytes.begin(), header.size(), header.begin());
+  return header;
+}
+
+std::optional<EntryStatement> read_entry_header(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kEntryHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) return std::nullopt;
+  const std::uint8_t* const first = bytes.data();
+  if (platform::read_little_endian<std::uint64_t>(first + kSummedBytes) != hash_bytes(first, kSummedBytes).low) {
+    return std::nullopt;
+  }
+  if (platform::read_little_endian<std::uint32_t>(first + 8) != kVersion) return std::nullopt;
+  return EntryStatement{
+      {static_cast<EntryKind>(platform::read_little_endian<std::uint32_t>(first + 12)), hash_at(first + 16)},
+      platform::read_little_endian<std::uint64_t>(first + 32),
+      hash_at(first + 40)};
+}
+
+bool is_payload_of(const EntryStatement& statement, std::span<const std::uint8_t> payload) {
+  return payload.size() == statement.payload_bytes && hash_bytes(payload.data(), payload.size()) == statement.checksum;
+}
+
+Payload EntryMemory::find(const EntryName& name) {
+  const std::scoped_lock lock(mutex_);
+  const auto place = places_.find(name);
+  if (place == places_.end()) return nullptr;
+  entries_.splice(entries_.begin(), entries_, place->second);
+  return place->second->payload;
+}
+
+void EntryMemory::store(const EntryName& name, Payload payload) {
+  if (payload->size() > bound_bytes_) return;
+  const std::scoped_lock lock(mutex_);
+  if (const auto place = places_.find(name); place != places_.end()) erase(place->second);
+  bytes_ += payload->size();
+  entries_.push_front({name, std::move(payload)});
+  places_[name] = entries_.begin();
+  while (bytes_ > bound_bytes_) erase(std::prev(entries_.end()));
+}
+
+void EntryMemory::remove(const EntryName& name) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto place = places_.find(name); place != places_.end()) erase(place->second);
+}
+
+std::uint64_t EntryMemory::bytes() const {
+  const std::scoped_lock lock(mutex_);
+  return bytes_;
+}
+
+void EntryMemory::erase(std::list<Entry>::iterator entry) {
+  bytes_ -= entry->payload->size();
+  places_.erase(entry->name);
+  entries_.erase(entry);
+}
+
+}  // namespace welkin::cache

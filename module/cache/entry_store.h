@@ -1,0 +1,125 @@
+// What an entry's file looks like. All little-endian, 64 bytes before the payload:
+//
+//   8 bytes "WLKNENT" and a line feed; uint32 version of this form; uint32 kind; 16 bytes key; uint64 bytes of payload;
+//   16 bytes XXH3-128 of the payload; uint64 XXH3 (low half) of all that came before.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "welkin/content_hash.h"
+
+namespace welkin::cache {
+
+/// What a payload is. Numbers are on disks: they never change.
+enum class EntryKind : std::uint32_t { projection = 1, specular_mip = 2, cubemap = 3, face_sums = 4, sky_tables = 5 };
+
+struct EntryName {
+  EntryKind kind{};
+  ContentHash key;
+  friend bool operator==(const EntryName&, const EntryName&) = default;
+};
+
+inline constexpr std::size_t kEntryHeaderBytes = 64;
+using EntryHeader = std::array<std::uint8_t, kEntryHeaderBytes>;
+
+[[nodiscard]] EntryHeader entry_header(const EntryName& name, std::span<const std::uint8_t> payload);
+
+/// What a header states.
+struct EntryStatement {
+  EntryName name;
+  std::uint64_t payload_bytes = 0;
+  ContentHash checksum;
+};
+
+/// Nothing if these are not the 64 bytes of a header of this version.
+[[nodiscard]] std::optional<EntryStatement> read_entry_header(std::span<const std::uint8_t> bytes);
+
+/// Whether a payload is the one that is stated.
+[[nodiscard]] bool is_payload_of(const EntryStatement& statement, std::span<const std::uint8_t> payload);
+
+// Entries in a folder that any number of processes share.
+
+/// One file an entry, "<32 digits>-<kind>.welkin-entry"; no other file is ever touched, but for what our own writers
+/// left behind when they were killed. Thread-safe. Nothing here throws but std::bad_alloc: what fails is counted.
+class EntryFolder {
+ public:
+  /// Makes the folder.
+  EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes);
+
+  /// The payload, and the entry counts as used now. Nothing if there is none, or none that is sound; that is removed.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> find(const EntryName& name);
+
+  /// Written beside and renamed. Then entries are removed, those used least recently first, until the folder is within
+  /// its bound. Nobody waits for the disk: what the power's failure leaves of an entry is found out by its sums.
+  void store(const EntryName& name, std::span<const std::uint8_t> payload);
+
+  /// What was found is not what it should be.
+  void remove_damaged(const EntryName& name);
+
+  struct Counts {
+    std::uint64_t damaged = 0;
+    std::uint64_t write_failures = 0;
+    std::string last_failure;
+  };
+  [[nodiscard]] Counts counts() const;
+
+ private:
+  [[nodiscard]] std::filesystem::path path_of(const EntryName& name) const;
+  void tidy();
+  void note_failure(const std::string& what);
+
+  std::filesystem::path folder_;
+  std::uint64_t bound_bytes_;
+  mutable std::mutex mutex_;
+  std::uint64_t bytes_ = 0;  ///< known of: others may have added to it
+  Counts counts_;
+};
+
+// Entries in this process.
+
+using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+/// Payloads within a bound on their bytes: those that were used last. Thread-safe.
+class EntryMemory {
+ public:
+  explicit EntryMemory(std::uint64_t bound_bytes) : bound_bytes_(bound_bytes) {}
+
+  /// Null if it is not here.
+  [[nodiscard]] Payload find(const EntryName& name);
+  /// One that is larger than the bound is not kept.
+  void store(const EntryName& name, Payload payload);
+  void remove(const EntryName& name);
+  [[nodiscard]] std::uint64_t bytes() const;
+
+ private:
+  struct Entry {
+    EntryName name;
+    Payload payload;
+  };
+  /// Keys are hashes already.
+  struct Hash {
+    std::size_t operator()(const EntryName& name) const noexcept {
+      return static_cast<std::size_t>(name.key.low ^ static_cast<std::uint64_t>(name.kind));
+    }
+  };
+
+  void erase(std::list<Entry>::iterator entry);
+
+  std::uint64_t bound_bytes_;
+  mutable std::mutex mutex_;
+  std::list<Entry> entries_;  ///< most recently used first
+  std::unordered_map<EntryName, std::list<Entry>::iterator, Hash> places_;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace welkin::cache

@@ -1,0 +1,70 @@
+// What passes over the pixels have in common.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cache/entry_store.h"
+#include "cache/payloads.h"
+#include "projection/clean_pixels.h"
+#include "welkin/content_hash.h"
+#include "welkin/version.h"
+
+namespace welkin::cache {
+
+/// Of clamp, gamma and policies alone.
+[[nodiscard]] ContentHash pixel_key(const ProjectionOptions& options);
+
+// The name under which a result is kept.
+
+/// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits.
+[[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
+  const std::string call = what + " " WELKIN_VERSION_STRING " 1";
+  std::vector<ContentHash> all{hash_bytes(call.data(), call.size())};
+  all.insert(all.end(), parts);
+  return combine(all);
+}
+
+/// Of values in their order.
+template <class... Values>
+[[nodiscard]] ContentHash hash_of(const Values&... values) {
+  ByteWriter writer;
+  (writer.put(values), ...);
+  return hash_bytes(writer.bytes().data(), writer.bytes().size());
+}
+
+// What cleaning a picture's pixels came to, kept so that what was made of them can be described without them.
+
+struct CleanedPixels {
+  ProjectionDiagnostics diagnostics;  ///< its fluxes are not filled in
+  glm::dvec3 clamped_flux{};          ///< that the clamp took away
+};
+
+[[nodiscard]] inline EntryName cleaned_name(const ContentHash& source, const ProjectionOptions& options) {
+  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(options)})};
+}
+
+/// Store: `ResultCache::Store`. The entry is a projection's, whose flux before clamping is what the clamp took away.
+template <class Store>
+[[nodiscard]] std::optional<CleanedPixels> find_cleaned(Store& store, const EntryName& name) {
+  constexpr int bands = 1;
+  auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
+  if (!found) return std::nullopt;
+  CleanedPixels cleaned{std::move(found->value.diagnostics), {}};
+  std::swap(cleaned.diagnostics.flux_before_clamp, cleaned.clamped_flux);
+  return cleaned;
+}
+
+template <class Store>
+CleanedPixels store_cleaned(Store& store, const EntryName& name, const projection::CleanSource& source) {
+  Projection entry{SphericalHarmonics(1), source.diagnostics()};
+  entry.diagnostics.flux_before_clamp = source.clamped_flux();
+  store.store(name, encode(entry));
+  return {source.diagnostics(), source.clamped_flux()};
+}
+
+}  // namespace welkin::cache

@@ -1,0 +1,115 @@
+// Where results are looked for: in memory, then on disk.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cache/entry_store.h"
+#include "cache/payloads.h"
+#include "cache/recipe.h"
+#include "welkin/result_cache.h"
+
+namespace welkin {
+
+/// A result and where it was.
+template <class Result>
+struct FoundResult {
+  Result value;
+  const char* where;  ///< "in memory", "on disk"
+  double milliseconds = 0.0;
+};
+
+class ResultCache::Store {
+ public:
+  explicit Store(const CacheOptions& options) : memory_(options.memory_bytes) {
+    if (!options.folder.empty()) folder_.emplace(options.folder, options.disk_bytes);
+  }
+
+  /// What `decode` makes of the entry; an entry that it makes nothing of is removed.
+  template <class Decode>
+  auto find(const cache::EntryName& name, const Decode& decode)
+      -> std::optional<FoundResult<typename decltype(decode(cache::ByteSpan{}))::value_type>> {
+    using Found = FoundResult<typename decltype(decode(cache::ByteSpan{}))::value_type>;
+    const auto start = std::chrono::steady_clock::now();
+    const char* where = "in memory";
+    cache::Payload payload = memory_.find(name);
+    if (!payload && folder_) {
+      where = "on disk";
+      if (auto bytes = folder_->find(name)) payload = std::make_shared<const cache::Bytes>(std::move(*bytes));
+    }
+    auto result = payload ? decode(*payload) : std::nullopt;
+    if (!result) {
+      if (payload) remove(name);
+      ++misses_;
+      return std::nullopt;
+    }
+    const bool on_disk = where[0] == 'o';
+    if (on_disk) memory_.store(name, payload);
+    ++(on_disk ? disk_hits_ : memory_hits_);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    return Found{std::move(*result), where, took.count()};
+  }
+
+  /// One whose passes say that it was found.
+  std::optional<Projection> find_projection(const cache::EntryName& name, int bands);
+
+  void store(const cache::EntryName& name, cache::Bytes bytes) {
+    const auto payload = std::make_shared<const cache::Bytes>(std::move(bytes));
+    if (folder_) folder_->store(name, *payload);
+    memory_.store(name, payload);
+  }
+
+  [[nodiscard]] CacheStatistics statistics() const {
+    CacheStatistics statistics{memory_hits_, disk_hits_, misses_, 0, 0, {}, memory_.bytes()};
+    if (!folder_) return statistics;
+    const cache::EntryFolder::Counts counts = folder_->counts();
+    statistics.damaged = counts.damaged;
+    statistics.write_failures = counts.write_failures;
+    statistics.last_failure = counts.last_failure;
+    return statistics;
+  }
+
+ private:
+  void remove(const cache::EntryName& name) {
+    memory_.remove(name);
+    if (folder_) folder_->remove_damaged(name);
+  }
+
+  cache::EntryMemory memory_;
+  std::optional<cache::EntryFolder> folder_;
+  std::atomic<std::uint64_t> memory_hits_{0};
+  std::atomic<std::uint64_t> disk_hits_{0};
+  std::atomic<std::uint64_t> misses_{0};
+};
+
+namespace cache {
+
+/// Passes of a result that was found: what had been run is reused.
+inline void mark_reused(std::vector<PassRecord>& passes, const char* where, double milliseconds) {
+  for (PassRecord& pass : passes) {
+    if (pass.action == "run") pass.action = "reuse";
+    pass.milliseconds = 0.0;
+  }
+  passes.insert(passes.begin(), {"cache", "reuse", std::string("found ") + where, milliseconds});
+}
+
+/// The entry of `project`, and of a bake's projection.
+[[nodiscard]] inline EntryName projection_name(const ContentHash& pixels, const ProjectionOptions& options) {
+  return {EntryKind::projection, result_key("project", {pixels, hash_options(options)})};
+}
+
+}  // namespace cache
+
+inline std::optional<Projection> ResultCache::Store::find_projection(const cache::EntryName& name, int bands) {
+  auto found = find(name, [bands](cache::ByteSpan bytes) { return cache::decode_projection(bytes, bands); });
+  if (!found) return std::nullopt;
+  cache::mark_reused(found->value.diagnostics.passes, found->where, found->milliseconds);
+  return std::move(found->value);
+}
+
+}  // namespace welkin

@@ -1,0 +1,166 @@
+// The header of a DDS file.
+#include "files/dds.h"
+
+#include <algorithm>
+#include <array>
+
+#include "files/texture_reader.h"
+#include "files/texture_writer.h"
+#include "platform/file.h"
+
+namespace welkin::files {
+namespace {
+
+struct DxgiFormat {
+  TexelKind kind;
+  std::uint32_t number;
+};
+
+constexpr std::array kDxgiFormats{
+    DxgiFormat{TexelKind::rgba32f, 2},      // DXGI_FORMAT_R32G32B32A32_FLOAT
+    DxgiFormat{TexelKind::rgba16f, 10},     // DXGI_FORMAT_R16G16B16A16_FLOAT
+    DxgiFormat{TexelKind::b10g11r11, 26},   // DXGI_FORMAT_R11G11B10_FLOAT
+    DxgiFormat{TexelKind::rgba8, 28},       // DXGI_FORMAT_R8G8B8A8_UNORM
+    DxgiFormat{TexelKind::rgba8_srgb, 29},  // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
+    DxgiFormat{TexelKind::e5b9g9r9, 67},    // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+};
+
+[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
+  throw platform::file_error(code, file.path(), message);
+}
+
+/// Header fields by their number from the magic number on.
+class Fields {
+ public:
+  explicit Fields(platform::ByteFile& file) { file.read(bytes_.data(), bytes_.size()); }
+  [[nodiscard]] std::uint32_t operator[](std::size_t index) const {
+    return platform::read_little_endian<std::uint32_t>(bytes_.data() + 4 * index);
+  }
+
+ private:
+  std::array<std::uint8_t, kDdsFirstTexel> bytes_{};
+};
+
+constexpr std::size_t kHeaderSize = 1, kHeight = 3, kWidth = 4, kLevels = 7, kPixelFormatSize = 19,
+                      kPixelFormatFlags = 20, kFourCc = 21, kFormat = 32, kDimension = 33, kMiscellaneous = 34,
+                      kArraySize = 35;
+
+void check_kind(const platform::ByteFile& file, const Fields& fields) {
+  if (fields[kHeaderSize] != kDdsHeaderBytes || fields[kPixelFormatSize] != kDdsPixelFormatBytes) {
+    refuse(file, ErrorCode::corrupt_file, "its DDS header has not the sizes that it must have");
+  }
+  if ((fields[kPixelFormatFlags] & kDdsHasFourCc) == 0 || fields[kFourCc] != kFourCcDx10) {
+    refuse(file, ErrorCode::unsupported_file, "has no DX10 header; save it with one (texconv -dx10)");
+  }
+  if (!kind_of_dxgi_format(fields[kFormat])) {
+    refuse(file, ErrorCode::unsupported_file,
+           "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
+               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP and "
+               "R8G8B8A8_UNORM (and _SRGB) are");
+  }
+  if (fields[kDimension] != kDdsTexture2d || (fields[kMiscellaneous] & kDdsTextureCube) == 0) {
+    refuse(file, ErrorCode::unsupported_file, "is no cubemap; cubemaps, with six faces, are read");
+  }
+  if (fields[kArraySize] != 1) {
+    refuse(file, ErrorCode::unsupported_file,
+           "is an array of " + std::to_string(fields[kArraySize]) + " cubemaps; save one alone");
+  }
+}
+
+}  // namespace
+
+std::uint32_t dxgi_format(TexelKind kind) noexcept {
+  const auto* found =
+      std::find_if(kDxgiFormats.begin(), kDxgiFormats.end(), [kind](const auto& f) { return f.kind == kind; });
+  return found->number;
+}
+
+std::optional<TexelKind> kind_of_dxgi_format(std::uint32_t format) noexcept {
+  for (const DxgiFormat& known : kDxgiFormats) {
+    if (known.number == format) return known.kind;
+  }
+  return std::nullopt;
+}
+
+TextureLayout read_dds_layout(platform::ByteFile& file) {
+  const Fields fields(file);
+  check_kind(file, fields);
+  const std::uint32_t levels = std::max(fields[kLevels], 1U);  // some writers forget the flag that says it is counted
+  check_cubemap_sizes(file, fields[kWidth], fields[kHeight], levels);
+
+  TextureLayout layout;
+  layout.container = "DDS";
+  layout.kind = *kind_of_dxgi_format(fields[kFormat]);
+  layout.size = static_cast<int>(fields[kWidth]);
+  layout.levels.resize(levels);
+  std::uint64_t place = kDdsFirstTexel;
+  for (std::size_t face = 0; face < 6; ++face) {
+    for (std::uint32_t level = 0; level < levels; ++level) {
+      layout.levels[level].faces[face] = place;
+      place += level_bytes(layout.kind, layout.level_size(static_cast<int>(level))) / 6;
+    }
+  }
+  if (place > file.size()) {
+    refuse(file, ErrorCode::corrupt_file,
+           "ends too early: its levels end at " + std::to_string(place) + ", the file has " +
+               std::to_string(file.size()) + " bytes; fetch or export it again");
+  }
+  return layout;
+}
+
+namespace {
+
+// DDS: see dds_format.h.
+
+struct Shape {
+  int width;
+  int height;
+  std::size_t levels;
+  bool cube;
+};
+
+std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
+  const auto width = static_cast<std::uint32_t>(shape.width);
+  const auto height = static_cast<std::uint32_t>(shape.height);
+  const auto levels = static_cast<std::uint32_t>(shape.levels);
+  const auto row_bytes = static_cast<std::uint32_t>(width * texel_bytes(kind));
+  constexpr std::uint32_t flags = kDdsCaps | kDdsHeight | kDdsWidth | kDdsPitch | kDdsPixelFormat | kDdsMipMapCount;
+  constexpr std::uint32_t one_texture = 1, alpha_unknown = 0;
+  const std::uint32_t several = shape.cube ? kDdsComplex : 0;
+  std::vector<std::uint8_t> bytes;
+  const auto append = [&bytes](std::initializer_list<std::uint32_t> fields) {
+    for (const std::uint32_t field : fields) platform::append_little_endian(bytes, field);
+  };
+  append({kDdsMagic, kDdsHeaderBytes, flags, height, width, row_bytes, 0, levels});
+  append({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});                                  // reserved
+  append({kDdsPixelFormatBytes, kDdsHasFourCc, kFourCcDx10, 0, 0, 0, 0, 0});  // the pixel format is below
+  append({kDdsTexture | several | (levels > 1 ? kDdsMipMap : 0), shape.cube ? kDdsCubemap | kDdsAllFaces : 0, 0, 0, 0});
+  append({dxgi_format(kind), kDdsTexture2d, shape.cube ? kDdsTextureCube : 0, one_texture, alpha_unknown});
+  return bytes;
+}
+
+}  // namespace
+
+std::uint64_t write_dds(const TextureJob& job) {
+  const int size = job.mips.front().size;
+  const auto header = header_bytes({size, size, job.mips.size(), true}, kind_of(job.options.format));
+  job.file.write(header.data(), header.size());
+  TexelEncoder encoder(job.options.format);
+  TexelProgress progress(job.mips, job.control);
+  for (int face = 0; face < 6; ++face) {
+    for (const CubemapView& view : job.mips) {
+      write_face(job.file, view, face, job.options.format, encoder, progress);
+    }
+  }
+  return encoder.clamped();
+}
+
+std::uint64_t write_dds(const PictureJob& job) {
+  const auto header = header_bytes({job.picture.width, job.picture.height, 1, false}, kind_of(job.options.format));
+  job.file.write(header.data(), header.size());
+  TexelEncoder encoder(job.options.format);
+  write_picture(job, encoder);
+  return encoder.clamped();
+}
+
+}  // namespace welkin::files

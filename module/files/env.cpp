@@ -1,0 +1,393 @@
+// From Welkin's axes to Babylon.js's left-handed ones and back: x changes its sign.
+#include "files/env.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/env_manifest.h"
+#include "files/env_pictures.h"
+#include "files/layout.h"
+#include "files/rgbd.h"
+#include "files/stop.h"
+#include "harmonics/babylon.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "platform/file.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/engine_light.h"
+#include "welkin/harmonic_transforms.h"
+
+namespace welkin {
+namespace {
+
+/// On every face columns run along or against x, or else against or along z where x is what tells +X from -X: so
+/// those two change places, and the columns of all six run the other way.
+void mirror_face(const float* from, int size, float* to) {
+  const std::ptrdiff_t row_floats = std::ptrdiff_t{3} * size;
+  for (std::ptrdiff_t row = 0; row < size; ++row) {
+    files::copy_segment(from + row * row_floats, to + row * row_floats, size, true);
+  }
+}
+
+int mirrored_side(int side) { return side < 2 ? 1 - side : side; }
+
+}  // namespace
+
+CubemapChain mirrored_x(const CubemapChain& chain) {
+  if (chain.levels() == 0) return {};
+  CubemapChain mirrored(chain.size(), chain.levels());
+  for (int level = 0; level < chain.levels(); ++level) {
+    for (int side = 0; side < 6; ++side) {
+      mirror_face(chain.face(level, side), chain.level_size(level), mirrored.face(level, mirrored_side(side)));
+    }
+  }
+  return mirrored;
+}
+
+CubemapImage mirrored_x(const CubemapImage& cubemap) {
+  CubemapImage mirrored{cubemap.size, std::vector<float>(cubemap.pixels.size())};
+  const std::size_t face_values = cubemap.pixels.size() / 6;
+  for (int side = 0; side < 6 && cubemap.size > 0; ++side) {
+    mirror_face(cubemap.pixels.data() + static_cast<std::size_t>(side) * face_values, cubemap.size,
+                mirrored.pixels.data() + static_cast<std::size_t>(mirrored_side(side)) * face_values);
+  }
+  return mirrored;
+}
+
+BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
+                              const CubemapImage& irradiance_over_pi) {
+  BabylonEnvironment environment;
+  environment.specular = mirrored_x(specular);
+  environment.polynomial = babylon_polynomial(transform(radiance, convention(Engine::babylon).from_welkin));
+  environment.irradiance = mirrored_x(irradiance_over_pi);
+  return environment;
+}
+
+namespace files {
+namespace {
+
+constexpr std::array kFaceNames{"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
+
+std::uint64_t texels_of(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
+
+std::uint64_t longest(const std::vector<EnvPicture>& pictures) {
+  std::uint64_t most = 0;
+  for (const EnvPicture& picture : pictures) most = std::max(most, picture.length);
+  return most;
+}
+
+int level_size(const EnvManifest& manifest, std::size_t picture) {
+  return std::max(1, manifest.width >> static_cast<int>(picture / 6));
+}
+
+void check_memory(const std::filesystem::path& path, const EnvManifest& manifest, std::size_t workers,
+                  std::uint64_t limit) {
+  std::uint64_t wanted = 18 * sizeof(float) * texels_of(manifest.irradiance_size);
+  for (int level = 0; level < manifest.levels(); ++level) {
+    wanted += 18 * sizeof(float) * texels_of(manifest.width >> level);
+  }
+  const int largest = std::max(manifest.width, manifest.irradiance_size);
+  const std::uint64_t picture = std::max(longest(manifest.specular), longest(manifest.irradiance));
+  wanted += workers * env_reader_bytes(largest, picture);
+  if (wanted <= limit) return;
+  throw platform::file_error(ErrorCode::limit_exceeded, path,
+                             "its levels from " + std::to_string(manifest.width) + " texels take " +
+                                 std::to_string(wanted) + " bytes, above the limit of " + std::to_string(limit) +
+                                 "; raise the limit");
+}
+
+void turn_rows(float* rgb, int size) {
+  const std::size_t row = std::size_t{3} * static_cast<std::size_t>(size);
+  for (std::size_t top = 0, bottom = static_cast<std::size_t>(size) - 1; top < bottom; ++top, --bottom) {
+    std::swap_ranges(rgb + top * row, rgb + (top + 1) * row, rgb + bottom * row);
+  }
+}
+
+}  // namespace
+
+void EnvReader::read(const EnvPicture& picture, int size, const std::string& what, float* rgb) {
+  bytes_.resize(picture.length);
+  file_.seek(picture.position);
+  file_.read(bytes_.data(), bytes_.size());
+  rgba_.resize(4 * texels_of(size));
+  decode_rgba(bytes_, size, file_.path(), what, rgba_.data(), stop_);
+  decoder_.decode(rgba_.data(), texels_of(size), rgb);
+  turn_rows(rgb, size);
+}
+
+std::uint64_t env_reader_bytes(int size, std::uint64_t picture_bytes) noexcept {
+  // The bytes, the texels, and the texels once more inside libwebp (libspng holds rows), with its tables.
+  constexpr std::uint64_t of_libraries = std::uint64_t{1} << 20U;
+  return picture_bytes + 12 * texels_of(size) + of_libraries;
+}
+
+std::string name_of_env_picture(std::size_t index) {
+  return "level " + std::to_string(index / 6) + ", face " + kFaceNames[index % 6] + ",";
+}
+
+}  // namespace files
+
+BabylonEnvironment read_babylon_environment(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
+                                            const Control& control) {
+  platform::ByteFile file(path);
+  const files::EnvManifest manifest = files::read_env_manifest(file);
+  const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * manifest.width * manifest.width);
+  const std::size_t workers = jobs::worker_count(placement);
+  files::check_memory(path, manifest, workers, memory_limit_bytes);
+
+  BabylonEnvironment environment;
+  environment.version = manifest.version;
+  environment.polynomial = manifest.polynomial;
+  environment.lod_generation_scale = manifest.lod_generation_scale;
+  environment.dominant_direction = manifest.dominant_direction;
+  environment.specular = CubemapChain(manifest.width, manifest.levels());
+  environment.irradiance.size = manifest.irradiance_size;
+  const std::size_t face_values = 3 * files::texels_of(manifest.irradiance_size);
+  environment.irradiance.pixels.resize(6 * face_values);
+
+  std::vector<std::unique_ptr<files::EnvReader>> readers(workers);
+  const std::size_t specular = manifest.specular.size();
+  jobs::run_tiles(
+      specular + manifest.irradiance.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+        auto& reader = readers[worker];
+        if (!reader) reader = std::make_unique<files::EnvReader>(path, control.stop);
+        if (tile < specular) {
+          reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_env_picture(tile),
+                       environment.specular.face(static_cast<int>(tile / 6), static_cast<int>(tile % 6)));
+        } else {
+          const std::size_t face = tile - specular;
+          reader->read(manifest.irradiance[face], manifest.irradiance_size, "its irradiance texture",
+                       environment.irradiance.pixels.data() + face * face_values);
+        }
+      });
+  return environment;
+}
+
+}  // namespace welkin
+
+namespace welkin::files {
+namespace {
+
+const glm::dmat3 kMirrorX(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+
+class EnvRowReader final : public RowReader {
+ public:
+  EnvRowReader(const std::filesystem::path& path, const EnvManifest& manifest, int level, int size)
+      : reader_(path), manifest_(manifest), level_(level), size_(size) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size_);
+    for (int row = first_row; row < first_row + row_count; ++row, rgb += row_floats) {
+      if (row / size_ != face_) decode(row / size_);
+      copy_segment(face_pixels_.data() + row_floats * static_cast<std::size_t>(row % size_), rgb, size_, true);
+    }
+  }
+
+ private:
+  void decode(int face) {
+    const int stored = face < 2 ? 1 - face : face;  // +X and -X change places
+    const auto index = static_cast<std::size_t>(6 * level_ + stored);
+    face_ = -1;
+    face_pixels_.resize(rgb_bytes(size_, size_) / sizeof(float));
+    reader_.read(manifest_.specular[index], size_, name_of_env_picture(index), face_pixels_.data());
+    face_ = face;
+  }
+
+  EnvReader reader_;
+  const EnvManifest& manifest_;
+  int level_;
+  int size_;
+  int face_ = -1;
+  std::vector<float> face_pixels_;
+};
+
+class EnvSource final : public RowSource {
+ public:
+  EnvSource(EnvironmentInfo info, EnvManifest manifest, int level)
+      : RowSource(std::move(info)), manifest_(std::move(manifest)), level_(level) {}
+
+  [[nodiscard]] int natural_rows() const override { return info().width; }
+  [[nodiscard]] int section_rows() const override { return info().width; }
+  [[nodiscard]] bool has_prefiltered_levels() const override { return true; }
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    std::uint64_t longest = 0;
+    for (const EnvPicture& picture : manifest_.specular) longest = std::max(longest, picture.length);
+    return rgb_bytes(info().width, info().width) + env_reader_bytes(info().width, longest);
+  }
+  [[nodiscard]] const char* smaller_reader() const override { return "make it anew with smaller faces"; }
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    return std::make_unique<EnvRowReader>(info().path, manifest_, level_, info().width);
+  }
+  [[nodiscard]] std::optional<SphericalHarmonics> stored_radiance() const override {
+    if (!manifest_.polynomial || level_ != 0) return std::nullopt;
+    return transform(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
+  }
+
+ private:
+  EnvManifest manifest_;
+  int level_;
+};
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions& options) {
+  EnvManifest manifest = read_env_manifest(file);
+  EnvironmentInfo info;
+  info.path = file.path();
+  info.format = "Babylon.js .env";
+  info.compression = manifest.image_type == "image/webp" ? "webp" : "deflate";
+  info.storage = "version " + std::to_string(manifest.version);
+  for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, "rgbd"});
+  settle_cube(info, manifest.width, manifest.levels(), options);
+  info.notes.emplace_back("x is mirrored on the way in: Babylon.js's axes are left-handed");
+  info.notes.emplace_back("RGBD ends at 255: what was brighter was clipped when the file was made");
+  if (manifest.polynomial) info.notes.emplace_back("it stores a polynomial of its diffuse light");
+  info.notes.emplace_back("its levels are prefiltered for reflections: level 0 is the sharp one");
+  return std::make_unique<EnvSource>(std::move(info), std::move(manifest), options.level);
+}
+
+}  // namespace welkin::files
+
+namespace welkin {
+namespace files {
+namespace {
+
+// Babylon.js's .env, version 2, with PNG pictures: see env_manifest.h.
+
+/// A face to be encoded, and what became of it.
+struct Picture {
+  CubemapView view;
+  int face = 0;
+  std::vector<std::uint8_t> png{};
+  std::uint64_t clamped = 0;
+};
+
+void encode(Picture& picture, const RgbdEncoder& encoder, const std::stop_token& stop) {
+  const auto size = static_cast<std::size_t>(picture.view.size);
+  std::vector<std::uint8_t> rgba(4 * size * size);
+  for (std::size_t row = 0; row < size; ++row) {  // bottom row first
+    throw_if_stopped(stop);
+    const auto* rgb = static_cast<const float*>(
+        image::row_of(picture.view, picture.face, picture.view.size - 1 - static_cast<int>(row)));
+    picture.clamped += encoder.encode(rgb, size, rgba.data() + 4 * size * row);
+  }
+  picture.png = encode_png_rgba(rgba, picture.view.size, stop);
+}
+
+void require_finite(const glm::dvec3& value, const char* what) {
+  if (std::isfinite(value.x) && std::isfinite(value.y) && std::isfinite(value.z)) return;
+  throw Error(ErrorCode::invalid_argument, std::string("the .env's ") + what + " is not finite");
+}
+
+void check_polynomial(const BabylonPolynomial& polynomial) {
+  for (const glm::dvec3& term : {polynomial.x, polynomial.y, polynomial.z, polynomial.xx, polynomial.yy, polynomial.zz,
+                                 polynomial.yz, polynomial.zx, polynomial.xy}) {
+    require_finite(term, "polynomial");
+  }
+}
+
+void check_irradiance(const BabylonEnvironment& environment) {
+  const CubemapImage& irradiance = environment.irradiance;
+  if (irradiance.size != 0) {
+    image::check_face_size(irradiance.size);
+    const auto edge = static_cast<std::size_t>(irradiance.size);
+    if (irradiance.pixels.size() != 18 * edge * edge) {
+      throw Error(ErrorCode::invalid_argument, "the .env's irradiance cubemap has " +
+                                                   std::to_string(irradiance.pixels.size()) +
+                                                   " values; its size takes " + std::to_string(18 * edge * edge));
+    }
+  }
+  const bool has_texture = irradiance.size != 0 || environment.dominant_direction;
+  if (has_texture && !environment.polynomial) {
+    throw Error(ErrorCode::invalid_argument,
+                "an .env with an irradiance texture has a polynomial too, which Babylon.js reads first; pass one "
+                "(babylon_polynomial)");
+  }
+  if (environment.dominant_direction && irradiance.size == 0) {
+    throw Error(ErrorCode::invalid_argument,
+                "an .env keeps a dominant direction with its irradiance texture alone; pass one, or leave it out");
+  }
+}
+
+void check(const BabylonEnvironment& environment) {
+  const CubemapChain& chain = environment.specular;
+  const int size = chain.size();
+  if (size < 1 || !std::has_single_bit(static_cast<unsigned>(size)) || chain.levels() != full_chain_levels(size)) {
+    throw Error(ErrorCode::invalid_argument,
+                "an .env holds a chain whose size is a power of two, down to 1 texel; this one has " +
+                    std::to_string(chain.levels()) + " levels from " + std::to_string(size));
+  }
+  if (environment.polynomial) check_polynomial(*environment.polynomial);
+  if (environment.dominant_direction) require_finite(*environment.dominant_direction, "dominant direction");
+  if (!std::isfinite(environment.lod_generation_scale) || environment.lod_generation_scale < 0.0) {
+    throw Error(ErrorCode::invalid_argument, "the .env's lodGenerationScale is " +
+                                                 std::to_string(environment.lod_generation_scale) +
+                                                 "; it is not below 0, and Babylon.js's own is 0.8");
+  }
+  check_irradiance(environment);
+}
+
+std::vector<Picture> pictures_of(const BabylonEnvironment& environment) {
+  std::vector<Picture> pictures;
+  const auto add = [&pictures](const CubemapView& view) {
+    for (int face = 0; face < 6; ++face) pictures.push_back({view, face});
+  };
+  for (const CubemapView& view : environment.specular.views()) add(view);
+  if (environment.irradiance.size != 0) add(environment.irradiance.view());
+  return pictures;
+}
+
+EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vector<Picture>& pictures) {
+  EnvManifest manifest;
+  manifest.width = environment.specular.size();
+  manifest.polynomial = environment.polynomial;
+  manifest.lod_generation_scale = environment.lod_generation_scale;
+  manifest.irradiance_size = environment.irradiance.size;
+  manifest.dominant_direction = environment.dominant_direction;
+  const std::size_t specular = std::size_t{6} * static_cast<std::size_t>(environment.specular.levels());
+  std::uint64_t position = 0;
+  for (std::size_t index = 0; index < pictures.size(); ++index) {
+    auto& list = index < specular ? manifest.specular : manifest.irradiance;
+    list.push_back({position, pictures[index].png.size()});
+    position += pictures[index].png.size();
+  }
+  return manifest;
+}
+
+}  // namespace
+}  // namespace files
+
+WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
+                                      const Control& control) {
+  files::check(environment);
+  platform::WholeFile file(path);
+  std::vector<files::Picture> pictures = files::pictures_of(environment);
+  const files::RgbdEncoder encoder;
+  const auto size = std::int64_t{environment.specular.size()};
+  constexpr std::int64_t as_texels = 16;  // packing one takes as long as doing other things with so many
+  const jobs::Placement placement = jobs::placement_for(as_texels * 6 * size * size);
+  const Control packing = jobs::part_of(control, 0.0, 0.95);
+  jobs::run_tiles(pictures.size(), placement, jobs::worker_count(placement), packing,
+                  [&](std::size_t tile, std::size_t) { files::encode(pictures[tile], encoder, control.stop); });
+
+  WriteReport report;
+  const std::string manifest = files::env_manifest_bytes(files::manifest_for(environment, pictures));
+  file.write(manifest.data(), manifest.size());
+  for (const files::Picture& picture : pictures) {
+    file.write(picture.png.data(), picture.png.size());
+    report.values_clamped += picture.clamped;
+  }
+  file.finish();
+  file.commit();
+  report.files.push_back(file.path());
+  if (control.progress) control.progress(1.0);
+  return report;
+}
+
+}  // namespace welkin

@@ -1,0 +1,309 @@
+#include "files/exr_header.h"
+
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfVersion.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "files/exr_levels.h"
+#include "files/exr_picture.h"
+#include "files/exr_reader.h"
+
+namespace welkin::files {
+namespace {
+
+// OpenEXR allows 255 bytes for a name; the longest sound header seen was a few megabytes of preview.
+constexpr std::size_t kLongestName = 255;
+constexpr std::uint64_t kLargestHeader = std::uint64_t{256} << 20U;
+
+struct FixedSize {
+  std::string_view type;
+  std::uint32_t bytes;
+};
+
+// The types that always take the same number of bytes.
+constexpr std::array kFixedSizes{
+    FixedSize{"box2f", 16},   FixedSize{"box2i", 16},      FixedSize{"chromaticities", 32},
+    FixedSize{"double", 8},   FixedSize{"compression", 1}, FixedSize{"deepImageState", 1},
+    FixedSize{"envmap", 1},   FixedSize{"float", 4},       FixedSize{"int", 4},
+    FixedSize{"keycode", 28}, FixedSize{"lineOrder", 1},   FixedSize{"m33d", 72},
+    FixedSize{"m33f", 36},    FixedSize{"m44d", 128},      FixedSize{"m44f", 64},
+    FixedSize{"rational", 8}, FixedSize{"tiledesc", 9},    FixedSize{"timecode", 8},
+    FixedSize{"v2d", 16},     FixedSize{"v2f", 8},         FixedSize{"v2i", 8},
+    FixedSize{"v3d", 24},     FixedSize{"v3f", 12},        FixedSize{"v3i", 12},
+};
+
+[[noreturn]] void reject(const platform::ByteFile& file, const std::string& what) {
+  throw platform::file_error(ErrorCode::corrupt_file, file.path(), "its OpenEXR header is damaged: " + what);
+}
+
+// Little-endian, as everything in OpenEXR.
+std::uint32_t read_uint32(platform::ByteFile& file) {
+  std::array<unsigned char, 4> bytes{};
+  file.read(bytes.data(), bytes.size());
+  return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8U |
+         static_cast<std::uint32_t>(bytes[2]) << 16U | static_cast<std::uint32_t>(bytes[3]) << 24U;
+}
+
+std::string read_name(platform::ByteFile& file, std::uint64_t end) {
+  std::string name;
+  while (true) {
+    char c = 0;
+    if (file.position() >= end) {
+      reject(file, "a name does not end");
+    }
+    file.read(&c, 1);
+    if (c == 0) {
+      return name;
+    }
+    name += c;
+    if (name.size() > kLongestName) {
+      reject(file, "a name is longer than " + std::to_string(kLongestName) + " bytes");
+    }
+  }
+}
+
+// Names with 16 bytes of description each, ended by an empty name.
+void walk_channels(platform::ByteFile& file, std::uint64_t end) {
+  constexpr std::uint64_t kDescription = 16;
+  while (!read_name(file, end).empty()) {
+    file.seek(file.position() + kDescription);
+  }
+}
+
+// Strings with their length before each.
+void walk_strings(platform::ByteFile& file, std::uint64_t end) {
+  while (file.position() < end) {
+    const std::uint32_t length = read_uint32(file);
+    file.seek(file.position() + length);
+  }
+}
+
+// Width and height, then four bytes a pixel.
+void walk_preview(platform::ByteFile& file) {
+  const std::uint64_t width = read_uint32(file);
+  const std::uint64_t height = read_uint32(file);
+  if (width > kLargestHeader || height > kLargestHeader) {
+    reject(file, "its preview is too large");
+  }
+  file.seek(file.position() + 4 * width * height);
+}
+
+// Moves behind the value as OpenEXR will, given the type.
+void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t size) {
+  const std::uint64_t end = file.position() + size;
+  const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
+                                   [&](const FixedSize& candidate) { return candidate.type == type; });
+  if (fixed != kFixedSizes.end()) {
+    file.seek(file.position() + fixed->bytes);
+  } else if (type == "chlist") {
+    walk_channels(file, end);
+  } else if (type == "stringvector") {
+    walk_strings(file, end);
+  } else if (type == "preview") {
+    walk_preview(file);
+  } else if (type == "floatvector") {
+    file.seek(file.position() + size / 4 * 4);
+  } else {
+    file.seek(end);
+  }
+}
+
+}  // namespace
+
+void check_exr_attributes(platform::ByteFile& file) {
+  const std::uint64_t limit = std::min(file.size(), file.position() + kLargestHeader);
+  for (std::string name = read_name(file, limit); !name.empty(); name = read_name(file, limit)) {
+    const std::string type = read_name(file, limit);
+    const std::uint32_t size = read_uint32(file);
+    const std::string title =
+        "attribute \"" + platform::printable(name) + "\" of type \"" + platform::printable(type) + "\"";
+    if (file.position() > limit || size > limit - file.position()) {
+      reject(file, title + " claims " + std::to_string(size) + " bytes, which it does not have");
+    }
+    const std::uint64_t end = file.position() + size;
+    walk_value(file, type, size);
+    if (file.position() != end) {
+      reject(file, title + " claims " + std::to_string(size) + " bytes, which is not what it takes");
+    }
+  }
+}
+
+namespace {
+
+// The library keeps some kilobytes for each; the largest productions have some dozens.
+constexpr std::size_t kMostParts = 1024;
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {
+  throw platform::file_error(ErrorCode::unsupported_file, path, found_and_remedy);
+}
+
+[[noreturn]] void reject(const std::filesystem::path& path, const std::string& what) {
+  throw platform::file_error(ErrorCode::corrupt_file, path,
+                             "its OpenEXR header is damaged: " + what + "; fetch or export it again");
+}
+
+int read_version(platform::ByteFile& file) {
+  std::array<unsigned char, 8> start{};
+  file.read(start.data(), start.size());
+  const int version = start[4] | start[5] << 8 | start[6] << 16;  // the top byte is kept free by the format
+  if (Imf::getVersion(version) != Imf::EXR_VERSION || start[7] != 0 || !Imf::supportsFlags(Imf::getFlags(version))) {
+    refuse(file.path(), "is of an OpenEXR version or kind that is not known here (version " +
+                            std::to_string(Imf::getVersion(version)) + ", flags " +
+                            std::to_string(Imf::getFlags(version) >> 8) + "); save it as OpenEXR 2");
+  }
+  if (Imf::isMultiPart(version) && Imf::isTiled(version)) {
+    reject(file.path(), "it claims to be single-part tiled and multi-part at once");
+  }
+  return version;
+}
+
+// Checks the attributes first, then lets the library read them.
+Imf::Header read_header(platform::ByteFile& file, ExrStream& stream, int version) {
+  const std::uint64_t start = file.position();
+  check_exr_attributes(file);
+  file.seek(start);
+  Imf::Header header;
+  header.readFrom(stream, version);
+  return header;
+}
+
+// Headers of a multi-part file end with an empty one: a single zero byte.
+bool at_last_header(platform::ByteFile& file) {
+  char byte = 0;
+  file.read(&byte, 1);
+  if (byte != 0) {
+    file.seek(file.position() - 1);
+  }
+  return byte == 0;
+}
+
+// What the library does with types: a single-part picture's flags decide, whatever its type attribute says.
+ExrPart describe_part(Imf::Header header, int version, const std::filesystem::path& path, std::size_t index) {
+  ExrPart part;
+  part.name = header.hasName() ? platform::printable(header.name()) : "";
+  if (Imf::isMultiPart(version)) {
+    if (!header.hasName() || !header.hasType()) {
+      reject(path, "part " + std::to_string(index) + " lacks a " + (header.hasName() ? "type" : "name"));
+    }
+    part.tiled = header.type() == Imf::TILEDIMAGE;
+    part.deep = !part.tiled && header.type() != Imf::SCANLINEIMAGE;
+  } else {
+    part.tiled = Imf::isTiled(version);
+    part.deep = Imf::isNonImage(version) ||
+                (header.hasType() && header.type() != Imf::TILEDIMAGE && header.type() != Imf::SCANLINEIMAGE);
+  }
+  part.header = std::move(header);
+  return part;
+}
+
+// 0 "mask", 1 "beauty" (deep)
+std::string part_list(const ExrParts& parts) {
+  std::string list;
+  for (std::size_t i = 0; i < parts.parts.size(); ++i) {
+    list += (i == 0 ? "" : ", ") + std::to_string(i) + " \"" + parts.parts[i].name + "\"" +
+            (parts.parts[i].deep ? " (deep)" : "");
+  }
+  return platform::printable(list);
+}
+
+void require_flat(const ExrParts& parts, std::size_t index, const std::filesystem::path& path) {
+  if (parts.parts[index].deep) {
+    const std::string what = parts.multi_part ? "its part \"" + parts.parts[index].name + "\"" : "it";
+    refuse(path, what + " is a deep OpenEXR picture; flatten it to a plain one (RGB, half or float)");
+  }
+}
+
+std::size_t find_part(const ExrParts& parts, const std::filesystem::path& path, const std::string& asked_for) {
+  for (std::size_t i = 0; i < parts.parts.size(); ++i) {
+    const ExrPart& part = parts.parts[i];
+    if (part.header.hasName() && (part.name == asked_for || part.header.name() == asked_for)) {
+      return i;
+    }
+  }
+  std::size_t number = 0;
+  const char* end = asked_for.data() + asked_for.size();
+  const auto [stop, failure] = std::from_chars(asked_for.data(), end, number);
+  if (failure == std::errc() && stop == end && number < parts.parts.size()) {
+    return number;
+  }
+  if (!parts.multi_part) {
+    refuse(path,
+           "has a single part, and part \"" + platform::printable(asked_for) + "\" was asked for; leave --part out");
+  }
+  refuse(path, "has no part \"" + platform::printable(asked_for) + "\"; its parts are " + part_list(parts) +
+                   ": pass one's name or number with --part");
+}
+
+}  // namespace
+
+ExrParts read_exr_parts(platform::ByteFile& file) {
+  const int version = read_version(file);
+  ExrStream stream(file);
+  ExrParts result;
+  result.multi_part = Imf::isMultiPart(version);
+  do {
+    if (result.parts.size() == kMostParts) {
+      refuse(file.path(), "has more than " + std::to_string(kMostParts) +
+                              " parts; save the part that holds the environment as a file of its own "
+                              "(exrmultipart -separate)");
+    }
+    result.parts.push_back(
+        describe_part(read_header(file, stream, version), version, file.path(), result.parts.size()));
+  } while (result.multi_part && !at_last_header(file));
+  result.header_bytes = file.position();
+  return result;
+}
+
+std::uint64_t check_exr_tables(const ExrParts& parts, const platform::ByteFile& file) {
+  double chunks = 0.0;
+  for (const ExrPart& part : parts.parts) {
+    const std::string type = part.header.hasType() ? part.header.type() : "";
+    const bool known = type.empty() || Imf::isSupportedType(type);
+    part.header.sanityCheck(part.tiled || type == Imf::DEEPTILE, parts.multi_part);
+    if (known) {
+      chunks += chunk_count(part.header, part.tiled || type == Imf::DEEPTILE);
+    } else {
+      chunks += part.header.hasChunkCount() ? std::max(part.header.chunkCount(), 0) : 0;
+    }
+  }
+  if (chunks * sizeof(std::uint64_t) > static_cast<double>(file.remaining())) {
+    throw platform::file_error(ErrorCode::corrupt_file, file.path(),
+                               "ends too early: its header tells of " +
+                                   std::to_string(static_cast<std::uint64_t>(chunks)) +
+                                   " blocks or tiles, for whose table alone it is too short; fetch or export it again");
+  }
+  return static_cast<std::uint64_t>(chunks) * sizeof(std::uint64_t);
+}
+
+std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& path, const std::string& asked_for,
+                            const std::string& layer) {
+  if (!asked_for.empty()) {
+    const std::size_t index = find_part(parts, path, asked_for);
+    require_flat(parts, index, path);
+    return index;
+  }
+  if (parts.parts.size() == 1) {
+    require_flat(parts, 0, path);
+    return 0;
+  }
+  for (const bool in_colour : {true, false}) {
+    for (std::size_t i = 0; i < parts.parts.size(); ++i) {
+      const ExrPart& part = parts.parts[i];
+      if (!part.deep && holds_picture(part.header.channels(), layer, in_colour)) {
+        return i;
+      }
+    }
+  }
+  refuse(path, "none of its parts (" + part_list(parts) + ") is a flat picture with R, G and B or Y" +
+                   (layer.empty() ? "" : " in a layer \"" + platform::printable(layer) + "\"") +
+                   "; pass the part with --part and its layer with --layer, or convert it");
+}
+
+}  // namespace welkin::files

@@ -1,0 +1,417 @@
+#include "files/exr_reader.h"
+
+#include <ImfChannelList.h>
+#include <ImfChromaticities.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfPartType.h>
+#include <ImfRgbaYca.h>
+#include <ImfStandardAttributes.h>
+#include <ImfTiledInputPart.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "files/exr_levels.h"
+#include "files/exr_picture.h"
+#include "files/exr_statics.h"
+#include "files/primaries.h"
+
+namespace welkin::files {
+namespace {
+
+constexpr int kLibraryThreads = 0;
+
+// A row of tiles must fit where one of the first picture's did, and its levels must be there.
+bool are_same_tiles(const ExrPicture& picture, const Imf::Header& header) {
+  const Imf::TileDescription& tiles = header.tileDescription();
+  const LevelInfo& full = picture.info.levels.front();
+  const std::vector<LevelInfo> levels = level_sizes(tiles, full.width, full.height);
+  const bool same_levels = std::equal(levels.begin(), levels.end(), picture.info.levels.begin(),
+                                      picture.info.levels.end(), [](const LevelInfo& one, const LevelInfo& other) {
+                                        return one.width == other.width && one.height == other.height;
+                                      });
+  const auto height = static_cast<unsigned>(picture.data_height);
+  return same_levels && std::min(tiles.ySize, height) == static_cast<unsigned>(picture.unit_rows);
+}
+
+// The level's size is the data window's only at level 0; the others follow from it.
+bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& file) {
+  if (picture.part >= file.parts()) {
+    return false;
+  }
+  const Imf::Header& header = file.header(picture.part);
+  const Imath::Box2i& window = header.dataWindow();
+  const LevelInfo& full = picture.info.levels.front();
+  const Imath::V2i size =
+      picture.is_framed() ? Imath::V2i(picture.data_width, picture.data_height) : Imath::V2i(full.width, full.height);
+  const std::string& luminance_or_green =
+      picture.channels.names[picture.channels.kind == ExrChannels::Kind::luminance ? 0 : 1];
+  return window.min == Imath::V2i(picture.first_column, picture.first_row) &&
+         window.size() == size - Imath::V2i(1, 1) && header.channels().findChannel(luminance_or_green) != nullptr &&
+         (header.type() == Imf::TILEDIMAGE) == picture.tiled && (!picture.tiled || are_same_tiles(picture, header));
+}
+
+}  // namespace
+
+// Every reader opens the file anew. If it is another one by now, its rows may not fit where they would go.
+ExrFile::ExrFile(const ExrPicture& picture) : bytes(picture.info.path), stream(bytes), file(stream, kLibraryThreads) {
+  if (!is_same_picture(picture, file)) {
+    throw platform::file_error(ErrorCode::file_access, picture.info.path,
+                               "has changed while it was read; read it again");
+  }
+}
+
+Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
+                     std::size_t row_bytes, int sampling) {
+  const auto left = static_cast<std::intptr_t>(column / sampling) * static_cast<std::intptr_t>(texel_bytes);
+  const auto top = static_cast<std::intptr_t>(row / sampling) * static_cast<std::intptr_t>(row_bytes);
+  const std::intptr_t base = reinterpret_cast<std::intptr_t>(first) - left - top;
+  return {type, reinterpret_cast<char*>(base), texel_bytes, row_bytes, sampling, sampling};
+}
+
+namespace {
+
+using Kind = ExrChannels::Kind;
+
+// The stored texel (first_column, row) goes to `rgb`, as float; uint channels become the numbers that they state.
+Imf::FrameBuffer frame_buffer(const ExrPicture& picture, int row, float* rgb) {
+  constexpr std::size_t kTexel = 3 * sizeof(float);
+  const std::size_t stride = kTexel * static_cast<std::size_t>(picture.data_width);
+  Imf::FrameBuffer buffer;
+  for (std::size_t i = 0; i < (picture.channels.kind == Kind::luminance ? 1 : 3); ++i) {
+    buffer.insert(picture.channels.names[i], exr_slice(Imf::FLOAT, rgb + i, picture.first_column, row, kTexel, stride));
+  }
+  return buffer;
+}
+
+class ScanlineReader final : public RowReader {
+ public:
+  explicit ScanlineReader(const ExrPicture& picture)
+      : picture_(picture), file_(picture), input_(file_.file, picture.part) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const int top = picture_.first_row + first_row;
+    call_openexr(picture_.info.path, [&] {
+      input_.setFrameBuffer(frame_buffer(picture_, top, rgb));
+      input_.readPixels(top, top + row_count - 1);
+    });
+  }
+
+ private:
+  const ExrPicture& picture_;
+  ExrFile file_;
+  Imf::InputPart input_;
+};
+
+// Reads one level of any tiled file, a row of tiles at a time.
+class TiledReader final : public RowReader {
+ public:
+  explicit TiledReader(const ExrPicture& picture)
+      : picture_(picture), file_(picture), input_(file_.file, picture.part) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const int tile_rows = picture_.unit_rows;
+    const int end = first_row + row_count;
+    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture_.data_width);
+    for (int tile = first_row / tile_rows; tile * tile_rows < end; ++tile) {
+      const int tile_first = tile * tile_rows;
+      const int tile_end = std::min(tile_first + tile_rows, picture_.data_height);
+      const int from = std::max(first_row, tile_first);
+      const int to = std::min(end, tile_end);
+      float* place = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
+      if (from == tile_first && to == tile_end) {
+        read_tiles(tile, tile_first, place);
+      } else {
+        edge_.resize(row_floats * static_cast<std::size_t>(tile_rows));
+        read_tiles(tile, tile_first, edge_.data());
+        const float* wanted = edge_.data() + static_cast<std::size_t>(from - tile_first) * row_floats;
+        std::copy_n(wanted, static_cast<std::size_t>(to - from) * row_floats, place);
+      }
+    }
+  }
+
+ private:
+  void read_tiles(int tile, int tile_first, float* rgb) {
+    const int level = picture_.level;
+    call_openexr(picture_.info.path, [&] {
+      input_.setFrameBuffer(frame_buffer(picture_, picture_.first_row + tile_first, rgb));
+      input_.readTiles(0, input_.numXTiles(level) - 1, tile, tile, level, level);
+    });
+  }
+
+  const ExrPicture& picture_;
+  ExrFile file_;
+  Imf::TiledInputPart input_;
+  std::vector<float> edge_;  // a row of tiles of which not all rows are wanted
+};
+
+// What is done to rows as they are stored: Y alone is spread to three channels, primaries are converted.
+class ColourReader final : public RowReader {
+ public:
+  ColourReader(std::unique_ptr<RowReader> reader, const ExrPicture& picture)
+      : reader_(std::move(reader)), picture_(picture) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    reader_->read(first_row, row_count, rgb);
+    const std::size_t texels = static_cast<std::size_t>(picture_.data_width) * static_cast<std::size_t>(row_count);
+    if (picture_.channels.kind == Kind::luminance) {
+      for (std::size_t i = 0; i < texels; ++i) {
+        rgb[3 * i + 1] = rgb[3 * i + 2] = rgb[3 * i];
+      }
+    }
+    if (picture_.to_rec709) {
+      apply(*picture_.to_rec709, rgb, texels);
+    }
+  }
+
+ private:
+  std::unique_ptr<RowReader> reader_;
+  const ExrPicture& picture_;
+};
+
+// Rows of a picture that is another rectangle than what is stored, from rows of the latter.
+class FramedReader final : public RowReader {
+ public:
+  FramedReader(std::unique_ptr<RowReader> reader, const ExrPicture& picture)
+      : reader_(std::move(reader)), picture_(picture) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture_.info.width);
+    std::fill_n(rgb, row_floats * static_cast<std::size_t>(row_count), 0.0F);
+    const int first = std::max(first_row + picture_.row_offset, 0);
+    const int end = std::min(first_row + row_count + picture_.row_offset, picture_.data_height);
+    for (int row = first; row < end;) {
+      // As far as one block of the file reaches, so that each is decoded once.
+      const int count = std::min(end, (row / picture_.unit_rows + 1) * picture_.unit_rows) - row;
+      stored_.resize(std::size_t{3} * static_cast<std::size_t>(picture_.data_width) *
+                     static_cast<std::size_t>(picture_.unit_rows));
+      reader_->read(row, count, stored_.data());
+      const int picture_row = row - picture_.row_offset - first_row;
+      place(count, rgb + static_cast<std::size_t>(picture_row) * row_floats);
+      row += count;
+    }
+  }
+
+ private:
+  void place(int row_count, float* rgb) const {
+    const int from = std::max(picture_.column_offset, 0);
+    const int to = std::min(picture_.column_offset + picture_.info.width, picture_.data_width);
+    const auto floats = [](int texels) { return 3 * static_cast<std::ptrdiff_t>(texels); };
+    for (int row = 0; row < row_count; ++row) {
+      const float* stored = stored_.data() + floats(picture_.data_width) * row;
+      std::copy(stored + floats(from), stored + floats(to),
+                rgb + floats(picture_.info.width) * row + floats(from - picture_.column_offset));
+    }
+  }
+
+  std::unique_ptr<RowReader> reader_;
+  const ExrPicture& picture_;
+  std::vector<float> stored_;  // one unit's rows
+};
+
+class ExrSource final : public RowSource {
+ public:
+  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info), picture_(picture) {}
+
+  [[nodiscard]] int natural_rows() const override {
+    const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)
+                                                                      : picture_.unit_rows;
+    return std::min(rows, picture_.info.height);
+  }
+
+  [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
+  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
+
+  // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
+  // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    const std::uint64_t rows = rgb_bytes(picture_.data_width, picture_.unit_rows);
+    return 5 * picture_.unit_bytes + (picture_.tiled ? rows : 0) + (picture_.is_framed() ? rows : 0) +
+           (picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(picture_.data_width) : 0) +
+           picture_.table_bytes + (std::uint64_t{1} << 20U);
+  }
+
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    return call_openexr(picture_.info.path, [&] {
+      std::unique_ptr<RowReader> reader = open_stored_rows();
+      if (picture_.channels.kind == Kind::luminance || picture_.to_rec709) {
+        reader = std::make_unique<ColourReader>(std::move(reader), picture_);
+      }
+      if (picture_.is_framed()) {
+        reader = std::make_unique<FramedReader>(std::move(reader), picture_);
+      }
+      return reader;
+    });
+  }
+
+ private:
+  [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
+    if (picture_.channels.kind == Kind::luminance_chroma) {
+      return open_luminance_chroma(picture_);
+    }
+    if (picture_.tiled) {
+      return std::make_unique<TiledReader>(picture_);
+    }
+    return std::make_unique<ScanlineReader>(picture_);
+  }
+
+  ExrPicture picture_;
+};
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options) {
+  return std::make_unique<ExrSource>(inspect_exr(file, options));
+}
+
+namespace {
+
+namespace yca = Imf::RgbaYca;
+
+constexpr int kBlockRows = 32;
+constexpr int kMargin = yca::N2 + 1;  // the filter's half width, and one row for the saturation of its neighbours
+constexpr int kHeldRows = kBlockRows + 2 * kMargin;
+constexpr int kNaturalRows = 128;
+
+const Imf::Rgba kBlack(0.0F, 0.0F, 0.0F, 0.0F);
+
+// Positions are rows of the file's coordinates, of which even ones have chroma. They may lie outside of the data window
+// by the margin; the nearest row with chroma stands in there.
+class LuminanceChromaReader final : public RowReader {
+ public:
+  explicit LuminanceChromaReader(const ExrPicture& picture)
+      : picture_(picture),
+        width_(static_cast<std::size_t>(picture.data_width)),
+        file_(picture),
+        input_(file_.file, picture.part),
+        weights_(luminance_weights(input_.header())),
+        line_(width_ + yca::N - 1, kBlack),
+        held_(width_ * kHeldRows, kBlack),
+        rgb_(width_ * 3, kBlack),
+        saturated_(width_, kBlack) {
+    set_frame_buffer();
+  }
+
+  void read(int first_row, int row_count, float* rgb) override {
+    call_openexr(picture_.info.path, [&] {
+      for (int row = 0; row < row_count; row += kBlockRows) {
+        read_block(picture_.first_row + first_row + row, std::min(kBlockRows, row_count - row),
+                   rgb + 3 * width_ * static_cast<std::size_t>(row));
+      }
+    });
+  }
+
+ private:
+  static Imath::V3f luminance_weights(const Imf::Header& header) {
+    return yca::computeYw(Imf::hasChromaticities(header) ? Imf::chromaticities(header) : Imf::Chromaticities());
+  }
+
+  // One line, wherever it is in the picture, with half a filter's width free at both ends.
+  void set_frame_buffer() {
+    Imf::Rgba* first = line_.data() + yca::N2;
+    const auto slice = [&](half* component, int sampling) {
+      return exr_slice(Imf::HALF, component, picture_.first_column, 0,
+                       static_cast<std::size_t>(sampling) * sizeof(Imf::Rgba), 0, sampling);
+    };
+    Imf::FrameBuffer buffer;
+    buffer.insert(picture_.channels.names[0], slice(&first->r, 2));
+    buffer.insert(picture_.channels.names[1], slice(&first->g, 1));
+    buffer.insert(picture_.channels.names[2], slice(&first->b, 2));
+    input_.setFrameBuffer(buffer);
+  }
+
+  [[nodiscard]] Imf::Rgba* held(int position) {
+    return held_.data() + width_ * static_cast<std::size_t>(position - held_first_);
+  }
+
+  // The row's luminance, and chroma at every texel if its row has any.
+  void decode(int position, Imf::Rgba* row) {
+    const int top = picture_.first_row;
+    const int bottom = top + picture_.data_height - 1;
+    const int nearest = position < top ? top : position > bottom ? bottom - 1 : position;
+    input_.readPixels(nearest);
+    if (nearest % 2 != 0) {
+      std::copy_n(line_.begin() + yca::N2, width_, row);
+      return;
+    }
+    std::fill_n(line_.begin(), yca::N2, line_[yca::N2]);
+    std::fill_n(line_.end() - yca::N2, yca::N2, line_[width_ + yca::N2 - 2]);
+    yca::reconstructChromaHoriz(picture_.data_width, line_.data(), row);
+  }
+
+  // Holds the positions [first, end): those that are here already are moved, the others decoded.
+  void hold(int first, int end) {
+    const int kept_first = std::max(first, held_first_);
+    const int kept_end = std::min(end, held_end_);
+    const bool keeps = kept_first == first && kept_first < kept_end;
+    if (keeps) {
+      std::copy(held(kept_first), held(kept_first) + width_ * static_cast<std::size_t>(kept_end - kept_first),
+                held_.data());
+    }
+    held_first_ = first;
+    held_end_ = first;  // should decoding throw
+    for (int position = keeps ? kept_end : first; position < end; ++position) {
+      decode(position, held(position));
+    }
+    held_end_ = end;
+  }
+
+  void reconstruct(int position, Imf::Rgba* rgb) {
+    if (position % 2 == 0) {
+      yca::YCAtoRGBA(weights_, picture_.data_width, held(position), rgb);
+      return;
+    }
+    std::array<const Imf::Rgba*, yca::N> rows{};
+    for (int i = 0; i < yca::N; ++i) {
+      rows[static_cast<std::size_t>(i)] = held(position - yca::N2 + i);
+    }
+    yca::reconstructChromaVert(picture_.data_width, rows.data(), rgb);
+    yca::YCAtoRGBA(weights_, picture_.data_width, rgb, rgb);
+  }
+
+  void read_block(int first, int count, float* rgb) {
+    hold(first - kMargin, first + count + kMargin);
+    std::array<Imf::Rgba*, 3> rows{rgb_.data(), rgb_.data() + width_, rgb_.data() + 2 * width_};
+    reconstruct(first - 1, rows[1]);
+    reconstruct(first, rows[2]);
+    for (int row = first; row < first + count; ++row) {
+      std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+      reconstruct(row + 1, rows[2]);
+      yca::fixSaturation(weights_, picture_.data_width, rows.data(), saturated_.data());
+      for (const Imf::Rgba& texel : saturated_) {
+        *rgb++ = texel.r;
+        *rgb++ = texel.g;
+        *rgb++ = texel.b;
+      }
+    }
+  }
+
+  const ExrPicture& picture_;
+  std::size_t width_;
+  ExrFile file_;
+  Imf::InputPart input_;
+  Imath::V3f weights_;
+  std::vector<Imf::Rgba> line_;  // as stored: r = RY, g = Y, b = BY
+  std::vector<Imf::Rgba> held_;  // decoded rows, kHeldRows of them
+  std::vector<Imf::Rgba> rgb_;   // three rows
+  std::vector<Imf::Rgba> saturated_;
+  int held_first_ = 0;
+  int held_end_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<RowReader> open_luminance_chroma(const ExrPicture& picture) {
+  return std::make_unique<LuminanceChromaReader>(picture);
+}
+
+std::uint64_t luminance_chroma_bytes(int width) noexcept {
+  return sizeof(Imf::Rgba) * (static_cast<std::uint64_t>(width) * (kHeldRows + 5) + yca::N);
+}
+
+int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_rows - 1) / unit_rows * unit_rows; }
+
+}  // namespace welkin::files

@@ -1,0 +1,291 @@
+// OpenEXR: R, G, B as half or float, scanlines, ZIP.
+#include "files/exr_writer.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIntAttribute.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledOutputFile.h>
+#include <half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/exr_statics.h"
+#include "files/texel_formats.h"
+#include "files/texture_writer.h"
+#include "files/write_environment.h"
+#include "image/pixels.h"
+#include "welkin/image.h"
+
+namespace welkin::files {
+namespace {
+
+constexpr int kBlockRows = 16;  // that ZIP compresses together
+
+Imf::Header make_header(const OutputPicture& picture, const WriteJob& job) {
+  Imf::Header header(picture.width(), picture.height());
+  header.compression() = Imf::ZIP_COMPRESSION;
+  const Imf::PixelType type = job.type == SampleType::float32 ? Imf::FLOAT : Imf::HALF;
+  for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(type));
+  if (job.openexr_lat_long) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
+  if (job.openexr_cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  return header;
+}
+
+/// Rows of one block in the file's type.
+template <typename Value>
+struct Block {
+  static constexpr Imf::PixelType kType = sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF;
+
+  std::vector<Value> values;
+
+  // OpenEXR expects the address that texel (0, 0) would have: an integer, since no such place need exist.
+  Imf::FrameBuffer frame_buffer(int width, int first_row) {
+    const std::size_t stride = 3 * sizeof(Value) * static_cast<std::size_t>(width);
+    const std::intptr_t origin = reinterpret_cast<std::intptr_t>(values.data()) -
+                                 static_cast<std::intptr_t>(first_row) * static_cast<std::intptr_t>(stride);
+    Imf::FrameBuffer buffer;
+    std::size_t offset = 0;
+    for (const char* name : {"R", "G", "B"}) {
+      char* base = reinterpret_cast<char*>(origin + static_cast<std::intptr_t>(offset));
+      buffer.insert(name, Imf::Slice(kType, base, 3 * sizeof(Value), stride));
+      offset += sizeof(Value);
+    }
+    return buffer;
+  }
+};
+
+template <typename Value>
+std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Imf::OutputFile& file) {
+  const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(picture.width());
+  std::vector<float> rgb(row_values);
+  Block<Value> block{std::vector<Value>(row_values * kBlockRows)};
+  std::uint64_t clamped = 0;
+  for (int first = 0; first < picture.height(); first += kBlockRows) {
+    report_rows(job, first, picture.height());
+    const int rows = std::min(kBlockRows, picture.height() - first);
+    for (int row = 0; row < rows; ++row) {
+      picture.read_row(first + row, rgb.data());
+      convert_for_exr(rgb.data(), row_values, block.values.data() + static_cast<std::size_t>(row) * row_values,
+                      clamped);
+    }
+    file.setFrameBuffer(block.frame_buffer(picture.width(), first));
+    file.writePixels(rows);
+  }
+  return clamped;
+}
+
+std::uint64_t write_with_library(const OutputPicture& picture, const WriteJob& job) {
+  constexpr int kLibraryThreads = 0;  // its pool is the program's
+  ExrOutputStream stream(job.file);
+  Imf::OutputFile file(stream, make_header(picture, job), kLibraryThreads);
+  return job.type == SampleType::float32 ? write_blocks<float>(picture, job, file)
+                                         : write_blocks<Imath::half>(picture, job, file);
+}
+
+}  // namespace
+
+std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job) {
+  return write_exr_with_library(job.file, [&] { return write_with_library(picture, job); });
+}
+
+namespace {
+
+// OpenEXR: a cube `envmap` in mip-mapped tiles, as OpenEXR's own exrenvmap writes them.
+//
+// The picture is `size` x 6 `size`; OpenEXR halves both, rounding down, until both are 1. So a level can be taller than
+// its six faces (odd sizes: they lie on top, as CubeMap::sizeOfFace has it), and the last ones hold no faces at all.
+
+constexpr int kTileSize = 64;
+constexpr std::array kNames{"R", "G", "B"};
+
+// Attributes that have a meaning and a type of their own, and are not in every header from the start.
+constexpr std::array kReserved{"name", "type", "version", "chunkCount", "view", "tiles", "preview", "multiView"};
+constexpr std::size_t kLongestName = 255;
+
+void add_metadata(Imf::Header& header, const TextureJob& job) {
+  for (const auto& [key, value] : job.options.metadata) {
+    const bool reserved = std::find(kReserved.begin(), kReserved.end(), key) != kReserved.end();
+    if (reserved || key.size() > kLongestName || header.find(key) != header.end()) {
+      throw platform::file_error(
+          ErrorCode::invalid_argument, job.file.path(),
+          "its metadata has the key \"" + platform::printable(key) +
+              "\", which OpenEXR keeps for itself or finds too long (255 characters); name it otherwise");
+    }
+    header.insert(key, Imf::StringAttribute(value));
+  }
+}
+
+Imf::Header make_header(const TextureJob& job) {
+  const int size = job.mips.front().size;
+  Imf::Header header(size, 6 * size);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.setTileDescription(Imf::TileDescription(kTileSize, kTileSize, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
+  const Imf::PixelType type = job.options.format == TexelFormat::rgba32f ? Imf::FLOAT : Imf::HALF;
+  for (const char* name : kNames) header.channels().insert(name, Imf::Channel(type));
+  Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  header.insert("welkinLevels", Imf::IntAttribute(static_cast<int>(job.mips.size())));
+  add_metadata(header, job);
+  return header;
+}
+
+/// One face of `reduced`, to size x size x 3 values. Where a texel's edge cuts one of the source, it counts for both.
+void reduce_face(const OutputPicture& source, int size, float* to) {
+  const int source_size = source.width();
+  const auto first = [&](int texel) { return texel * source_size / size; };
+  const auto end = [&](int texel) { return ((texel + 1) * source_size + size - 1) / size; };
+  std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(source_size));
+  std::vector<double> sums(std::size_t{3} * static_cast<std::size_t>(size));
+  for (int row = 0; row < size; ++row, to += sums.size()) {
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (int source_row = first(row); source_row < end(row); ++source_row) {
+      source.read_row(source_row, rgb.data());
+      for (int column = 0; column < size; ++column) {
+        double* sum = sums.data() + std::ptrdiff_t{3} * column;
+        for (int i = 3 * first(column); i < 3 * end(column); ++i) {
+          sum[i % 3] += static_cast<double>(rgb[static_cast<std::size_t>(i)]);
+        }
+      }
+    }
+    for (int column = 0; column < size; ++column) {
+      const double count = static_cast<double>(end(row) - first(row)) * (end(column) - first(column));
+      for (int i = 3 * column; i < 3 * column + 3; ++i) {
+        to[i] = static_cast<float>(sums[static_cast<std::size_t>(i)] / count);
+      }
+    }
+  }
+}
+
+/// Smaller faces for a level that was not given.
+CubemapImage reduced(const CubemapView& source, int size) {
+  const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  CubemapImage smaller{size, std::vector<float>(6 * face_values)};
+  for (int face = 0; face < 6; ++face) {
+    float* to = smaller.pixels.data() + face_values * static_cast<std::size_t>(face);
+    reduce_face(OutputPicture(source, face), size, to);
+  }
+  return smaller;
+}
+
+/// All six faces in the mean of all texels, one texel each.
+CubemapImage one_colour(const CubemapView& source) {
+  const CubemapImage faces = reduced(source, 1);
+  CubemapImage result{1, std::vector<float>(18)};
+  for (std::size_t i = 0; i < 18; ++i) {
+    double sum = 0.0;
+    for (std::size_t face = 0; face < 6; ++face) sum += static_cast<double>(faces.pixels[3 * face + i % 3]);
+    result.pixels[i] = static_cast<float>(sum / 6.0);
+  }
+  return result;
+}
+
+/// Writes a level; rows below the picture (if any) are black.
+template <typename Value>
+class LevelWriter {
+ public:
+  LevelWriter(Imf::TiledOutputFile& file, TexelProgress& progress) : file_(file), progress_(progress) {}
+
+  void write(int level, const OutputPicture& picture) {
+    const int width = file_.levelWidth(level);
+    const int height = file_.levelHeight(level);
+    const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(width);
+    rgb_.resize(row_values);
+    values_.resize(row_values * kTileSize);
+    for (int tile_row = 0; tile_row < file_.numYTiles(level); ++tile_row) {
+      const int first = tile_row * kTileSize;
+      const int end = std::min(first + kTileSize, height);
+      progress_.next(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(end - first));
+      for (int row = first; row < end; ++row) {
+        std::fill(rgb_.begin(), rgb_.end(), 0.0F);
+        if (row < picture.height()) picture.read_row(row, rgb_.data());
+        convert_for_exr(rgb_.data(), row_values, values_.data() + row_values * static_cast<std::size_t>(row - first),
+                        clamped_);
+      }
+      set_frame_buffer(row_values * sizeof(Value), first);
+      file_.writeTiles(0, file_.numXTiles(level) - 1, tile_row, tile_row, level);
+    }
+  }
+
+  [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
+
+ private:
+  // OpenEXR expects the address that texel (0, 0) would have: an integer, since no such place need exist.
+  void set_frame_buffer(std::size_t row_bytes, int first_row) {
+    const std::intptr_t origin = reinterpret_cast<std::intptr_t>(values_.data()) -
+                                 static_cast<std::intptr_t>(first_row) * static_cast<std::intptr_t>(row_bytes);
+    Imf::FrameBuffer buffer;
+    std::size_t offset = 0;
+    for (const char* name : kNames) {
+      char* base = reinterpret_cast<char*>(origin + static_cast<std::intptr_t>(offset));
+      buffer.insert(name, Imf::Slice(sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF, base, 3 * sizeof(Value), row_bytes));
+      offset += sizeof(Value);
+    }
+    file_.setFrameBuffer(buffer);
+  }
+
+  Imf::TiledOutputFile& file_;
+  TexelProgress& progress_;
+  std::vector<float> rgb_;
+  std::vector<Value> values_;
+  std::uint64_t clamped_ = 0;
+};
+
+template <typename Value>
+std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
+  const CubePlacement& placement = openexr_cube_placement();
+  TexelProgress progress(job.mips, job.control);
+  LevelWriter<Value> writer(file, progress);
+  const int given = static_cast<int>(job.mips.size());
+  for (int level = 0; level < given; ++level) {
+    writer.write(level, OutputPicture(job.mips[static_cast<std::size_t>(level)], placement));
+  }
+  // A file must have every level down to 1 x 1.
+  const std::uint64_t clamped = writer.clamped();
+  CubemapImage last;
+  CubemapView above = job.mips.back();
+  for (int level = given; level < file.numLevels(); ++level) {
+    const int size = file.levelWidth(level);
+    const bool has_faces = file.levelHeight(level) >= 6 * size;
+    last = has_faces ? reduced(above, size) : one_colour(above);
+    above = last.view();
+    writer.write(level, OutputPicture(above, placement));
+  }
+  return clamped;
+}
+
+}  // namespace
+
+std::uint64_t write_exr_cube(const TextureJob& job) {
+  return write_exr_with_library(job.file, [&] {
+    constexpr int library_threads = 0;  // its pool is the program's
+    ExrOutputStream stream(job.file);
+    Imf::TiledOutputFile file(stream, make_header(job), library_threads);
+    return job.options.format == TexelFormat::rgba32f ? write_levels<float>(job, file)
+                                                      : write_levels<Imath::half>(job, file);
+  });
+}
+
+void convert_for_exr(const float* from, std::size_t count, float* to, std::uint64_t& /*clamped*/) noexcept {
+  std::copy_n(from, count, to);
+}
+
+void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    float value = from[i];
+    if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
+      value = std::copysign(kLargestHalf, value);
+      ++clamped;
+    }
+    to[i] = Imath::half(value);
+  }
+}
+
+}  // namespace welkin::files

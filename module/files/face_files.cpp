@@ -1,0 +1,390 @@
+// The six files of a cubemap, told apart by the ends of their names.
+#include "files/face_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "platform/file.h"
+#include "projection/pixel_policy.h"
+#include "welkin/environment_file.h"
+
+namespace welkin {
+namespace files {
+namespace {
+
+using Path = std::filesystem::path;
+using SixNames = std::array<const char*, 6>;
+using SixPaths = std::array<Path, 6>;
+
+// In face order. Sets of the first row's kind are named so by Babylon.js and three.js, the next by many converters and
+// three.js's examples, "rt lf up dn ft bk" by Quake's sky boxes.
+constexpr std::array kFamilies{
+    SixNames{"px", "nx", "py", "ny", "pz", "nz"},
+    SixNames{"posx", "negx", "posy", "negy", "posz", "negz"},
+    SixNames{"right", "left", "top", "bottom", "front", "back"},
+    SixNames{"right", "left", "up", "down", "front", "back"},
+    SixNames{"rt", "lf", "up", "dn", "ft", "bk"},
+    SixNames{"0", "1", "2", "3", "4", "5"},
+};
+constexpr std::size_t kNumbers = 5;
+constexpr std::array kExtensions{".exr", ".hdr", ".pic", ".rgbe", ".pfm", ".png"};
+constexpr const char* kFaceNames[] = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
+constexpr const char* kEnds =
+    "px nx py ny pz nz; posx negx posy negy posz negz; right left top bottom front back; right left up down front "
+    "back; rt lf up dn ft bk; 0 to 5";
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// What stands before a face's name in a stem, if that ends with it: nothing, or something up to a separator. So
+// "sky_3" is a face and "map10" is none.
+std::optional<std::string> prefix_before(const std::string& stem, std::string_view face_name) {
+  if (stem.size() < face_name.size() || !lower_case(stem).ends_with(face_name)) return std::nullopt;
+  std::string prefix = stem.substr(0, stem.size() - face_name.size());
+  if (!prefix.empty() && std::string_view("_-. ").find(prefix.back()) == std::string_view::npos) return std::nullopt;
+  return prefix;
+}
+
+struct SetName {
+  std::string prefix;
+  std::size_t family = 0;
+
+  bool operator<(const SetName& other) const { return std::tie(prefix, family) < std::tie(other.prefix, other.family); }
+};
+
+// The sets that a name may belong to.
+std::vector<SetName> sets_of(const Path& path) {
+  std::vector<SetName> sets;
+  for (std::size_t family = 0; family < kFamilies.size(); ++family) {
+    for (const char* face_name : kFamilies[family]) {
+      if (auto prefix = prefix_before(path.stem().string(), face_name)) {
+        sets.push_back({std::move(*prefix), family});
+      }
+    }
+  }
+  return sets;
+}
+
+// Pictures of a directory, for each set and face those whose names fit, in the order of their names.
+class Candidates {
+ public:
+  /// Looks at names with an extension of a format that is read, or with `extension`.
+  Candidates(const Path& directory, const std::string& extension) {
+    std::error_code failure;
+    const Path place = directory.empty() ? Path(".") : directory;
+    for (std::filesystem::directory_iterator entry(place, failure), end; !failure && entry != end;
+         entry.increment(failure)) {
+      const Path file = directory / entry->path().filename();
+      std::error_code ignored;
+      if (is_picture(file, extension) && !entry->is_directory(ignored)) add(file);
+    }
+    if (failure) {
+      throw platform::file_error(ErrorCode::file_access, place, "cannot be searched for faces: " + failure.message());
+    }
+    for (auto& [set, faces] : sets_) {
+      for (auto& files : faces) std::sort(files.begin(), files.end());
+    }
+  }
+
+  [[nodiscard]] const std::map<SetName, std::array<std::vector<Path>, 6>>& sets() const { return sets_; }
+
+  /// A series that goes on after 5 is no cube.
+  [[nodiscard]] bool is_longer_series(const SetName& set) const {
+    return set.family == kNumbers && longer_series_.contains(set.prefix);
+  }
+
+  /// The set's files, those with `extension` first; where there are none, the only one. Empty paths for faces
+  /// that are missing; throws where two would do equally.
+  [[nodiscard]] SixPaths pick(const SetName& set, const std::string& extension) const {
+    SixPaths picked;
+    const auto found = sets_.find(set);
+    if (found == sets_.end()) return picked;
+    for (std::size_t face = 0; face < picked.size(); ++face) {
+      const std::vector<Path>& files = found->second[face];
+      const auto same =
+          std::find_if(files.begin(), files.end(), [&](const Path& file) { return file.extension() == extension; });
+      if (same != files.end()) {
+        picked[face] = *same;
+      } else if (files.size() == 1) {
+        picked[face] = files.front();
+      } else if (files.size() > 1) {
+        throw platform::file_error(ErrorCode::unsupported_file, files[0],
+                                   std::string("could be the face ") + kFaceNames[face] + ", and so could " +
+                                       files[1].filename().string() + "; keep one of them there");
+      }
+    }
+    return picked;
+  }
+
+ private:
+  static bool is_picture(const Path& file, const std::string& extension) {
+    const std::string its = file.extension().string();
+    return its == extension || std::find(kExtensions.begin(), kExtensions.end(), lower_case(its)) != kExtensions.end();
+  }
+
+  void add(const Path& file) {
+    const std::string stem = file.stem().string();
+    if (const auto prefix = prefix_before(stem, "6")) longer_series_.insert(*prefix);
+    for (std::size_t family = 0; family < kFamilies.size(); ++family) {
+      for (std::size_t face = 0; face < 6; ++face) {
+        if (const auto prefix = prefix_before(stem, kFamilies[family][face])) {
+          sets_[{*prefix, family}][face].push_back(file);
+        }
+      }
+    }
+  }
+
+  std::map<SetName, std::array<std::vector<Path>, 6>> sets_;
+  std::set<std::string> longer_series_;
+};
+
+std::size_t files_in(const SixPaths& paths) {
+  return static_cast<std::size_t>(
+      std::count_if(paths.begin(), paths.end(), [](const Path& path) { return !path.empty(); }));
+}
+
+[[noreturn]] void report_missing(const Path& path, const SetName& set, const SixPaths& found) {
+  std::string missing;
+  for (std::size_t face = 0; face < found.size(); ++face) {
+    if (!found[face].empty()) continue;
+    const std::string wanted = set.prefix + kFamilies[set.family][face] + path.extension().string();
+    missing += (missing.empty() ? "" : ", ") + std::string(kFaceNames[face]) + " (" + wanted + ")";
+  }
+  throw platform::file_error(ErrorCode::file_access, path,
+                             "is one of six faces of which others are missing beside it: " + missing +
+                                 "; put them there, or see that the six names differ at their ends alone");
+}
+
+SixPaths faces_beside(const Path& path) {
+  const std::vector<SetName> sets = sets_of(path);
+  std::error_code ignored;
+  const Path directory = path.has_parent_path() ? path.parent_path() : Path(".");
+  if (!std::filesystem::exists(sets.empty() ? path : directory, ignored)) {
+    throw platform::file_error(ErrorCode::file_access, path, "there is no such file");
+  }
+  if (sets.empty()) {
+    throw platform::file_error(ErrorCode::unsupported_file, path,
+                               std::string("its name does not end as one of six faces does (") + kEnds +
+                                   "; before that nothing, or one of _ - . and space); rename the six files so");
+  }
+  const std::string extension = path.extension().string();
+  const Candidates candidates(path.parent_path(), extension);
+  const SetName* closest = nullptr;
+  SixPaths of_closest;
+  for (const SetName& set : sets) {
+    SixPaths found = candidates.pick(set, extension);
+    if (candidates.is_longer_series(set)) {
+      throw platform::file_error(ErrorCode::unsupported_file, path,
+                                 "is one of a series that goes on after 5 (there is a " + set.prefix +
+                                     "6), so no six files of a cube; name the faces px nx py ny pz nz");
+    }
+    if (files_in(found) == found.size()) return found;
+    if (closest == nullptr || files_in(found) > files_in(of_closest)) {
+      closest = &set;
+      of_closest = std::move(found);
+    }
+  }
+  report_missing(path, *closest, of_closest);
+}
+
+SixPaths faces_in(const Path& directory) {
+  const Candidates candidates(directory, "");
+  std::set<SixPaths> whole_sets;
+  for (const auto& [set, faces] : candidates.sets()) {
+    if (candidates.is_longer_series(set)) continue;
+    if (std::any_of(faces.begin(), faces.end(), [](const auto& files) { return files.empty(); })) continue;
+    for (const Path& file : faces.front()) {
+      whole_sets.insert(candidates.pick(set, file.extension().string()));
+    }
+  }
+  if (whole_sets.empty()) {
+    throw platform::file_error(ErrorCode::file_access, directory,
+                               std::string("is a directory without six faces of a cube, whose names would end in ") +
+                                   kEnds + "; name a picture in it");
+  }
+  if (whole_sets.size() > 1) {
+    throw platform::file_error(ErrorCode::unsupported_file, directory,
+                               "holds more than one cube of six files, such as " +
+                                   (*whole_sets.begin())[0].filename().string() + " and " +
+                                   (*whole_sets.rbegin())[0].filename().string() +
+                                   " with their others; name one file of the one that is meant");
+  }
+  return *whole_sets.begin();
+}
+
+}  // namespace
+}  // namespace files
+
+std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? files::faces_in(path) : files::faces_beside(path);
+}
+
+}  // namespace welkin
+
+namespace welkin::files {
+namespace {
+
+using Faces = std::array<std::unique_ptr<RowSource>, 6>;
+
+std::string shape(const EnvironmentInfo& info) {
+  return std::to_string(info.width) + " x " + std::to_string(info.height);
+}
+
+// Opened as what no shape contradicts: a face alone has no layout.
+std::unique_ptr<RowSource> open_face(const std::filesystem::path& path, const ReadOptions& options) {
+  ReadOptions of_face = options;
+  of_face.layout = Layout::lat_long;
+  return open_picture(path, of_face);
+}
+
+void require_fitting_faces(const Faces& faces) {
+  const EnvironmentInfo& first = faces.front()->info();
+  for (const auto& face : faces) {
+    const EnvironmentInfo& info = face->info();
+    if (info.width != info.height) {
+      throw platform::file_error(
+          ErrorCode::unsupported_file, info.path,
+          "is " + shape(info) +
+              ", and the six faces of a cube are square; if it is no face, pass --layout to say what it "
+              "is");
+    }
+    if (info.width != first.width) {
+      throw platform::file_error(ErrorCode::unsupported_file, info.path,
+                                 "is " + shape(info) + ", and " + first.path.filename().string() + " is " +
+                                     shape(first) + "; the six faces of a cube are of one size: export them alike");
+    }
+    if (info.width > image::kLargestFace) {
+      throw platform::file_error(ErrorCode::unsupported_file, info.path,
+                                 "is " + std::to_string(info.width) + " texels wide; reduce the faces to " +
+                                     std::to_string(image::kLargestFace) + " or fewer");
+    }
+  }
+}
+
+// "OpenEXR", or "OpenEXR, PNG" where the files differ.
+std::string joined(const Faces& faces, std::string EnvironmentInfo::*text) {
+  std::vector<std::string> different;
+  for (const auto& face : faces) {
+    const std::string& its = face->info().*text;
+    if (std::find(different.begin(), different.end(), its) == different.end()) different.push_back(its);
+  }
+  std::string all;
+  for (const std::string& its : different) all += (all.empty() ? "" : ", ") + its;
+  return all;
+}
+
+// Levels that all six have, of the size that they have there.
+std::vector<LevelInfo> common_levels(const Faces& faces) {
+  std::vector<LevelInfo> levels = faces.front()->info().levels;
+  for (const auto& face : faces) {
+    const std::vector<LevelInfo>& others = face->info().levels;
+    std::size_t same = 0;
+    while (same < std::min(levels.size(), others.size()) && levels[same].width == others[same].width &&
+           levels[same].height == others[same].height) {
+      ++same;
+    }
+    levels.resize(same);
+  }
+  for (LevelInfo& level : levels) level.height *= 6;
+  return levels;
+}
+
+EnvironmentInfo describe(const std::filesystem::path& path, const Faces& faces, const std::string& reason) {
+  EnvironmentInfo info = faces.front()->info();
+  info.path = path;
+  info.format = joined(faces, &EnvironmentInfo::format);
+  info.compression = joined(faces, &EnvironmentInfo::compression);
+  info.storage = joined(faces, &EnvironmentInfo::storage);
+  info.layout = Layout::six_files;
+  info.layout_reason = reason;
+  info.height *= 6;
+  info.levels = common_levels(faces);
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    const EnvironmentInfo& its = faces[face]->info();
+    info.faces[face] = its.path;
+    for (const std::string& note : its.notes) {
+      if (std::find(info.notes.begin(), info.notes.end(), note) == info.notes.end()) info.notes.push_back(note);
+    }
+  }
+  return info;
+}
+
+// Holds one face open at a time: whoever reads a section stays in its face.
+class SixFilesReader final : public RowReader {
+ public:
+  explicit SixFilesReader(const Faces& faces) : faces_(faces), size_(faces.front()->info().width) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const int end = first_row + row_count;
+    for (int row = first_row; row < end;) {
+      const int face = row / size_;
+      const int part_end = std::min(end, (face + 1) * size_);
+      if (face != open_face_) {
+        reader_.reset();
+        reader_ = faces_[static_cast<std::size_t>(face)]->open_reader();
+        open_face_ = face;
+      }
+      reader_->read(row - face * size_, part_end - row, rgb);
+      rgb += rgb_bytes(size_, part_end - row) / sizeof(float);
+      row = part_end;
+    }
+  }
+
+ private:
+  const Faces& faces_;
+  int size_;
+  int open_face_ = -1;
+  std::unique_ptr<RowReader> reader_;
+};
+
+class SixFilesSource final : public RowSource {
+ public:
+  SixFilesSource(const std::filesystem::path& path, Faces faces, const std::string& reason)
+      : RowSource(describe(path, faces, reason)), faces_(std::move(faces)) {}
+
+  [[nodiscard]] int natural_rows() const override {
+    int rows = 1;
+    for (const auto& face : faces_) rows = std::max(rows, face->natural_rows());
+    return rows;
+  }
+  [[nodiscard]] int section_rows() const override { return info().width; }
+  [[nodiscard]] bool sequential() const override {
+    return std::any_of(faces_.begin(), faces_.end(), [](const auto& face) { return face->sequential(); });
+  }
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    std::uint64_t bytes = 0;
+    for (const auto& face : faces_) bytes = std::max(bytes, face->reader_bytes());
+    return bytes;
+  }
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    return std::make_unique<SixFilesReader>(faces_);
+  }
+
+ private:
+  Faces faces_;
+};
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_six_files(const std::filesystem::path& path, const ReadOptions& options,
+                                          const std::string& reason) {
+  const std::array<std::filesystem::path, 6> paths = face_files(path);
+  Faces faces;
+  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = open_face(paths[face], options);
+  require_fitting_faces(faces);
+  return std::make_unique<SixFilesSource>(path, std::move(faces), reason);
+}
+
+}  // namespace welkin::files

@@ -1,0 +1,35 @@
+// Requests for files, and the sources that a file's pixels become.
+#include "welkin/file_requests.h"
+
+#include <memory>
+#include <utility>
+
+#include "welkin/bake_file.h"
+#include "welkin/requests.h"
+
+namespace welkin {
+
+CubemapSource::CubemapSource(Environment environment) {
+  mips_ = {environment.cubemap()};
+  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
+}
+
+LatLongSource::LatLongSource(Environment environment) : view_(environment.lat_long()) {
+  owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
+}
+
+Projection ProjectFile::operator()(const Control& control) const {
+  return project_file(path, read_options, options, control);
+}
+
+Environment ReadFile::operator()(const Control& control) const { return read_environment(path, read_options, control); }
+
+EnvironmentStatistics MeasureFile::operator()(const Control& control) const {
+  return measure_environment(path, read_options, control);
+}
+
+std::shared_ptr<const BakeResult> BakeFile::operator()(const Control& control) const {
+  return std::make_shared<const BakeResult>(bake_file(path, read_options, options, control));
+}
+
+}  // namespace welkin

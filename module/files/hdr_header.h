@@ -1,0 +1,45 @@
+// The words in front of a Radiance picture's pixels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "platform/file.h"
+
+namespace welkin::files {
+
+/// Longer headers are refused; Radiance's own are some hundred bytes, a few thousand after many filters.
+inline constexpr std::size_t kLongestHdrHeader = std::size_t{64} << 10U;
+
+struct HdrHeader {
+  bool xyz = false;         ///< 32-bit_rle_xyze: CIE XYZ instead of RGB
+  glm::dvec3 divisor{1.0};  ///< the product of all EXPOSURE and COLORCORR lines; radiance = stored / divisor
+  std::optional<std::array<double, 8>> primaries;  ///< x and y of red, green, blue and white, as the file has them
+  std::string gamma;                               ///< of the last GAMMA line, if it is not 1
+  int width = 0;                                   ///< of the picture when it is upright
+  int height = 0;
+  bool columns = false;       ///< scanlines are columns (X stands first in the resolution line)
+  bool bottom_first = false;  ///< +Y
+  bool right_first = false;   ///< -X
+  std::uint64_t first_byte = 0;
+  std::vector<std::string> notes;
+
+  [[nodiscard]] int scanlines() const noexcept { return columns ? width : height; }
+  [[nodiscard]] int scanline_length() const noexcept { return columns ? height : width; }
+};
+
+/// `file` stands at its beginning and starts with "#?".
+///
+/// A header is lines of text: the magic word (RADIANCE, RGBE, or any other), NAME=value, comments, commands that
+/// the picture went through; an empty line; and the resolution line, such as "-Y 512 +X 1024". FORMAT, EXPOSURE,
+/// COLORCORR and PRIMARIES are obeyed, everything else is passed over. Lines that start with white space belong
+/// to the pictures that this one was made from (Radiance's pcompos indents them) and say nothing about it.
+/// (Radiance's filefmts.pdf, and its header.c, color.c, resolu.c.)
+/// Throws `Error`: corrupt_file, unsupported_file.
+[[nodiscard]] HdrHeader read_hdr_header(platform::ByteFile& file);
+
+}  // namespace welkin::files

@@ -1,0 +1,479 @@
+// The header of a KTX2 file.
+#include "files/ktx2.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "files/stop.h"
+#include "files/supercompression.h"
+#include "files/texel_formats.h"
+#include "files/texture_reader.h"
+#include "files/texture_writer.h"
+#include "jobs/tiles.h"
+#include "platform/file.h"
+
+namespace welkin::files {
+namespace {
+
+struct VulkanFormat {
+  TexelKind kind;
+  std::uint32_t number;
+};
+
+constexpr std::array kVulkanFormats{
+    VulkanFormat{TexelKind::rgba16f, 97},     // VK_FORMAT_R16G16B16A16_SFLOAT
+    VulkanFormat{TexelKind::rgba32f, 109},    // VK_FORMAT_R32G32B32A32_SFLOAT
+    VulkanFormat{TexelKind::b10g11r11, 122},  // VK_FORMAT_B10G11R11_UFLOAT_PACK32
+    VulkanFormat{TexelKind::e5b9g9r9, 123},   // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+    VulkanFormat{TexelKind::rgba8, 37},       // VK_FORMAT_R8G8B8A8_UNORM
+    VulkanFormat{TexelKind::rgba8_srgb, 43},  // VK_FORMAT_R8G8B8A8_SRGB
+};
+
+// Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
+constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
+constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
+
+/// Some bits of a texel.
+struct Sample {
+  std::uint32_t first_bit;
+  std::uint32_t bits;
+  std::uint32_t channel;  ///< with its qualifiers
+  std::uint32_t lower;    ///< the number that stands for 0, or for -1 if signed; of an exponent its bias
+  std::uint32_t upper;    ///< the number that stands for 1; of an exponent the largest one
+};
+
+std::vector<Sample> float_samples(std::uint32_t bits) {
+  const auto lower = std::bit_cast<std::uint32_t>(-1.0F);
+  const auto upper = std::bit_cast<std::uint32_t>(1.0F);
+  std::vector<Sample> samples;
+  for (const std::uint32_t channel : {kRed, kGreen, kBlue, kAlpha}) {
+    const auto place = static_cast<std::uint32_t>(samples.size()) * bits;
+    samples.push_back({place, bits, channel | kFloat | kSigned, lower, upper});
+  }
+  return samples;
+}
+
+std::vector<Sample> packed_float_samples() {
+  const auto upper = std::bit_cast<std::uint32_t>(1.0F);
+  return {{0, 11, kRed | kFloat, 0, upper}, {11, 11, kGreen | kFloat, 0, upper}, {22, 10, kBlue | kFloat, 0, upper}};
+}
+
+std::vector<Sample> shared_exponent_samples() {
+  constexpr std::uint32_t one = 16U << 9U | 256U;  // 1 as exponent and mantissa
+  std::vector<Sample> samples;
+  for (const std::uint32_t channel : {kRed, kGreen, kBlue}) {
+    samples.push_back({9 * channel, 9, channel, 0, one});
+    samples.push_back({27, 5, channel | kExponent, 15, 31});
+  }
+  return samples;
+}
+
+std::vector<Sample> samples_of(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::rgba16f: return float_samples(16);
+    case TexelFormat::rgba32f: return float_samples(32);
+    case TexelFormat::b10g11r11: return packed_float_samples();
+    case TexelFormat::e5b9g9r9: return shared_exponent_samples();
+  }
+  return {};
+}
+
+}  // namespace
+
+std::uint32_t vulkan_format(TexelKind kind) noexcept {
+  const auto* found =
+      std::find_if(kVulkanFormats.begin(), kVulkanFormats.end(), [kind](const auto& f) { return f.kind == kind; });
+  return found->number;
+}
+
+std::optional<TexelKind> kind_of_vulkan_format(std::uint32_t format) noexcept {
+  for (const VulkanFormat& known : kVulkanFormats) {
+    if (known.number == format) return known.kind;
+  }
+  return std::nullopt;
+}
+
+std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
+  switch (kind) {
+    case TexelKind::rgba16f: return 2;
+    case TexelKind::rgba32f:
+    case TexelKind::b10g11r11:
+    case TexelKind::e5b9g9r9: return 4;
+    case TexelKind::rgba8:
+    case TexelKind::rgba8_srgb: return 1;
+  }
+  return 1;
+}
+
+std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept {
+  switch (supercompression) {
+    case Supercompression::none: return 0;
+    case Supercompression::zstd: return 2;
+    case Supercompression::zlib: return 3;
+  }
+  return 0;
+}
+
+std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept {
+  for (const auto known : {Supercompression::none, Supercompression::zlib, Supercompression::zstd}) {
+    if (ktx2_scheme(known) == scheme) return known;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression supercompression) {
+  constexpr std::uint32_t version = 2;         // of Data Format 1.3
+  constexpr std::uint32_t model_rgbsda = 1;    // red, green, blue, stencil, depth, alpha
+  constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
+  constexpr std::uint32_t transfer_linear = 1;
+  const std::vector<Sample> samples = samples_of(format);
+  const auto block_bytes = static_cast<std::uint32_t>(24 + 16 * samples.size());
+  // A packed level has no fixed bytes a texel, and KTX 2.0 wants 0 there.
+  const auto plane_bytes = supercompression == Supercompression::none ? texel_bytes(kind_of(format)) : 0;
+
+  std::vector<std::uint8_t> bytes;
+  platform::append_little_endian(bytes, block_bytes + 4);
+  platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
+  platform::append_little_endian(bytes, version | block_bytes << 16U);
+  platform::append_little_endian(bytes, model_rgbsda | primaries_srgb << 8U | transfer_linear << 16U);
+  platform::append_little_endian(bytes, std::uint32_t{0});  // blocks of 1 x 1 x 1 x 1 texels, each less one
+  platform::append_little_endian(bytes, static_cast<std::uint64_t>(plane_bytes));  // of the first plane of eight
+  for (const Sample& sample : samples) {
+    platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
+    platform::append_little_endian(bytes, std::uint32_t{0});  // its place in the block
+    platform::append_little_endian(bytes, sample.lower);
+    platform::append_little_endian(bytes, sample.upper);
+  }
+  return bytes;
+}
+
+namespace {
+
+constexpr std::uint32_t kMostMetadataBytes = 1U << 20U;
+
+struct Header {
+  std::uint32_t format, type_size, width, height, depth, layers, faces, levels, scheme;
+  std::uint32_t descriptor_offset, descriptor_bytes, metadata_offset, metadata_bytes;
+};
+
+[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
+  throw platform::file_error(code, file.path(), message);
+}
+
+Header read_header(platform::ByteFile& file) {
+  std::array<std::uint8_t, kKtx2HeaderBytes> bytes{};
+  const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(kKtx2Identifier.size(), file.size()));
+  file.read(bytes.data(), known);
+  if (std::memcmp(bytes.data(), kKtx2Identifier.data(), known) != 0) {
+    refuse(file, ErrorCode::unsupported_file, "is a KTX texture, but not of version 2.0; convert it (ktx2ktx2)");
+  }
+  file.read(bytes.data() + known, bytes.size() - known);
+  const auto field = [&bytes](std::size_t index) {
+    return platform::read_little_endian<std::uint32_t>(bytes.data() + kKtx2Identifier.size() + 4 * index);
+  };
+  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
+          field(7), field(8), field(9), field(10), field(11), field(12)};
+}
+
+void check_kind(const platform::ByteFile& file, const Header& header) {
+  if (header.faces != 6) {
+    refuse(file, ErrorCode::unsupported_file,
+           "has " + std::to_string(header.faces) + (header.faces == 1 ? " face" : " faces") +
+               "; cubemaps, with six, are read");
+  }
+  if (header.depth > 1 || header.layers > 1) {
+    refuse(file, ErrorCode::unsupported_file, "is a volume or an array of cubemaps; save one cubemap alone");
+  }
+  if (!kind_of_vulkan_format(header.format)) {
+    refuse(file, ErrorCode::unsupported_file,
+           "its VkFormat " + std::to_string(header.format) +
+               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9 and rgba8 (unorm, srgb) are");
+  }
+  if (!supercompression_of_ktx2(header.scheme)) {
+    refuse(file, ErrorCode::unsupported_file,
+           "its supercompression scheme " + std::to_string(header.scheme) +
+               " is not read; none, Zstandard and ZLIB are: convert it");
+  }
+  const std::uint32_t type_size = ktx2_type_size(*kind_of_vulkan_format(header.format));
+  if (header.type_size != type_size) {
+    refuse(file, ErrorCode::corrupt_file,
+           "its type size is " + std::to_string(header.type_size) + "; its format's is " + std::to_string(type_size));
+  }
+}
+
+void require_inside(const platform::ByteFile& file, const char* what, std::uint64_t offset, std::uint64_t bytes) {
+  if (offset > file.size() || bytes > file.size() - offset) {
+    refuse(file, ErrorCode::corrupt_file,
+           std::string("ends too early: its ") + what + " has " + std::to_string(bytes) + " bytes at " +
+               std::to_string(offset) + ", the file " + std::to_string(file.size()) + "; fetch or export it again");
+  }
+}
+
+TextureLayout::Level read_level(const platform::ByteFile& file, const TextureLayout& layout, int level,
+                                const std::uint8_t* index) {
+  const auto offset = platform::read_little_endian<std::uint64_t>(index);
+  const auto bytes = platform::read_little_endian<std::uint64_t>(index + 8);
+  const auto unpacked = platform::read_little_endian<std::uint64_t>(index + 16);
+  const std::string what = "level " + std::to_string(level);
+  require_inside(file, what.c_str(), offset, bytes);
+  const bool packed = layout.supercompression != Supercompression::none;
+  const std::uint64_t wanted = level_bytes(layout.kind, layout.level_size(level));
+  if (unpacked != wanted || (!packed && bytes != wanted)) {
+    refuse(file, ErrorCode::corrupt_file,
+           "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes; its size and format take " +
+               std::to_string(wanted));
+  }
+  if (packed && most_unpacked(layout.supercompression, bytes) < wanted) {
+    refuse(file, ErrorCode::corrupt_file,
+           "its " + what + " has " + std::to_string(bytes) + " packed bytes, which cannot stand for " +
+               std::to_string(wanted));
+  }
+  TextureLayout::Level found;
+  found.first_byte = offset;
+  found.packed_bytes = bytes;
+  for (std::size_t face = 0; !packed && face < 6; ++face) found.faces[face] = offset + face * (wanted / 6);
+  return found;
+}
+
+/// Keys with their values; a text's closing zero is left out. Entries after one that makes no sense are an error.
+std::map<std::string, std::string> read_metadata(platform::ByteFile& file, const Header& header) {
+  require_inside(file, "key/value data", header.metadata_offset, header.metadata_bytes);
+  if (header.metadata_bytes > kMostMetadataBytes) {
+    refuse(file, ErrorCode::limit_exceeded,
+           "has " + std::to_string(header.metadata_bytes) + " bytes of key/value data, above the limit of " +
+               std::to_string(kMostMetadataBytes) + "; save it without");
+  }
+  std::vector<char> bytes(header.metadata_bytes);
+  file.seek(header.metadata_offset);
+  file.read(bytes.data(), bytes.size());
+  std::map<std::string, std::string> metadata;
+  for (std::size_t place = 0; place + 4 <= bytes.size();) {
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + place, sizeof length);
+    place += sizeof length;
+    if (length > bytes.size() - place) {
+      refuse(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
+    }
+    const std::string entry(bytes.data() + place, length);
+    const std::size_t end_of_key = entry.find('\0');
+    if (end_of_key == std::string::npos) {
+      refuse(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
+    }
+    std::string value = entry.substr(end_of_key + 1);
+    if (!value.empty() && value.back() == '\0') value.pop_back();
+    metadata[entry.substr(0, end_of_key)] = std::move(value);
+    place += (std::size_t{length} + 3) / 4 * 4;
+  }
+  return metadata;
+}
+
+}  // namespace
+
+TextureLayout read_ktx2_layout(platform::ByteFile& file) {
+  const Header header = read_header(file);
+  check_kind(file, header);
+  const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
+  check_cubemap_sizes(file, header.width, header.height, levels);
+
+  TextureLayout layout;
+  layout.container = "KTX2";
+  layout.kind = *kind_of_vulkan_format(header.format);
+  layout.supercompression = *supercompression_of_ktx2(header.scheme);
+  layout.size = static_cast<int>(header.width);
+  std::vector<std::uint8_t> index(kKtx2LevelIndexBytes * levels);
+  file.read(index.data(), index.size());
+  for (std::uint32_t level = 0; level < levels; ++level) {
+    layout.levels.push_back(
+        read_level(file, layout, static_cast<int>(level), index.data() + kKtx2LevelIndexBytes * level));
+  }
+  require_inside(file, "data format descriptor", header.descriptor_offset, header.descriptor_bytes);
+  layout.has_metadata = true;
+  layout.metadata = read_metadata(file, header);
+  return layout;
+}
+
+namespace {
+
+// KTX 2.0: see ktx2_format.h.
+
+using Bytes = std::vector<std::uint8_t>;
+
+void pad_to(Bytes& bytes, std::size_t multiple) { bytes.resize((bytes.size() + multiple - 1) / multiple * multiple); }
+
+void append_entry(Bytes& bytes, const std::string& key, const std::string& value) {
+  platform::append_little_endian(bytes, static_cast<std::uint32_t>(key.size() + 1 + value.size() + 1));
+  for (const std::string& text : {key, value}) {
+    bytes.insert(bytes.end(), text.begin(), text.end());
+    bytes.push_back(0);
+  }
+  pad_to(bytes, 4);
+}
+
+/// Keys in the order of their bytes, as the map has them.
+Bytes key_values(const platform::WholeFile& file, const TextureOptions& options) {
+  std::map<std::string, std::string> all = options.metadata;
+  all["KTXorientation"] = "rd";  // columns run right, rows down
+  all["KTXwriter"] = "Welkin";
+  Bytes bytes;
+  for (const auto& [key, value] : all) append_entry(bytes, key, value);
+  if (bytes.size() > kMostMetadataBytes) {
+    throw platform::file_error(ErrorCode::invalid_argument, file.path(),
+                               "its metadata takes " + std::to_string(bytes.size()) + " bytes; 1 MiB is the most");
+  }
+  return bytes;
+}
+
+struct Place {
+  std::uint64_t offset = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t unpacked = 0;
+};
+
+/// Of level 0.
+struct Shape {
+  int width;
+  int height;
+  std::uint32_t faces;
+};
+
+Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
+                   const std::vector<Place>& places) {
+  const TexelKind kind = kind_of(options.format);
+  const Bytes descriptor = ktx2_descriptor(options.format, options.supercompression);
+  const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * places.size());
+  const auto descriptor_size = static_cast<std::uint32_t>(descriptor.size());
+  Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
+  constexpr std::uint32_t depth = 0, layers = 0;
+  for (const std::uint32_t field :
+       {vulkan_format(kind), ktx2_type_size(kind), static_cast<std::uint32_t>(shape.width),
+        static_cast<std::uint32_t>(shape.height), depth, layers, shape.faces, static_cast<std::uint32_t>(places.size()),
+        ktx2_scheme(options.supercompression), descriptor_offset, descriptor_size, descriptor_offset + descriptor_size,
+        static_cast<std::uint32_t>(metadata.size())}) {
+    platform::append_little_endian(bytes, field);
+  }
+  platform::append_little_endian(bytes, std::uint64_t{0});  // no supercompression global data: offset and bytes
+  platform::append_little_endian(bytes, std::uint64_t{0});
+  for (const Place& place : places) {
+    platform::append_little_endian(bytes, place.offset);
+    platform::append_little_endian(bytes, place.bytes);
+    platform::append_little_endian(bytes, place.unpacked);
+  }
+  bytes.insert(bytes.end(), descriptor.begin(), descriptor.end());
+  bytes.insert(bytes.end(), metadata.begin(), metadata.end());
+  return bytes;
+}
+
+/// Sets the offsets, the smallest level first, and writes all that stands before the levels. Unpacked levels start at
+/// multiples of a texel (all of ours are multiples of 4 bytes, so that this is also the least common multiple with 4).
+void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
+                  std::vector<Place>& places) {
+  const Bytes metadata = key_values(file, options);
+  const std::uint64_t alignment =
+      options.supercompression == Supercompression::none ? texel_bytes(kind_of(options.format)) : 1;
+  std::uint64_t end = header_bytes(shape, options, metadata, places).size();
+  for (auto place = places.rbegin(); place != places.rend(); ++place) {
+    place->offset = (end + alignment - 1) / alignment * alignment;
+    end = place->offset + place->bytes;
+  }
+  const Bytes header = header_bytes(shape, options, metadata, places);
+  file.write(header.data(), header.size());
+}
+
+void write_padding(platform::WholeFile& file, std::uint64_t until) {
+  const Bytes zeros(until - file.position());
+  file.write(zeros.data(), zeros.size());
+}
+
+struct PackedLevel {
+  Bytes bytes;
+  std::uint64_t clamped = 0;
+};
+
+PackedLevel pack_level(const TextureJob& job, const CubemapView& view) {
+  TexelEncoder encoder(job.options.format);
+  const TexelKind kind = kind_of(job.options.format);
+  Bytes texels(level_bytes(kind, view.size));
+  const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
+  std::uint8_t* to = texels.data();
+  for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
+    throw_if_stopped(job.control.stop);
+    encoder.encode(view, row / view.size, row % view.size, 1, to);
+  }
+  return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
+}
+
+/// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
+std::vector<PackedLevel> pack_levels(const TextureJob& job) {
+  std::vector<PackedLevel> levels(job.mips.size());
+  const auto size = std::int64_t{job.mips.front().size};
+  const jobs::Placement placement = jobs::placement_for(6 * size * size);
+  jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(job.control, 0.0, 0.9),
+                  [&](std::size_t tile, std::size_t) { levels[tile] = pack_level(job, job.mips[tile]); });
+  return levels;
+}
+
+}  // namespace
+
+std::uint64_t write_ktx2(const TextureJob& job) {
+  const TextureOptions& options = job.options;
+  const TexelKind kind = kind_of(options.format);
+  const bool packed = options.supercompression != Supercompression::none;
+  const std::vector<PackedLevel> levels = packed ? pack_levels(job) : std::vector<PackedLevel>{};
+
+  std::vector<Place> places;
+  for (std::size_t level = 0; level < job.mips.size(); ++level) {
+    const std::uint64_t unpacked = level_bytes(kind, job.mips[level].size);
+    places.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
+  }
+  const int size = job.mips.front().size;
+  write_header(job.file, {size, size, 6}, options, places);
+
+  TexelEncoder encoder(options.format);
+  TexelProgress progress(job.mips, job.control);
+  std::uint64_t clamped = 0;
+  for (std::size_t level = job.mips.size(); level-- > 0;) {
+    write_padding(job.file, places[level].offset);
+    if (packed) {
+      job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
+      clamped += levels[level].clamped;
+    } else {
+      for (int face = 0; face < 6; ++face) {
+        write_face(job.file, job.mips[level], face, options.format, encoder, progress);
+      }
+    }
+  }
+  return clamped + encoder.clamped();
+}
+
+std::uint64_t write_ktx2(const PictureJob& job) {
+  const TextureOptions& options = job.options;
+  const LatLongView& picture = job.picture;
+  const std::uint64_t unpacked = static_cast<std::uint64_t>(picture.width) *
+                                 static_cast<std::uint64_t>(picture.height) * texel_bytes(kind_of(options.format));
+  TexelEncoder encoder(options.format);
+  Bytes packed;
+  if (options.supercompression != Supercompression::none) {
+    Bytes texels(unpacked);
+    const std::size_t row_bytes = texels.size() / static_cast<std::size_t>(picture.height);
+    for (int row = 0; row < picture.height; ++row) {
+      report_share(job.control, 0.1 * row / picture.height);
+      encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
+    }
+    packed = pack(options.supercompression, texels, job.control.stop);
+  }
+  std::vector<Place> places{{0, packed.empty() ? unpacked : packed.size(), unpacked}};
+  write_header(job.file, {picture.width, picture.height, 1}, options, places);
+  write_padding(job.file, places.front().offset);
+  if (packed.empty()) {
+    write_picture(job, encoder);
+  } else {
+    job.file.write(packed.data(), packed.size());
+  }
+  return encoder.clamped();
+}
+
+}  // namespace welkin::files

@@ -1,0 +1,101 @@
+// Which way a picture holds its sphere.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "files/row_source.h"
+#include "welkin/environment_file.h"
+
+namespace welkin::files {
+
+/// Fills in `info.layout` and `info.layout_reason` from what was asked for, else from what the header says,
+/// else from the shape (2:1 is a lat-long, 1:6 and 6:1 are strips, 4:3 and 3:4 crosses), else from the name
+/// (1:1 is one of six files if all six are there).
+///
+/// A lat-long that is asked for or that the header states is taken at any ratio; faces must be square all the
+/// same. Needs `info.path`, `width` and `height`.
+/// Throws `Error` (unsupported_file) if nothing tells, if a strip or cross has not its shape, or if the picture
+/// is larger than the views of `image_view.h` can be.
+void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header);
+
+/// Texels along the edge of a face in a picture of this shape and layout; 0 for a lat-long, and where the shape
+/// is not the layout's. Six files are taken as the strip that they make up.
+[[nodiscard]] int face_size(Layout layout, int width, int height) noexcept;
+
+// Where the six faces of a cube lie in a picture.
+
+/// One face's place in a picture, counted in edges of a face.
+struct FacePlacement {
+  int column = 0;
+  int row = 0;
+  bool mirrored_columns = false;  ///< the picture's left column is the face's last one
+  bool mirrored_rows = false;     ///< the picture's top row is the face's last one
+};
+
+/// A layout: a picture of `columns` x `rows` faces, blank where none lies. Faces in the order of `CubemapView`,
+/// turned against its frames as each placement says.
+struct CubePlacement {
+  int columns = 0;
+  int rows = 0;
+  std::array<FacePlacement, 6> faces{};
+};
+
+/// The placement of a cube's layout. Six files are taken as the vertical strip that they make up.
+///
+///     horizontal cross      vertical cross
+///         +Y                    +Y
+///      -X +Z +X -Z           -X +Z +X
+///         -Y                    -Y
+///                               -Z  (turned by half a turn)
+///
+/// Wherever two faces touch in a cross, they touch on the cube too. Throws `Error` (invalid_argument) for
+/// automatic and lat_long.
+[[nodiscard]] const CubePlacement& cube_placement(Layout layout);
+
+/// The vertical strip that OpenEXR's envmap attribute means by "cube": faces in the same order, and on each one axis
+/// the other way round (ImfEnvmap.h, CubeMap::pixelPosition).
+///
+/// | face | OpenEXR's u, v | CubemapView's u, v | so |
+/// |---|---|---|---|
+/// | +X | +z, -y | -z, -y | columns mirrored |
+/// | -X | -z, -y | +z, -y | columns mirrored |
+/// | +Y | +x, -z | +x, +z | rows mirrored |
+/// | -Y | +x, +z | +x, -z | rows mirrored |
+/// | +Z | -x, -y | +x, -y | columns mirrored |
+/// | -Z | +x, -y | -x, -y | columns mirrored |
+[[nodiscard]] const CubePlacement& openexr_cube_placement() noexcept;
+
+/// A row of a face where it lies in a row of the picture.
+struct FaceSegment {
+  int face = 0;
+  int face_row = 0;
+  int first_column = 0;   ///< of the picture; as many follow as a face has
+  bool mirrored = false;  ///< picture column first_column + i is face column size - 1 - i, not i
+};
+
+/// The segments of one row of the picture, from left to right: 1 to 6.
+struct RowSegments {
+  std::array<FaceSegment, 6> segments{};
+  std::size_t count = 0;
+
+  [[nodiscard]] const FaceSegment* begin() const noexcept { return segments.data(); }
+  [[nodiscard]] const FaceSegment* end() const noexcept { return segments.data() + count; }
+};
+
+/// `size`: texels along a face's edge; `picture_row`: in [0, rows x size).
+[[nodiscard]] RowSegments row_segments(const CubePlacement& placement, int size, int picture_row) noexcept;
+
+/// Copies `size` RGB texels, in the other order if `mirrored`: from a picture to a face, or back.
+void copy_segment(const float* from, float* to, int size, bool mirrored) noexcept;
+
+// What the sources of cubemaps with levels share: KTX2, DDS, .env.
+
+/// Fills in layout and sizes for a file whose format says that it holds six faces: a vertical strip of the level that
+/// was asked for. `size`: texels along an edge of level 0. Needs `info.path` and `info.format`. Throws `Error`:
+/// unsupported_file for another layout, or a level that is not there.
+void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options);
+
+}  // namespace welkin::files

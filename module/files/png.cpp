@@ -1,0 +1,321 @@
+// PNG through libspng: sRGB, 8 or 16 bits a channel, no alpha.
+#include "files/png.h"
+
+#include <spng.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/layout.h"
+#include "files/png_decoder.h"
+#include "files/primaries.h"
+#include "files/write_environment.h"
+#include "image/pixels.h"
+#include "platform/file.h"
+
+namespace welkin::files {
+namespace {
+
+// What libspng and zlib hold beside rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
+constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
+
+class PngReader final : public RowReader {
+ public:
+  PngReader(std::filesystem::path path, const PngHeader& header, const PngSamples& samples)
+      : path_(std::move(path)), header_(header), samples_(samples) {
+    open();
+    const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
+    coded_ = std::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
+  }
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const auto width = static_cast<std::size_t>(header_.width);
+    if (header_.interlaced) {
+      if (next_row_ == 0) {
+        decoder_->decode_all(coded_.get());
+        next_row_ = header_.height;
+      }
+      samples_.convert(coded_.get() + header_.row_bytes() * static_cast<std::size_t>(first_row),
+                       width * static_cast<std::size_t>(row_count), rgb);
+      return;
+    }
+    go_to(first_row);
+    for (int row = 0; row < row_count; ++row) {
+      next();
+      samples_.convert(coded_.get(), width, rgb + static_cast<std::size_t>(row) * 3 * width);
+    }
+  }
+
+ private:
+  // If the file is another one by now, its rows may not fit where they would go.
+  void open() {
+    decoder_ = std::make_unique<PngDecoder>(path_);
+    next_row_ = 0;
+    const PngHeader& found = decoder_->header();
+    if (found.width != header_.width || found.height != header_.height || found.bits != header_.bits ||
+        found.interlaced != header_.interlaced) {
+      throw platform::file_error(ErrorCode::file_access, path_, "has changed while it was read; read it again");
+    }
+  }
+
+  void go_to(int row) {
+    if (row < next_row_) {
+      open();
+    }
+    while (next_row_ < row) {
+      next();
+    }
+  }
+
+  void next() {
+    decoder_->decode_row(coded_.get());
+    ++next_row_;
+  }
+
+  std::filesystem::path path_;
+  const PngHeader& header_;
+  const PngSamples& samples_;
+  std::unique_ptr<PngDecoder> decoder_;
+  std::unique_ptr<std::uint8_t[]> coded_;  // a row, or all of them
+  int next_row_ = 0;
+};
+
+class PngSource final : public RowSource {
+ public:
+  PngSource(EnvironmentInfo info, const PngHeader& header, PngSamples samples, std::uint64_t memory_limit_bytes)
+      : RowSource(std::move(info)),
+        header_(header),
+        samples_(std::move(samples)),
+        memory_limit_bytes_(memory_limit_bytes) {}
+
+  [[nodiscard]] int natural_rows() const override { return 1; }
+  [[nodiscard]] bool sequential() const override { return true; }
+
+  // Three rows are libspng's.
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    const auto rows = static_cast<std::uint64_t>(header_.interlaced ? header_.height : 1);
+    return header_.row_bytes() * (rows + 3) + samples_.memory_bytes() + kOfLibraries;
+  }
+
+  [[nodiscard]] const char* smaller_reader() const override {
+    return header_.interlaced ? "save it without interlacing: as it is, it must be decoded whole"
+                              : RowSource::smaller_reader();
+  }
+
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    if (header_.interlaced && reader_bytes() > memory_limit_bytes_) {
+      throw platform::file_error(ErrorCode::limit_exceeded, info().path,
+                                 "is interlaced, so that it must be decoded whole: that takes " +
+                                     std::to_string(reader_bytes()) + " bytes, above the limit of " +
+                                     std::to_string(memory_limit_bytes_) +
+                                     "; raise the limit, or save it without interlacing");
+    }
+    return std::make_unique<PngReader>(info().path, header_, samples_);
+  }
+
+ private:
+  PngHeader header_;
+  PngSamples samples_;
+  std::uint64_t memory_limit_bytes_;
+};
+
+void list_channels(EnvironmentInfo& info, const PngHeader& header) {
+  const std::string type = "uint" + std::to_string(header.palette ? 8 : header.bits);
+  const std::vector<const char*> names = header.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
+  for (const char* name : names) {
+    info.channels.push_back({name, type});
+  }
+  if (header.alpha) {
+    info.channels.push_back({"A", type});
+    info.notes.emplace_back("alpha is ignored: colours are taken as they are");
+  }
+}
+
+std::string as_text(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+bool says_linear(const PngHeader& header) {
+  return header.gamma && !header.says_srgb && std::abs(*header.gamma - 1.0) < 0.01;
+}
+
+// What the samples mean, and a note of what told it.
+Transfer decide_transfer(const PngHeader& header, Transfer asked_for, EnvironmentInfo& info) {
+  if (header.has_code_points) {
+    info.notes.emplace_back("its cICP chunk (video colour) is not applied");
+  }
+  if (header.has_profile) {
+    info.notes.emplace_back("its ICC profile is not applied");
+  }
+  if (asked_for != Transfer::automatic) {
+    info.notes.emplace_back(asked_for == Transfer::linear ? "samples are taken as linear, as was asked for"
+                                                          : "samples are taken as sRGB, as was asked for");
+    return asked_for;
+  }
+  if (says_linear(header)) {
+    info.notes.emplace_back("samples are taken as linear: the gAMA chunk says 1");
+    return Transfer::linear;
+  }
+  std::string reason = header.says_srgb ? ": the sRGB chunk says so" : ": nothing in the file says otherwise";
+  if (header.gamma && !header.says_srgb) {
+    const bool close_to_srgb = std::abs(*header.gamma - 1.0 / 2.2) < 0.01;
+    reason = close_to_srgb ? ": the gAMA chunk says nearly so"
+                           : "; its gAMA of " + as_text(*header.gamma) + " is not applied: convert it if it is right";
+  }
+  info.notes.push_back("samples are taken as sRGB" + reason);
+  return Transfer::srgb;
+}
+
+// deflate makes at best 1032 bytes of one (zlib's technical notes).
+void require_plausible_size(const platform::ByteFile& file, const PngHeader& header) {
+  const std::uint64_t samples = header.palette || header.grey ? 1 : 3;
+  const std::uint64_t bits = samples * static_cast<std::uint64_t>(header.bits) *
+                             static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
+  const std::uint64_t wanted = bits / 8 / 1032;
+  if (wanted > file.size()) {
+    throw platform::file_error(ErrorCode::corrupt_file, file.path(),
+                               "ends too early: " + std::to_string(header.width) + " x " +
+                                   std::to_string(header.height) + " texels of a PNG take at least " +
+                                   std::to_string(wanted) + " bytes, and the file has " + std::to_string(file.size()) +
+                                   "; fetch or export it again");
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions& options) {
+  const PngHeader header = PngDecoder(file.path()).header();
+  require_plausible_size(file, header);
+
+  EnvironmentInfo info;
+  info.path = file.path();
+  info.format = "PNG";
+  info.compression = "deflate";
+  info.storage = header.interlaced ? "interlaced" : "scanline";
+  info.width = header.width;
+  info.height = header.height;
+  list_channels(info, header);
+  const Transfer transfer = decide_transfer(header, options.transfer, info);
+  const std::optional<glm::dmat3> matrix =
+      header.primaries && !header.says_srgb
+          ? rec709_from_stated(*header.primaries, "the cHRM chunk", options.primaries, info)
+          : std::nullopt;
+  decide_layout(info, options.layout, std::nullopt);
+  return std::make_unique<PngSource>(std::move(info), header, PngSamples(header.bits == 16, transfer, matrix),
+                                     options.memory_limit_bytes);
+}
+
+namespace {
+
+/// Encodes to the code whose light is nearest in the encoded scale: where the curve passes half a code, the next one
+/// begins. A table of those places makes it exact, and the same on every machine.
+class SrgbEncoder {
+ public:
+  explicit SrgbEncoder(int largest_code) : thresholds_(static_cast<std::size_t>(largest_code)) {
+    for (std::size_t code = 0; code < thresholds_.size(); ++code) {
+      thresholds_[code] = image::linear_from_srgb((static_cast<double>(code) + 0.5) / largest_code);
+    }
+  }
+
+  /// NaN becomes 0.
+  [[nodiscard]] unsigned encode(float value, std::uint64_t& clamped) const {
+    if (!(value >= 0.0F && value <= 1.0F)) ++clamped;
+    const double light = value > 0.0F ? static_cast<double>(value) : 0.0;
+    return static_cast<unsigned>(std::upper_bound(thresholds_.begin(), thresholds_.end(), light) - thresholds_.begin());
+  }
+
+ private:
+  std::vector<double> thresholds_;
+};
+
+/// What libspng calls to write; exceptions must not pass through its C code.
+struct Sink {
+  platform::WholeFile& file;
+  std::exception_ptr failure;
+};
+
+int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t count) {
+  Sink& sink = *static_cast<Sink*>(user);
+  try {
+    sink.file.write(bytes, count);
+    return 0;
+  } catch (...) {
+    sink.failure = std::current_exception();
+    return SPNG_IO_ERROR;
+  }
+}
+
+class PngEncoder {
+ public:
+  PngEncoder(platform::WholeFile& file, int width, int height, int bits)
+      : sink_{file, {}}, context_(spng_ctx_new(SPNG_CTX_ENCODER), spng_ctx_free) {
+    if (!context_) throw std::bad_alloc();
+    require(spng_set_png_stream(context_.get(), write_bytes, &sink_));
+    spng_ihdr header{};
+    header.width = static_cast<std::uint32_t>(width);
+    header.height = static_cast<std::uint32_t>(height);
+    header.bit_depth = static_cast<std::uint8_t>(bits);
+    header.color_type = SPNG_COLOR_TYPE_TRUECOLOR;
+    require(spng_set_ihdr(context_.get(), &header));
+    constexpr std::uint8_t kRelativeColorimetric = 1;
+    require(spng_set_srgb(context_.get(), kRelativeColorimetric));
+    require(
+        spng_encode_image(context_.get(), nullptr, 0, SPNG_FMT_PNG, SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE));
+  }
+
+  void write_row(const void* row, std::size_t bytes, bool last) {
+    const int result = spng_encode_row(context_.get(), row, bytes);
+    if (!(last && result == SPNG_EOI)) require(result);
+  }
+
+ private:
+  void require(int result) const {
+    if (sink_.failure) std::rethrow_exception(sink_.failure);
+    if (result == SPNG_OK) return;
+    if (result == SPNG_EMEM) throw std::bad_alloc();
+    throw platform::file_error(ErrorCode::invalid_argument, sink_.file.path(),
+                               std::string("cannot be written as a PNG: libspng says \"") + spng_strerror(result) +
+                                   "\"; write an OpenEXR file (.exr)");
+  }
+
+  Sink sink_;
+  std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context_;
+};
+
+}  // namespace
+
+std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job) {
+  const int bits = job.type == SampleType::uint16 ? 16 : 8;
+  const SrgbEncoder srgb((1 << bits) - 1);
+  PngEncoder encoder(job.file, picture.width(), picture.height(), bits);
+  std::uint64_t clamped = 0;
+  const std::size_t values = std::size_t{3} * static_cast<std::size_t>(picture.width());
+  std::vector<float> rgb(values);
+  std::vector<std::uint8_t> bytes(bits == 16 ? 0 : values);
+  std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng takes them
+  for (int row = 0; row < picture.height(); ++row) {
+    report_rows(job, row, picture.height());
+    picture.read_row(row, rgb.data());
+    for (std::size_t i = 0; i < values; ++i) {
+      const unsigned code = srgb.encode(rgb[i], clamped);
+      if (bits == 16) {
+        words[i] = static_cast<std::uint16_t>(code);
+      } else {
+        bytes[i] = static_cast<std::uint8_t>(code);
+      }
+    }
+    const void* data = bits == 16 ? static_cast<const void*>(words.data()) : bytes.data();
+    encoder.write_row(data, values * static_cast<std::size_t>(bits / 8), row + 1 == picture.height());
+  }
+  return clamped;
+}
+
+}  // namespace welkin::files

@@ -1,0 +1,209 @@
+#include "files/project_file.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "files/environment.h"
+#include "files/layout.h"
+#include "files/row_source.h"
+#include "files/stop.h"
+#include "jobs/tiles.h"
+#include "platform/file.h"
+#include "projection/lat_long_projection.h"
+#include "projection/pixel_policy.h"
+#include "projection/project.h"
+
+namespace welkin {
+namespace files {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
+std::string kind_of(const EnvironmentInfo& info) { return info.format + ", " + info.storage + ", " + info.compression; }
+
+// What the projection has to say comes behind what the file's side did.
+void put_first(Projection& projection, std::vector<PassRecord> passes) {
+  std::vector<PassRecord>& all = projection.diagnostics.passes;
+  all.insert(all.begin(), passes.begin(), passes.end());
+}
+
+// A projection speaks of faces, rows and columns; the reader of the message wants the file as well.
+template <typename Work>
+Projection naming_file(const std::filesystem::path& path, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& failure) {
+    if (failure.code() == ErrorCode::rejected_pixel) {
+      throw platform::file_error(failure.code(), path, failure.what());
+    }
+    throw;
+  }
+}
+
+Projection project_cube(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
+                        const Control& control) {
+  constexpr double kReadingShare = 0.8;  // decoding is most of the work, whatever the compression
+  const Clock::time_point start = Clock::now();
+  const Environment environment = read_whole(source, read_options, jobs::part_of(control, 0.0, kReadingShare));
+  const double reading = milliseconds(Clock::now() - start);
+  Projection projection = naming_file(source.info().path, [&] {
+    return project(environment.cubemap(), options, jobs::part_of(control, kReadingShare, 1.0));
+  });
+  put_first(projection, {{"read", "run", kind_of(source.info()) + "; a cubemap is held whole", reading}});
+  return projection;
+}
+
+// Rows that are decoded and projected together: whole blocks of the projector, at least as many rows as
+// decode together, and if some multiple up to a few times as many suits both, that one, so that no row is
+// decoded twice.
+int group_rows(int block_rows, int natural_rows) {
+  constexpr int kMostTimes = 4;
+  const int least = (natural_rows + block_rows - 1) / block_rows * block_rows;
+  const std::int64_t common = std::lcm(std::int64_t{block_rows}, std::int64_t{natural_rows});
+  return common <= std::int64_t{kMostTimes} * least ? static_cast<int>(common) : least;
+}
+
+void project_rows(projection::LatLongProjector& projector, const RowGroup& group, int width) {
+  const int block_rows = projector.rows_per_block();
+  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(width);
+  for (int row = 0; row < group.row_count; row += block_rows) {
+    const LatLongView rows{group.rgb + static_cast<std::size_t>(row) * row_floats, width,
+                           std::min(block_rows, group.row_count - row), 0, PixelFormat::rgb_f32};
+    projector.project_block((group.first_row + row) / block_rows, rows, group.worker);
+  }
+}
+
+Projection project_lat_long(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
+                            const Control& control) {
+  const EnvironmentInfo& info = source.info();
+  projection::LatLongProjector projector(info.width, info.height, options, jobs::worker_count(jobs::Placement::arena));
+  const RowGroups groups{group_rows(projector.rows_per_block(), source.natural_rows()),
+                         read_options.memory_limit_bytes};
+  std::atomic<Clock::rep> projecting{0};
+  const std::chrono::nanoseconds decoding = for_each_row_group(source, groups, control, [&](const RowGroup& group) {
+    const Clock::time_point start = Clock::now();
+    project_rows(projector, group, info.width);
+    projecting += (Clock::now() - start).count();
+  });
+  Projection projection = naming_file(info.path, [&] { return projector.finish(); });
+  const std::string overlapped = "overlapped, time summed over threads";
+  put_first(projection,
+            {{"read", "run", kind_of(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
+              milliseconds(decoding)},
+             {"cubemap", "skip", "a lat-long is projected directly", 0.0},
+             {"project", "run", "rows as they are decoded, " + overlapped,
+              milliseconds(Clock::duration(projecting.load()))}});
+  return projection;
+}
+
+// The size that is compared with a target: a face's edge, or a lat-long's width; 0 if a level has not the shape of
+// its layout (three texels by eighteen become one by nine).
+int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
+  return info.layout == Layout::lat_long ? level.width : face_size(info.layout, level.width, level.height);
+}
+
+// What the projection of a level lost against the full size, besides what it says itself.
+double level_error(const Projection& projection, const EnvironmentInfo& level, const ProjectionOptions& options) {
+  const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
+                                                       : face_size(level.layout, level.width, level.height);
+  return projection::estimate_error(projection.radiance,
+                                    {options.quadrature == Quadrature::midpoint ? size : 0.0, size});
+}
+
+Projection project_level(const std::filesystem::path& path, const EnvironmentInfo& full, int level,
+                         ReadOptions read_options, ProjectionOptions options, const Control& control) {
+  read_options.level = level;
+  read_options.layout = full.layout;  // a small level's shape may tell something else
+  options.target_size = 0;
+  const auto source = open_row_source(path, read_options);
+  const EnvironmentInfo& info = source->info();
+  Projection projection = project_source(*source, read_options, options, control);
+  if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info, options);
+  put_first(projection,
+            {{"reduce", "reuse",
+              "level " + std::to_string(level) + " of the file's mip chain, " + std::to_string(info.width) + " x " +
+                  std::to_string(info.height) + ", is the nearest of " + std::to_string(full.levels.size()),
+              0.0}});
+  return projection;
+}
+
+/// The light that the file stores, if it is all that was asked for.
+std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, const ProjectionOptions& options) {
+  std::optional<SphericalHarmonics> stored = source.stored_radiance();
+  return stored && options.bands <= stored->bands() ? std::move(stored) : std::nullopt;
+}
+
+Projection reused(const RowSource& source, const SphericalHarmonics& radiance, const ProjectionOptions& options,
+                  const Control& control) {
+  throw_if_stopped(control.stop);
+  constexpr double six_digits = 1e-5;  // of the constants that such a polynomial is made with
+  Projection projection;
+  projection.radiance = SphericalHarmonics(options.bands);
+  for (int l = 0; l < options.bands; ++l) {
+    for (int m = -l; m <= l; ++m) projection.radiance.at(l, m) = radiance.at(l, m);
+  }
+  projection.diagnostics.flux = radiance.at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+  projection.diagnostics.flux_before_clamp = projection.diagnostics.flux;
+  projection.diagnostics.error_estimate = six_digits;
+  put_first(projection,
+            {{"read", "run", kind_of(source.info()) + "; the manifest alone", 0.0},
+             {"project", "reuse",
+              "the polynomial that the file stores, in full where its pixels are clipped; no clamp, gamma or policy "
+              "applies to it",
+              0.0}});
+  if (control.progress) control.progress(1.0);
+  return projection;
+}
+
+}  // namespace
+
+std::optional<int> level_for_target(const EnvironmentInfo& info, const ProjectionOptions& options) {
+  std::vector<int> sizes;
+  for (const LevelInfo& level : info.levels) {
+    const int size = size_of(info, level);
+    if (size == 0) break;
+    sizes.push_back(size);
+  }
+  if (sizes.size() < 2) return std::nullopt;
+  const bool lat_long = info.layout == Layout::lat_long;
+  // A lat-long's target is 4 x target wide, and taken as it is by both quadratures.
+  const int target = !lat_long                                   ? projection::effective_target(sizes.front(), options)
+                     : options.target_size <= (sizes[0] - 1) / 4 ? 4 * options.target_size
+                                                                 : 0;
+  if (target == 0) return std::nullopt;
+  return static_cast<int>(projection::nearest_level(sizes, target));
+}
+
+Projection project_source(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,
+                          const Control& control) {
+  return source.info().layout == Layout::lat_long ? project_lat_long(source, read_options, options, control)
+                                                  : project_cube(source, read_options, options, control);
+}
+
+}  // namespace files
+
+Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options,
+                        const ProjectionOptions& options, const Control& control) {
+  projection::check_options(options);
+  const auto source = files::open_row_source(path, read_options);
+  if (std::optional<SphericalHarmonics> radiance = files::reusable_radiance(*source, options)) {
+    return files::reused(*source, *std::move(radiance), options, control);
+  }
+  if (read_options.level == 0 && !source->has_prefiltered_levels()) {
+    if (const std::optional<int> level = files::level_for_target(source->info(), options)) {
+      return files::project_level(path, source->info(), *level, read_options, options, control);
+    }
+  }
+  return files::project_source(*source, read_options, options, control);
+}
+
+}  // namespace welkin

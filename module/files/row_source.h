@@ -1,0 +1,129 @@
+// A picture in a file, as rows of RGB floats.
+//
+// Opening a source reads and checks the header and decodes nothing. Readers are independent of one another,
+// each with its own handle on the file, so that blocks of rows decode side by side, one reader a thread,
+// without a lock.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::files {
+
+/// The largest picture that any layout can hold; what claims to be larger is refused by its header.
+inline constexpr int kMaximumWidth = 65536;
+inline constexpr int kMaximumHeight = 6 * 16384;
+
+class RowReader {
+ public:
+  virtual ~RowReader() = default;
+
+  /// Decodes rows [first_row, first_row + row_count) of the picture, row 0 on top, to
+  /// row_count x width x 3 floats. The range is the caller's to keep inside the picture.
+  /// Throws `Error`: corrupt_file, file_access, limit_exceeded. After that the reader is not to be used.
+  virtual void read(int first_row, int row_count, float* rgb) = 0;
+};
+
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+
+  [[nodiscard]] const EnvironmentInfo& info() const noexcept { return info_; }
+
+  /// Rows that decode together: a compressed block of scanlines, a row of tiles. At least 1, at most the
+  /// section's rows. Reading multiples of it from multiples of it (counted in a section) decodes everything once.
+  [[nodiscard]] virtual int natural_rows() const = 0;
+
+  /// Rows of a part that decodes on its own: the height, or less where the picture is made up from several files.
+  /// The height is a multiple of it.
+  [[nodiscard]] virtual int section_rows() const { return info_.height; }
+
+  /// Whether rows can only be decoded one after the other from the top (a PNG). Then a section has one reader, its
+  /// reads start at the section's top and follow one another without a gap, and whoever needs the next rows waits
+  /// for the turn.
+  [[nodiscard]] virtual bool sequential() const { return false; }
+
+  /// Whether the picture is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
+  /// hand out the rows as they are in the file all the same.
+  [[nodiscard]] virtual bool has_openexr_cube_frames() const { return false; }
+
+  /// Whether the smaller levels are blurred for reflections, so that none of them stands for the picture.
+  [[nodiscard]] virtual bool has_prefiltered_levels() const { return false; }
+
+  /// Three bands of radiance that the file stores beside the picture, in Welkin's axes.
+  [[nodiscard]] virtual std::optional<SphericalHarmonics> stored_radiance() const { return std::nullopt; }
+
+  /// An upper bound, by the header alone, on what one reader holds in memory.
+  [[nodiscard]] virtual std::uint64_t reader_bytes() const = 0;
+
+  /// What would make a reader take less, for a message: "..., or save it with smaller blocks".
+  [[nodiscard]] virtual const char* smaller_reader() const { return "save it with smaller blocks"; }
+
+  /// The reader must not outlive the source. Throws as `RowReader::read`.
+  [[nodiscard]] virtual std::unique_ptr<RowReader> open_reader() const = 0;
+
+ protected:
+  explicit RowSource(EnvironmentInfo info) : info_(std::move(info)) {}
+
+ private:
+  EnvironmentInfo info_;
+};
+
+/// Opens one picture file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
+/// one face of them. Throws as `inspect_environment`.
+[[nodiscard]] std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const ReadOptions& options);
+
+/// Opens an environment: a picture file, or the six files of a cubemap by any of them or their directory.
+/// Throws as `inspect_environment`.
+[[nodiscard]] std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options);
+
+/// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.
+[[nodiscard]] constexpr std::uint64_t rgb_bytes(int width, int rows) noexcept {
+  return std::uint64_t{12} * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(rows);
+}
+
+// Runs through a picture's rows in groups, side by side, with a bounded number of readers.
+
+/// How a picture is cut: by its shape and its file's, never by the number of threads.
+struct RowGroups {
+  int rows = 1;                          ///< of each group, but the last one of a section
+  std::uint64_t memory_limit_bytes = 0;  ///< for decoding and the groups' rows, on all threads together
+};
+
+/// Some rows, decoded.
+struct RowGroup {
+  int first_row = 0;
+  int row_count = 0;
+  const float* rgb = nullptr;  ///< row_count x width x 3, valid during the call
+  std::size_t worker = 0;      ///< below jobs::worker_count(Placement::arena), nobody else's meanwhile
+};
+
+/// Rows for a group where nothing else decides: a multiple of the source's natural rows that is worth a task.
+[[nodiscard]] int comfortable_group_rows(const RowSource& source);
+
+/// Decodes every group once and calls `work` with it, several at a time. Returns the time spent in decoding, summed
+/// over threads.
+///
+/// Of a sequential source, groups are decoded one after the other and handed to whoever is free: the next one is
+/// decoded while others are worked on. After an error nothing more is decoded there.
+///
+/// Each thread holds one group's rows, and one reader (sequential: one for each section instead). Small pictures,
+/// and those of which all that would exceed the memory limit, are worked through in the calling thread.
+/// Throws `Error`: limit_exceeded if even that would exceed it, cancelled; and whatever reading or `work` throws.
+std::chrono::nanoseconds for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
+                                            const std::function<void(const RowGroup&)>& work);
+
+/// Decodes the whole picture straight to `rgb` (height x width x 3), several comfortable groups at a time. Throws as
+/// above.
+void read_all_rows(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* rgb);
+
+}  // namespace welkin::files

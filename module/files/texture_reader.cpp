@@ -1,0 +1,321 @@
+#include "files/texture_reader.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "files/layout.h"
+#include "files/stop.h"
+#include "files/supercompression.h"
+#include "files/texel_formats.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "welkin/cubemap_chain.h"
+
+namespace welkin::files {
+namespace {
+
+using namespace std::string_view_literals;
+
+std::string_view first_bytes(platform::ByteFile& file, std::array<char, 5>& buffer) {
+  file.seek(0);
+  const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.size());
+  file.read(buffer.data(), count);
+  file.seek(0);
+  return {buffer.data(), count};
+}
+
+bool is_ktx(std::string_view start) { return start.starts_with("\xabKTX "sv); }
+bool is_dds(std::string_view start) { return start.starts_with("DDS "sv); }
+
+}  // namespace
+
+const char* name(Supercompression supercompression) noexcept {
+  switch (supercompression) {
+    case Supercompression::none: return "none";
+    case Supercompression::zlib: return "zlib";
+    case Supercompression::zstd: return "zstd";
+  }
+  return "unknown";
+}
+
+bool is_texture(platform::ByteFile& file) {
+  std::array<char, 5> buffer{};
+  const std::string_view start = first_bytes(file, buffer);
+  return is_ktx(start) || is_dds(start);
+}
+
+TextureLayout read_texture_layout(platform::ByteFile& file) {
+  std::array<char, 5> buffer{};
+  const std::string_view start = first_bytes(file, buffer);
+  if (is_ktx(start)) return read_ktx2_layout(file);
+  if (is_dds(start)) return read_dds_layout(file);
+  throw platform::file_error(ErrorCode::unsupported_file, file.path(),
+                             "is neither a KTX2 nor a DDS texture by its first bytes");
+}
+
+void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
+                         std::uint64_t levels) {
+  const auto refuse = [&file](ErrorCode code, const std::string& message) {
+    throw platform::file_error(code, file.path(), message);
+  };
+  const std::string shape = std::to_string(width) + " x " + std::to_string(height);
+  if (width != height || width < 1) {
+    refuse(ErrorCode::corrupt_file, "its faces are " + shape + " texels; a cubemap's are square, from 1 x 1 up");
+  }
+  if (width > image::kLargestFace) {
+    refuse(ErrorCode::unsupported_file,
+           "its faces are " + shape + " texels; reduce them to " + std::to_string(image::kLargestFace) + " or fewer");
+  }
+  const int most = full_chain_levels(static_cast<int>(width));
+  if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
+    refuse(ErrorCode::corrupt_file, "says that it has " + std::to_string(levels) + " levels; from " + shape +
+                                        " texels down there can be 1 to " + std::to_string(most));
+  }
+}
+
+}  // namespace welkin::files
+
+namespace welkin {
+namespace files {
+namespace {
+
+constexpr int kRowsAtOnce = 64;
+
+/// Of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
+std::uint64_t chain_bytes(const TextureLayout& layout) {
+  std::uint64_t texels = 0;
+  for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {
+    const auto edge = static_cast<std::uint64_t>(layout.level_size(level));
+    texels += 6 * edge * edge;
+  }
+  return texels * 3 * sizeof(float);
+}
+
+/// A packed level is one tile, the faces of others six.
+struct Tiles {
+  explicit Tiles(const TextureLayout& layout)
+      : faces(layout.supercompression == Supercompression::none ? 1 : 6), count(layout.levels.size() * 6 / faces) {}
+
+  std::size_t faces;  ///< of a tile
+  std::size_t count;
+};
+
+/// The largest number instead of a wrap: packed levels have the bytes that the file says, and a sparse file says much.
+std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
+  constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  return a > most - b ? most : a + b;
+}
+
+/// Beside the chain, with `workers` readers: each level is unpacked by one of them.
+std::uint64_t working_bytes(const TextureLayout& layout, std::size_t workers) {
+  std::uint64_t bytes = 0;
+  for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {
+    const std::uint64_t one = texture_reader_bytes(layout, level, kRowsAtOnce);
+    if (layout.supercompression == Supercompression::none) return one * workers;
+    bytes = sum(bytes, one);
+  }
+  return bytes;
+}
+
+void check_memory(const std::filesystem::path& path, const TextureLayout& layout, std::uint64_t limit,
+                  std::size_t workers) {
+  const std::uint64_t wanted = sum(chain_bytes(layout), working_bytes(layout, workers));
+  if (wanted <= limit) return;
+  throw platform::file_error(ErrorCode::limit_exceeded, path,
+                             "its " + std::to_string(layout.levels.size()) + " levels from " +
+                                 std::to_string(layout.size) + " texels take " + std::to_string(wanted) +
+                                 " bytes, above the limit of " + std::to_string(limit) + "; raise the limit");
+}
+
+std::string words_for(const TextureLayout& layout) {
+  std::string words = layout.container + " " + name(layout.kind);
+  if (layout.supercompression != Supercompression::none) words += std::string(" ") + name(layout.supercompression);
+  return words;
+}
+
+void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, const std::stop_token& stop) {
+  const int size = chain.level_size(level);
+  for (int row = 0; row < size; row += kRowsAtOnce) {
+    throw_if_stopped(stop);
+    const std::ptrdiff_t offset = std::ptrdiff_t{3} * size * row;
+    reader.read(level, face, row, std::min(kRowsAtOnce, size - row), chain.face(level, face) + offset);
+  }
+}
+
+}  // namespace
+
+std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
+  const int size = layout.level_size(level);
+  const auto& place = layout.levels[static_cast<std::size_t>(level)];
+  if (layout.supercompression != Supercompression::none) return level_bytes(layout.kind, size) + place.packed_bytes;
+  return static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(size) * texel_bytes(layout.kind);
+}
+
+void TextureReader::unpack_level(int level) {
+  const TextureLayout::Level& place = layout_.levels[static_cast<std::size_t>(level)];
+  unpacked_level_ = -1;
+  std::vector<std::uint8_t> packed(place.packed_bytes);
+  file_.seek(place.first_byte);
+  file_.read(packed.data(), packed.size());
+  texels_.resize(level_bytes(layout_.kind, layout_.level_size(level)));
+  unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
+  unpacked_level_ = level;
+}
+
+void TextureReader::read(int level, int face, int first_row, int rows, float* rgb) {
+  const auto size = static_cast<std::size_t>(layout_.level_size(level));
+  const std::size_t row_bytes = size * texel_bytes(layout_.kind);
+  const std::size_t count = size * static_cast<std::size_t>(rows);
+  const std::size_t offset = row_bytes * static_cast<std::size_t>(first_row);
+  if (layout_.supercompression != Supercompression::none) {
+    if (unpacked_level_ != level) unpack_level(level);
+    decode_texels(layout_.kind, texels_.data() + row_bytes * size * static_cast<std::size_t>(face) + offset, count,
+                  rgb);
+    return;
+  }
+  texels_.resize(row_bytes * static_cast<std::size_t>(rows));
+  file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] + offset);
+  file_.read(texels_.data(), texels_.size());
+  decode_texels(layout_.kind, texels_.data(), count, rgb);
+}
+
+}  // namespace files
+
+CubemapTexture read_texture(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
+                            const Control& control) {
+  platform::ByteFile file(path);
+  const files::TextureLayout layout = files::read_texture_layout(file);
+  const files::Tiles tiles(layout);
+  const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * layout.size * layout.size);
+  const std::size_t workers = jobs::worker_count(placement);
+  files::check_memory(path, layout, memory_limit_bytes, workers);
+
+  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size())), files::words_for(layout),
+                         layout.metadata};
+  std::vector<std::unique_ptr<files::TextureReader>> readers(workers);
+  jobs::run_tiles(tiles.count, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+    auto& reader = readers[worker];
+    if (!reader) reader = std::make_unique<files::TextureReader>(path, layout, control.stop);
+    const std::size_t first = tile * tiles.faces;
+    for (std::size_t face = first; face < first + tiles.faces; ++face) {
+      files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), control.stop);
+    }
+  });
+  return texture;
+}
+
+}  // namespace welkin
+
+namespace welkin::files {
+namespace {
+
+constexpr int kStreamedRows = 16;
+
+class TextureRowReader final : public RowReader {
+ public:
+  TextureRowReader(const std::filesystem::path& path, const TextureLayout& layout, int level)
+      : reader_(path, layout), level_(level), size_(layout.level_size(level)) {}
+
+  void read(int first_row, int row_count, float* rgb) override {
+    const int end = first_row + row_count;
+    for (int row = first_row; row < end;) {
+      const int face = row / size_;
+      const int rows = std::min({end - row, (face + 1) * size_ - row, kStreamedRows});
+      reader_.read(level_, face, row % size_, rows, rgb);
+      rgb += rgb_bytes(size_, rows) / sizeof(float);
+      row += rows;
+    }
+  }
+
+ private:
+  TextureReader reader_;
+  int level_;
+  int size_;
+};
+
+class TextureSource final : public RowSource {
+ public:
+  TextureSource(EnvironmentInfo info, TextureLayout layout, int level)
+      : RowSource(std::move(info)), layout_(std::move(layout)), level_(level) {}
+
+  [[nodiscard]] int natural_rows() const override { return is_packed() ? info().height : 1; }
+  [[nodiscard]] bool has_prefiltered_levels() const override {
+    if (!layout_.has_metadata) return true;  // DDS cannot say, and what tools for light write as DDS mostly is
+    return std::any_of(layout_.metadata.begin(), layout_.metadata.end(),
+                       [](const auto& entry) { return speaks_of_roughness(entry.first); });
+  }
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    return texture_reader_bytes(layout_, level_, kStreamedRows);
+  }
+  [[nodiscard]] const char* smaller_reader() const override {
+    return is_packed() ? "save it without supercompression: a packed level must be unpacked whole"
+                       : RowSource::smaller_reader();
+  }
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    return std::make_unique<TextureRowReader>(info().path, layout_, level_);
+  }
+
+ private:
+  [[nodiscard]] bool is_packed() const { return layout_.supercompression != Supercompression::none; }
+
+  TextureLayout layout_;
+  int level_;
+};
+
+const char* channel_type(TexelKind kind, std::size_t channel) {
+  switch (kind) {
+    case TexelKind::rgba16f: return "half";
+    case TexelKind::rgba32f: return "float";
+    case TexelKind::b10g11r11: return channel == 2 ? "ufloat10" : "ufloat11";
+    case TexelKind::e5b9g9r9: return "shared exponent";
+    case TexelKind::rgba8:
+    case TexelKind::rgba8_srgb: return "uint8";
+  }
+  return "";
+}
+
+void list_channels(EnvironmentInfo& info, TexelKind kind) {
+  const bool alpha = kind != TexelKind::b10g11r11 && kind != TexelKind::e5b9g9r9;
+  constexpr std::array names{"R", "G", "B", "A"};
+  for (std::size_t channel = 0; channel < (alpha ? 4U : 3U); ++channel) {
+    info.channels.push_back({names[channel], channel_type(kind, channel)});
+  }
+}
+
+TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& info) {
+  if (kind != TexelKind::rgba8 && kind != TexelKind::rgba8_srgb) return kind;
+  if (asked_for == Transfer::automatic) {
+    info.notes.emplace_back(kind == TexelKind::rgba8 ? "samples are taken as linear: the format says so"
+                                                     : "samples are taken as sRGB: the format says so");
+    return kind;
+  }
+  info.notes.emplace_back(asked_for == Transfer::linear ? "samples are taken as linear, as was asked for"
+                                                        : "samples are taken as sRGB, as was asked for");
+  return asked_for == Transfer::linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options) {
+  TextureLayout layout = read_texture_layout(file);
+  EnvironmentInfo info;
+  info.path = file.path();
+  info.format = layout.container;
+  info.compression = name(layout.supercompression);
+  info.storage = name(layout.kind);
+  layout.kind = with_transfer(layout.kind, options.transfer, info);
+  list_channels(info, layout.kind);
+  settle_cube(info, layout.size, static_cast<int>(layout.levels.size()), options);
+  const auto orientation = layout.metadata.find("KTXorientation");
+  if (orientation != layout.metadata.end() && orientation->second != "rd") {
+    info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
+                         "\" is not applied: rows are taken from the top");
+  }
+  auto source = std::make_unique<TextureSource>(std::move(info), std::move(layout), options.level);
+  return source;
+}
+
+}  // namespace welkin::files

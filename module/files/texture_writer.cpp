@@ -1,0 +1,199 @@
+#include "files/texture_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <system_error>
+
+#include "files/stop.h"
+#include "files/supercompression.h"
+#include "image/pixels.h"
+#include "platform/file.h"
+#include "welkin/cubemap_chain.h"
+
+namespace welkin {
+namespace files {
+namespace {
+
+constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
+
+std::size_t texels_of(const CubemapView& view) {
+  return static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
+}
+
+struct Container {
+  const char* extension;
+  std::uint64_t (*write)(const TextureJob&);
+  std::uint64_t (*write_picture)(const PictureJob&);  ///< none: cubemaps alone
+  bool packed_formats;                                ///< b10g11r11 and e5b9g9r9
+  bool supercompression;
+};
+
+constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true},
+                                 Container{".dds", write_dds, write_dds, true, false},
+                                 Container{".exr", write_exr_cube, nullptr, false, false}};
+
+const Container& container_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Container& container : kContainers) {
+    if (extension == container.extension) return container;
+  }
+  throw platform::file_error(
+      ErrorCode::unsupported_file, path,
+      (extension.empty() ? std::string("has no extension that names a format")
+                         : "\"" + platform::printable(extension) + "\" is not written as a texture") +
+          "; use .ktx2, .dds or .exr");
+}
+
+void check_options(const std::filesystem::path& path, const Container& container, const TextureOptions& options) {
+  const auto refuse = [&path](const std::string& message) {
+    throw platform::file_error(ErrorCode::invalid_argument, path, message);
+  };
+  // A number from elsewhere that was cast.
+  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::e5b9g9r9 ||
+      options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
+    refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
+  }
+  const bool packed = options.format == TexelFormat::b10g11r11 || options.format == TexelFormat::e5b9g9r9;
+  if (packed && !container.packed_formats) {
+    refuse(std::string("cannot hold ") + name(kind_of(options.format)) + "; pass rgba16f or rgba32f, or write .ktx2");
+  }
+  if (options.supercompression != Supercompression::none && !container.supercompression) {
+    refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
+  }
+  for (const auto& [key, value] : options.metadata) {
+    const bool reserved = key.starts_with("KTX") || key.starts_with("ktx");
+    if (key.empty() || reserved || key.find('\0') != std::string::npos || value.find('\0') != std::string::npos) {
+      refuse("its metadata has the key \"" + platform::printable(key) +
+             "\"; keys and values are text without a zero byte, and a key is not empty and does not start with KTX");
+    }
+  }
+}
+
+void check_mips(std::span<const CubemapView> mips) {
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "a texture needs a level at least; none was passed");
+  for (const CubemapView& view : mips) image::check_view(view);
+  const int size = mips.front().size;
+  const auto most = static_cast<std::size_t>(full_chain_levels(size));
+  if (mips.size() > most) {
+    throw Error(ErrorCode::invalid_argument, std::to_string(mips.size()) + " levels were passed; from " +
+                                                 std::to_string(size) + " texels down there are " +
+                                                 std::to_string(most));
+  }
+  for (std::size_t level = 0; level < mips.size(); ++level) {
+    const int wanted = std::max(1, size >> static_cast<int>(level));
+    if (mips[level].size != wanted) {
+      throw Error(ErrorCode::invalid_argument, "level " + std::to_string(level) + " has " +
+                                                   std::to_string(mips[level].size) + " texels along an edge; below " +
+                                                   std::to_string(size) + " it must have " + std::to_string(wanted));
+    }
+  }
+}
+
+}  // namespace
+
+void report_share(const Control& control, double done) {
+  throw_if_stopped(control.stop);
+  if (control.progress && done > 0.0) control.progress(std::min(done, 1.0));
+}
+
+void TexelEncoder::encode_row(PixelFormat format, const void* row, int width, std::uint8_t* texels) {
+  const auto count = static_cast<std::size_t>(width);
+  rgb_.resize(3 * count);
+  image::decode_texels(format, row, width, rgb_.data());
+  clamped_ += encode_texels(format_, rgb_.data(), count, texels);
+}
+
+void TexelEncoder::encode(const CubemapView& view, int face, int first_row, int rows, std::uint8_t* texels) {
+  const std::size_t row_bytes = static_cast<std::size_t>(view.size) * texel_bytes(kind_of(format_));
+  for (int row = 0; row < rows; ++row, texels += row_bytes) {
+    encode_row(view.format, image::row_of(view, face, first_row + row), view.size, texels);
+  }
+}
+
+void TexelEncoder::encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels) {
+  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(format_));
+  for (int row = 0; row < rows; ++row, texels += row_bytes) {
+    encode_row(picture.format, image::row_of(picture, first_row + row), picture.width, texels);
+  }
+}
+
+TexelProgress::TexelProgress(std::span<const CubemapView> mips, const Control& control) : control_(control) {
+  for (const CubemapView& view : mips) total_ += 6.0 * static_cast<double>(texels_of(view));
+}
+
+void TexelProgress::next(std::uint64_t texels) {
+  report_share(control_, done_ / total_);
+  done_ += static_cast<double>(texels);
+}
+
+void write_face(platform::WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
+                TexelProgress& progress) {
+  const auto size = static_cast<std::size_t>(view.size);
+  const int block_rows = static_cast<int>(std::clamp<std::size_t>(kBlockTexels / size, 1, size));
+  std::vector<std::uint8_t> texels(size * static_cast<std::size_t>(block_rows) * texel_bytes(kind_of(format)));
+  for (int row = 0; row < view.size; row += block_rows) {
+    const int rows = std::min(block_rows, view.size - row);
+    const std::size_t count = size * static_cast<std::size_t>(rows);
+    progress.next(count);
+    encoder.encode(view, face, row, rows, texels.data());
+    file.write(texels.data(), count * texel_bytes(kind_of(format)));
+  }
+}
+
+void write_picture(const PictureJob& job, TexelEncoder& encoder) {
+  const LatLongView& picture = job.picture;
+  std::vector<std::uint8_t> texels(static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format)));
+  for (int row = 0; row < picture.height; ++row) {
+    report_share(job.control, static_cast<double>(row) / picture.height);
+    encoder.encode(picture, row, 1, texels.data());
+    job.file.write(texels.data(), texels.size());
+  }
+}
+
+}  // namespace files
+
+WriteReport write_texture(const std::filesystem::path& path, std::span<const CubemapView> mips,
+                          const TextureOptions& options, const Control& control) {
+  files::check_mips(mips);
+  const files::Container& container = files::container_of(path);
+  files::check_options(path, container, options);
+  platform::WholeFile file(path);
+  WriteReport report;
+  report.values_clamped = container.write({file, mips, options, control});
+  file.finish();
+  file.commit();
+  report.files.push_back(file.path());
+  if (control.progress) control.progress(1.0);
+  return report;
+}
+
+WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
+                             const TextureOptions& options, const Control& control) {
+  const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb_f32};
+  constexpr int largest = 16384;
+  if (rgb == nullptr || width < 1 || height < 1 || width > largest || height > largest) {
+    throw Error(ErrorCode::invalid_argument, "a texture of " + std::to_string(width) + " x " + std::to_string(height) +
+                                                 " texels" + (rgb == nullptr ? " and no pixels" : "") +
+                                                 " cannot be written; pass 1 to " + std::to_string(largest));
+  }
+  const files::Container& container = files::container_of(path);
+  if (container.write_picture == nullptr) {
+    throw platform::file_error(ErrorCode::unsupported_file, path,
+                               "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
+  }
+  files::check_options(path, container, options);
+  platform::WholeFile file(path);
+  WriteReport report;
+  report.values_clamped = container.write_picture({file, picture, options, control});
+  file.finish();
+  file.commit();
+  report.files.push_back(file.path());
+  if (control.progress) control.progress(1.0);
+  return report;
+}
+
+}  // namespace welkin

@@ -1,0 +1,202 @@
+#include "files/write_environment.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "files/row_source.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "platform/file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace {
+
+using files::OutputPicture;
+using platform::file_error;
+using platform::WholeFile;
+
+struct Format {
+  const char* extension;
+  std::uint64_t (*write)(const OutputPicture&, const files::WriteJob&);
+  std::vector<SampleType> types;  ///< the first is the automatic one
+  const char* types_in_words;
+};
+
+const std::array<Format, 4>& formats() {
+  // Never destroyed: a worker's thread may still write while the program exits.
+  static const auto& all = *new std::array<Format, 4>{{
+      {".exr", files::write_exr, {SampleType::half, SampleType::float32}, "OpenEXR is written as half or float"},
+      {".hdr", files::write_hdr, {SampleType::automatic}, "Radiance .hdr holds RGBE alone; leave the type out"},
+      {".pfm", files::write_pfm, {SampleType::float32}, "PFM holds floats alone"},
+      {".png", files::write_png, {SampleType::uint8, SampleType::uint16}, "PNG is written with 8 or 16 bits"},
+  }};
+  return all;
+}
+
+const Format& format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : formats()) {
+    if (extension == format.extension) return format;
+  }
+  throw file_error(ErrorCode::unsupported_file, path,
+                   (extension.empty() ? std::string("has no extension that names a format")
+                                      : "\"" + platform::printable(extension) + "\" is not written") +
+                       "; use .exr, .hdr, .pfm or .png");
+}
+
+SampleType type_for(const Format& format, SampleType asked_for, const std::filesystem::path& path) {
+  if (asked_for == SampleType::automatic) return format.types.front();
+  const bool known = std::find(format.types.begin(), format.types.end(), asked_for) != format.types.end();
+  if (!known) {
+    throw file_error(ErrorCode::invalid_argument, path, std::string("cannot hold that type: ") + format.types_in_words);
+  }
+  return asked_for;
+}
+
+/// Files that appear together, once all of them are whole.
+class Output {
+ public:
+  Output(const Format& format, SampleType type, const Control& control)
+      : format_(format), type_(type), control_(control) {}
+
+  enum class Header { plain, openexr_lat_long, openexr_cube };
+
+  /// `from` to `to`: the part of the progress.
+  void add(const std::filesystem::path& path, const OutputPicture& picture, Header header, double from, double to) {
+    files_.push_back(std::make_unique<WholeFile>(path));
+    const Control part = jobs::part_of(control_, from, to);
+    const files::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
+                              part};
+    report_.values_clamped += format_.write(picture, job);
+    files_.back()->finish();
+  }
+
+  WriteReport commit() {
+    for (const auto& file : files_) {
+      file->commit();
+      report_.files.push_back(file->path());
+    }
+    if (control_.progress) control_.progress(1.0);
+    return std::move(report_);
+  }
+
+ private:
+  const Format& format_;
+  SampleType type_;
+  const Control& control_;
+  std::vector<std::unique_ptr<WholeFile>> files_;
+  WriteReport report_;
+};
+
+std::filesystem::path face_path(const std::filesystem::path& path, int face) {
+  static constexpr std::array kEnds{"_px", "_nx", "_py", "_ny", "_pz", "_nz"};
+  std::filesystem::path name = path.stem();
+  name += kEnds[static_cast<std::size_t>(face)];
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
+}  // namespace
+
+void check_write_options(const std::filesystem::path& path, const WriteOptions& options, bool is_cubemap) {
+  (void)type_for(format_of(path), options.type, path);
+  if (!is_cubemap && options.layout != Layout::automatic && options.layout != Layout::lat_long) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     std::string("a lat-long cannot be written as a ") + name(options.layout) +
+                         "; make a cubemap of it first (to_cubemap)");
+  }
+  if (is_cubemap && options.layout == Layout::lat_long) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     "a cubemap cannot be written as a lat-long; make one of it first (to_lat_long)");
+  }
+  std::error_code failure;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, failure)) {
+    throw file_error(ErrorCode::file_access, path, "cannot be written: its folder is not there; make it first");
+  }
+}
+
+WriteReport write_environment(const std::filesystem::path& path, const LatLongView& picture,
+                              const WriteOptions& options, const Control& control) {
+  image::check_view(picture);
+  check_write_options(path, options, false);
+  const Format& format = format_of(path);
+  Output output(format, type_for(format, options.type, path), control);
+  output.add(path, OutputPicture(picture), Output::Header::openexr_lat_long, 0.0, 1.0);
+  return output.commit();
+}
+
+WriteReport write_environment(const std::filesystem::path& path, const CubemapView& picture,
+                              const WriteOptions& options, const Control& control) {
+  image::check_view(picture);
+  check_write_options(path, options, true);
+  const Format& format = format_of(path);
+  const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
+  if (layout == Layout::horizontal_strip && 6 * picture.size > files::kMaximumWidth) {
+    throw file_error(ErrorCode::invalid_argument, path,
+                     "would be " + std::to_string(6 * picture.size) + " texels wide, above the " +
+                         std::to_string(files::kMaximumWidth) +
+                         " that are read; write a vertical strip, a cross or six files");
+  }
+  Output output(format, type_for(format, options.type, path), control);
+  if (layout == Layout::six_files) {
+    for (int face = 0; face < 6; ++face) {
+      output.add(face_path(path, face), OutputPicture(picture, face), Output::Header::plain, face / 6.0,
+                 (face + 1) / 6.0);
+    }
+  } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
+    output.add(path, OutputPicture(picture, files::openexr_cube_placement()), Output::Header::openexr_cube, 0.0, 1.0);
+  } else {
+    output.add(path, OutputPicture(picture, files::cube_placement(layout)), Output::Header::plain, 0.0, 1.0);
+  }
+  return output.commit();
+}
+
+}  // namespace welkin
+
+namespace welkin::files {
+
+OutputPicture::OutputPicture(const LatLongView& view)
+    : width_(view.width), height_(view.height), read_row_([view](int row, float* rgb) {
+        image::decode_texels(view.format, image::row_of(view, row), view.width, rgb);
+      }) {}
+
+OutputPicture::OutputPicture(const CubemapView& view, int face)
+    : width_(view.size), height_(view.size), read_row_([view, face](int row, float* rgb) {
+        image::decode_texels(view.format, image::row_of(view, face, row), view.size, rgb);
+      }) {}
+
+OutputPicture::OutputPicture(const CubemapView& view, const CubePlacement& placement)
+    : width_(view.size * placement.columns), height_(view.size * placement.rows) {
+  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(width_);
+  auto face_row = std::make_shared<std::vector<float>>(std::size_t{3} * static_cast<std::size_t>(view.size));
+  read_row_ = [view, &placement, row_floats, face_row](int row, float* rgb) {
+    std::fill_n(rgb, row_floats, 0.0F);
+    for (const FaceSegment& segment : row_segments(placement, view.size, row)) {
+      image::decode_texels(view.format, image::row_of(view, segment.face, segment.face_row), view.size,
+                           face_row->data());
+      copy_segment(face_row->data(), rgb + std::size_t{3} * static_cast<std::size_t>(segment.first_column), view.size,
+                   segment.mirrored);
+    }
+  };
+}
+
+void report_rows(const WriteJob& job, int done, int height) {
+  if (job.control.stop.stop_requested()) {
+    throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  }
+  if (job.control.progress && done > 0) {
+    job.control.progress(static_cast<double>(done) / height);
+  }
+}
+
+}  // namespace welkin::files

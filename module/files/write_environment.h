@@ -1,0 +1,55 @@
+// A picture that is about to be written: a view laid out as a file wants it, row by row.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "files/layout.h"
+#include "platform/file.h"
+#include "welkin/control.h"
+#include "welkin/environment_writer.h"
+
+namespace welkin::files {
+
+/// Rows of RGB floats, row 0 on top.
+class OutputPicture {
+ public:
+  explicit OutputPicture(const LatLongView& view);
+  /// All six faces as the placement has them; blank texels are black. The placement must outlive the picture.
+  OutputPicture(const CubemapView& view, const CubePlacement& placement);
+  /// One face alone.
+  OutputPicture(const CubemapView& view, int face);
+
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+
+  /// To `width` x 3 floats.
+  void read_row(int row, float* rgb) const { read_row_(row, rgb); }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::function<void(int row, float* rgb)> read_row_;
+};
+
+/// What the writers share beside the picture.
+struct WriteJob {
+  platform::WholeFile& file;
+  SampleType type;
+  bool openexr_cube = false;      ///< states in the header that this is OpenEXR's cube
+  bool openexr_lat_long = false;  ///< ... that it is a lat-long
+  const Control& control;
+};
+
+/// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
+void report_rows(const WriteJob& job, int done, int height);
+
+/// Each writes the picture to the job's file and returns how many values were clamped. Throw `Error` as
+/// `write_environment` does.
+std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job);
+std::uint64_t write_hdr(const OutputPicture& picture, const WriteJob& job);
+std::uint64_t write_pfm(const OutputPicture& picture, const WriteJob& job);
+std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job);
+
+}  // namespace welkin::files

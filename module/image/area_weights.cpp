@@ -1,0 +1,355 @@
+#include "image/area_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "math/elementary.h"
+
+namespace welkin::image {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kGroup = 4;
+constexpr std::size_t kRoomFloats = 16384;  ///< of weights at a time, if one tile does not need more
+
+int groups_for(int columns) noexcept { return (columns + kGroup - 1) / kGroup; }
+
+/// What a tile covers at most.
+struct Extent {
+  double left, right, top, bottom;
+};
+
+Extent extent_of(const TileSide* sides, int number) noexcept {
+  Extent all{sides[0].longitude, sides[0].longitude, sides[0].from, sides[0].from};
+  for (int s = 0; s < number; ++s) {
+    all.left = std::min(all.left, sides[s].longitude);
+    all.right = std::max(all.right, sides[s].longitude);
+    all.top = std::min(all.top, sides[s].to);
+    all.bottom = std::max(all.bottom, sides[s].to);
+  }
+  return all;
+}
+
+}  // namespace
+
+TileScratch::TileScratch(const TileWeights& weights)
+    : weights_(std::max(kRoomFloats, weights.most_weights())), polar_(weights.tiling()) {
+  const auto count = static_cast<std::size_t>(weights.tiling().half()) + 1;
+  for (auto* indices : {&rows_, &columns_}) indices->resize(count);
+  for (auto* values : {&areas_, &upper_, &lower_}) values->resize(count);
+  dense_.resize(weights.most_weights());
+  for (auto* values : {&across_, &along_}) values->resize(static_cast<std::size_t>(weights.width()) + 32);
+  for (auto* values : {&down_, &from_, &to_}) values->resize(static_cast<std::size_t>(weights.height()) + 2);
+}
+
+TileWeights::TileWeights(int width, int height, int size, bool soft)
+    : tiling_(size),
+      width_(width),
+      height_(height),
+      soft_(soft),
+      columns_per_radian_(0.5 * width / kPi),
+      reach_((size % 2 != 0 ? (width + 7) / 8 : 0) + kSpareColumns),
+      rows_(soft_rows()) {
+  for (const TileKind kind : {TileKind::side, TileKind::polar}) {
+    for (const TileImage& image : images_of(kind)) needed_[static_cast<std::size_t>(rest_of(image, width))] = true;
+  }
+  for (int rest = 0; rest < 4; ++rest) {
+    const bool needed = needed_[static_cast<std::size_t>(rest)];
+    columns_.push_back(needed ? soft_columns(0.25 * rest) : SoftCells({0.0, 1.0}, {0.0, 0.0}));
+    side_columns_.push_back(needed ? columns_of_sides(columns_.back()) : SideColumns{});
+  }
+}
+
+TileKind TileWeights::kind_of(bool polar, int row) const noexcept {
+  if (!polar) return TileKind::side;
+  return row == 0 && size() % 2 != 0 ? TileKind::pole : TileKind::polar;
+}
+
+int TileWeights::tiles_of(TileKind kind, int row) const noexcept { return kind == TileKind::side ? lines() : row + 1; }
+
+/// Half a ramp's length, in texels of the source, where one of the result is `texels` of them wide: linear
+/// interpolation where it is narrower, which keeps slopes even; nothing where it is twice as wide and evens them out
+/// itself.
+double TileWeights::half_ramp(double texels) const { return soft_ ? 0.5 * std::clamp(2.0 - texels, 0.0, 1.0) : 0.0; }
+
+// A texel's height is 2 / size cos^2 of the latitude on a side face, sin^2 of it at the poles.
+SoftCells TileWeights::soft_rows() const {
+  std::vector<double> edges;
+  for (int row = 0; row <= height_; ++row) {
+    edges.push_back(-math::sine_cosine_of_turns(0.5 * row / height_).cosine);
+  }
+  std::vector<double> half_ramps(edges.size(), 0.0);
+  for (int row = 1; row < height_; ++row) {
+    const auto k = static_cast<std::size_t>(row);
+    const double squared = edges[k] * edges[k];
+    const double texels = height_ / kPi * 2.0 / size() * std::max(squared, 1.0 - squared);
+    half_ramps[k] = half_ramp(texels) * std::min(edges[k] - edges[k - 1], edges[k + 1] - edges[k]);
+  }
+  return {std::move(edges), std::move(half_ramps)};
+}
+
+// A column's width is 2 / size cos^2 of the longitude from the middle of a face. Cells are counted from -reach_ on;
+// where the distance is 0, cell reach_ begins `offset` before.
+SoftCells TileWeights::soft_columns(double offset) const {
+  std::vector<double> edges;
+  std::vector<double> half_ramps;
+  const int count = width_ / 2 + 2 * reach_ + 2;
+  for (int k = 0; k <= count; ++k) {
+    const double distance = k - reach_ - offset;
+    const double turns = distance / width_;
+    const double cosine = math::sine_cosine_of_turns(turns - 0.25 * std::floor(4.0 * turns + 0.5)).cosine;
+    edges.push_back(distance);
+    half_ramps.push_back(half_ramp(columns_per_radian_ * 2.0 / size() * cosine * cosine));
+  }
+  return {std::move(edges), std::move(half_ramps)};
+}
+
+TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns) const {
+  SideColumns result;
+  int most = 1;
+  int guess = 0;
+  const auto place = [&](int index) { return tiling_.longitude(index) * columns_per_radian_; };
+  for (int k = 0; k < tiling_.half(); ++k) {
+    guess = columns.first_beyond(place(k), guess);
+    result.columns.push_back(guess - reach_);
+    most = std::max(most, columns.last_before(place(k + 1), guess) - guess + 1);
+  }
+  result.groups = groups_for(most);
+  const int across = kGroup * result.groups;
+  std::vector<double> left(static_cast<std::size_t>(across) + 1), right(left.size());
+  for (int k = 0; k < tiling_.half(); ++k) {
+    const int first = result.columns[static_cast<std::size_t>(k)] + reach_;
+    columns.integrals_from_edges(place(k), first, across + 1, left.data());
+    columns.integrals_from_edges(place(k + 1), first, across + 1, right.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(across); ++i) {
+      const double share = (right[i] - left[i]) - (right[i + 1] - left[i + 1]);
+      result.weights.push_back(static_cast<float>(std::max(0.0, share / (place(k + 1) - place(k)))));
+    }
+  }
+  return result;
+}
+
+/// Weights that one tile may need, and so must have room at least.
+std::size_t TileWeights::most_weights() const noexcept {
+  // A texel is at most sqrt(8) / size radians high and, but for the one around a pole, a quarter turn wide.
+  const double rows = 3.0 / size() * height_ / kPi + 4.0;
+  const double columns = size() % 2 != 0 ? width_ + 8.0 : 0.25 * width_ + 16.0;
+  return static_cast<std::size_t>(std::min(rows, 1.0 * height_) + 1.0) * static_cast<std::size_t>(columns);
+}
+
+void TileWeights::weigh(TileKind kind, int row, TileScratch& scratch, RunSink& sink) const {
+  if (kind == TileKind::pole) return weigh_pole(scratch, sink);
+  if (kind == TileKind::polar) return weigh_polar(row, scratch, sink);
+  if (scratch.line_ != row) tiling_.side_heights(row, scratch.lower_.data());
+  std::swap(scratch.upper_, scratch.lower_);
+  tiling_.side_heights(row + 1, scratch.lower_.data());
+  scratch.line_ = row + 1;
+  row == 0 ? weigh_border(scratch, sink) : weigh_rectangles(row, scratch, sink);
+}
+
+void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const {
+  const int half = tiling_.half();
+  int most = 1;
+  int guess = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(half); ++k) {
+    guess = scratch.rows_[k] = rows_.first_beyond(scratch.upper_[k], guess);
+    most = std::max(most, rows_.last_before(scratch.lower_[k], guess) - guess + 1);
+  }
+  most = std::min(most, rows_.count());
+  WeighedRun run{TileKind::side, half - 1 - row, 0, 0, {}, scratch.areas_.data()};
+  run.patches.patch_rows = most;
+  const int at_a_time = std::max(1, static_cast<int>(scratch.weights_.size()) / most);
+  for (int first = 0; first < half; first += at_a_time) {
+    const int count = std::min(at_a_time, half - first);
+    float* weights = scratch.weights_.data();
+    for (int k = 0; k < count; ++k) {
+      const auto at = static_cast<std::size_t>(first + k);
+      const double top = scratch.upper_[at];
+      const double bottom = scratch.lower_[at];
+      scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - most);
+      rows_.integrals_from_edges(top, scratch.rows_[at], most + 1, scratch.from_.data());
+      rows_.integrals_from_edges(bottom, scratch.rows_[at], most + 1, scratch.to_.data());
+      const double scale = 1.0 / (bottom - top);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(most); ++i) {
+        const double share = (scratch.to_[i] - scratch.from_[i]) - (scratch.to_[i + 1] - scratch.from_[i + 1]);
+        *weights++ = static_cast<float>(std::max(0.0, share * scale));
+      }
+      const double width = tiling_.longitude(first + k + 1) - tiling_.longitude(first + k);
+      scratch.areas_[static_cast<std::size_t>(k)] = width * columns_per_radian_ * (bottom - top);
+    }
+    run.first = first;
+    run.patches.count = count;
+    run.patches.rows = scratch.rows_.data() + first;
+    run.patches.row_weights = scratch.weights_.data();
+    for (int rest = 0; rest < 4; ++rest) {
+      if (!needed_[static_cast<std::size_t>(rest)]) continue;
+      const SideColumns& columns = side_columns(rest);
+      run.rest = rest;
+      run.patches.patch_groups = columns.groups;
+      run.patches.columns = columns.columns.data() + first;
+      run.patches.weights = columns.weights.data() + std::ptrdiff_t{first} * kGroup * columns.groups;
+      sink.take(run);
+    }
+  }
+}
+
+void TileWeights::weigh_border(TileScratch& scratch, RunSink& sink) const {
+  const auto sides = [&](int column, TileSide* side) {
+    const CubeTiling::Border border = tiling_.border(column);
+    const double lower = scratch.lower_[static_cast<std::size_t>(column)];
+    side[0] = {border.middle, border.first_height, border.second_height};
+    side[1] = {tiling_.longitude(column + 1), border.second_height, lower};
+    side[2] = {tiling_.longitude(column), lower, border.first_height};
+    return 3;
+  };
+  weigh_line({TileKind::side, tiling_.half() - 1, 0, 0, {}, nullptr}, tiling_.half(), sides, scratch, sink);
+}
+
+void TileWeights::weigh_polar(int row, TileScratch& scratch, RunSink& sink) const {
+  scratch.polar_.place(row);
+  const auto sides = [&](int column, TileSide* side) { return scratch.polar_.sides(column, side); };
+  weigh_line({TileKind::polar, row, 0, 0, {}, nullptr}, row + 1, sides, scratch, sink);
+}
+
+/// The texel around the pole of an odd number: all columns alike.
+void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
+  scratch.polar_.place(0);
+  const double height = scratch.polar_.outer_height(0);
+  const double area = (height + 1.0) * width_;
+  WeighedRun run{TileKind::pole, 0, 0, 0, {}, &area};
+  run.patches.patch_rows = rows_.last_before(height, 0) + 1;
+  run.patches.patch_groups = groups_for(width_);
+  rows_.integrals_from_edges(-1.0, 0, run.patches.patch_rows + 1, scratch.from_.data());
+  rows_.integrals_from_edges(height, 0, run.patches.patch_rows + 1, scratch.to_.data());
+  float* weight = scratch.weights_.data();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(run.patches.patch_rows); ++i) {
+    const double share = (scratch.to_[i] - scratch.from_[i]) - (scratch.to_[i + 1] - scratch.from_[i + 1]);
+    for (int column = 0; column < kGroup * run.patches.patch_groups; ++column) {
+      *weight++ = column < width_ ? static_cast<float>(std::max(0.0, share) / area) : 0.0F;
+    }
+  }
+  constexpr std::int32_t zero = 0;
+  run.patches.rows = run.patches.columns = &zero;
+  run.patches.weights = scratch.weights_.data();
+  run.patches.count = 1;
+  sink.take(run);
+}
+
+/// `sides(column, out)`: a tile's; how many there are.
+template <class Sides>
+void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const {
+  for (run.rest = 0; run.rest < 4; ++run.rest) {
+    if (!needed_[static_cast<std::size_t>(run.rest)]) continue;
+    const SoftCells& columns = columns_[static_cast<std::size_t>(run.rest)];
+    // First what each tile covers, then all with patches of one size.
+    int most_rows = 1;
+    int most_columns = 1;
+    int row_guess = 0;
+    for (int k = 0; k < count; ++k) {
+      TileSide side[PolarRow::kMostSides];
+      const Extent extent = extent_of(side, sides(k, side));
+      const auto at = static_cast<std::size_t>(k);
+      const int guess = static_cast<int>(extent.left * columns_per_radian_) + reach_;
+      scratch.columns_[at] = columns.first_beyond(extent.left * columns_per_radian_, guess);
+      scratch.rows_[at] = row_guess = rows_.first_beyond(extent.top, row_guess);
+      most_columns =
+          std::max(most_columns, columns.last_before(extent.right * columns_per_radian_, scratch.columns_[at]) -
+                                     scratch.columns_[at] + 1);
+      most_rows = std::max(most_rows, rows_.last_before(extent.bottom, row_guess) - row_guess + 1);
+    }
+    simd::PatchRun& patches = run.patches;
+    patches.patch_rows = std::min(most_rows, rows_.count());
+    patches.patch_groups = groups_for(most_columns);
+    const auto patch = static_cast<std::size_t>(patches.patch_rows * patches.patch_groups * kGroup);
+    const int at_a_time = static_cast<int>(std::max<std::size_t>(1, scratch.weights_.size() / patch));
+    for (run.first = 0; run.first < count; run.first += at_a_time) {
+      patches.count = std::min(at_a_time, count - run.first);
+      for (int k = 0; k < patches.count; ++k) {
+        const auto at = static_cast<std::size_t>(run.first + k);
+        scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
+        TileSide side[PolarRow::kMostSides];
+        const int number = sides(run.first + k, side);
+        scratch.areas_[static_cast<std::size_t>(k)] =
+            weigh_tile(side, number, columns, scratch.rows_[at], scratch.columns_[at], patches, scratch,
+                       scratch.weights_.data() + static_cast<std::size_t>(k) * patch);
+        scratch.columns_[at] -= reach_;  // from here on counted from the place of distance 0
+      }
+      patches.rows = scratch.rows_.data() + run.first;
+      patches.columns = scratch.columns_.data() + run.first;
+      patches.weights = scratch.weights_.data();
+      run.areas = scratch.areas_.data();
+      sink.take(run);
+    }
+  }
+}
+
+/// The integral over the tile of each texel's share, over the tile's solid angle: by Green's theorem the sum over its
+/// sides of (share in longitude up to the side) x (share in height along the side). Each side begins at the height
+/// where the one before it ends.
+double TileWeights::weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row,
+                               int first_column, const simd::PatchRun& run, TileScratch& scratch,
+                               float* weights) const {
+  const int across = run.patch_groups * kGroup;
+  const int down = run.patch_rows;
+  const auto total = static_cast<std::size_t>(down * across);
+  double* const dense = scratch.dense_.data();
+  double* const start_integrals = scratch.along_.data();
+  double* const share_across = scratch.across_.data();
+  double* from = scratch.from_.data();
+  double* to = scratch.to_.data();
+  std::fill_n(dense, total, 0.0);
+  const double start = sides[number - 1].longitude * columns_per_radian_;
+  columns.integrals_from_edges(start, first_column, across + 1, start_integrals);
+  rows_.integrals_from_edges(sides[0].from, first_row, down + 1, from);
+  double area = 0.0;
+  for (int s = 0; s < number; ++s, std::swap(from, to)) {
+    rows_.integrals_from_edges(sides[s].to, first_row, down + 1, to);
+    const double place = sides[s].longitude * columns_per_radian_;
+    if (place == start || sides[s].from == sides[s].to) continue;
+    area += (place - start) * (sides[s].to - sides[s].from);
+    columns.integrals_from_edges(place, first_column, across + 1, share_across);
+    for (int column = 0; column < across; ++column) {
+      share_across[column] =
+          (share_across[column] - start_integrals[column]) - (share_across[column + 1] - start_integrals[column + 1]);
+    }
+    for (int row = 0; row < down; ++row) {
+      const double share_down = (to[row] - from[row]) - (to[row + 1] - from[row + 1]);
+      double* const line = dense + row * across;
+      for (int column = 0; column < across; ++column) line[column] += share_down * share_across[column];
+    }
+  }
+  const double scale = 1.0 / area;
+  for (std::size_t i = 0; i < total; ++i) weights[i] = static_cast<float>(std::max(0.0, dense[i] * scale));
+  return area;
+}
+
+SoftCells::SoftCells(std::vector<double> edges, std::vector<double> half_ramps)
+    : edges_(std::move(edges)), half_ramps_(std::move(half_ramps)) {
+  for (const double half : half_ramps_) inverses_.push_back(half > 0.0 ? 1.0 / (4.0 * half) : 0.0);
+}
+
+int SoftCells::first_beyond(double place, int guess) const noexcept {
+  const auto ends_beyond = [&](int cell) {
+    const auto end = static_cast<std::size_t>(cell + 1);
+    return edges_[end] + half_ramps_[end] > place;
+  };
+  int cell = std::clamp(guess, 0, count() - 1);
+  while (cell > 0 && ends_beyond(cell - 1)) --cell;
+  while (cell < count() - 1 && !ends_beyond(cell)) ++cell;
+  return cell;
+}
+
+int SoftCells::last_before(double place, int guess) const noexcept {
+  const auto begins_before = [&](int cell) {
+    const auto begin = static_cast<std::size_t>(cell);
+    return edges_[begin] - half_ramps_[begin] < place;
+  };
+  int cell = std::clamp(guess, 0, count() - 1);
+  while (cell < count() - 1 && begins_before(cell + 1)) ++cell;
+  while (cell > 0 && !begins_before(cell)) --cell;
+  return cell;
+}
+
+}  // namespace welkin::image

@@ -1,0 +1,154 @@
+// A row of cells along a line, with a value each, made smooth between neighbours without moving any of it.
+//
+// About each edge the value goes linearly from one cell's to the next one's, over a ramp of equal length on both sides;
+// so the integral of a cell's share stays the cell's length, and all shares add up to 1. Ramps of no length: cells as
+// they are; of a cell's length: linear interpolation between cells' centres, where cells are equal.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "image/area_tiling.h"
+
+namespace welkin::image {
+
+class SoftCells {
+ public:
+  /// `edges`: rising, one more than there are cells. `half_ramps`: for each edge, at most half a neighbouring cell.
+  SoftCells(std::vector<double> edges, std::vector<double> half_ramps);
+
+  [[nodiscard]] int count() const noexcept { return static_cast<int>(edges_.size()) - 1; }
+
+  /// The first cell that has a share beyond `place`, from `guess` on or before.
+  [[nodiscard]] int first_beyond(double place, int guess) const noexcept;
+  /// The last cell that has a share before `place`.
+  [[nodiscard]] int last_before(double place, int guess) const noexcept;
+
+  /// integrals[k] = the integral up to `place` of the shares of all cells from edge `first` + k on, k < number; so the
+  /// integral of one cell's share is the difference of two. Edges beyond the last count as the last.
+  void integrals_from_edges(double place, int first, int number, double* integrals) const noexcept {
+    const auto begin = static_cast<std::size_t>(first);
+    const int there = std::min(number, count() + 1 - first);
+    for (int k = 0; k < there; ++k) {
+      const std::size_t edge = begin + static_cast<std::size_t>(k);
+      const double beyond = place - edges_[edge];
+      const double half = half_ramps_[edge];
+      // On the ramp (beyond + half)^2 / (4 half), and from its end on as much as lies beyond.
+      const double on_ramp = std::min(std::max(beyond, -half), half) + half;
+      integrals[k] = on_ramp * on_ramp * inverses_[edge] + std::max(beyond - half, 0.0);
+    }
+    for (int k = there; k < number; ++k) integrals[k] = integrals[k - 1];
+  }
+
+ private:
+  std::vector<double> edges_;
+  std::vector<double> half_ramps_;
+  std::vector<double> inverses_;  ///< 1 / (4 half_ramps), or 0
+};
+
+// How the texels of a lat-long and those of a cube overlap.
+//
+// Every texel of the lat-long has its share of the sphere, smooth where the cube is finer (SoftCells); every texel of
+// the cube is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the
+// sphere once: so a uniform source stays uniform and each source texel's flux arrives, whatever the sizes.
+//
+// A tile's weights serve all its mirror images and quarter turns: 16 of them, where the lat-long's width divides by
+// four. On side faces, but for the line next to +Y, a tile is a rectangle; its weights are products of shares in height
+// and shares in longitude, and the latter are the same on all lines.
+
+class TileWeights;
+
+/// Who gets the weights.
+class RunSink {
+ public:
+  RunSink() = default;
+  virtual ~RunSink() = default;
+  RunSink(const RunSink&) = delete;
+  RunSink& operator=(const RunSink&) = delete;
+
+  virtual void take(const WeighedRun& run) = 0;
+};
+
+/// One worker's room for the weights of a run of tiles.
+class TileScratch {
+ public:
+  explicit TileScratch(const TileWeights& weights);
+
+ private:
+  friend class TileWeights;
+  std::vector<float> weights_;
+  std::vector<std::int32_t> rows_, columns_;
+  std::vector<double> areas_, upper_, lower_;
+  std::vector<double> dense_, across_, along_, down_, from_, to_;
+  int line_ = -1;  ///< whose heights `lower_` has
+  PolarRow polar_;
+};
+
+class TileWeights {
+ public:
+  /// `soft`: the lat-long's texels get ramps.
+  TileWeights(int width, int height, int size, bool soft);
+
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+  [[nodiscard]] int size() const noexcept { return tiling_.size(); }
+  [[nodiscard]] const CubeTiling& tiling() const noexcept { return tiling_; }
+
+  /// Lines of tiles of the kinds `side` and `polar` each; the pole's texel is the first polar line if there is one.
+  [[nodiscard]] int lines() const noexcept { return tiling_.half(); }
+  [[nodiscard]] TileKind kind_of(bool polar, int row) const noexcept;
+  /// Tiles of a line.
+  [[nodiscard]] int tiles_of(TileKind kind, int row) const noexcept;
+  /// How many columns a patch may reach beyond the lat-long's seam.
+  [[nodiscard]] int border() const noexcept { return reach_ + kSpareColumns; }
+
+  /// Hands out the weights of a line of tiles, counted from +Y on side faces and from the pole, run after run. Lines
+  /// next to each other take less if one scratch has them in rising order.
+  void weigh(TileKind kind, int row, TileScratch& scratch, RunSink& sink) const;
+
+  /// What all lines of a side face but the first have in common, for the images of a rest.
+  struct SideColumns {
+    int groups = 0;  ///< of four columns
+    std::vector<std::int32_t> columns;
+    std::vector<float> weights;  ///< [half][4 groups]
+  };
+  [[nodiscard]] const SideColumns& side_columns(int rest) const noexcept {
+    return side_columns_[static_cast<std::size_t>(rest)];
+  }
+
+ private:
+  friend class TileScratch;
+  static constexpr int kSpareColumns = 8;  ///< that a patch may be wider than what it needs, twice over
+
+  [[nodiscard]] double half_ramp(double texels) const;
+  [[nodiscard]] SoftCells soft_rows() const;
+  [[nodiscard]] SoftCells soft_columns(double offset) const;
+  [[nodiscard]] SideColumns columns_of_sides(const SoftCells& columns) const;
+  [[nodiscard]] std::size_t most_weights() const noexcept;
+
+  void weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const;
+  void weigh_border(TileScratch& scratch, RunSink& sink) const;
+  void weigh_polar(int row, TileScratch& scratch, RunSink& sink) const;
+  void weigh_pole(TileScratch& scratch, RunSink& sink) const;
+
+  template <class Sides>
+  void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
+  double weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row, int first_column,
+                    const simd::PatchRun& run, TileScratch& scratch, float* weights) const;
+
+  CubeTiling tiling_;
+  int width_;
+  int height_;
+  bool soft_;
+  double columns_per_radian_;
+  int reach_;  ///< columns before the place where the distance is 0: an odd number has texels on both sides of it
+  SoftCells rows_;
+  std::array<bool, 4> needed_{};    ///< whether an image has that rest
+  std::vector<SoftCells> columns_;  ///< by rests
+  std::vector<SideColumns> side_columns_;
+};
+
+}  // namespace welkin::image

@@ -1,0 +1,239 @@
+#include "image/geometry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+
+#include "math/elementary.h"
+#include "math/quadrature.h"
+#include "welkin/error.h"
+#include "welkin/resampling.h"
+
+namespace welkin::image {
+namespace {
+
+constexpr std::array<Frame, 6> kFaces{{
+    {{0, 0, -1}, {0, -1, 0}, {1, 0, 0}},
+    {{0, 0, 1}, {0, -1, 0}, {-1, 0, 0}},
+    {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+    {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
+    {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
+    {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}},
+}};
+
+}  // namespace
+
+const Frame& face_frame(int face) noexcept { return kFaces[static_cast<std::size_t>(face)]; }
+
+glm::dvec3 face_direction(int size, int face, double column, double row) noexcept {
+  const Frame& frame = face_frame(face);
+  const double u = 2.0 * column / size - 1.0;
+  const double v = 2.0 * row / size - 1.0;
+  return (frame.normal + u * frame.u + v * frame.v) / std::sqrt(1.0 + u * u + v * v);
+}
+
+glm::dvec3 lat_long_direction(int width, int height, double column, double row) noexcept {
+  const math::SineCosine latitude = math::sine_cosine_of_turns(0.25 - row / (2.0 * height));
+  const math::SineCosine longitude = math::sine_cosine_of_turns(0.5 - column / width);
+  return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
+}
+
+// The integral of cos(latitude) over the texel is 2 pi / width (sin(top) - sin(bottom)); with the row's
+// polar angle theta at its centre that difference is the product 2 sin(theta) sin(pi / (2 height)).
+double lat_long_texel_solid_angle(int width, int height, int row) {
+  const double polar_sine = math::sine_cosine_of_turns((row + 0.5) / (2.0 * height)).sine;
+  return 2.0 * std::numbers::pi / width * 2.0 * polar_sine * math::sine_cosine_of_turns(0.25 / height).sine;
+}
+
+void cubemap_row_solid_angles(int row, std::span<double> row_angles) {
+  const std::size_t size = row_angles.size();
+  const simd::GaussRule rule = math::texel_rule(static_cast<int>(size));
+  const double half_edge = 1.0 / static_cast<double>(size);
+  const double v = (2.0 * row + 1.0) * half_edge - 1.0;
+  for (std::size_t column = 0; column < (size + 1) / 2; ++column) {
+    const double u = (2.0 * static_cast<double>(column) + 1.0) * half_edge - 1.0;
+    row_angles[column] = row_angles[size - 1 - column] = math::rectangle_solid_angle(u, v, half_edge, half_edge, rule);
+  }
+}
+
+namespace {
+
+struct WholeFrame {
+  glm::ivec3 u;
+  glm::ivec3 v;
+  glm::ivec3 normal;
+};
+
+const WholeFrame& whole_frame(int face) {
+  static const std::array<WholeFrame, 6> frames = [] {
+    std::array<WholeFrame, 6> result{};
+    for (int i = 0; i < 6; ++i) {
+      const Frame& frame = face_frame(i);
+      result[static_cast<std::size_t>(i)] = {glm::ivec3(frame.u), glm::ivec3(frame.v), glm::ivec3(frame.normal)};
+    }
+    return result;
+  }();
+  return frames[static_cast<std::size_t>(face)];
+}
+
+int dot(const glm::ivec3& a, const glm::ivec3& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+}  // namespace
+
+int face_of(const glm::dvec3& direction) noexcept {
+  const double x = std::abs(direction.x);
+  const double y = std::abs(direction.y);
+  const double z = std::abs(direction.z);
+  if (x >= y && x >= z) return direction.x < 0.0 ? 1 : 0;
+  if (y >= z) return direction.y < 0.0 ? 3 : 2;
+  return direction.z < 0.0 ? 5 : 4;
+}
+
+glm::ivec3 point_of(int size, const CubeTexel& texel) noexcept {
+  const WholeFrame& frame = whole_frame(texel.face);
+  return frame.normal * size + frame.u * (2 * texel.column + 1 - size) + frame.v * (2 * texel.row + 1 - size);
+}
+
+CubeTexel texel_at(int size, const glm::ivec3& point) noexcept {
+  int face = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(point[axis]) == size) face = 2 * axis + (point[axis] < 0 ? 1 : 0);
+  }
+  const WholeFrame& frame = whole_frame(face);
+  return {face, (dot(point, frame.u) + size - 1) / 2, (dot(point, frame.v) + size - 1) / 2};
+}
+
+// The point lies half a texel beyond the edge, on the face's plane: folded over the edge it lies half a texel down the
+// neighbour.
+CubeTexel across_edge(int size, const CubeTexel& outside) noexcept {
+  const WholeFrame& frame = whole_frame(outside.face);
+  glm::ivec3 point = point_of(size, outside);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(point[axis]) > size) {
+      point[axis] = point[axis] < 0 ? -size : size;
+    } else if (frame.normal[axis] != 0) {
+      point[axis] -= frame.normal[axis];
+    }
+  }
+  return texel_at(size, point);
+}
+
+glm::dvec3 TexelGrid::direction(std::int64_t texel) const noexcept {
+  const auto row = static_cast<int>(texel / columns_);
+  const auto column = static_cast<int>(texel % columns_);
+  if (kind_ == Kind::lat_long) return lat_long_direction(columns_, rows_, column + 0.5, row + 0.5);
+  return face_direction(columns_, row / columns_, column + 0.5, row % columns_ + 0.5);
+}
+
+TexelGrid::Neighbours TexelGrid::neighbours(std::int64_t texel) const noexcept {
+  const auto row = static_cast<int>(texel / columns_);
+  const auto column = static_cast<int>(texel % columns_);
+  const int face = row / columns_;
+  const int face_row = row % columns_;
+  Neighbours result;
+  for (int down = -1; down <= 1; ++down) {
+    for (int right = -1; right <= 1; ++right) {
+      if (down == 0 && right == 0) continue;
+      if (kind_ == Kind::lat_long) {
+        result.add(on_lat_long(row + down, column + right));
+        continue;
+      }
+      const bool off_row = face_row + down < 0 || face_row + down >= columns_;
+      const bool off_column = column + right < 0 || column + right >= columns_;
+      if (off_row && off_column) continue;  // three faces meet here: nothing lies across the corner
+      result.add(on_cubemap(face, face_row + down, column + right));
+    }
+  }
+  return result;
+}
+
+std::int64_t TexelGrid::on_lat_long(int row, int column) const noexcept {
+  if (row < 0 || row >= rows_) {
+    row = std::clamp(row, 0, rows_ - 1);
+    column += columns_ / 2;
+  }
+  return std::int64_t{row} * columns_ + (column + columns_) % columns_;
+}
+
+// A cube of edge 2N with its middle at the origin has texel centres at whole numbers. A place one step past an edge
+// is folded down: what it is beyond N along the face, it lies below N along the face's normal.
+std::int64_t TexelGrid::on_cubemap(int face, int row, int column) const noexcept {
+  const double edge = columns_;
+  double u = 2.0 * column + 1.0 - edge;
+  double v = 2.0 * row + 1.0 - edge;
+  double along_normal = edge;
+  for (double* coordinate : {&u, &v}) {
+    if (*coordinate >= -edge && *coordinate <= edge) continue;
+    along_normal = edge - (*coordinate < 0.0 ? -*coordinate - edge : *coordinate - edge);
+    *coordinate = *coordinate < 0.0 ? -edge : edge;
+  }
+  const Frame& from = face_frame(face);
+  const glm::dvec3 place = u * from.u + v * from.v + along_normal * from.normal;
+  int to = 0;
+  while (to < 5 && glm::dot(place, face_frame(to).normal) != edge) ++to;
+  const auto index = [&](const glm::dvec3& axis) {
+    return static_cast<int>((glm::dot(place, axis) + edge - 1.0) / 2.0);
+  };
+  const int new_row = index(face_frame(to).v);
+  const int new_column = index(face_frame(to).u);
+  return (std::int64_t{to} * columns_ + new_row) * columns_ + new_column;
+}
+
+int TexelGrid::row_classes() const noexcept { return kind_ == Kind::lat_long ? rows_ : (columns_ + 1) / 2; }
+
+int TexelGrid::class_of(int row) const noexcept {
+  if (kind_ == Kind::lat_long) return row;
+  return std::min(row % columns_, columns_ - 1 - row % columns_);
+}
+
+TexelGrid::Rows TexelGrid::rows_of(int row_class) const noexcept {
+  Rows result;
+  const auto add = [&](int row) { result.rows[static_cast<std::size_t>(result.count++)] = row; };
+  if (kind_ == Kind::lat_long) {
+    add(row_class);
+    return result;
+  }
+  for (int face = 0; face < 6; ++face) {
+    add(face * columns_ + row_class);
+    if (columns_ - 1 - row_class != row_class) add(face * columns_ + columns_ - 1 - row_class);
+  }
+  return result;
+}
+
+void TexelGrid::solid_angles(int row_class, std::span<double> steradians) const {
+  if (kind_ == Kind::cubemap) return cubemap_row_solid_angles(row_class, steradians);
+  std::fill(steradians.begin(), steradians.end(), lat_long_texel_solid_angle(columns_, rows_, row_class));
+}
+
+std::vector<double> solid_angles_of(const TexelGrid& grid, const std::vector<std::int64_t>& texels) {
+  std::vector<double> result;
+  std::vector<double> row_angles(static_cast<std::size_t>(grid.columns()));
+  std::int64_t known_row = -1;
+  for (const std::int64_t texel : texels) {
+    const std::int64_t row = texel / grid.columns();
+    if (row != known_row) grid.solid_angles(grid.class_of(static_cast<int>(row)), row_angles);
+    known_row = row;
+    result.push_back(row_angles[static_cast<std::size_t>(texel % grid.columns())]);
+  }
+  return result;
+}
+
+}  // namespace welkin::image
+
+namespace welkin {
+
+glm::dmat3 turn_about_y(double degrees) {
+  if (!(std::abs(degrees) <= 1e6)) {
+    throw Error(ErrorCode::invalid_argument,
+                "a turn of " + std::to_string(degrees) + " degrees about y; it must be within 1e6 degrees");
+  }
+  const math::SineCosine turn = math::sine_cosine_of_turns(degrees / 360.0);
+  return {glm::dvec3(turn.cosine, 0.0, -turn.sine), glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(turn.sine, 0.0, turn.cosine)};
+}
+
+}  // namespace welkin

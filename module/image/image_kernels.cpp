@@ -1,0 +1,362 @@
+// A grid's values between its texels: 4 x 4 texels of four floats for each point.
+//
+// Four texels of a ring are the 16 logical lanes. Rings are weighted and added first, as ((0 + 1) + (2 + 3)); then the
+// columns: with q0 to q3 the four texels' weighted sums, red to blue = (q0 + q2) + (q1 + q3).
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+/// What is left to be added over the four texels.
+WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
+  const float* const weights = run.ring_weights + 4 * static_cast<std::ptrdiff_t>(point);
+  const float* const texels =
+      run.origin + run.rings[point] * run.ring_stride + 4 * static_cast<std::ptrdiff_t>(run.columns[point]);
+  // The next row of points will want the rings below these.
+  fetch_line(reinterpret_cast<const char*>(texels + (point % 2 == 0 ? 4 : 5) * run.ring_stride), 0);
+  const Texels upper = sum(weighted_ring(texels, weights[0]), weighted_ring(texels + run.ring_stride, weights[1]));
+  const Texels lower = sum(weighted_ring(texels + 2 * run.ring_stride, weights[2]),
+                           weighted_ring(texels + 3 * run.ring_stride, weights[3]));
+  return weighted_columns(sum(upper, lower), run.column_weights + 4 * static_cast<std::ptrdiff_t>(point));
+}
+
+#if defined(__AVX512F__)
+
+/// Points `point` to `point` + 3: the folds of all four at once, then the unused fourth values squeezed out.
+WELKIN_INLINE void sample_four(const GridRun& run, int point, __m512 lowest, float* rgb) {
+  const __m512 rgba = folded(spread_value(run, point), spread_value(run, point + 1), spread_value(run, point + 2),
+                             spread_value(run, point + 3));
+  const __m512i order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+  const __m512 packed = _mm512_permutexvar_ps(order, _mm512_max_ps(rgba, lowest));
+  _mm512_mask_storeu_ps(rgb, 0x0FFF, packed);
+}
+
+#endif
+
+}  // namespace
+
+void sample_grid(const GridRun& run, float* rgb) {
+  constexpr float most_negative = -__builtin_inff();
+  const float lowest = run.not_negative ? 0.0F : most_negative;
+  int point = 0;
+#if defined(__AVX512F__)
+  for (; point + 4 <= run.count; point += 4) sample_four(run, point, _mm512_set1_ps(lowest), rgb + 3 * point);
+#else
+  // Four values are written; the fourth is the next point's red, which comes later.
+  for (; point + 1 < run.count; ++point) {
+    _mm_storeu_ps(rgb + 3 * point, _mm_max_ps(folded(spread_value(run, point)), _mm_set1_ps(lowest)));
+  }
+#endif
+  for (; point < run.count; ++point) {
+    alignas(16) float value[4];
+    _mm_store_ps(value, _mm_max_ps(folded(spread_value(run, point)), _mm_set1_ps(lowest)));
+    for (int c = 0; c < 3; ++c) rgb[3 * point + c] = value[c];
+  }
+}
+
+namespace {
+
+// Where a cube face's texels lie between the texels of a grid of longitudes and latitudes.
+
+constexpr double kTangentOfPi8 = 0.41421356237309503;  // tan(pi / 8)
+constexpr double kPi4 = 0.78539816339744828;
+constexpr double kPi2 = 1.5707963267948966;
+
+/// 3/2 x 2^20: adding and subtracting it rounds a number below 2^19 to a multiple of 2^-32.
+constexpr double kRoundTo32Bits = 1572864.0;
+/// 3/2 x 2^52: the same, to whole numbers.
+constexpr double kRoundToWhole = 6755399441055744.0;
+
+/// atan(x) / x as a polynomial of x^2, for |x| <= tan(pi / 8): Chebyshev interpolation (mpmath's chebyfit, 40 digits),
+/// relative error 8e-13.
+constexpr double kArcTangent[8] = {0x1.fffffffffe56dp-1,  -0x1.5555554ba45bcp-2, 0x1.99999046d1e86p-3,
+                                   -0x1.24909144ba082p-3, 0x1.c6cc2f2f6f999p-4,  -0x1.7055c066509b3p-4,
+                                   0x1.1da9c35cc3322p-4,  -0x1.34787b1b4ac83p-5};
+
+/// atan(across / along) for 0 <= across <= along: atan(s) with |s| <= tan(pi / 8), or pi/4 + atan(s).
+WELKIN_INLINE DoubleLanes angle(DoubleLanes across, DoubleLanes along) {
+  const auto beyond = across > along * DoubleLanes(kTangentOfPi8);
+  const DoubleLanes numerator = xsimd::select(beyond, across - along, across);
+  const DoubleLanes denominator = xsimd::select(beyond, across + along, along);
+  const DoubleLanes nothing(1e-300);  // for the origin
+  const DoubleLanes s = numerator / xsimd::select(denominator > nothing, denominator, nothing);
+  const DoubleLanes s2 = s * s;
+  DoubleLanes series(kArcTangent[7]);
+  for (int k = 6; k >= 0; --k) series = series * s2 + DoubleLanes(kArcTangent[k]);
+  return xsimd::select(beyond, DoubleLanes(kPi4), DoubleLanes(0.0)) + s * series;
+}
+
+/// Registers over `count` values; the last one in part, through a copy.
+template <class Step>
+WELKIN_INLINE void for_each_register(int count, const Step& step) {
+  int k = 0;
+  for (; k + kDoubleWidth <= count; k += kDoubleWidth) step(k, kDoubleWidth);
+  if (k < count) step(k, count - k);
+}
+
+WELKIN_INLINE DoubleLanes load_part(const double* values, int count) {
+  if (count == kDoubleWidth) return DoubleLanes::load_unaligned(values);
+  alignas(64) double part[kDoubleWidth] = {};
+  for (int k = 0; k < count; ++k) part[k] = values[k];
+  return DoubleLanes::load_aligned(part);
+}
+
+WELKIN_INLINE void store_part(DoubleLanes lanes, int count, double* values) {
+  if (count == kDoubleWidth) return lanes.store_unaligned(values);
+  alignas(64) double part[kDoubleWidth];
+  lanes.store_aligned(part);
+  for (int k = 0; k < count; ++k) values[k] = part[k];
+}
+
+}  // namespace
+
+void plane_lengths(const double* u, double v, int count, double* lengths) {
+  for_each_register(
+      count, [&](int k, int part) __attribute__((always_inline)) {
+        const DoubleLanes x = load_part(u + k, part);
+        store_part(xsimd::sqrt(x * x + DoubleLanes(v * v)), part, lengths + k);
+      });
+}
+
+void places_of_angles(const double* across, const double* along, int count, double quarter, double offset,
+                      double* places) {
+  const double scale = quarter / kPi2;
+  for_each_register(
+      count, [&](int k, int part) __attribute__((always_inline)) {
+        const DoubleLanes x = load_part(along + k, part);
+        const DoubleLanes y = load_part(across + k, part);
+        const auto steep = y > x;
+        const DoubleLanes turned = DoubleLanes(scale) * angle(xsimd::select(steep, x, y), xsimd::select(steep, y, x));
+        const DoubleLanes rounded = (turned + DoubleLanes(kRoundTo32Bits)) - DoubleLanes(kRoundTo32Bits);
+        const DoubleLanes all = xsimd::select(steep, DoubleLanes(quarter) - rounded, rounded);
+        store_part(DoubleLanes(offset) + all, part, places + k);
+      });
+}
+
+// With t the share of the way from the second to the third texel, the cubic B-spline weighs them
+//   (1 - t)^3 / 6,  2/3 - t^2 + t^3 / 2,  2/3 - (1 - t)^2 + (1 - t)^3 / 2,  t^3 / 6.
+// Where the place is a texel's own, t may be 0 or 1: the weights are the same function either way.
+void taps_of_places(const double* places, int count, bool cubic, std::int32_t* first, float* weights) {
+  for (int k = 0; k < count; ++k) {
+    const double second = (places[k] - 0.5 + kRoundToWhole) - kRoundToWhole;
+    first[k] = static_cast<std::int32_t>(second) - 1;
+    const auto t = static_cast<float>(places[k] - second);
+    const float rest = 1.0F - t;
+    const float outer = t * t * t * (1.0F / 6.0F);
+    const float rest_outer = rest * rest * rest * (1.0F / 6.0F);
+    const float third = 2.0F / 3.0F - rest * rest + 3.0F * rest_outer;
+    weights[4 * k] = cubic ? rest_outer : 0.0F;
+    weights[4 * k + 1] = cubic ? (1.0F - (outer + rest_outer)) - third : rest;  // so that the sum is 1
+    weights[4 * k + 2] = cubic ? third : t;
+    weights[4 * k + 3] = cubic ? outer : 0.0F;
+  }
+}
+
+namespace {
+
+// Weighted sums over patches of a picture.
+//
+// Four texels of a row are the 16 logical lanes. What is left of a patch, spread over them, is folded for several
+// points at once where registers are wide enough.
+
+/// A patch before its last sums: over the four columns of a group.
+struct Spread {
+  Texels total;
+  Texels differences;  ///< which bits differ between its texels
+};
+
+WELKIN_INLINE bool uniform(const Spread& spread) {
+  const Lanes* const part = spread.differences.part;
+#if defined(__AVX512F__)
+  const __m512i bits = _mm512_castps_si512(part[0]);
+  return _mm512_test_epi32_mask(bits, bits) == 0;
+#elif defined(__AVX2__)
+  const __m256i bits = _mm256_castps_si256(part[0] | part[1]);
+  return _mm256_testz_si256(bits, bits) != 0;
+#else
+  const __m128 bits = (part[0] | part[1]) | (part[2] | part[3]);
+  return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(bits), _mm_setzero_si128())) == 0xFFFF;
+#endif
+}
+
+/// One texel in all four places.
+WELKIN_INLINE Texels repeated(const float* texel) {
+  Texels result;
+#if defined(__AVX512F__)
+  result.part[0] = Lanes(_mm512_broadcast_f32x4(_mm_loadu_ps(texel)));
+#elif defined(__AVX2__)
+  result.part[0] = result.part[1] = Lanes(_mm256_broadcast_ps(reinterpret_cast<const __m128*>(texel)));
+#else
+  for (Lanes& part : result.part) part = Lanes(_mm_loadu_ps(texel));
+#endif
+  return result;
+}
+
+template <bool mirrored>
+WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
+  const int column = mirrored ? run.base - run.columns[point] - 4 * run.patch_groups : run.base + run.columns[point];
+  return run.origin + run.rows[point] * run.row_stride + 4 * static_cast<std::ptrdiff_t>(column);
+}
+
+/// `product`: there are row weights. `known_rows`: of a patch of one group; 0 if the run knows.
+template <bool mirrored, bool product, int known_rows>
+WELKIN_INLINE Spread spread_value(const PatchRun& run, int point) {
+  const int rows = known_rows > 0 ? known_rows : run.patch_rows;
+  const int groups = known_rows > 0 ? 1 : run.patch_groups;
+  const float* const texels = first_texel<mirrored>(run, point);
+  const float* const weights = run.weights + 4 * static_cast<std::ptrdiff_t>(point) * groups * (product ? 1 : rows);
+  const float* const row_weights = product ? run.row_weights + static_cast<std::ptrdiff_t>(point) * rows : nullptr;
+  const Texels first = repeated(texels);
+  Spread spread;
+  for (int group = 0; group < groups; ++group) {
+    const int weight_group = mirrored ? groups - 1 - group : group;
+    Texels column;
+    for (int row = 0; row < rows; ++row) {
+      const Texels here = load_texels(texels + row * run.row_stride + 16 * static_cast<std::ptrdiff_t>(group));
+      const Texels part = product ? weighted_ring(here, row_weights[row])
+                                  : weighted_columns<mirrored>(here, weights + 4 * (row * groups + weight_group));
+      column = row == 0 ? part : sum(column, part);
+      for (int k = 0; k < kParts; ++k) {
+        const Lanes difference = here.part[k] ^ first.part[k];
+        Lanes& all = spread.differences.part[k];
+        all = row == 0 && group == 0 ? difference : all | difference;
+      }
+    }
+    if (product) column = weighted_columns<mirrored>(column, weights + 4 * static_cast<std::ptrdiff_t>(weight_group));
+    spread.total = group == 0 ? column : sum(spread.total, column);
+  }
+  return spread;
+}
+
+template <bool mirrored, bool product, int known_rows>
+WELKIN_INLINE void sample_one(const PatchRun& run, int point, float* rgb) {
+  const Spread spread = spread_value<mirrored, product, known_rows>(run, point);
+  const __m128 value = uniform(spread) ? _mm_loadu_ps(first_texel<mirrored>(run, point)) : folded(spread.total);
+  float* const target = rgb + point * run.rgb_step;
+  _mm_storel_pi(reinterpret_cast<__m64*>(target), value);
+  _mm_store_ss(target + 2, _mm_movehl_ps(value, value));
+}
+
+#if defined(__AVX512F__)
+
+/// Points `point` to `point` + 3, next to each other or not.
+template <bool mirrored, bool product, int known_rows>
+WELKIN_INLINE void sample_four(const PatchRun& run, int point, float* rgb) {
+  // The next line of tiles will want the row beyond this one's.
+  const std::ptrdiff_t rows = known_rows > 0 ? known_rows : run.patch_rows;
+  fetch_line(reinterpret_cast<const char*>(first_texel<mirrored>(run, point) + rows * run.row_stride), 0);
+  Spread spread[4];
+  for (int k = 0; k < 4; ++k) spread[k] = spread_value<mirrored, product, known_rows>(run, point + k);
+  __m512 rgba = folded(spread[0].total, spread[1].total, spread[2].total, spread[3].total);
+  if (uniform(spread[0]) || uniform(spread[1]) || uniform(spread[2]) || uniform(spread[3])) {
+    for (int k = 0; k < 4; ++k) {
+      const auto place = static_cast<__mmask16>(uniform(spread[k]) ? 0xF << 4 * k : 0);
+      rgba = _mm512_mask_broadcast_f32x4(rgba, place, _mm_loadu_ps(first_texel<mirrored>(run, point + k)));
+    }
+  }
+  // Next to each other: the unused fourth values squeezed out.
+  if (run.rgb_step == 3) {
+    const __m512i order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+    _mm512_mask_storeu_ps(rgb + 3 * static_cast<std::ptrdiff_t>(point), 0x0FFF, _mm512_permutexvar_ps(order, rgba));
+  } else if (run.rgb_step == -3) {
+    const __m512i order = _mm512_setr_epi32(12, 13, 14, 8, 9, 10, 4, 5, 6, 0, 1, 2, 3, 7, 11, 15);
+    _mm512_mask_storeu_ps(rgb - 3 * (static_cast<std::ptrdiff_t>(point) + 3), 0x0FFF,
+                          _mm512_permutexvar_ps(order, rgba));
+  } else {
+    float* const target = rgb + point * run.rgb_step;
+    _mm_mask_storeu_ps(target, 0x7, _mm512_castps512_ps128(rgba));
+    _mm_mask_storeu_ps(target + run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 1));
+    _mm_mask_storeu_ps(target + 2 * run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 2));
+    _mm_mask_storeu_ps(target + 3 * run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 3));
+  }
+}
+
+#endif
+
+template <bool mirrored, bool product, int known_rows>
+void sample_each(const PatchRun& the_run, float* rgb) {
+  const PatchRun run = the_run;  // a copy of its own, which no store to rgb can change
+  int point = 0;
+#if defined(__AVX512F__)
+  for (; point + 4 <= run.count; point += 4) sample_four<mirrored, product, known_rows>(run, point, rgb);
+#endif
+  for (; point < run.count; ++point) sample_one<mirrored, product, known_rows>(run, point, rgb);
+}
+
+template <bool mirrored, bool product>
+WELKIN_INLINE void sample_all(const PatchRun& run, float* rgb) {
+  if (run.patch_groups != 1) return sample_each<mirrored, product, 0>(run, rgb);
+  switch (run.patch_rows) {
+    case 2: return sample_each<mirrored, product, 2>(run, rgb);
+    case 3: return sample_each<mirrored, product, 3>(run, rgb);
+    case 4: return sample_each<mirrored, product, 4>(run, rgb);
+    case 5: return sample_each<mirrored, product, 5>(run, rgb);
+    default: return sample_each<mirrored, product, 0>(run, rgb);
+  }
+}
+
+}  // namespace
+
+void sample_patches(const PatchRun& run, float* rgb) {
+  if (run.row_weights != nullptr)
+    return run.mirrored ? sample_all<true, true>(run, rgb) : sample_all<false, true>(run, rgb);
+  return run.mirrored ? sample_all<true, false>(run, rgb) : sample_all<false, false>(run, rgb);
+}
+
+namespace {
+
+// Two rows of texels to one of half the length.
+
+/// Texels of the result that are worked on at a time: their six kilobytes stay in the first-level cache.
+constexpr int kBlock = 64;
+
+}  // namespace
+
+// Plain loops: the compiler vectorises the first, which has most of the work, and the order of additions is that of the
+// source in any case.
+void reduce_pairs(const float* top, const float* bottom, const float* top_weights, const float* bottom_weights,
+                  int count, float* rgb) {
+  float columns[6 * kBlock];
+  for (int first = 0; first < count; first += kBlock) {
+    const int texels = count - first < kBlock ? count - first : kBlock;
+    const int from = 6 * first;
+    for (int k = 0; k < 6 * texels; ++k) {
+      columns[k] = top[from + k] * top_weights[from + k] + bottom[from + k] * bottom_weights[from + k];
+    }
+    for (int i = 0; i < texels; ++i) {
+      for (int c = 0; c < 3; ++c) rgb[3 * (first + i) + c] = columns[6 * i + c] + columns[6 * i + 3 + c];
+    }
+  }
+}
+
+// Passes over plain floats: a range check and the bandwidth yardstick.
+
+bool any_outside(const float* values, int count, float low, float high) {
+  // A comparison with NaN is false, so "not inside" catches it. No early exit: the loop vectorises.
+  int outside = 0;
+  for (int k = 0; k < count; ++k) outside |= static_cast<int>(!(values[k] >= low && values[k] <= high));
+  return outside != 0;
+}
+
+float read_all(const float* values, std::int64_t groups) {
+  constexpr int parts = kLanes / kWidth;
+  Lanes sum[4 * parts];
+  for (Lanes& s : sum) s = Lanes(0.0F);
+  std::int64_t g = 0;
+  for (; g + 4 <= groups; g += 4) {
+    for (int k = 0; k < 4 * parts; ++k) sum[k] = sum[k] + Lanes::load_unaligned(values + g * kLanes + k * kWidth);
+  }
+  for (; g < groups; ++g) {
+    for (int k = 0; k < parts; ++k) sum[k] = sum[k] + Lanes::load_unaligned(values + g * kLanes + k * kWidth);
+  }
+  alignas(64) float lanes[kWidth];
+  float total = 0.0F;
+  for (const Lanes& s : sum) {
+    s.store_aligned(lanes);
+    for (int k = 0; k < kWidth; ++k) total += lanes[k];
+  }
+  return total;
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

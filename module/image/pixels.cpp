@@ -1,0 +1,198 @@
+#include "image/pixels.h"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "welkin/error.h"
+
+namespace welkin::image {
+namespace {
+
+/// x^(1/5) for x in (0, 1], by Newton from a guess that divides the exponent by five. libm's pow would give
+/// other last bits on other machines.
+double fifth_root(double x) noexcept {
+  // The bits of a double are close to its logarithm; 4/5 of the bits of 1.0 puts the exponent's bias back.
+  constexpr auto bits_of_one = std::bit_cast<std::uint64_t>(1.0);
+  auto root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
+  for (int step = 0; step < 5; ++step) {  // from 6 % off, quadratically: 1e-2, 2e-4, 1e-7, 1e-14, rounding
+    const double squared = root * root;
+    root -= 0.2 * (root - x / (squared * squared));
+  }
+  return root;
+}
+
+using EightBitTable = std::array<float, 256>;
+
+template <class Curve>
+EightBitTable make_table(const Curve& curve) {
+  EightBitTable table{};
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(curve(static_cast<double>(i) / 255.0));
+  return table;
+}
+
+void decode_eight_bit(const EightBitTable& table, const void* texels, int channels, int count, float* rgb) noexcept {
+  const auto* from = static_cast<const std::uint8_t*>(texels);
+  for (int i = 0; i < count; ++i, from += channels, rgb += 3) {
+    for (int c = 0; c < 3; ++c) rgb[c] = table[from[c]];
+  }
+}
+
+void decode_half(const void* texels, int channels, int count, float* rgb) noexcept {
+  const auto* from = static_cast<const std::uint16_t*>(texels);
+  for (int i = 0; i < count; ++i, from += channels, rgb += 3) {
+    for (int c = 0; c < 3; ++c) rgb[c] = float_from_half(from[c]);
+  }
+}
+
+}  // namespace
+
+float float_from_half(std::uint16_t half) noexcept {
+  // Exponent and mantissa in a float's places are the value times 2^-112, denormals too; multiplying by a
+  // power of two is exact.
+  const std::uint32_t magnitude = half & 0x7FFFU;
+  const std::uint32_t sign = (half & 0x8000U) << 16U;
+  if (magnitude >= 0x7C00U) return std::bit_cast<float>(sign | 0x7F800000U | (magnitude << 13U));
+  const float scaled = std::bit_cast<float>(magnitude << 13U) * 0x1p112F;
+  return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(scaled));
+}
+
+double linear_from_srgb(double encoded) noexcept {
+  if (encoded <= 0.04045) return encoded / 12.92;
+  const double t = (encoded + 0.055) / 1.055;  // t^2.4 = t^2 (t^(1/5))^2
+  const double root = fifth_root(t);
+  return t * t * (root * root);
+}
+
+double power_2_2(double value) noexcept {
+  if (value <= 0.0) return 0.0;
+  return value * value * fifth_root(value);
+}
+
+void decode_texels(PixelFormat format, const void* texels, int count, float* rgb) noexcept {
+  static const EightBitTable linear = make_table([](double value) { return value; });
+  static const EightBitTable srgb = make_table(linear_from_srgb);
+  switch (format) {
+    case PixelFormat::rgb_f32: std::memcpy(rgb, texels, static_cast<std::size_t>(count) * 3 * sizeof(float)); return;
+    case PixelFormat::rgba_f32: {
+      const auto* from = static_cast<const float*>(texels);
+      for (int i = 0; i < count; ++i, from += 4, rgb += 3) std::memcpy(rgb, from, 3 * sizeof(float));
+      return;
+    }
+    case PixelFormat::rgb_f16: return decode_half(texels, 3, count, rgb);
+    case PixelFormat::rgba_f16: return decode_half(texels, 4, count, rgb);
+    case PixelFormat::rgb_u8: return decode_eight_bit(linear, texels, 3, count, rgb);
+    case PixelFormat::rgba_u8: return decode_eight_bit(linear, texels, 4, count, rgb);
+    case PixelFormat::rgb_srgb8: return decode_eight_bit(srgb, texels, 3, count, rgb);
+    case PixelFormat::rgba_srgb8: return decode_eight_bit(srgb, texels, 4, count, rgb);
+  }
+}
+
+namespace {
+
+const void* row_at(const void* pixels, std::ptrdiff_t stride, PixelFormat format, int width, int row) noexcept {
+  const std::ptrdiff_t packed = static_cast<std::ptrdiff_t>(bytes_per_texel(format)) * width;
+  return static_cast<const std::byte*>(pixels) + (stride != 0 ? stride : packed) * row;
+}
+
+}  // namespace
+
+const void* row_of(const LatLongView& view, int row) noexcept {
+  return row_at(view.pixels, view.row_stride_bytes, view.format, view.width, row);
+}
+
+const void* row_of(const CubemapView& view, int face, int row) noexcept {
+  return row_at(view.faces[static_cast<std::size_t>(face)], view.row_stride_bytes, view.format, view.size, row);
+}
+
+template <typename RowOf>
+FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row)
+    : row_floats_(std::ptrdiff_t{3} * width) {
+  if (format == PixelFormat::rgb_f32) {
+    first_ = static_cast<const float*>(address_of_row(0));
+    if (height > 1) row_floats_ = static_cast<const float*>(address_of_row(1)) - first_;
+    return;
+  }
+  decoded_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(row_floats_ * height));
+  for (int row = 0; row < height; ++row) {
+    decode_texels(format, address_of_row(row), width, decoded_.get() + row * row_floats_);
+  }
+  first_ = decoded_.get();
+}
+
+FloatPlane::FloatPlane(const LatLongView& view)
+    : FloatPlane(view.format, view.width, view.height, [&](int row) { return row_of(view, row); }) {}
+
+FloatPlane::FloatPlane(const CubemapView& view, int face)
+    : FloatPlane(view.format, view.size, view.size, [&](int row) { return row_of(view, face, row); }) {}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+std::size_t channel_bytes(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::rgb_f32:
+    case PixelFormat::rgba_f32: return 4;
+    case PixelFormat::rgb_f16:
+    case PixelFormat::rgba_f16: return 2;
+    default: return 1;
+  }
+}
+
+void require_pixels(const std::string& what, const void* pixels, PixelFormat format) {
+  if (pixels == nullptr) refuse(what + " has no pixels: its pointer is null");
+  if (reinterpret_cast<std::uintptr_t>(pixels) % channel_bytes(format) != 0) {
+    refuse(what + " is not aligned to its channels, which take " + std::to_string(channel_bytes(format)) +
+           " bytes each");
+  }
+}
+
+void require_stride(std::ptrdiff_t stride, int width, PixelFormat format) {
+  const auto row = static_cast<std::ptrdiff_t>(bytes_per_texel(format)) * width;
+  if (row == 0)
+    refuse("the pixel format " + std::to_string(static_cast<int>(format)) + " is not one that Welkin knows");
+  if (stride == 0) return;
+  if (std::abs(stride) < row) {
+    refuse("row_stride_bytes is " + std::to_string(stride) + ", less than a row of " + std::to_string(row) + " bytes");
+  }
+  if (stride % static_cast<std::ptrdiff_t>(channel_bytes(format)) != 0) {
+    refuse("row_stride_bytes is " + std::to_string(stride) + ", which leaves rows unaligned to their channels of " +
+           std::to_string(channel_bytes(format)) + " bytes");
+  }
+}
+
+}  // namespace
+
+void require_range(const char* what, std::int64_t value, std::int64_t low, std::int64_t high) {
+  if (value >= low && value <= high) return;
+  refuse(std::string(what) + " is " + std::to_string(value) + "; it must be from " + std::to_string(low) + " to " +
+         std::to_string(high));
+}
+
+void check_face_size(int size) { require_range("the cubemap's size", size, 1, kLargestFace); }
+
+void check_lat_long_size(int width, int height) {
+  require_range("the lat-long's width", width, 1, kLargestLatLongWidth);
+  require_range("the lat-long's height", height, 1, kLargestLatLongHeight);
+}
+
+void check_view(const CubemapView& cubemap) {
+  check_face_size(cubemap.size);
+  require_stride(cubemap.row_stride_bytes, cubemap.size, cubemap.format);
+  for (std::size_t face = 0; face < cubemap.faces.size(); ++face) {
+    require_pixels("face " + std::to_string(face) + " of the cubemap", cubemap.faces[face], cubemap.format);
+  }
+}
+
+void check_view(const LatLongView& lat_long) {
+  check_lat_long_size(lat_long.width, lat_long.height);
+  require_stride(lat_long.row_stride_bytes, lat_long.width, lat_long.format);
+  require_pixels("the lat-long", lat_long.pixels, lat_long.format);
+}
+
+}  // namespace welkin::image

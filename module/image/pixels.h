@@ -1,0 +1,66 @@
+// From any pixel format to RGB floats.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "welkin/image_view.h"
+
+namespace welkin::image {
+
+/// Decodes `count` texels at `texels` to packed RGB floats. Exact for float and half formats; 8-bit ones
+/// are value / 255, through the sRGB transfer function where the format says so, rounded once to float.
+void decode_texels(PixelFormat format, const void* texels, int count, float* rgb) noexcept;
+
+/// A binary16 as a float, exactly; infinities and NaNs stay what they are.
+[[nodiscard]] float float_from_half(std::uint16_t half) noexcept;
+
+/// The sRGB transfer function's inverse (IEC 61966-2-1) for an encoded value in [0, 1]; error below 1e-15.
+[[nodiscard]] double linear_from_srgb(double encoded) noexcept;
+
+/// `value` raised to 2.2, for values in [0, 1]; relative error below 1e-15, the same bits everywhere.
+[[nodiscard]] double power_2_2(double value) noexcept;
+
+// A picture's rows, and the same as RGB floats that can be looked up at random.
+
+/// First texel of a row, whichever way the rows run.
+[[nodiscard]] const void* row_of(const LatLongView& view, int row) noexcept;
+[[nodiscard]] const void* row_of(const CubemapView& view, int face, int row) noexcept;
+
+/// RGB floats: the caller's own where they are that already, else a decoded copy.
+class FloatPlane {
+ public:
+  explicit FloatPlane(const LatLongView& view);
+  FloatPlane(const CubemapView& view, int face);
+
+  /// Three values.
+  [[nodiscard]] const float* texel(int column, int row) const noexcept {
+    return first_ + row * row_floats_ + std::ptrdiff_t{3} * column;
+  }
+
+ private:
+  template <typename RowOf>
+  FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row);
+
+  std::unique_ptr<float[]> decoded_;
+  const float* first_ = nullptr;
+  std::ptrdiff_t row_floats_ = 0;
+};
+
+// Refuses views that no call can work on, before any work.
+
+inline constexpr int kLargestFace = 16384;
+inline constexpr int kLargestLatLongWidth = 65536;
+inline constexpr int kLargestLatLongHeight = 32768;
+
+/// An argument that is not from `low` to `high`, by its name. Throws as below.
+void require_range(const char* what, std::int64_t value, std::int64_t low, std::int64_t high);
+
+/// All throw `Error` (invalid_argument) with a message that says what was found and what is allowed.
+void check_face_size(int size);
+void check_lat_long_size(int width, int height);
+void check_view(const CubemapView& cubemap);
+void check_view(const LatLongView& lat_long);
+
+}  // namespace welkin::image

@@ -1,0 +1,56 @@
+// An environment between its texels.
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "image/geometry.h"
+#include "image/pixels.h"
+
+namespace welkin::image {
+
+/// Bilinear interpolation between texel centres, without seams. NaN and infinities spread to all directions whose
+/// four texels include them.
+class Sampler {
+ public:
+  virtual ~Sampler() = default;
+
+  /// Adds `weight` times the radiance from `direction`, which need not be of unit length, to `sum`.
+  virtual void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept = 0;
+};
+
+/// Across the poles it goes on in the columns on the other side, half a turn away.
+class LatLongSampler final : public Sampler {
+ public:
+  /// The view's pixels must outlive the sampler.
+  explicit LatLongSampler(const LatLongView& view) : plane_(view), width_(view.width), height_(view.height) {}
+
+  void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept override;
+
+ private:
+  void add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept;
+
+  FloatPlane plane_;
+  int width_;
+  int height_;
+};
+
+/// Across an edge it goes on in the neighbouring face; at a corner, where three texels meet, their mean is the fourth.
+class CubemapSampler final : public Sampler {
+ public:
+  /// The view's pixels must outlive the sampler.
+  explicit CubemapSampler(const CubemapView& view);
+
+  void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept override;
+
+ private:
+  [[nodiscard]] const float* inside(const CubeTexel& texel) const noexcept {
+    return planes_[static_cast<std::size_t>(texel.face)].texel(texel.column, texel.row);
+  }
+  void add_texel(const CubeTexel& texel, double weight, glm::dvec3& sum) const noexcept;
+
+  std::array<FloatPlane, 6> planes_;
+  int size_;
+};
+
+}  // namespace welkin::image

@@ -1,0 +1,116 @@
+// Which kernels this machine can run. Compiled for the baseline, so that asking never faults.
+#include <cpuid.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "welkin/error.h"
+#include "welkin/instruction_set.h"
+
+namespace welkin {
+namespace {
+
+struct Registers {
+  unsigned eax, ebx, ecx, edx;
+};
+
+Registers cpuid(unsigned leaf, unsigned subleaf) {
+  Registers r{};
+  if (__get_cpuid_count(leaf, subleaf, &r.eax, &r.ebx, &r.ecx, &r.edx) == 0) return {};
+  return r;
+}
+
+constexpr bool bit(unsigned value, unsigned position) { return ((value >> position) & 1U) != 0; }
+
+/// The register state that the operating system saves on a context switch (XCR0). Without its bits an
+/// instruction set is there but must not be used. Needs OSXSAVE.
+std::uint64_t saved_register_state() {
+  std::uint32_t low = 0;
+  std::uint32_t high = 0;
+  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return (std::uint64_t{high} << 32U) | low;
+}
+
+bool ask_processor(InstructionSet set) {
+  if (set == InstructionSet::sse2) return true;  // part of x86-64
+  // Intel SDM volume 2, CPUID: leaf 1 ECX 27 OSXSAVE, 28 AVX, 29 F16C; leaf 7 EBX 5 AVX2, 16 AVX512F,
+  // 17 AVX512DQ, 30 AVX512BW, 31 AVX512VL.
+  const Registers basic = cpuid(1, 0);
+  if (!bit(basic.ecx, 27) || !bit(basic.ecx, 28) || !bit(basic.ecx, 29)) return false;
+  const Registers extended = cpuid(7, 0);
+  const std::uint64_t state = saved_register_state();
+  constexpr std::uint64_t avx_state = 0x6;      // XMM and YMM
+  constexpr std::uint64_t avx512_state = 0xE6;  // and opmask, upper ZMM, ZMM16 to 31
+  if (!bit(extended.ebx, 5) || (state & avx_state) != avx_state) return false;
+  if (set == InstructionSet::avx2) return true;
+  return bit(extended.ebx, 16) && bit(extended.ebx, 17) && bit(extended.ebx, 30) && bit(extended.ebx, 31) &&
+         (state & avx512_state) == avx512_state;
+}
+
+/// Asked once: on a virtual machine every CPUID leaves the guest, some 20 microseconds.
+bool runs(InstructionSet set) {
+  static const bool avx2 = ask_processor(InstructionSet::avx2);
+  static const bool avx512 = ask_processor(InstructionSet::avx512);
+  return set == InstructionSet::sse2 || (set == InstructionSet::avx2 ? avx2 : avx512);
+}
+
+constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512};
+
+void require_runnable(InstructionSet set, const std::string& asked_by) {
+  if (runs(set)) return;
+  throw Error(ErrorCode::invalid_argument, asked_by + ": this machine cannot run " + name(set) +
+                                               " code; it can run up to " + name(available_instruction_sets().back()));
+}
+
+InstructionSet initial_choice() {
+  const char* const wanted = std::getenv("WELKIN_ISA");
+  if (wanted == nullptr || *wanted == '\0') return available_instruction_sets().back();
+  for (const InstructionSet set : kAll) {
+    if (std::string(wanted) != name(set)) continue;
+    require_runnable(set, std::string("WELKIN_ISA=") + wanted);
+    return set;
+  }
+  throw Error(ErrorCode::invalid_argument,
+              std::string("WELKIN_ISA=") + wanted + ": not an instruction set; it may be sse2, avx2 or avx512");
+}
+
+constexpr int kUndecided = -1;
+std::atomic<int> active{kUndecided};
+
+}  // namespace
+
+const char* name(InstructionSet set) noexcept {
+  switch (set) {
+    case InstructionSet::sse2: return "sse2";
+    case InstructionSet::avx2: return "avx2";
+    case InstructionSet::avx512: return "avx512";
+  }
+  return "unknown";
+}
+
+std::vector<InstructionSet> available_instruction_sets() {
+  std::vector<InstructionSet> sets;
+  for (const InstructionSet set : kAll) {
+    if (runs(set)) sets.push_back(set);
+  }
+  return sets;
+}
+
+InstructionSet active_instruction_set() {
+  const int chosen = active.load(std::memory_order_relaxed);
+  if (chosen != kUndecided) return static_cast<InstructionSet>(chosen);
+  // Two threads that get here at once decide the same.
+  const InstructionSet set = initial_choice();
+  int expected = kUndecided;
+  active.compare_exchange_strong(expected, static_cast<int>(set), std::memory_order_relaxed);
+  return static_cast<InstructionSet>(active.load(std::memory_order_relaxed));
+}
+
+void force_instruction_set(InstructionSet set) {
+  require_runnable(set, "force_instruction_set");
+  active.store(static_cast<int>(set), std::memory_order_relaxed);
+}
+
+}  // namespace welkin

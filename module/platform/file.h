@@ -1,0 +1,107 @@
+// A file that is read at stated places and never past its end.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "welkin/error.h"
+
+namespace welkin::platform {
+
+/// A regular file, opened for reading. Not for use from two threads at once: each opens its own.
+class ByteFile {
+ public:
+  /// Throws `Error` (file_access) naming the file and why it cannot be opened.
+  explicit ByteFile(const std::filesystem::path& path);
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
+  [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
+  [[nodiscard]] std::uint64_t remaining() const noexcept { return position_ < size_ ? size_ - position_ : 0; }
+
+  /// Any place is allowed; reading past the end is what fails.
+  void seek(std::uint64_t position) noexcept { position_ = position; }
+
+  /// Reads exactly `count` bytes from the current position and moves past them.
+  /// Throws `Error`: corrupt_file if the file ends before, file_access if the system cannot read.
+  void read(void* bytes, std::size_t count);
+
+ private:
+  std::filesystem::path path_;
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  std::uint64_t position_ = 0;         // where the next read starts
+  std::uint64_t stream_position_ = 0;  // where the stream stands; it is moved only when a read needs it
+};
+
+/// An `Error` whose message begins with the file's name.
+[[nodiscard]] Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message);
+
+/// Text out of a file, fit for a message: control and non-ASCII characters become '?', at most 200 characters.
+[[nodiscard]] std::string printable(const std::string& text);
+
+// A file that is whole or not there.
+
+/// Written beside its place under a name of its own, and put in place by `commit`. Whoever destroys it before that
+/// leaves nothing behind. What it replaces hands on its permissions; a symbolic link stays one, and the file that it
+/// leads to is replaced. All throw `Error` (file_access) naming the file, the system's reason and a remedy.
+class WholeFile {
+ public:
+  explicit WholeFile(std::filesystem::path path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
+
+  void write(const void* bytes, std::size_t count);
+  void seek(std::uint64_t position);
+
+  /// Writes out what is buffered. What did not fit on the disk fails here at the latest, also if a library swallowed
+  /// the first failure.
+  void finish();
+
+  /// After `finish`: renames. Replaces what is there.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* what);
+
+  std::filesystem::path path_;   // as it was asked for, for messages
+  std::filesystem::path place_;  // where it goes: behind all links
+  std::filesystem::path beside_;
+  std::FILE* stream_ = nullptr;
+  std::uint64_t position_ = 0;
+  int failure_ = 0;  // the system's number of the first one
+  bool failed_ = false;
+};
+
+// Integers as the texture formats store them: least significant byte first.
+
+// Texels are copied between memory and file as they are.
+static_assert(std::endian::native == std::endian::little, "texture files need their byte order turned here");
+
+template <std::unsigned_integral Value>
+[[nodiscard]] Value read_little_endian(const std::uint8_t* bytes) noexcept {
+  Value value{};
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+template <std::unsigned_integral Value>
+void append_little_endian(std::vector<std::uint8_t>& bytes, Value value) {
+  const std::size_t place = bytes.size();
+  bytes.resize(place + sizeof value);
+  std::memcpy(bytes.data() + place, &value, sizeof value);
+}
+
+}  // namespace welkin::platform

@@ -1,0 +1,125 @@
+#include "projection/clean_pixels.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "projection/pixel_policy.h"
+#include "simd/kernels.h"
+
+namespace welkin::projection {
+namespace {
+
+constexpr std::size_t kRowsPerTile = 16;
+
+std::size_t tiles_of(std::size_t rows) { return (rows + kRowsPerTile - 1) / kRowsPerTile; }
+
+/// Calls `work(row)` for all rows, tile by tile.
+template <class Work>
+void for_rows(std::size_t rows, int columns, const Control& control, const Work& work) {
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(rows) * columns);
+  jobs::run_tiles(tiles_of(rows), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t /*worker*/) {
+                    const std::size_t end = std::min(rows, (tile + 1) * kRowsPerTile);
+                    for (std::size_t row = tile * kRowsPerTile; row < end; ++row) work(tile, row);
+                  });
+}
+
+}  // namespace
+
+CleanSource::CleanSource(const LatLongView& view, const ProjectionOptions& options, const Control& control)
+    : cubemap_(false), columns_(view.width) {
+  std::vector<const void*> rows;
+  rows.reserve(static_cast<std::size_t>(view.height));
+  for (int row = 0; row < view.height; ++row) rows.push_back(image::row_of(view, row));
+  read(view.format, rows, options, control);
+  lat_long_ = copy_.size() == 0 ? view : LatLongView{copy_.data(), view.width, view.height, 0, PixelFormat::rgb_f32};
+}
+
+CleanSource::CleanSource(const CubemapView& view, const ProjectionOptions& options, const Control& control)
+    : cubemap_(true), columns_(view.size) {
+  std::vector<const void*> rows;
+  rows.reserve(std::size_t{6} * static_cast<std::size_t>(view.size));
+  for (int row = 0; row < 6 * view.size; ++row) rows.push_back(image::row_of(view, row / view.size, row % view.size));
+  read(view.format, rows, options, control);
+  cube_ = view;
+  if (copy_.size() == 0) return;
+  cube_ = {{}, view.size, 0, PixelFormat::rgb_f32};
+  for (std::size_t face = 0; face < 6; ++face) cube_.faces[face] = row(static_cast<int>(face) * view.size);
+}
+
+void CleanSource::read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+                       const Control& control) {
+  ranges_.resize(rows.size());
+  first_texels_.resize(rows.size());
+  diagnostics_.texels = static_cast<std::uint64_t>(rows.size()) * static_cast<std::uint64_t>(columns_);
+  bool clean = false;
+  if (format == PixelFormat::rgb_f32 && !options.gamma) {
+    for (std::size_t row = 0; row < rows.size(); ++row) first_texels_[row] = static_cast<const float*>(rows[row]);
+    clean = measure(options, jobs::part_of(control, 0.0, 0.5));
+  }
+  if (!clean) {
+    copy(format, rows, options, jobs::part_of(control, 0.5, 0.9));
+    measure({}, jobs::part_of(control, 0.9, 1.0));
+  }
+  has_negatives_ = std::any_of(ranges_.begin(), ranges_.end(), [](const RowRange& r) { return r.least < 0.0F; });
+}
+
+bool CleanSource::measure(const ProjectionOptions& options, const Control& control) {
+  const PixelPolicy policy(options);
+  const simd::Kernels& kernels = simd::active_kernels();
+  std::vector<char> dirty(tiles_of(ranges_.size()), 0);
+  for_rows(ranges_.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
+    const simd::RowMeasure found = kernels.measure_row(first_texels_[row], 3 * columns_);
+    ranges_[row] = {found.least, found.largest, static_cast<double>(found.sum) / (3.0 * columns_)};
+    if (!found.finite || found.least < policy.low() || found.largest > policy.high()) dirty[tile] = 1;
+  });
+  return std::find(dirty.begin(), dirty.end(), 1) == dirty.end();
+}
+
+void CleanSource::copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+                       const Control& control) {
+  const PixelPolicy policy(options);
+  const auto row_values = static_cast<std::size_t>(3 * columns_);
+  copy_ = platform::AlignedBuffer<float>(rows.size() * row_values);
+  std::vector<CleaningRecord> records(tiles_of(rows.size()));
+  // Solid angles as the policy wants them; of a lat-long's row all alike.
+  const auto weight_rows = cubemap_ ? static_cast<std::size_t>(columns_) : rows.size();
+  const auto weight_columns = cubemap_ ? static_cast<std::size_t>(columns_) : std::size_t{1};
+  std::vector<float> weights(weight_rows * weight_columns);
+  std::vector<double> angles(weight_columns);
+  for (std::size_t row = 0; row < weight_rows; ++row) {
+    if (cubemap_) {
+      image::cubemap_row_solid_angles(static_cast<int>(row), angles);
+    } else {
+      angles[0] = image::lat_long_texel_solid_angle(columns_, static_cast<int>(rows.size()), static_cast<int>(row));
+    }
+    for (std::size_t k = 0; k < weight_columns; ++k) weights[row * weight_columns + k] = static_cast<float>(angles[k]);
+  }
+  for_rows(rows.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
+    float* const rgb = copy_.data() + row * row_values;
+    image::decode_texels(format, rows[row], columns_, rgb);
+    policy.clean({.rgb = rgb,
+                  .count = columns_,
+                  .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
+                  .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
+                  .first_column = 0,
+                  .weights = weights.data() + (row % weight_rows) * weight_columns,
+                  .weight_step = cubemap_ ? 1 : 0,
+                  .weight_scale = 1.0},
+                 records[tile]);
+    first_texels_[row] = rgb;
+  });
+  CleaningRecord record;
+  for (const CleaningRecord& one : records) record.add(one);
+  throw_if_rejected(record, cubemap_);
+  diagnostics_.nans_replaced = record.nans;
+  diagnostics_.infinities_replaced = record.infinities;
+  diagnostics_.negatives_replaced = record.negatives;
+  diagnostics_.texels_clamped = record.clamped;
+  clamped_flux_ = record.flux_removed;
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,76 @@
+// A picture's pixels as the prefilter reads them: RGB floats, every one finite.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "platform/memory.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+
+namespace welkin::projection {
+
+/// The caller's own pixels where they are clean RGB floats already, else a cleaned copy. Rows are counted face after
+/// face. The view's pixels must outlive this object.
+class CleanSource {
+ public:
+  /// Reads every pixel once. Throws `Error`: rejected_pixel, cancelled.
+  CleanSource(const LatLongView& view, const ProjectionOptions& options, const Control& control);
+  CleanSource(const CubemapView& view, const ProjectionOptions& options, const Control& control);
+
+  [[nodiscard]] bool cubemap() const noexcept { return cubemap_; }
+  [[nodiscard]] int columns() const noexcept { return columns_; }
+  [[nodiscard]] int rows() const noexcept { return static_cast<int>(first_texels_.size()); }
+  [[nodiscard]] const float* row(int row) const noexcept { return first_texels_[static_cast<std::size_t>(row)]; }
+
+  /// The clean pixels: of the one kind that this is.
+  [[nodiscard]] const LatLongView& lat_long() const noexcept { return lat_long_; }
+  [[nodiscard]] const CubemapView& cube() const noexcept { return cube_; }
+
+  /// Largest and least channel of a row, and the mean of all its channels.
+  struct RowRange {
+    float least;
+    float largest;
+    double mean;
+  };
+  [[nodiscard]] const RowRange& range(int row) const noexcept { return ranges_[static_cast<std::size_t>(row)]; }
+  [[nodiscard]] bool has_negatives() const noexcept { return has_negatives_; }
+
+  /// What was read and replaced; its fluxes are left at zero, but for what a clamp took away: see `clamped_flux`.
+  [[nodiscard]] const ProjectionDiagnostics& diagnostics() const noexcept { return diagnostics_; }
+  /// Integral over the sphere of what the clamp took away.
+  [[nodiscard]] const glm::dvec3& clamped_flux() const noexcept { return clamped_flux_; }
+
+  [[nodiscard]] std::size_t bytes() const noexcept { return copy_.bytes(); }
+
+ private:
+  /// Whether all rows are clean as they are; notes their ranges.
+  bool measure(const ProjectionOptions& options, const Control& control);
+  void copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+            const Control& control);
+  void read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+            const Control& control);
+
+  bool cubemap_;
+  int columns_;
+  LatLongView lat_long_{};
+  CubemapView cube_{};
+  std::vector<const float*> first_texels_;
+  std::vector<RowRange> ranges_;
+  bool has_negatives_ = false;
+  platform::AlignedBuffer<float> copy_;
+  ProjectionDiagnostics diagnostics_;
+  glm::dvec3 clamped_flux_{};
+};
+
+/// The clean pixels of a source that was made of such a view.
+[[nodiscard]] inline const LatLongView& view_of(const CleanSource& source, const LatLongView& /*view*/) noexcept {
+  return source.lat_long();
+}
+[[nodiscard]] inline const CubemapView& view_of(const CleanSource& source, const CubemapView& /*view*/) noexcept {
+  return source.cube();
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,36 @@
+// Projects a checked cubemap at its own size.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+
+#include "projection/face_sums.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+
+namespace welkin::projection {
+
+/// `cubemap` and `options` have been checked; `options.target_size` is 0 or below the cubemap's size, and then
+/// averages by solid angle. Throws `Error` (rejected_pixel, cancelled).
+/// The diagnostics lack passes and the error estimate, which `describe_projection` adds.
+[[nodiscard]] Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options,
+                                         const Control& control);
+
+using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
+
+/// The sums of some faces (0 to 5, none twice), null for the others. Throws likewise.
+[[nodiscard]] SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options,
+                                    std::span<const int> faces, const Control& control);
+
+/// `project_cubemap` from the sums of all six faces of a cubemap of `size`: the same bits.
+[[nodiscard]] Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options);
+
+/// How many tiles' sums a face of that size has.
+[[nodiscard]] std::size_t tiles_of_face(int size, const ProjectionOptions& options);
+
+/// Adds the error estimate and the passes, "project" without its time being the last.
+void describe_projection(Projection& projection, int size, const ProjectionOptions& options);
+
+}  // namespace welkin::projection

@@ -1,0 +1,328 @@
+// Along a row the latitude is constant, so a harmonic is a factor times cos(m lon) or sin(m lon): a row is
+// read once for its 2 bands - 1 sums over longitude, and those are multiplied by the row's integrals over
+// latitude. Texels half a turn apart share their weights up to the sign of odd orders and are folded first.
+#include "projection/lat_long_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "image/pixels.h"
+#include "platform/memory.h"
+#include "projection/face_sums.h"
+#include "projection/lat_long_weights.h"
+#include "projection/pixel_policy.h"
+#include "projection/project.h"
+#include "simd/kernels.h"
+#include "transform/frame_transform.h"
+
+namespace welkin::projection {
+namespace {
+
+using simd::kChunk;
+using simd::kLanes;
+
+constexpr int kClasses = 2;
+constexpr int kTexelsPerBlock = 32'768;
+
+/// Stands in for the second half of a row of odd width.
+alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
+
+/// What one worker needs.
+struct Scratch {
+  Scratch(int orders, int functions)
+      : planes(std::size_t{3} * kClasses * kChunk),
+        runs(std::size_t{2} * 3 * kChunk),
+        sum_lanes(static_cast<std::size_t>(3 * orders * simd::kSumLanes)),
+        chunk_sums(static_cast<std::size_t>(3 * orders)),
+        row_sums(chunk_sums.size()),
+        local_sums(static_cast<std::size_t>(3 * functions)) {}
+
+  platform::AlignedBuffer<float> planes;      ///< [3][kClasses][kChunk]
+  platform::AlignedBuffer<float> runs;        ///< two decoded runs
+  platform::AlignedBuffer<double> sum_lanes;  ///< [3][orders][simd::kSumLanes]
+  std::vector<double> chunk_sums;             ///< [3][orders]
+  std::vector<double> row_sums;               ///< [3][orders]
+  std::vector<double> local_sums;             ///< [3][functions], of a block
+};
+
+/// A chunk of columns of one row; `second` is half a turn on, or nullptr.
+struct ColumnRun {
+  const std::byte* first;
+  const std::byte* second;
+  int row;
+  int first_column;
+  int count;
+  const float* weights;  ///< of the chunk
+  double row_weight;     ///< solid angle per unit of a column's weight
+};
+
+simd::FoldHalves direct_fold(PixelFormat format, const simd::Kernels& kernels) {
+  switch (format) {
+    case PixelFormat::rgb_f32: return kernels.fold_halves[simd::fold_rgb_f32];
+    case PixelFormat::rgba_f32: return kernels.fold_halves[simd::fold_rgba_f32];
+    case PixelFormat::rgba_f16: return kernels.fold_halves[simd::fold_rgba_f16];
+    default: return nullptr;
+  }
+}
+
+int rows_per_block_of(int width, int height) { return std::clamp(kTexelsPerBlock / width, 1, height); }
+
+}  // namespace
+
+struct LatLongProjector::State {
+  State(int width_, int height_, const ProjectionOptions& options_, std::size_t workers)
+      : width(width_),
+        height(height_),
+        options(options_),
+        policy(options_),
+        kernels(simd::active_kernels()),
+        weights(LatLongWeights::get({width_, height_, options_.bands, options_.quadrature == Quadrature::midpoint,
+                                     is_reduced(width_, height_, options_) ? options_.target_size : 0})),
+        rows_per_block(rows_per_block_of(width_, height_)),
+        block_count((height_ + rows_per_block - 1) / rows_per_block),
+        orders(2 * options_.bands - 1),
+        functions(options_.bands * options_.bands),
+        identity(static_cast<std::size_t>(functions)),
+        sums(static_cast<std::size_t>(block_count), options_.bands) {
+    for (int f = 0; f < functions; ++f) identity[static_cast<std::size_t>(f)] = f;
+    for (std::size_t worker = 0; worker < workers; ++worker) scratch.emplace_back(orders, functions);
+    static_cast<void>(transforms::lat_long_transform(options_.bands));  // built here, not inside a block
+  }
+
+  static bool is_reduced(int width, int height, const ProjectionOptions& options) {
+    return options.target_size > 0 && (4 * options.target_size < width || 2 * options.target_size < height);
+  }
+
+  void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
+  void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& room,
+               CleaningRecord& record) noexcept;
+  [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
+  static void clear_lanes(Scratch& room) noexcept;
+  bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
+  [[nodiscard]] simd::FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
+                                           int chunk) const noexcept;
+  void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, const simd::FetchAhead& ahead,
+                     Scratch& room) noexcept;
+  static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
+  void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
+  void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
+  void sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept;
+  void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
+  void add_row(int row, Scratch& room) noexcept;
+
+  int width;
+  int height;
+  ProjectionOptions options;
+  PixelPolicy policy;
+  const simd::Kernels& kernels;
+  std::shared_ptr<const LatLongWeights> weights;
+  int rows_per_block;
+  int block_count;
+  int orders;
+  int functions;
+  std::vector<int> identity;  ///< the local sums are in canonical order already
+  TileSums sums;
+  std::vector<Scratch> scratch;
+};
+
+void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& room) noexcept {
+  std::fill(room.local_sums.begin(), room.local_sums.end(), 0.0);
+  const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(rows.format));
+  const std::ptrdiff_t row_bytes = rows.row_stride_bytes != 0 ? rows.row_stride_bytes : texel_bytes * width;
+  const auto* const pixels = static_cast<const std::byte*>(rows.pixels);
+  CleaningRecord& record = sums.record(static_cast<std::size_t>(block));
+  for (int index = 0; index < rows.height; ++index) {
+    const int row = block * rows_per_block + index;
+    const std::byte* const texels = pixels + index * row_bytes;
+    const std::byte* const next_row = index + 1 < rows.height ? texels + row_bytes : nullptr;
+    sum_row(texels, next_row, rows.format, row, room, record);
+    add_row(row, room);
+  }
+  transforms::lat_long_transform(options.bands)
+      .add(room.local_sums.data(), identity.data(), sums.values(static_cast<std::size_t>(block)));
+}
+
+ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const {
+  const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(format));
+  const int first_column = chunk * kChunk;
+  const std::byte* const first = texels + first_column * texel_bytes;
+  return {.first = first,
+          .second = weights->paired() ? first + weights->column_count() * texel_bytes : nullptr,
+          .row = row,
+          .first_column = first_column,
+          .count = std::min(kChunk, weights->column_count() - first_column),
+          .weights = weights->chunk_weights(chunk),
+          // Row factor 0 is the row's extent times Y(0,0) = 1 / sqrt(4 pi).
+          .row_weight = weights->row_weights(row)[0] * 2.0 * std::sqrt(std::numbers::pi)};
+}
+
+/// Leaves the row's sums over longitude in room.row_sums: the fast way, if the format allows it and the sums
+/// come out finite, else with every texel passing the policies.
+void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
+                                      Scratch& room, CleaningRecord& record) noexcept {
+  const simd::FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
+  if (fold != nullptr) {
+    clear_lanes(room);
+    for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
+      const ColumnRun run = column_run(texels, format, row, chunk);
+      const simd::FetchAhead ahead = read_next(texels, next_row, format, chunk);
+      fold_directly(run, format, fold, ahead, room);
+      sum_planes(run, ahead, room);
+    }
+    if (fold_lanes(room, room.row_sums)) return;
+  }
+  std::fill(room.row_sums.begin(), room.row_sums.end(), 0.0);
+  for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
+    const ColumnRun run = column_run(texels, format, row, chunk);
+    clear_lanes(room);
+    decode(run, format, room);
+    clean(run, room, record);
+    fold_decoded(run, 0, room);
+    sum_planes(run, {}, room);
+    if (!fold_lanes(room, room.chunk_sums)) sum_in_double(run, room);
+    for (std::size_t k = 0; k < room.row_sums.size(); ++k) room.row_sums[k] += room.chunk_sums[k];
+  }
+}
+
+void LatLongProjector::State::clear_lanes(Scratch& room) noexcept {
+  std::fill_n(room.sum_lanes.data(), room.sum_lanes.size(), 0.0);
+}
+
+/// False if the sums are not all finite.
+bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept {
+  kernels.fold_sum_lanes(room.sum_lanes.data(), 3 * orders, sums_of_orders.data());
+  return all_finite(sums_of_orders);
+}
+
+/// What is read after a run: the next chunk of the row, or the next row's first, if there is one; each of its
+/// halves as two stretches.
+simd::FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std::byte* next_row,
+                                                    PixelFormat format, int chunk) const noexcept {
+  const bool row_ends = chunk + 1 == weights->chunk_count();
+  if (!weights->paired() || (row_ends && next_row == nullptr)) return {};
+  const ColumnRun next = row_ends ? column_run(next_row, format, 0, 0) : column_run(texels, format, 0, chunk + 1);
+  constexpr std::ptrdiff_t cache_line = 64;
+  const std::ptrdiff_t half = next.count * static_cast<std::ptrdiff_t>(bytes_per_texel(format)) / 2;
+  const auto address = [](const std::byte* p) { return reinterpret_cast<const char*>(p); };
+  return {{address(next.first), address(next.first) + half, address(next.second), address(next.second) + half},
+          static_cast<int>(half / cache_line)};
+}
+
+void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold,
+                                            const simd::FetchAhead& ahead, Scratch& room) noexcept {
+  const int whole = run.count / kLanes * kLanes;
+  if (whole > 0) {
+    fold(run.first, run.second != nullptr ? run.second : kZeros, ahead, whole / kLanes, room.planes.data());
+  }
+  if (whole == run.count) return;
+  const auto skipped = whole * static_cast<std::ptrdiff_t>(bytes_per_texel(format));
+  ColumnRun rest = run;
+  rest.first += skipped;
+  if (rest.second != nullptr) rest.second += skipped;
+  rest.count -= whole;
+  decode(rest, format, room);
+  fold_decoded(rest, whole, room);
+}
+
+void LatLongProjector::State::decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept {
+  const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
+  const std::byte* const halves[2] = {run.first, run.second};
+  for (int half = 0; half < 2; ++half) {
+    float* const rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk;
+    std::fill_n(rgb, 3 * padded, 0.0F);
+    if (halves[half] != nullptr) image::decode_texels(format, halves[half], run.count, rgb);
+  }
+}
+
+void LatLongProjector::State::clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept {
+  for (int half = 0; half < (run.second != nullptr ? 2 : 1); ++half) {
+    const TexelRun texels{.rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
+                          .count = run.count,
+                          .face = 0,
+                          .row = run.row,
+                          .first_column = run.first_column + half * weights->column_count(),
+                          .weights = run.weights,
+                          .weight_step = 1,
+                          .weight_scale = run.row_weight};
+    if (!policy.gamma() && !kernels.any_outside(texels.rgb, 3 * run.count, policy.low(), policy.high())) continue;
+    policy.clean(texels, record);
+  }
+}
+
+void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept {
+  const float* const runs = room.runs.data();
+  kernels.fold_halves[simd::fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, {},
+                                          (run.count + kLanes - 1) / kLanes, room.planes.data() + position);
+}
+
+void LatLongProjector::State::sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept {
+  kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(),
+                        (run.count + kLanes - 1) / kLanes, ahead, room.sum_lanes.data());
+}
+
+/// Leaves a run's sums in room.chunk_sums. Its decoded texels are finite, but their sums fit a double only.
+void LatLongProjector::State::sum_in_double(const ColumnRun& run, Scratch& room) noexcept {
+  std::fill(room.chunk_sums.begin(), room.chunk_sums.end(), 0.0);
+  double planes[3 * kClasses * kChunk] = {};
+  const float* const first = room.runs.data();
+  const float* const second = first + std::ptrdiff_t{3} * kChunk;
+  for (int k = 0; k < run.count; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const double a = first[3 * k + c];
+      const double b = second[3 * k + c];
+      planes[c * kClasses * kChunk + k] = a + b;
+      planes[(c * kClasses + 1) * kChunk + k] = a - b;
+    }
+  }
+  weighted_sums_in_double(planes, kClasses, run.weights, weights->class_counts(), run.count, room.chunk_sums.data());
+}
+
+/// local(l, m) += row's factor of (l, |m|) times its sum of order m.
+void LatLongProjector::State::add_row(int row, Scratch& room) noexcept {
+  const double* const factors = weights->row_weights(row);
+  for (int channel = 0; channel < 3; ++channel) {
+    const double* const row_sums = room.row_sums.data() + static_cast<std::ptrdiff_t>(channel) * orders;
+    double* const local = room.local_sums.data() + static_cast<std::ptrdiff_t>(channel) * functions;
+    for (int l = 0; l < options.bands; ++l) {
+      for (int m = -l; m <= l; ++m) {
+        local[l * (l + 1) + m] += factors[l * (l + 1) / 2 + (m < 0 ? -m : m)] * row_sums[weights->place(m)];
+      }
+    }
+  }
+}
+
+LatLongProjector::LatLongProjector(int width, int height, const ProjectionOptions& options, std::size_t workers) {
+  image::check_lat_long_size(width, height);
+  check_options(options);
+  state_ = std::make_unique<State>(width, height, options, workers);
+}
+
+LatLongProjector::~LatLongProjector() = default;
+
+int LatLongProjector::rows_per_block() const noexcept { return state_->rows_per_block; }
+int LatLongProjector::block_count() const noexcept { return state_->block_count; }
+
+void LatLongProjector::project_block(int block, const LatLongView& rows, std::size_t worker) noexcept {
+  state_->project_block(block, rows, state_->scratch[worker]);
+}
+
+Projection LatLongProjector::finish() {
+  const CleaningRecord record = state_->sums.total_record();
+  throw_if_rejected(record, false);
+  Projection projection{state_->sums.total(), {}};
+  projection.diagnostics = diagnostics_of(projection.radiance, record, 1.0);
+  projection.diagnostics.texels =
+      static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
+  const bool reduced = State::is_reduced(state_->width, state_->height, state_->options);
+  projection.diagnostics.error_estimate =
+      estimate_error(projection.radiance, {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
+                                                                ? std::min(state_->width / 4.0, state_->height / 2.0)
+                                                                : 0.0,
+                                           .reduced_size = reduced ? state_->options.target_size : 0.0});
+  return projection;
+}
+
+}  // namespace welkin::projection

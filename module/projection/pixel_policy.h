@@ -1,0 +1,88 @@
+// What the caller wants done about NaN, infinities, negatives, gamma and too bright texels.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+
+#include "image/pixels.h"
+#include "welkin/projection.h"
+
+namespace welkin::projection {
+
+/// The first texel that a policy rejects, in the order of faces, rows, columns.
+struct RejectedTexel {
+  int face;  ///< 0 for a lat-long
+  int row;
+  int column;
+  enum class Kind { nan, infinity, negative } kind;
+
+  [[nodiscard]] bool before(const RejectedTexel& other) const noexcept;
+};
+
+/// What was done to the texels of a tile.
+struct CleaningRecord {
+  std::uint64_t nans = 0;
+  std::uint64_t infinities = 0;
+  std::uint64_t negatives = 0;
+  std::uint64_t clamped = 0;
+  glm::dvec3 flux_removed{};  ///< by the clamp, in units of the weights that were passed along
+  std::optional<RejectedTexel> rejected;
+
+  void add(const CleaningRecord& other) noexcept;
+};
+
+/// A run of decoded texels and where it came from.
+struct TexelRun {
+  float* rgb;  ///< packed, changed in place
+  int count;
+  int face;
+  int row;
+  int first_column;
+  const float* weights;  ///< of each texel in the flux
+  int weight_step;       ///< 1, or -1 where the run is mirrored against its weights
+  double weight_scale;   ///< factor to all weights
+};
+
+class PixelPolicy {
+ public:
+  explicit PixelPolicy(const ProjectionOptions& options);
+
+  /// False if clean pixels pass unchanged, so that only a sum that is not finite calls for a look at them.
+  [[nodiscard]] bool looks_at_every_texel() const noexcept { return looks_at_every_texel_; }
+
+  /// Bounds between which a channel passes unchanged; NaN never does. Meaningless with gamma.
+  [[nodiscard]] float low() const noexcept { return low_; }
+  [[nodiscard]] float high() const noexcept { return high_; }
+  [[nodiscard]] bool gamma() const noexcept { return options_.gamma; }
+
+  /// Applies the policies in Babylon.js's order: NaN and infinities, gamma, clamp. Records what it did.
+  void clean(const TexelRun& run, CleaningRecord& record) const noexcept;
+
+ private:
+  void clean_channel(float& value, int texel, const TexelRun& run, CleaningRecord& record) const noexcept;
+  [[nodiscard]] bool clamp(float* rgb) const noexcept;
+
+  ProjectionOptions options_;
+  float infinity_replacement_;
+  float low_;
+  float high_;
+  bool looks_at_every_texel_;
+};
+
+/// Throws `Error` (rejected_pixel) if the record has a rejected texel. `cubemap`: whether to name a face.
+void throw_if_rejected(const CleaningRecord& record, bool cubemap);
+
+// Refuses what no call can work on, before any work.
+
+using image::check_lat_long_size;
+using image::check_view;
+using image::kLargestFace;
+using image::kLargestLatLongHeight;
+using image::kLargestLatLongWidth;
+
+/// Throws `Error` (invalid_argument) with a message that says what was found and what is allowed.
+void check_options(const ProjectionOptions& options);
+
+}  // namespace welkin::projection

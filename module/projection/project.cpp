@@ -1,0 +1,197 @@
+// The public calls: arguments checked, the size chosen, the passes recorded.
+#include "projection/project.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "jobs/tiles.h"
+#include "projection/box_reduction.h"
+#include "projection/cubemap_projection.h"
+#include "projection/lat_long_projection.h"
+#include "projection/pixel_policy.h"
+#include "welkin/error.h"
+#include "welkin/projection.h"
+
+namespace welkin {
+namespace {
+
+class Stopwatch {
+ public:
+  [[nodiscard]] double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void check_chain(std::span<const CubemapView> mips) {
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
+  for (std::size_t level = 0; level < mips.size(); ++level) {
+    image::check_view(mips[level]);
+    if (level == 0) continue;
+    const int expected = std::max(1, mips[level - 1].size / 2);
+    if (mips[level].size != expected || mips[level].format != mips[0].format || mips[level - 1].size == 1) {
+      throw Error(ErrorCode::invalid_argument,
+                  "mip level " + std::to_string(level) + " has size " + std::to_string(mips[level].size) +
+                      "; after a level of size " + std::to_string(mips[level - 1].size) + " it must be half that (" +
+                      std::to_string(expected) + "), of the same format, and 1 is the last");
+    }
+  }
+}
+
+Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
+  const int target = projection::effective_target(cubemap.size, options);
+  const bool midpoint = options.quadrature == Quadrature::midpoint;
+  options.target_size = midpoint ? 0 : target;
+  if (target > 0 && midpoint) {
+    const Stopwatch reducing;
+    constexpr double reading_share = 0.9;
+    const projection::ReducedCubemap reduced =
+        projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, reading_share));
+    const double milliseconds = reducing.milliseconds();
+    Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
+    projection.diagnostics.texels =
+        std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
+    projection.diagnostics.error_estimate =
+        projection::estimate_error(projection.radiance, {static_cast<double>(target), static_cast<double>(target)});
+    projection.diagnostics.passes.insert(
+        projection.diagnostics.passes.begin(),
+        {"reduce", "run", "plain box to " + std::to_string(target) + ", before gamma and clamp", milliseconds});
+    return projection;
+  }
+  const Stopwatch projecting;
+  Projection projection = projection::project_cubemap(cubemap, options, control);
+  projection::describe_projection(projection, cubemap.size, options);
+  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  return projection;
+}
+
+}  // namespace
+
+Projection project(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  image::check_view(cubemap);
+  projection::check_options(options);
+  return project_level(cubemap, options, control);
+}
+
+Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options, const Control& control) {
+  check_chain(mips);
+  projection::check_options(options);
+  const int target = projection::effective_target(mips[0].size, options);
+  if (target == 0 || mips.size() == 1) return project_level(mips[0], options, control);
+  std::vector<int> sizes;
+  for (const CubemapView& mip : mips) sizes.push_back(mip.size);
+  const CubemapView& level = mips[projection::nearest_level(sizes, target)];
+  ProjectionOptions at_level = options;
+  at_level.target_size = 0;
+  Projection projection = project_level(level, at_level, control);
+  projection.diagnostics.error_estimate = projection::estimate_error(
+      projection.radiance, {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
+                            level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
+  projection.diagnostics.passes.insert(
+      projection.diagnostics.passes.begin(),
+      {"reduce", "reuse", "the mip chain has a level of size " + std::to_string(level.size)});
+  return projection;
+}
+
+Projection project(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
+  image::check_view(lat_long);
+  projection::check_options(options);
+  const Stopwatch projecting;
+  const std::int64_t texels = std::int64_t{lat_long.width} * lat_long.height;
+  const jobs::Placement placement = jobs::placement_for(texels);
+  const std::size_t workers = jobs::worker_count(placement);
+  projection::LatLongProjector projector(lat_long.width, lat_long.height, options, workers);
+  const std::ptrdiff_t row_bytes = lat_long.row_stride_bytes != 0
+                                       ? lat_long.row_stride_bytes
+                                       : static_cast<std::ptrdiff_t>(bytes_per_texel(lat_long.format)) * lat_long.width;
+  jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int block = static_cast<int>(tile);
+                    const int first_row = block * projector.rows_per_block();
+                    LatLongView rows = lat_long;
+                    rows.pixels = static_cast<const std::byte*>(lat_long.pixels) + first_row * row_bytes;
+                    rows.height = std::min(projector.rows_per_block(), lat_long.height - first_row);
+                    projector.project_block(block, rows, worker);
+                  });
+  Projection projection = projector.finish();
+  projection.diagnostics.passes.push_back({"cubemap", "skip", "a lat-long is projected row by row as it is"});
+  projection.diagnostics.passes.push_back(
+      {"project", "run", std::to_string(lat_long.width) + " x " + std::to_string(lat_long.height) + " texels",
+       projecting.milliseconds()});
+  return projection;
+}
+
+}  // namespace welkin
+
+namespace welkin::projection {
+namespace {
+
+constexpr double kRounding = 2e-7;
+
+/// |c_l| of each band, over orders and channels.
+std::vector<double> band_norms(const SphericalHarmonics& radiance) {
+  std::vector<double> norms;
+  for (int l = 0; l < radiance.bands(); ++l) {
+    double sum = 0.0;
+    for (int m = -l; m <= l; ++m) sum += glm::dot(radiance.at(l, m), radiance.at(l, m));
+    norms.push_back(std::sqrt(sum));
+  }
+  return norms;
+}
+
+}  // namespace
+
+double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& sources) {
+  const std::vector<double> norms = band_norms(radiance);
+  double total_squared = 0.0;
+  for (const double norm : norms) total_squared += norm * norm;
+  if (total_squared == 0.0) return 0.0;
+  double error_squared = kRounding * kRounding * total_squared;
+  const auto add = [&](double error) { error_squared += error * error; };
+  // Without a band 2 nothing is known of how concentrated the light is; band 1 is the next best witness.
+  const std::size_t witness = std::min<std::size_t>(2, norms.size() - 1);
+  const double point_norm = std::sqrt(2.0 * static_cast<double>(witness) + 1.0) * norms[0];
+  const double point_share = norms[0] > 0.0 ? std::min(1.0, norms[witness] / point_norm) : 1.0;
+  for (std::size_t band = 1; band < norms.size(); ++band) {
+    const auto l = static_cast<double>(band);
+    if (sources.midpoint_size > 0.0) add(0.14 * l * l / (sources.midpoint_size * sources.midpoint_size) * norms[band]);
+    if (sources.reduced_size > 0.0) {
+      const double cell = 0.5 * std::numbers::pi / sources.reduced_size;
+      add(l * (l + 1.0) * cell * cell / 24.0 * norms[band]);
+      add(0.25 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
+    }
+  }
+  return std::sqrt(error_squared / total_squared);
+}
+
+int effective_target(int size, const ProjectionOptions& options) noexcept {
+  if (options.target_size == 0) return 0;
+  const int target = options.quadrature == Quadrature::midpoint
+                         ? static_cast<int>(std::bit_floor(static_cast<unsigned>(options.target_size)))
+                         : options.target_size;
+  return target < size ? target : 0;
+}
+
+// Of neighbours a > t > b the first is nearer if a / t < t / b.
+std::size_t nearest_level(std::span<const int> sizes, int target) noexcept {
+  std::size_t level = 0;
+  while (level + 1 < sizes.size() && sizes[level] > target) {
+    const std::int64_t a = sizes[level];
+    const std::int64_t b = sizes[level + 1];
+    const std::int64_t t = target;
+    if (b <= t && a * b < t * t) break;
+    ++level;
+  }
+  return level;
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,282 @@
+// From interleaved texels to planes of symmetry classes.
+//
+// Basis functions are even or odd in u and in v, so mirrored texels share their weights up to signs. With
+// sums and differences taken first, four texels need one multiplication a basis function instead of four.
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+constexpr int kClassesOfQuadrants = 4;
+constexpr int kClassesOfHalves = 2;
+
+WELKIN_INLINE void store_quadrant_classes(Lanes top_left, Lanes top_right, Lanes bottom_left, Lanes bottom_right,
+                                          float* plane) {
+  const Lanes top_sum = top_left + top_right;
+  const Lanes top_difference = top_right - top_left;
+  const Lanes bottom_sum = bottom_left + bottom_right;
+  const Lanes bottom_difference = bottom_right - bottom_left;
+  (top_sum + bottom_sum).store_aligned(plane);
+  (top_difference + bottom_difference).store_aligned(plane + kChunk);
+  (bottom_sum - top_sum).store_aligned(plane + 2 * kChunk);
+  (bottom_difference - top_difference).store_aligned(plane + 3 * kChunk);
+}
+
+/// Channel: float or std::uint16_t (binary16); channels: 3 or 4 in memory.
+template <class Channel, int channels, bool reversed>
+WELKIN_INLINE Rgb load_texels(const Channel* run, int texel) {
+  if constexpr (channels == 3) {
+    return load_rgb<reversed>(run + 3 * texel);
+  } else {
+    return load_rgba<reversed>(run + 4 * texel);
+  }
+}
+
+/// One row of four mirrored runs.
+template <class Channel>
+struct RowPointers {
+  WELKIN_INLINE RowPointers(const QuadrantRuns& runs, int row)
+      : top_left(at(runs.top_left, row * runs.top_stride)),
+        top_right(at(runs.top_right, row * runs.top_stride)),
+        bottom_left(at(runs.bottom_left, row * runs.bottom_stride)),
+        bottom_right(at(runs.bottom_right, row * runs.bottom_stride)) {}
+
+  static WELKIN_INLINE const Channel* at(const void* first, std::ptrdiff_t offset) {
+    return reinterpret_cast<const Channel*>(static_cast<const char*>(first) + offset);
+  }
+
+  const Channel* top_left;
+  const Channel* top_right;
+  const Channel* bottom_left;
+  const Channel* bottom_right;
+};
+
+template <class Channel, int channels>
+WELKIN_INLINE void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
+  const int count = groups * kLanes;
+  for (int row = 0; row < runs.rows; ++row, planes += count) {
+    const RowPointers<Channel> here(runs, row);
+    for (int k = 0; k < count; k += kWidth) {
+      const int mirrored = count - kWidth - k;
+      if (ahead.lines > 0 && k % kLanes == 0) {
+        const int line = row * groups + k / kLanes;
+        for (const char* stretch : ahead.stretches) fetch_line(stretch, line);
+      }
+      const Rgb tl = load_texels<Channel, channels, false>(here.top_left, k);
+      const Rgb tr = load_texels<Channel, channels, true>(here.top_right, mirrored);
+      const Rgb bl = load_texels<Channel, channels, false>(here.bottom_left, k);
+      const Rgb br = load_texels<Channel, channels, true>(here.bottom_right, mirrored);
+      constexpr int channel_stride = kClassesOfQuadrants * kChunk;
+      store_quadrant_classes(tl.red, tr.red, bl.red, br.red, planes + k);
+      store_quadrant_classes(tl.green, tr.green, bl.green, br.green, planes + channel_stride + k);
+      store_quadrant_classes(tl.blue, tr.blue, bl.blue, br.blue, planes + 2 * channel_stride + k);
+    }
+  }
+}
+
+WELKIN_INLINE void store_half_classes(Lanes first, Lanes second, float* plane) {
+  (first + second).store_aligned(plane);
+  (first - second).store_aligned(plane + kChunk);
+}
+
+template <class Channel, int channels>
+WELKIN_INLINE void fold_halves(const void* first, const void* second, const FetchAhead& ahead, int groups,
+                               float* planes) {
+  for (int k = 0; k < groups * kLanes; k += kWidth) {
+    if (ahead.lines > 0 && k % kLanes == 0) {
+      for (const char* stretch : ahead.stretches) fetch_line(stretch, k / kLanes);
+    }
+    const Rgb a = load_texels<Channel, channels, false>(static_cast<const Channel*>(first), k);
+    const Rgb b = load_texels<Channel, channels, false>(static_cast<const Channel*>(second), k);
+    constexpr int channel_stride = kClassesOfHalves * kChunk;
+    store_half_classes(a.red, b.red, planes + k);
+    store_half_classes(a.green, b.green, planes + channel_stride + k);
+    store_half_classes(a.blue, b.blue, planes + 2 * channel_stride + k);
+  }
+}
+
+}  // namespace
+
+void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
+  fold_quadrants<float, 3>(runs, ahead, groups, planes);
+}
+
+void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
+  fold_quadrants<float, 4>(runs, ahead, groups, planes);
+}
+
+void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
+  fold_quadrants<std::uint16_t, 4>(runs, ahead, groups, planes);
+}
+
+void fold_halves_rgb_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<float, 3>(first, second, ahead, groups, planes);
+}
+
+void fold_halves_rgba_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<float, 4>(first, second, ahead, groups, planes);
+}
+
+void fold_halves_rgba_f16(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
+  fold_halves<std::uint16_t, 4>(first, second, ahead, groups, planes);
+}
+
+namespace {
+
+// Planes times weights, summed: the one loop that all projections share.
+
+/// sums[k] += lanes[k] + lanes[k + 8]: that sum in float, the addition to `sums` in double.
+WELKIN_INLINE void add_to_double_lanes(const float* lanes, double* sums) {
+  alignas(64) float halves[kSumLanes];
+#if defined(__AVX512F__)
+  _mm256_store_ps(halves, _mm256_add_ps(_mm256_load_ps(lanes), _mm256_load_ps(lanes + kSumLanes)));
+#else
+  for (int k = 0; k < kSumLanes; k += kWidth) {
+    (Lanes::load_aligned(lanes + k) + Lanes::load_aligned(lanes + k + kSumLanes)).store_aligned(halves + k);
+  }
+#endif
+  for (int k = 0; k < kSumLanes; k += kDoubleWidth) {
+    (DoubleLanes::load_aligned(sums + k) + load_widened(halves + k)).store_aligned(sums + k);
+  }
+}
+
+/// The running sums of one class: `count` registers, named apart by recursion. (An array indexed in a loop
+/// stays in memory with GCC 12: measured, the loop then takes twice as long.)
+template <int count>
+struct Sums {
+  Lanes here = Lanes(0.0F);  // braces would ask xsimd 8.1 for a list of lanes
+  Sums<count - 1> next;
+
+  WELKIN_INLINE void add(const float* plane, const float* weights) { add_value(Lanes::load_aligned(plane), weights); }
+  WELKIN_INLINE void add_value(Lanes value, const float* weights) {
+    here = here + value * Lanes::load_aligned(weights);
+    next.add_value(value, weights + kChunk);
+  }
+  WELKIN_INLINE void store(float* lanes) const {
+    here.store_aligned(lanes);
+    next.store(lanes + kLanes);
+  }
+};
+
+template <>
+struct Sums<0> {
+  WELKIN_INLINE void add(const float*, const float*) {}
+  WELKIN_INLINE void add_value(Lanes, const float*) {}
+  WELKIN_INLINE void store(float*) const {}
+};
+
+/// Where one channel's loop goes on asking for the lines ahead.
+struct FetchPlan {
+  const FetchAhead* ahead;
+  int first_line;
+};
+
+/// One channel; n0 to n3 weights for classes 0 to 3, all kept in registers while the loop runs: nine for
+/// three bands, which leaves AVX2's sixteen registers room for the planes. Narrow registers walk the whole
+/// chunk once for each part of the group.
+///
+/// Each of the iterations asks for `fetched` more cache lines of each of the four stretches.
+template <int n0, int n1, int n2, int n3, int fetched>
+WELKIN_INLINE void sum_classes(const float* planes, const float* weights, int groups, const FetchPlan& plan,
+                               double* sums) {
+  constexpr int total = n0 + n1 + n2 + n3;
+  alignas(64) float lanes[total * kLanes];
+  for (int part = 0; part < kLanes; part += kWidth) {
+    Sums<n0> class0;
+    Sums<n1> class1;
+    Sums<n2> class2;
+    Sums<n3> class3;
+    const int end = groups * kLanes + part;
+    for (int k = part; k < end; k += kLanes) {
+      if constexpr (fetched > 0) {
+        // Narrow registers come by several times, and ask once.
+        const int first_line = plan.first_line + k / kLanes * fetched;
+        for (int line = 0; line < fetched && part == 0 && first_line + line < plan.ahead->lines; ++line) {
+          for (const char* stretch : plan.ahead->stretches) fetch_line(stretch, first_line + line);
+        }
+      }
+      class0.add(planes + k, weights + k);
+      class1.add(planes + kChunk + k, weights + n0 * kChunk + k);
+      class2.add(planes + 2 * kChunk + k, weights + (n0 + n1) * kChunk + k);
+      class3.add(planes + 3 * kChunk + k, weights + (n0 + n1 + n2) * kChunk + k);
+    }
+    class0.store(lanes + part);
+    class1.store(lanes + n0 * kLanes + part);
+    class2.store(lanes + (n0 + n1) * kLanes + part);
+    class3.store(lanes + (n0 + n1 + n2) * kLanes + part);
+  }
+  for (int w = 0; w < total; ++w) add_to_double_lanes(lanes + w * kLanes, sums + w * kSumLanes);
+}
+
+/// Any number of weights: class by class, four at a time.
+WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
+                           int groups, double* sums) {
+  int w = 0;
+  for (int c = 0; c < class_count; ++c) {
+    const float* const plane = planes + c * kChunk;
+    int left = counts.count[c];
+    for (; left >= 4; left -= 4, w += 4) {
+      sum_classes<4, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
+    }
+    for (; left > 0; --left, ++w) {
+      sum_classes<1, 0, 0, 0, 0>(plane, weights + w * kChunk, groups, {}, sums + w * kSumLanes);
+    }
+  }
+}
+
+/// Three channels with their sums in registers. The first two ask for the lines ahead, so that those have the
+/// third's time to arrive.
+template <int n0, int n1, int n2, int n3>
+WELKIN_INLINE void sum_three(const float* planes, int class_count, const float* weights, int groups,
+                             const FetchAhead& ahead, double* sums) {
+  constexpr int total = n0 + n1 + n2 + n3;
+  const int lines = ahead.lines - groups;
+  const int an_iteration = (lines + 2 * groups - 1) / (2 * groups);
+  for (int channel = 0; channel < 3; ++channel) {
+    const float* const channel_planes = planes + channel * class_count * kChunk;
+    double* const channel_sums = sums + channel * total * kSumLanes;
+    const int lines_before = channel * groups * an_iteration;
+    const FetchPlan plan{&ahead, groups + lines_before};
+    if (lines_before >= lines) {
+      sum_classes<n0, n1, n2, n3, 0>(channel_planes, weights, groups, plan, channel_sums);
+    } else if (an_iteration == 1) {
+      sum_classes<n0, n1, n2, n3, 1>(channel_planes, weights, groups, plan, channel_sums);
+    } else {
+      sum_classes<n0, n1, n2, n3, 2>(channel_planes, weights, groups, plan, channel_sums);
+    }
+  }
+}
+
+constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
+  return counts.count[0] == n0 && counts.count[1] == n1 && counts.count[2] == n2 && counts.count[3] == n3;
+}
+
+}  // namespace
+
+void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
+                   const FetchAhead& ahead, double* sums) {
+  if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
+    sum_three<4, 2, 2, 1>(planes, class_count, weights, groups, ahead, sums);
+  } else if (same(counts, 3, 2, 0, 0)) {  // lat-long, three bands
+    sum_three<3, 2, 0, 0>(planes, class_count, weights, groups, ahead, sums);
+  } else {
+    const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
+    for (int channel = 0; channel < 3; ++channel) {
+      sum_any(planes + channel * class_count * kChunk, class_count, weights, counts, groups,
+              sums + channel * total * kSumLanes);
+    }
+  }
+}
+
+void fold_sum_lanes(const double* lanes, int count, double* sums) {
+  // Two lanes at a time is all that is left to do side by side; every build does it in these registers.
+  for (int i = 0; i < count; ++i, lanes += kSumLanes) {
+    const __m128d even = _mm_add_pd(_mm_loadu_pd(lanes), _mm_loadu_pd(lanes + 4));
+    const __m128d odd = _mm_add_pd(_mm_loadu_pd(lanes + 2), _mm_loadu_pd(lanes + 6));
+    const __m128d both = _mm_add_pd(even, odd);
+    sums[i] = _mm_cvtsd_f64(_mm_add_sd(both, _mm_unpackhi_pd(both, both)));
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

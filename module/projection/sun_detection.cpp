@@ -1,0 +1,329 @@
+// The sun found in a map and taken out of it.
+#include "projection/sun_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/geometry.h"
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "welkin/directional_light.h"
+#include "welkin/error.h"
+
+namespace welkin {
+namespace projection {
+namespace {
+
+void require_option(const char* name, double value, double low, double high, const char* range) {
+  if (value >= low && value <= high) return;
+  throw Error(ErrorCode::invalid_argument,
+              "SunOptions::" + std::string(name) + " is " + std::to_string(value) + "; it must be " + range);
+}
+
+void check_options(const SunOptions& options) {
+  constexpr double least = 1e-9;
+  require_option("relative_threshold", options.relative_threshold, least, 1.0, "above 0 and at most 1");
+  require_option("maximum_radius_degrees", options.maximum_radius_degrees, 0.0, 90.0, "from 0 to 90");
+  require_option("minimum_contrast", options.minimum_contrast, 1.0, 1e300, "at least 1");
+  require_option("minimum_share", options.minimum_share, 0.0, 1.0, "from 0 to 1");
+}
+
+void check_shape(int columns, int rows, int largest_columns, int largest_rows, std::size_t values, const char* what) {
+  const bool in_range = columns >= 1 && columns <= largest_columns && rows >= 1 && rows <= largest_rows;
+  if (in_range && values == std::size_t{3} * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) return;
+  throw Error(ErrorCode::invalid_argument,
+              std::string(what) + " of " + std::to_string(columns) + " x " + std::to_string(rows) + " texels with " +
+                  std::to_string(values) + " floats is none: it takes 3 floats a texel, and from 1 x 1 to " +
+                  std::to_string(largest_columns) + " x " + std::to_string(largest_rows) + " texels");
+}
+
+/// A texel and what it is to be instead.
+struct Replacement {
+  std::int64_t texel;
+  glm::vec3 radiance;
+};
+
+/// For the spot and its rim the light around them, but in no channel more than there was.
+std::vector<Replacement> replacements(const BrightRegion& region, const float* pixels) {
+  const glm::vec3 around = radiance_around(region, pixels);
+  std::vector<Replacement> result;
+  for (const auto* texels : {&region.spot, &region.rim}) {
+    for (const std::int64_t texel : *texels) {
+      const float* rgb = pixels + 3 * texel;
+      const glm::vec3 after(std::min(rgb[0], around.r), std::min(rgb[1], around.g), std::min(rgb[2], around.b));
+      if (after != glm::vec3(rgb[0], rgb[1], rgb[2])) result.push_back({texel, after});
+    }
+  }
+  std::sort(result.begin(), result.end(), [](const Replacement& a, const Replacement& b) { return a.texel < b.texel; });
+  return result;
+}
+
+std::vector<std::int64_t> texels_of(const std::vector<Replacement>& changes) {
+  std::vector<std::int64_t> texels;
+  texels.reserve(changes.size());
+  for (const Replacement& change : changes) texels.push_back(change.texel);
+  return texels;
+}
+
+/// What these changes take away.
+Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion& region,
+           const std::vector<Replacement>& changes) {
+  Sun sun;
+  glm::dvec3 moment{};
+  const std::vector<double> steradians = image::solid_angles_of(grid, texels_of(changes));
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const auto& [texel, after] = changes[i];
+    const glm::dvec3 taken = steradians[i] * (radiance_of(pixels + 3 * texel) - glm::dvec3(after));
+    sun.irradiance += taken;
+    moment += luminance(taken) * grid.direction(texel);
+  }
+  const double length = std::sqrt(glm::dot(moment, moment));
+  if (length > 0.0) sun.direction = moment / length;
+  for (const double angle : image::solid_angles_of(grid, region.spot)) sun.solid_angle += angle;
+  sun.radiance = sun.irradiance / sun.solid_angle;
+  sun.texels = changes.size();
+  // A disc of radius a has 2 pi (1 - cos a) = 4 pi sin^2(a/2) steradians.
+  const double half_sine = std::sqrt(std::min(1.0, sun.solid_angle / (4.0 * std::numbers::pi)));
+  sun.angular_radius_degrees = 2.0 * math::arc_sine(half_sine) * (180.0 / std::numbers::pi);
+  return sun;
+}
+
+std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const SunOptions& options) {
+  MapFlux map(grid, pixels);
+  const std::int64_t brightest = map.brightest();
+  if (brightest < 0) return std::nullopt;
+  const double peak = luminance(radiance_of(pixels + 3 * brightest));
+  const glm::dvec3 flux = map.flux();
+  const double mean = luminance(flux) / map.solid_angle();
+  if (!(peak > 0.0) || peak < options.minimum_contrast * mean) return std::nullopt;
+
+  const auto region =
+      find_bright_region(grid, pixels, brightest, options.relative_threshold * peak, options.maximum_radius_degrees);
+  if (!region || region->ring.empty()) return std::nullopt;
+
+  const std::vector<Replacement> changes = replacements(*region, pixels);
+  Sun sun = sum_up(grid, pixels, *region, changes);
+  const double taken = luminance(sun.irradiance);
+  if (!(taken > 0.0) || taken < options.minimum_share * luminance(flux)) return std::nullopt;
+
+  for (const Replacement& change : changes) {
+    float* rgb = pixels + 3 * change.texel;
+    for (int channel = 0; channel < 3; ++channel) rgb[channel] = change.radiance[channel];
+  }
+  map.update(texels_of(changes));
+  sun.flux_before = flux;
+  sun.flux_after = map.flux();
+  return sun;
+}
+
+}  // namespace
+}  // namespace projection
+
+std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) {
+  projection::check_options(options);
+  projection::check_shape(image.width, image.height, 65536, 32768, image.pixels.size(), "a lat-long");
+  return projection::take_out(image::TexelGrid::lat_long(image.width, image.height), image.pixels.data(), options);
+}
+
+std::optional<Sun> take_out_sun(CubemapImage& image, const SunOptions& options) {
+  projection::check_options(options);
+  const int size = std::clamp(image.size, 0, 16385);  // six times anything larger might not be an int
+  projection::check_shape(size, 6 * size, 16384, 6 * 16384, image.pixels.size(),
+                          "a cubemap, its faces one below the other,");
+  return projection::take_out(image::TexelGrid::cubemap(size), image.pixels.data(), options);
+}
+
+}  // namespace welkin
+
+namespace welkin::projection {
+namespace {
+
+constexpr int kTexelsPerTile = 32768;  // some 50 microseconds
+
+}  // namespace
+
+MapFlux::MapFlux(const image::TexelGrid& grid, const float* pixels) : grid_(grid), pixels_(pixels) {
+  const std::int64_t texels_per_class = std::int64_t{grid.columns()} * grid.rows_of(0).count;
+  classes_per_tile_ = static_cast<int>(std::max<std::int64_t>(1, kTexelsPerTile / texels_per_class));
+  tiles_.resize(static_cast<std::size_t>((grid.row_classes() + classes_per_tile_ - 1) / classes_per_tile_));
+
+  const jobs::Placement placement = jobs::placement_for(grid.texels());
+  const std::size_t workers = jobs::worker_count(placement);
+  const auto columns = static_cast<std::size_t>(grid.columns());
+  std::vector<double> steradians(workers * columns);
+  jobs::run_tiles(tiles_.size(), placement, workers, {}, [&](std::size_t tile, std::size_t worker) {
+    read_tile(tile, std::span(steradians).subspan(worker * columns, columns));
+  });
+}
+
+void MapFlux::update(std::span<const std::int64_t> changed_texels) {
+  std::vector<bool> stale(tiles_.size());
+  for (const std::int64_t texel : changed_texels) {
+    const int row_class = grid_.class_of(static_cast<int>(texel / grid_.columns()));
+    stale[static_cast<std::size_t>(row_class / classes_per_tile_)] = true;
+  }
+  std::vector<double> steradians(static_cast<std::size_t>(grid_.columns()));
+  for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
+    if (stale[tile]) read_tile(tile, steradians);
+  }
+}
+
+void MapFlux::read_tile(std::size_t tile, std::span<double> steradians) {
+  Tile sums;
+  const int first = static_cast<int>(tile) * classes_per_tile_;
+  const int last = std::min(first + classes_per_tile_, grid_.row_classes());
+  for (int row_class = first; row_class < last; ++row_class) {
+    grid_.solid_angles(row_class, steradians);
+    for (const int row : grid_.rows_of(row_class)) read_row(row, steradians, sums);
+  }
+  tiles_[tile] = sums;
+}
+
+void MapFlux::read_row(int row, std::span<const double> steradians, Tile& sums) const {
+  const std::int64_t first = std::int64_t{row} * grid_.columns();
+  const float* rgb = pixels_ + 3 * first;
+  for (std::size_t column = 0; column < steradians.size(); ++column, rgb += 3) {
+    if (!is_finite(rgb)) continue;
+    const glm::dvec3 radiance = radiance_of(rgb);
+    sums.flux += steradians[column] * radiance;
+    sums.solid_angle += steradians[column];
+    const double brightness = luminance(radiance);
+    const std::int64_t texel = first + static_cast<std::int64_t>(column);
+    const bool first_of_equals = brightness == sums.brightest_luminance && texel < sums.brightest;
+    if (sums.brightest < 0 || brightness > sums.brightest_luminance || first_of_equals) {
+      sums.brightest_luminance = brightness;
+      sums.brightest = texel;
+    }
+  }
+}
+
+glm::dvec3 MapFlux::flux() const noexcept {
+  glm::dvec3 sum{};
+  for (const Tile& tile : tiles_) sum += tile.flux;
+  return sum;
+}
+
+double MapFlux::solid_angle() const noexcept {
+  double sum = 0.0;
+  for (const Tile& tile : tiles_) sum += tile.solid_angle;
+  return sum;
+}
+
+std::int64_t MapFlux::brightest() const noexcept {
+  const Tile* best = nullptr;
+  for (const Tile& tile : tiles_) {
+    if (tile.brightest < 0) continue;
+    const bool better = best == nullptr || tile.brightest_luminance > best->brightest_luminance ||
+                        (tile.brightest_luminance == best->brightest_luminance && tile.brightest < best->brightest);
+    if (better) best = &tile;
+  }
+  return best == nullptr ? -1 : best->brightest;
+}
+
+namespace {
+
+constexpr int kRingSteps = 2;  // one step is not enough to have a median where lossy compression has left ripples
+
+/// Appends to `found` the texel's neighbours that `wanted` wants and that were not seen before.
+template <class Wanted>
+void append_neighbours(const image::TexelGrid& grid, std::int64_t texel, std::vector<bool>& seen,
+                       std::vector<std::int64_t>& found, const Wanted& wanted) {
+  for (const std::int64_t neighbour : grid.neighbours(texel)) {
+    if (seen[static_cast<std::size_t>(neighbour)] || !wanted(neighbour)) continue;
+    seen[static_cast<std::size_t>(neighbour)] = true;
+    found.push_back(neighbour);
+  }
+}
+
+/// The texels that touch `texels` and were not seen before, rising.
+std::vector<std::int64_t> texels_around(const image::TexelGrid& grid, const std::vector<std::int64_t>& texels,
+                                        std::vector<bool>& seen) {
+  std::vector<std::int64_t> found;
+  for (const std::int64_t texel : texels) {
+    append_neighbours(grid, texel, seen, found, [](std::int64_t) { return true; });
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void add_surroundings(const image::TexelGrid& grid, const float* pixels, std::vector<bool>& seen,
+                      BrightRegion& region) {
+  region.rim = texels_around(grid, region.spot, seen);
+  std::vector<std::int64_t> outermost = region.rim;
+  for (int step = 0; step < kRingSteps; ++step) {
+    outermost = texels_around(grid, outermost, seen);
+    region.ring.insert(region.ring.end(), outermost.begin(), outermost.end());
+  }
+  const auto has_no_value = [&](std::int64_t texel) { return !is_finite(pixels + 3 * texel); };
+  std::erase_if(region.rim, has_no_value);
+  std::erase_if(region.ring, has_no_value);
+  std::sort(region.ring.begin(), region.ring.end());
+}
+
+double cosine_of_degrees(double degrees) { return math::sine_cosine_of_turns(degrees / 360.0).cosine; }
+
+glm::dvec3 mean_direction(const image::TexelGrid& grid, const float* pixels, const std::vector<std::int64_t>& texels) {
+  const std::vector<double> steradians = image::solid_angles_of(grid, texels);
+  glm::dvec3 sum{};
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    sum += steradians[i] * luminance(radiance_of(pixels + 3 * texels[i])) * grid.direction(texels[i]);
+  }
+  return sum / std::sqrt(glm::dot(sum, sum));
+}
+
+}  // namespace
+
+std::optional<BrightRegion> find_bright_region(const image::TexelGrid& grid, const float* pixels, std::int64_t seed,
+                                               double least_luminance, double maximum_radius_degrees) {
+  const glm::dvec3 start = grid.direction(seed);
+  const double least_cosine_to_start = cosine_of_degrees(2.0 * maximum_radius_degrees);
+  const image::TexelGrid::Neighbours beside = grid.neighbours(seed);
+  const auto is_beside = [&](std::int64_t texel) {
+    return texel == seed || std::find(beside.begin(), beside.end(), texel) != beside.end();
+  };
+  const auto bright = [&](std::int64_t texel) {
+    const float* rgb = pixels + 3 * texel;
+    return is_finite(rgb) && luminance(radiance_of(rgb)) >= least_luminance;
+  };
+
+  std::vector<bool> seen(static_cast<std::size_t>(grid.texels()));
+  seen[static_cast<std::size_t>(seed)] = true;
+  BrightRegion region{{seed}, {}, {}};
+  for (std::size_t next = 0; next < region.spot.size(); ++next) {
+    const std::int64_t texel = region.spot[next];
+    if (glm::dot(grid.direction(texel), start) < least_cosine_to_start && !is_beside(texel)) return std::nullopt;
+    append_neighbours(grid, texel, seen, region.spot, bright);
+  }
+  std::sort(region.spot.begin(), region.spot.end());
+
+  // A clipped sun is equally bright all over, and the seed then lies on its rim: its size is known from its middle.
+  const glm::dvec3 centre = mean_direction(grid, pixels, region.spot);
+  const double least_cosine = cosine_of_degrees(maximum_radius_degrees);
+  for (const std::int64_t texel : region.spot) {
+    if (glm::dot(grid.direction(texel), centre) < least_cosine && !is_beside(texel)) return std::nullopt;
+  }
+  add_surroundings(grid, pixels, seen, region);
+  return region;
+}
+
+glm::vec3 radiance_around(const BrightRegion& region, const float* pixels) {
+  glm::vec3 median{};
+  std::vector<float> values(region.ring.size());
+  for (int channel = 0; channel < 3; ++channel) {
+    std::transform(region.ring.begin(), region.ring.end(), values.begin(),
+                   [&](std::int64_t texel) { return pixels[3 * texel + channel]; });
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[channel] = std::max(0.0F, *middle);
+  }
+  return median;
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,179 @@
+#include "reflections/lobe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+
+#include "math/elementary.h"
+#include "math/quadrature.h"
+#include "math/table_cache.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kOrder = 20;         ///< points a panel
+constexpr std::size_t kBlock = 8;  ///< nodes whose recurrences run side by side
+constexpr std::size_t kCachedBytes = 4U << 20U;
+
+/// c D sin-free: with x = 1 - c, half vector squared is 1 - x / 2, so that D = alpha^2 / (pi (alpha^2 + x s)^2),
+/// s = (1 - alpha^2) / 2.
+double lobe_of_distance(double x, double alpha) noexcept {
+  const double square = alpha * alpha;
+  const double width = square + x * (0.5 * (1.0 - square));
+  return (1.0 - x) * square / (kPi * width * width);
+}
+
+/// Nodes in x and weights (times the lobe) of Int_0^1 k(1 - x) f(1 - x) dx, where f is a polynomial of degree below
+/// `bands`.
+struct Rule {
+  std::vector<double> distance;
+  std::vector<double> weight;
+};
+
+/// In s = sqrt(x / 2) = sin(theta / 2), dx = 4 s ds, the lobe has its poles at s = +- i alpha / sqrt(1 - alpha^2) and
+/// P_l oscillates evenly. So panels double in width from alpha on, and none is wider than 28 radians of the highest
+/// band's phase, which moves at most 2.83 l a unit of s: (e 14 / (4 x 20))^40 = 1e-13 of it is lost.
+Rule make_rule(double alpha, int bands) {
+  const simd::GaussRule gauss = math::gauss_legendre(kOrder);
+  const double end = std::numbers::sqrt2 / 2.0;
+  const double widest = 28.0 / (2.83 * bands);
+  Rule rule;
+  for (double from = 0.0; from < end;) {
+    double to = from + std::min(std::max(from, alpha), widest);
+    if (to > end - 1e-3 * (to - from)) to = end;
+    const double half = 0.5 * (to - from);
+    for (int i = 0; i < kOrder; ++i) {
+      const double s = from + half + half * gauss.nodes[i];
+      const double x = 2.0 * s * s;
+      rule.distance.push_back(x);
+      rule.weight.push_back(half * gauss.weights[i] * 4.0 * s * lobe_of_distance(x, alpha));
+    }
+    from = to;
+  }
+  while (rule.distance.size() % kBlock != 0) {
+    rule.distance.push_back(0.0);
+    rule.weight.push_back(0.0);
+  }
+  return rule;
+}
+
+/// Adds Sum_i weight_i P_l(1 - x_i) over one block of nodes to sums[l].
+///
+/// By differences, d_l = P_l - P_(l-1): (l + 1) d_(l+1) = l d_l - (2 l + 1) x P_l. Near x = 0 the usual recurrence
+/// subtracts numbers close to each other; this one keeps x's own digits.
+void add_block(const double* distance, const double* weight, std::vector<double>& sums) {
+  std::array<double, kBlock> value;
+  std::array<double, kBlock> step;
+  value.fill(1.0);
+  step.fill(0.0);
+  for (std::size_t l = 0; l < sums.size(); ++l) {
+    std::array<double, kBlock> part;
+    const auto band = static_cast<double>(l);
+    const double before = band / (band + 1.0);
+    const double here = (2.0 * band + 1.0) / (band + 1.0);
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      part[i] = weight[i] * value[i];
+      step[i] = before * step[i] - here * distance[i] * value[i];
+      value[i] += step[i];
+    }
+    sums[l] += ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
+  }
+}
+
+std::vector<double> compute_spectrum(double alpha, int bands) {
+  const Rule rule = make_rule(alpha, std::max(bands, 8));
+  std::vector<double> sums(static_cast<std::size_t>(bands), 0.0);
+  for (std::size_t i = 0; i < rule.distance.size(); i += kBlock)
+    add_block(rule.distance.data() + i, rule.weight.data() + i, sums);
+  const double whole = sums[0];
+  for (double& sum : sums) sum /= whole;
+  return sums;
+}
+
+struct Key {
+  double alpha;
+  int bands;
+  bool operator==(const Key&) const = default;
+};
+
+struct Table {
+  std::vector<double> values;
+  [[nodiscard]] std::size_t bytes() const { return values.size() * sizeof(double); }
+};
+
+math::TableCache<Key, Table>& cache() {
+  static auto& tables = *new math::TableCache<Key, Table>(kCachedBytes);  // never destroyed
+  return tables;
+}
+
+}  // namespace
+
+double lobe(double cosine, double alpha) noexcept { return cosine > 0.0 ? lobe_of_distance(1.0 - cosine, alpha) : 0.0; }
+
+// 2 pi Int_0^1 k dx with t = (1 - alpha^2) / (2 alpha^2): 2 / alpha^2 (t - ln(1 + t)) / t^2.
+double lobe_integral(double alpha) noexcept {
+  const double square = alpha * alpha;
+  const double t = (1.0 - square) / (2.0 * square);
+  if (t > 0.05) return 2.0 / square * (t - math::logarithm(1.0 + t)) / (t * t);
+  double series = 0.0;  // 1/2 - t/3 + t^2/4 - ...
+  for (int k = 14; k >= 2; --k) series = 1.0 / k - t * series;
+  return 2.0 / square * series;
+}
+
+std::vector<double> lobe_spectrum(double alpha, int bands) {
+  return cache()
+      .get({alpha, bands}, [&] { return std::make_shared<const Table>(Table{compute_spectrum(alpha, bands)}); })
+      ->values;
+}
+
+namespace {
+
+constexpr double kTaper = 0.2;
+constexpr double kReach = 9.25;    ///< for rms 1e-3 and maximum 1e-2: docs/reflections.md has what was measured
+constexpr int kLeastBands = 96;    ///< wide lobes: their kink at the horizon, not their peak, asks for bands
+constexpr int kMostForKink = 512;  ///< where the bounds are tight
+constexpr int kStep = 8;           ///< bands are a multiple of it
+
+/// 1 up to the taper, then half a cosine down to 0 at `bands`.
+double taper(int l, int bands) {
+  const double from = bands * (1.0 - kTaper);
+  if (l <= from) return 1.0;
+  const double share = (l - from) / (bands - from);
+  return 0.5 + 0.5 * math::sine_cosine_of_turns(0.5 * share).cosine;
+}
+
+}  // namespace
+
+/// What the kink leaves falls with the bands; four more in `reach` are a fiftieth of the error.
+int bands_for(double alpha, double reach) noexcept {
+  const double kink = std::clamp(kLeastBands * (1.0 + (reach - kReach)), 32.0, 1.0 * kMostForKink);
+  const double bands = std::max(std::min(1e6, reach / (2.0 * alpha)), kink);
+  return static_cast<int>(std::ceil(bands / kStep)) * kStep;
+}
+
+BandChoice choose_bands(double alpha, double reach, int most) {
+  BandChoice choice;
+  const int bands = std::min(most, bands_for(alpha, reach));
+  choice.zonal = lobe_spectrum(alpha, bands);
+  // Sum (2 l + 1) k_l / k_0 over all bands is the peak over the mean.
+  const double whole = 4.0 * std::numbers::pi * lobe(1.0, alpha) / lobe_integral(alpha);
+  double kept = 0.0;
+  for (int l = 0; l < bands; ++l) {
+    double& factor = choice.zonal[static_cast<std::size_t>(l)];
+    factor *= taper(l, bands);
+    kept += (2.0 * l + 1.0) * factor;
+  }
+  choice.loss_at_peak = std::abs(whole - kept) / whole;
+  return choice;
+}
+
+double reach_for(double rms_error, double maximum_error) noexcept {
+  const double stricter = std::min(rms_error / 1e-3, maximum_error / 1e-2);
+  return std::max(2.0, kReach - math::logarithm(std::clamp(stricter, 1e-6, 1e3)));
+}
+
+}  // namespace welkin::reflections

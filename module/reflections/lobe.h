@@ -1,0 +1,40 @@
+// The GGX lobe of the split sum as a zonal kernel, and its spectrum.
+#pragma once
+
+#include <vector>
+
+namespace welkin::reflections {
+
+/// k(c) = c D(sqrt((1 + c) / 2)), 0 for c <= 0; `alpha` = perceptual roughness squared, in (0, 1]. DESIGN: specular.h.
+[[nodiscard]] double lobe(double cosine, double alpha) noexcept;
+
+/// Int k over the sphere, in closed form.
+[[nodiscard]] double lobe_integral(double alpha) noexcept;
+
+/// k_l / k_0 for l < bands, k_l = 2 pi Int k(c) P_l(c) dc: what the prefilter does to band l. In double to 1e-10.
+[[nodiscard]] std::vector<double> lobe_spectrum(double alpha, int bands);
+
+// How many harmonic bands a lobe needs, and how its spectrum ends.
+
+/// What one mip's synthesis multiplies bands by.
+struct BandChoice {
+  std::vector<double> zonal;  ///< a factor for each band: the lobe's spectrum, tapered to nothing at the end
+  /// What is lacking at the place of a light without extent, over the lobe's peak there.
+  double loss_at_peak = 0.0;
+
+  [[nodiscard]] int bands() const noexcept { return static_cast<int>(zonal.size()); }
+};
+
+/// The spectrum falls like exp(-2 alpha l); `reach` = 2 alpha bands is what decides the error, at any alpha: see
+/// docs/reflections.md. The last fifth of the bands is tapered: cut off sharply, every light would ring over the whole
+/// sphere, for ever longer than the lobe's own tail is dark.
+/// `most`: bands that may be used. alpha in (0, 1].
+[[nodiscard]] BandChoice choose_bands(double alpha, double reach, int most);
+
+/// `reach` for error bounds; 9.25 for rms 1e-3 and maximum 1e-2, more for smaller ones.
+[[nodiscard]] double reach_for(double rms_error, double maximum_error) noexcept;
+
+/// Bands that `choose_bands` would take, were there no most.
+[[nodiscard]] int bands_for(double alpha, double reach) noexcept;
+
+}  // namespace welkin::reflections

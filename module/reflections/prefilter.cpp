@@ -1,0 +1,369 @@
+#include "reflections/prefilter.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <string>
+
+#include "image/cubemap.h"
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "image/sphere_grid.h"
+#include "jobs/task_graph.h"
+#include "jobs/tiles.h"
+#include "projection/clean_pixels.h"
+#include "reflections/bright_texels.h"
+#include "reflections/direct.h"
+#include "reflections/prefilter_plan.h"
+#include "reflections/prefilter_source.h"
+#include "reflections/sampled.h"
+#include "welkin/mip_chain.h"
+#include "welkin/resampling.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr std::size_t kMostBright = 256;  ///< texels taken out
+constexpr double kRoundingError = 1e-4;   ///< of float harmonics, where it is not very dark
+constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
+
+using Faces = std::array<float*, 6>;
+
+/// Milliseconds since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Working memory at its largest.
+class Memory {
+ public:
+  void take(std::size_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    now_ += bytes;
+    peak_ = std::max(peak_, now_);
+  }
+  void give_back(std::size_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    now_ -= bytes;
+  }
+  [[nodiscard]] std::uint64_t peak() const { return peak_; }
+
+ private:
+  std::mutex mutex_;
+  std::uint64_t now_ = 0;
+  std::uint64_t peak_ = 0;
+};
+
+void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control) {
+  image::fill_cubemap(source, chain.level_size(level), image::faces_of(chain, level), ResampleFilter::area, control);
+}
+
+void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control) {
+  const CubemapImage image = to_cubemap(source, chain.level_size(level), glm::dmat3(1.0), control);
+  std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
+}
+
+/// One call's work. View: LatLongView or CubemapView, clean.
+template <class View>
+class Prefilter {
+ public:
+  Prefilter(const View& view, const projection::CleanSource& source, const PrefilterOptions& options,
+            PrefilterPlan plan, CubemapChain room)
+      : view_(view), source_(source), options_(options), plan_(std::move(plan)) {
+    const auto levels = static_cast<int>(plan_.mips.size());
+    result_.specular.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels);
+    result_.specular.mips.resize(plan_.mips.size());
+    memory_.take(source.bytes());
+  }
+
+  Prefiltered run(int bands, const Control& control) {
+    std::vector<jobs::Pass> passes;
+    if (plan_.bands > 0) passes.push_back({[&](const Control& part) { run_spectral(bands, part); }, 2.0});
+    if (plan_.sampled) passes.push_back({[&](const Control& part) { run_sampled(part); }, 100.0});
+    for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+      const MipPlan& mip = plan_.mips[level];
+      if (mip.copy) passes.push_back({[this, level](const Control& part) { copy_mip(level, part); }, 1.0});
+      if (!mip.copy && mip.method == PrefilterMethod::reference)
+        passes.push_back({[this, level](const Control& part) { integrate_mip(level, part); }, 1000.0});
+    }
+    jobs::run_together(passes, control);
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] MipRecord& record(std::size_t level) { return result_.specular.mips[level]; }
+
+  void note(const std::string& name, const std::string& reason, double milliseconds) {
+    const std::scoped_lock lock(mutex_);
+    passes_.push_back({name, "run", reason, milliseconds});
+  }
+
+  void run_spectral(int bands, const Control& control);
+  void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
+                    const Control& control);
+  void run_sampled(const Control& control);
+  void copy_mip(std::size_t level, const Control& control);
+  void integrate_mip(std::size_t level, const Control& control);
+  void end_mip(std::size_t level, const char* method, const Stopwatch& watch, const Control& control);
+  void finish();
+
+  View view_;
+  const projection::CleanSource& source_;
+  const PrefilterOptions& options_;
+  PrefilterPlan plan_;
+  Prefiltered result_;
+  std::vector<BrightTexel> bright_;
+  std::mutex mutex_;
+  std::vector<PassRecord> passes_;
+  Memory memory_;
+};
+
+template <class View>
+void Prefilter<View>::end_mip(std::size_t level, const char* method, const Stopwatch& watch, const Control& control) {
+  MipRecord& mip = record(level);
+  mip.size = plan_.mips[level].size;
+  mip.roughness = plan_.mips[level].roughness;
+  mip.method = method;
+  const CubemapView whole = result_.specular.cubemap.view(static_cast<int>(level));
+  mip.mean = average_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
+  mip.milliseconds = watch.milliseconds();
+}
+
+/// The environment as the transform reads it: a lat-long of clean pixels, its bright texels taken out.
+struct Rings {
+  LatLongView view{};
+  LatLongImage owned;  ///< holds the pixels where the caller's own would not do
+  std::unique_ptr<projection::CleanSource> clean;
+
+  [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
+};
+
+LatLongImage copy_of(const projection::CleanSource& source) {
+  LatLongImage image{source.columns(), source.rows(), {}};
+  image.pixels.reserve(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  for (int row = 0; row < image.height; ++row)
+    image.pixels.insert(image.pixels.end(), source.row(row), source.row(row) + std::ptrdiff_t{3} * image.width);
+  return image;
+}
+
+/// `source` itself if it is a lat-long, else the cubemap on rings.
+const projection::CleanSource& lat_long_of(const projection::CleanSource& source, const PrefilterPlan& plan,
+                                           Rings& rings, const Control& control) {
+  if (!source.cubemap()) return source;
+  rings.owned = rings_of_cubemap(source.cube(), plan.rows_for_cubemap(source.columns()), control);
+  rings.clean = std::make_unique<projection::CleanSource>(rings.owned.view(), ProjectionOptions{}, control);
+  return *rings.clean;
+}
+
+void take_out(const std::vector<BrightTexel>& texels, const projection::CleanSource& lat_long, Rings& rings) {
+  rings.view = lat_long.lat_long();
+  if (texels.empty()) return;
+  if (rings.owned.pixels.empty()) rings.owned = copy_of(lat_long);
+  rings.view = rings.owned.view();
+  for (const BrightTexel& texel : texels) {
+    float* const rgb = rings.owned.pixels.data() + 3 * (std::ptrdiff_t{texel.row} * rings.view.width + texel.column);
+    std::copy(texel.rest.begin(), texel.rest.end(), rgb);
+  }
+}
+
+template <class View>
+void Prefilter<View>::run_spectral(int bands, const Control& control) {
+  const Stopwatch watch;
+  Rings rings;
+  const projection::CleanSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
+  bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
+  take_out(bright_, lat_long, rings);
+  memory_.take(rings.bytes());
+  note("bright texels", std::to_string(bright_.size()) + " apart", watch.milliseconds());
+
+  const Stopwatch analysis;
+  const transforms::Spectrum spectrum = transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
+  memory_.take(spectrum.bytes());
+  note("analyse", std::to_string(plan_.bands) + " bands", analysis.milliseconds());
+  const LatLongView shape = rings.view;
+  memory_.give_back(rings.bytes());
+  rings = {};
+  if (bands > 0) {
+    result_.harmonics = spectrum.harmonics(bands);
+    add_harmonics(bright_, shape.width, shape.height, *result_.harmonics);
+  }
+
+  std::vector<jobs::Pass> passes;
+  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+    const MipPlan& mip = plan_.mips[level];
+    if (mip.bands.bands() == 0) continue;
+    passes.push_back(
+        {[this, level, &spectrum, &shape](const Control& part) { spectral_mip(level, spectrum, shape, part); },
+         static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands()});
+  }
+  jobs::run_together(passes, jobs::part_of(control, 0.4, 1.0));
+  memory_.give_back(spectrum.bytes());
+}
+
+template <class View>
+void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
+                                   const Control& control) {
+  const Stopwatch watch;
+  const MipPlan& mip = plan_.mips[level];
+  const Faces faces = image::faces_of(result_.specular.cubemap, static_cast<int>(level));
+  const transforms::GridSize grid_size = transforms::grid_for_bands(mip.bands.bands());
+  image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
+  memory_.take(grid.bytes());
+  transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.5));
+  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(options_.leave_out_sharp));
+  note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
+  const Stopwatch sampling;
+  image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
+                      jobs::part_of(control, 0.5, 0.8));
+  memory_.give_back(grid.bytes());
+  note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
+  const Stopwatch splatting;
+  const std::vector<simd::LobeLight> lights = lobe_lights(bright_, rings.width, rings.height, mip.alpha);
+  add_lobe_lights(lights, mip.alpha, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
+  note(name + ": lobes", std::to_string(lights.size()) + " lights", splatting.milliseconds());
+  record(level).bands = mip.bands.bands();
+  record(level).bright_texels = static_cast<int>(bright_.size());
+  record(level).error_estimate = kRoundingError + 2.0 * mip.bands.loss_at_peak;
+  end_mip(level, "spectral", watch, control);
+}
+
+template <class View>
+void Prefilter<View>::run_sampled(const Control& control) {
+  const Stopwatch watch;
+  CubemapChain base(options_.size, full_chain_levels(options_.size));
+  fill_level(view_, base, 0, {control.stop, {}});
+  fill_mips(base, MipFilter::solid_angle, {control.stop, {}});
+  const PaddedCube cube(base);
+  memory_.take(base.bytes() + cube.bytes());
+  note("sampled: mip chain", "of the source at its full size", watch.milliseconds());
+  std::vector<jobs::Pass> passes;
+  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+    const MipPlan& mip = plan_.mips[level];
+    if (mip.copy || mip.method != PrefilterMethod::sampled) continue;
+    const auto work = [this, level, &cube, &base](const Control& part) {
+      const Stopwatch mip_watch;
+      const MipPlan& plan = plan_.mips[level];
+      const std::vector<Tap> taps = make_taps(plan.alpha, options_.samples, base.size(), base.levels());
+      sample_mip(cube, taps, plan.size, image::faces_of(result_.specular.cubemap, static_cast<int>(level)), part);
+      record(level).samples = static_cast<int>(taps.size());
+      end_mip(level, "sampled", mip_watch, part);
+    };
+    passes.push_back({work, static_cast<double>(mip.size) * mip.size});
+  }
+  jobs::run_together(passes, control);
+  memory_.give_back(base.bytes() + cube.bytes());
+}
+
+template <class View>
+void Prefilter<View>::copy_mip(std::size_t level, const Control& control) {
+  const Stopwatch watch;
+  fill_level(view_, result_.specular.cubemap, static_cast<int>(level), control);
+  end_mip(level, "copy", watch, control);
+}
+
+template <class View>
+void Prefilter<View>::integrate_mip(std::size_t level, const Control& control) {
+  const Stopwatch watch;
+  const int size = plan_.mips[level].size;
+  std::vector<glm::dvec3> directions;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column)
+        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
+    }
+  }
+  const std::vector<glm::dvec3> values = integrate_lobes(source_, plan_.mips[level].alpha, directions, control);
+  float* const rgb = result_.specular.cubemap.face(static_cast<int>(level), 0);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    for (int c = 0; c < 3; ++c) rgb[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(values[k][c]);
+  }
+  record(level).error_estimate = kReferenceError;
+  end_mip(level, "reference", watch, control);
+}
+
+template <class View>
+void Prefilter<View>::finish() {
+  result_.specular.pixels.passes = std::move(passes_);
+  result_.specular.peak_bytes = memory_.peak();
+}
+
+template <class View>
+Prefiltered run(const View& view, const PrefilterOptions& options, int bands, CubemapChain room,
+                const Control& control) {
+  image::check_view(view);
+  PrefilterPlan plan = plan_prefilter(options);
+  const projection::CleanSource source(view, options.pixels, jobs::part_of(control, 0.0, 0.05));
+  const Control rest = jobs::part_of(control, 0.05, 1.0);
+  Prefiltered result;
+  if (const float scale = safe_scale(source); scale != 1.0F) {
+    const auto pixels = scaled(source, view, scale);
+    const projection::CleanSource scaled_source(pixels.view(), {}, {control.stop, {}});
+    result = Prefilter<View>(projection::view_of(scaled_source, view), scaled_source, options, std::move(plan),
+                             std::move(room))
+                 .run(bands, rest);
+    undo_scale(result, scale);
+  } else {
+    result = Prefilter<View>(projection::view_of(source, view), source, options, std::move(plan), std::move(room))
+                 .run(bands, rest);
+  }
+  describe_pixels(source.diagnostics(), source.clamped_flux(), result.specular);
+  return result;
+}
+
+}  // namespace
+
+void describe_pixels(const ProjectionDiagnostics& cleaned, const glm::dvec3& clamped_flux,
+                     PrefilteredSpecular& specular) {
+  std::vector<PassRecord> passes = std::move(specular.pixels.passes);
+  specular.pixels = cleaned;
+  specular.pixels.passes = std::move(passes);
+  specular.pixels.flux = 4.0 * std::numbers::pi * specular.mips.front().mean;
+  specular.pixels.flux_before_clamp = specular.pixels.flux + clamped_flux;
+}
+
+Prefiltered prefilter(const LatLongView& source, const PrefilterOptions& options, int bands, CubemapChain room,
+                      const Control& control) {
+  return run(source, options, bands, std::move(room), control);
+}
+
+Prefiltered prefilter(const CubemapView& source, const PrefilterOptions& options, int bands, CubemapChain room,
+                      const Control& control) {
+  return run(source, options, bands, std::move(room), control);
+}
+
+}  // namespace welkin::reflections
+
+namespace welkin {
+
+const char* name(PrefilterMethod method) noexcept {
+  switch (method) {
+    case PrefilterMethod::automatic: return "automatic";
+    case PrefilterMethod::spectral: return "spectral";
+    case PrefilterMethod::sampled: return "sampled";
+    case PrefilterMethod::reference: return "reference";
+  }
+  return "automatic";
+}
+
+PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
+                                       const Control& control) {
+  return reflections::prefilter(source, options, 0, {}, control).specular;
+}
+
+PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
+                                       const Control& control) {
+  return reflections::prefilter(source, options, 0, {}, control).specular;
+}
+
+}  // namespace welkin

@@ -1,0 +1,201 @@
+#include "reflections/prefilter_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+
+#include "image/pixels.h"
+#include "projection/pixel_policy.h"
+#include "transform/spectrum.h"
+#include "welkin/error.h"
+#include "welkin/roughness.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr int kLargestSize = 8192;
+constexpr int kMostSamples = 1 << 20;
+constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
+constexpr double kLeastMaximumError = 1e-5;
+
+[[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
+
+std::string text(double value) { return std::to_string(value); }
+
+void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
+  if (!(value > 0.0 && value <= 1.0))
+    refuse(ErrorCode::invalid_argument, std::string(what) + " is " + text(value) + "; it must be above 0, at most 1");
+  if (value >= least || method == PrefilterMethod::reference || method == PrefilterMethod::sampled) return;
+  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
+                                        " is more than float arithmetic gives; the reference method has no bound");
+}
+
+std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
+  if (options.roughness.empty()) return roughness_of_mips(RoughnessSchedule::linear, mips, options.size);
+  if (options.roughness.size() < static_cast<std::size_t>(mips)) {
+    refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but roughness names " +
+                                            std::to_string(options.roughness.size()) + "; it needs one for each mip");
+  }
+  for (std::size_t mip = 0; mip < static_cast<std::size_t>(mips); ++mip) {
+    const double roughness = options.roughness[mip];
+    if (roughness >= 0.0 && roughness <= 1.0) continue;
+    refuse(ErrorCode::invalid_argument,
+           "roughness of mip " + std::to_string(mip) + " is " + text(roughness) + "; it must be from 0 to 1");
+  }
+  return options.roughness;
+}
+
+int mips_of(const PrefilterOptions& options) {
+  const int whole = full_chain_levels(options.size);
+  const int mips = options.mips != 0           ? options.mips
+                   : options.roughness.empty() ? whole
+                                               : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  if (mips >= 1 && mips <= whole) return mips;
+  refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips; a cubemap of " + std::to_string(options.size) +
+                                          " texels along an edge has 1 to " + std::to_string(whole));
+}
+
+void choose_method(const PrefilterOptions& options, double reach, MipPlan& mip) {
+  if (mip.copy) return;
+  mip.method = options.method == PrefilterMethod::automatic ? PrefilterMethod::spectral : options.method;
+  if (mip.method != PrefilterMethod::spectral) return;
+  const int bands = bands_for(mip.alpha, reach);
+  if (bands <= transforms::kMaximumSpectrumBands) return;
+  if (options.method == PrefilterMethod::automatic) {
+    mip.method = PrefilterMethod::sampled;
+  } else {
+    refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
+                                          " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
+                                          " are possible; take another method, or automatic");
+  }
+}
+
+void check_left_out(const PrefilterOptions& options, int mips) {
+  image::require_range("leave_out_sharp", options.leave_out_sharp, 0, mips - 1);
+  image::require_range("leave_out_rough", options.leave_out_rough, 0, mips - 1 - options.leave_out_sharp);
+}
+
+}  // namespace
+
+int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
+  const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha), 64.0, 2048.0);
+  const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
+  return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
+}
+
+double PrefilterPlan::loss_at_peak() const noexcept {
+  double loss = 0.0;
+  for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
+  return loss;
+}
+
+std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  const int mips = mips_of(options);
+  std::vector<double> roughness = roughness_of(options, mips);
+  roughness.resize(static_cast<std::size_t>(mips));
+  return roughness;
+}
+
+PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
+  image::require_range("size", options.size, 1, kLargestSize);
+  if (options.mips < 0) image::require_range("mips", options.mips, 0, full_chain_levels(options.size));
+  if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
+    refuse(ErrorCode::invalid_argument,
+           "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
+  }
+  check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
+  check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
+  image::require_range("samples", options.samples, 1, kMostSamples);
+  projection::check_options(options.pixels);
+  const int mips = mips_of(options);
+  const std::vector<double> roughness = roughness_of(options, mips);
+  check_left_out(options, mips);
+  PrefilterPlan plan;
+  plan.size = options.size;
+  plan.reach = reach_for(options.rms_error, options.maximum_error);
+  int bands_of_chain = 0;
+  for (int level = 0; level < mips; ++level) {
+    MipPlan mip;
+    mip.size = std::max(1, options.size >> level);
+    mip.roughness = roughness[static_cast<std::size_t>(level)];
+    mip.alpha = mip.roughness * mip.roughness;
+    mip.copy = mip.alpha < kLeastAlpha;
+    choose_method(options, plan.reach, mip);
+    const bool spectral = !mip.copy && mip.method == PrefilterMethod::spectral;
+    if (spectral) {
+      plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
+      mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
+      bands_of_chain = std::max(bands_of_chain, mip.bands.bands());
+    }
+    if (level < options.leave_out_sharp || level >= mips - options.leave_out_rough) continue;
+    plan.bands = std::max(plan.bands, mip.bands.bands());
+    plan.sampled = plan.sampled || (!mip.copy && mip.method == PrefilterMethod::sampled);
+    plan.mips.push_back(std::move(mip));
+  }
+  if (plan.bands > 0) plan.bands = bands_of_chain;
+  return plan;
+}
+
+}  // namespace welkin::reflections
+
+namespace welkin {
+namespace {
+
+constexpr int kMostMips = 16;
+
+/// 2^(mip / 0.8) = 2^(5 mip / 4), by square roots and an exact scaling.
+double babylon_alpha(int mip, int size) {
+  const int quarters = 5 * mip;
+  const double root = std::sqrt(std::numbers::sqrt2);
+  double power = 1.0;
+  for (int k = 0; k < quarters % 4; ++k) power *= root;
+  return std::min(1.0, std::ldexp(power, quarters / 4) / size);
+}
+
+}  // namespace
+
+const char* name(RoughnessSchedule schedule) noexcept {
+  switch (schedule) {
+    case RoughnessSchedule::linear: return "linear";
+    case RoughnessSchedule::filament: return "filament";
+    case RoughnessSchedule::babylon: return "babylon";
+  }
+  return "linear";
+}
+
+std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size) {
+  image::require_range("mips", mips, 1, kMostMips);
+  image::require_range("size of mip 0", size, 1, image::kLargestFace);
+  std::vector<double> table;
+  for (int mip = 0; mip < mips; ++mip) {
+    const double t = mips > 1 ? static_cast<double>(mip) / (mips - 1) : 0.0;
+    switch (schedule) {
+      case RoughnessSchedule::linear: table.push_back(t); break;
+      case RoughnessSchedule::filament: table.push_back(1.0 - std::sqrt(1.0 - t)); break;
+      case RoughnessSchedule::babylon: table.push_back(mip == 0 ? 0.0 : std::sqrt(babylon_alpha(mip, size))); break;
+    }
+  }
+  return table;
+}
+
+double mip_of_roughness(const std::vector<double>& table, double roughness) {
+  if (table.empty())
+    throw Error(ErrorCode::invalid_argument, "the table of roughness is empty; it needs one entry a mip");
+  for (std::size_t mip = 1; mip < table.size(); ++mip) {
+    if (table[mip] >= table[mip - 1]) continue;
+    throw Error(ErrorCode::invalid_argument, "the table of roughness falls at mip " + std::to_string(mip) + ", from " +
+                                                 std::to_string(table[mip - 1]) + " to " + std::to_string(table[mip]) +
+                                                 "; it must rise");
+  }
+  const auto above = std::lower_bound(table.begin(), table.end(), roughness);
+  if (above == table.begin()) return 0.0;
+  if (above == table.end()) return static_cast<double>(table.size() - 1);
+  const double below = *(above - 1);
+  return static_cast<double>(above - 1 - table.begin()) + (roughness - below) / (*above - below);
+}
+
+}  // namespace welkin

@@ -1,0 +1,50 @@
+// What each mip of a prefiltered cubemap is, and how it will be made: decided before any pixel is read.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "reflections/lobe.h"
+#include "welkin/specular.h"
+
+namespace welkin::reflections {
+
+struct MipPlan {
+  int size = 0;
+  double roughness = 0.0;
+  double alpha = 0.0;
+  bool copy = false;                                    ///< roughness 0: no blur
+  PrefilterMethod method = PrefilterMethod::reference;  ///< never automatic; nothing where `copy` is set
+  BandChoice bands;                                     ///< spectral
+};
+
+struct PrefilterPlan {
+  int size = 0;               ///< of the whole chain
+  std::vector<MipPlan> mips;  ///< that are made
+  double reach = 0.0;         ///< see `choose_bands`
+
+  /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
+  /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
+  /// fewer.
+  int bands = 0;
+  bool sampled = false;  ///< whether a mip is
+
+  /// Alpha of the spectral mip with the narrowest lobe, 1 if there is none; of the whole chain, as it decides which
+  /// texels are taken out: a mip must not change where others are left out.
+  double least_alpha = 1.0;
+
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: a multiple of 2
+  /// face_size (of 4 face_size up to 512), no higher than 0.3 of the narrowest lobe's alpha, if some 2048 rows do.
+  [[nodiscard]] int rows_for_cubemap(int face_size) const noexcept;
+  /// The largest of the spectral mips' losses at a peak.
+  [[nodiscard]] double loss_at_peak() const noexcept;
+};
+
+/// Roughness of each mip of the whole chain. Throws `Error` (invalid_argument).
+[[nodiscard]] std::vector<double> roughness_of_chain(const PrefilterOptions& options);
+
+/// Throws `Error`: invalid_argument for options out of range, limit_exceeded for error bounds or lobes that are out of
+/// reach.
+[[nodiscard]] PrefilterPlan plan_prefilter(const PrefilterOptions& options);
+
+}  // namespace welkin::reflections

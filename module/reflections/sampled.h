@@ -1,0 +1,68 @@
+// A cubemap's mip chain for bilinear and trilinear look-ups without seams.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "platform/memory.h"
+#include "welkin/control.h"
+#include "welkin/cubemap_chain.h"
+
+namespace welkin::reflections {
+
+/// Every face with one more texel beyond each edge: the neighbouring face's, at a corner the mean of the three that
+/// meet there. Four floats a texel, the last 0.
+class PaddedCube {
+ public:
+  explicit PaddedCube(const CubemapChain& chain);
+
+  [[nodiscard]] int levels() const noexcept { return static_cast<int>(levels_.size()); }
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  /// Adds weight times the trilinear interpolation in a direction that need not be of unit length, 0 <= level <=
+  /// levels() - 1, to four floats.
+  void add(const std::array<float, 3>& direction, float level, float weight, float* sum) const noexcept;
+
+ private:
+  struct Level {
+    int size;
+    platform::AlignedBuffer<float> texels;
+
+    [[nodiscard]] float* texel(int face, int column, int row) noexcept {
+      return texels.data() + 4 * ((static_cast<std::ptrdiff_t>(face) * (size + 2) + row + 1) * (size + 2) + column + 1);
+    }
+    [[nodiscard]] const float* texel(int face, int column, int row) const noexcept {
+      return texels.data() + 4 * ((static_cast<std::ptrdiff_t>(face) * (size + 2) + row + 1) * (size + 2) + column + 1);
+    }
+    void fill(const CubemapChain& chain, int level);
+    void fill_corner(int face, int column, int row);
+    void add(int face, float u, float v, float weight, float* sum) const noexcept;
+  };
+
+  std::vector<Level> levels_;
+};
+
+// Where filtered importance sampling looks, and how blurred: one list for all texels of a mip.
+
+/// One sample in the frame whose z axis is the texel's direction.
+struct Tap {
+  float x, y, z;  ///< unit
+  float weight;   ///< the list's sum is 1
+  float level;    ///< of the source's mip chain, fractions too, 0 or above
+};
+
+/// Half vectors by GGX's distribution at a Hammersley set, reflected; taps below the horizon are left out. A tap's
+/// level is where a texel covers four times the solid angle that falls to the tap, 1 / (samples pdf), pdf = D / 4
+/// (Krivanek and Colbert, Real-time Shading with Filtered Importance Sampling, 2008; the further level is their
+/// factor against noise). `level_size`: texels along an edge of level 0. 0 < alpha <= 1, 1 <= samples.
+[[nodiscard]] std::vector<Tap> make_taps(double alpha, int samples, int level_size, int levels);
+
+// Filtered importance sampling of one mip.
+
+/// Writes the taps' weighted sum about the direction of each texel's centre to six packed RGB faces. The same bits on
+/// any number of threads and instruction set. Throws `Error` (cancelled).
+void sample_mip(const PaddedCube& source, const std::vector<Tap>& taps, int size, const std::array<float*, 6>& faces,
+                const Control& control);
+
+}  // namespace welkin::reflections

@@ -1,0 +1,380 @@
+#include "sky/scattering_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "sky/phase.h"
+#include "sky/sky_geometry.h"
+#include "sky/table_sizes.h"
+#include "sky/vertical_harmonics.h"
+
+namespace welkin::sky {
+namespace {
+
+using std::numbers::pi;
+
+constexpr std::size_t kSunBlock = simd::kLanes;  ///< suns that are projected together
+constexpr std::size_t kAzimuths = DirectionRule::kAzimuths;
+constexpr std::size_t kZeniths = DirectionRule::kZeniths;
+constexpr int kPhaseNodes = 513;
+constexpr int kRayleighBands = 3;
+constexpr double kSmallestLobe = 0.05;  ///< below that share no direction is near the lobe
+constexpr double kCoarseness = 2.0;     ///< of rays: light scattered before is smooth
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+struct SourceSolver::Worker {
+  Worker(const Air& air, const SourceShape& shape, int bands)
+      : light(air, shape, kAzimuths * index(shape.suns)),
+        rays(3 * kAzimuths * kSunBlock),
+        values(pair_count(bands)),
+        harmonics(pair_count(bands) * 3 * kSunBlock),
+        rayleigh(index(bands) * 3 * kSunBlock),
+        aerosol(rayleigh.size()) {}
+
+  RayLight light;
+  std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
+  std::vector<float> values;     ///< [pairs]
+  std::vector<float> harmonics;  ///< [pairs][3][block]
+  std::vector<float> rayleigh;   ///< [m][3][block]: for one zenith, folded
+  std::vector<float> aerosol;
+};
+
+SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Sunlight& light,
+                           const WavelengthGroup& group, const SourceShape& shape)
+    : air_(air),
+      mapping_(mapping),
+      light_(light),
+      group_(group),
+      shape_(shape),
+      spectrum_(phase_spectrum(air.atmosphere())),
+      with_aerosol_(scatters(air.atmosphere().aerosol)),
+      radiance_(index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns)),
+      source_(shape, with_aerosol_),
+      total_(shape, with_aerosol_),
+      scalar_(index(shape.heights) * 3 * index(shape.suns)),
+      order_irradiance_(scalar_.size()),
+      irradiance_(scalar_.size()),
+      ground_before_(3 * index(shape.suns)) {
+  set_rules();
+}
+
+std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) noexcept {
+  const std::uint64_t radiance = std::uint64_t{4} * index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns);
+  const std::uint64_t sources = std::uint64_t{4} * shape.size() * (with_aerosol ? 4 : 2);
+  const std::uint64_t small = std::uint64_t{8} * index(shape.heights) * (9 * index(shape.suns) + kZeniths * 220);
+  return radiance + sources + small;
+}
+
+void SourceSolver::set_rules() {
+  const int bands = spectrum_.bands;
+  for (int k = 0; k < shape_.suns; ++k) {
+    sun_cosines_.push_back(mapping_.sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
+    sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
+  }
+  legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
+  RayPanels panels(air_);
+  for (int h = 0; h < shape_.heights; ++h) {
+    const double altitude = mapping_.altitude(static_cast<double>(h) / (shape_.heights - 1));
+    rules_.push_back(direction_rule(horizon_cosine(air_.bottom_radius(), altitude)));
+    for (std::size_t i = 0; i < kZeniths; ++i) {
+      const double cosine = rules_.back().cosines[i];
+      even_legendre(bands, cosine, legendre_.data() + (index(h) * kZeniths + i) * pair_count(bands));
+      if (i >= index(DirectionRule::kGroundNodes)) continue;
+      const double distance = distance_to_ground(air_.bottom_radius(), altitude, cosine);
+      const Amounts lengths = lengths_along(air_, {altitude, cosine, true, distance}, panels);
+      ground_distance_.push_back(distance);
+      ground_transmittance_.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c) {
+        ground_transmittance_.back()[c] = math::exponential(-optical_depth(group_.extinctions[c], lengths));
+      }
+    }
+  }
+  for (std::size_t j = 0; j < kAzimuths; ++j) {
+    ray_azimuths_.push_back(math::sine_cosine_of_turns((static_cast<double>(j) + 0.5) / (2.0 * kAzimuths)).cosine);
+  }
+  for (int m = 0; m < bands; ++m) {
+    for (std::size_t j = 0; j < kAzimuths; ++j) {
+      const double turns = m * (static_cast<double>(j) + 0.5) / (2.0 * kAzimuths);
+      azimuth_cosines_.push_back(static_cast<float>(math::sine_cosine_of_turns(turns).cosine));
+    }
+  }
+  source_legendre_.resize(index(shape_.zeniths) * pair_count(bands));
+  for (int z = 0; z < shape_.zeniths; ++z) {
+    const double cosine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).cosine;
+    even_legendre(bands, cosine, source_legendre_.data() + index(z) * pair_count(bands));
+    const double sine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).sine;
+    for (int a = 0; a < shape_.angles; ++a) {
+      const double nu = math::sine_cosine_of_turns(0.5 * a / (shape_.angles - 1)).cosine;
+      for (std::size_t s = 0; s < index(shape_.suns); ++s) {
+        const double sines = sine * sun_sines_[s];
+        // straight up, or the sun straight up: no azimuth matters
+        const double azimuth = sines > 1e-9 ? std::clamp((nu - cosine * sun_cosines_[s]) / sines, -1.0, 1.0) : 0.0;
+        source_azimuths_.push_back(static_cast<float>(azimuth));
+      }
+    }
+  }
+  for (int k = 0; k < kPhaseNodes; ++k) {
+    const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
+    aerosol_phase_.push_back(phase_of(spectrum_.aerosol, cosine));
+  }
+  set_lobe_scale();
+}
+
+// A lobe narrower than the directions lie apart would be counted too often or too seldom: the sum of the phase function
+// over the directions is made 1, as it is over the sphere (Wiscombe 1976).
+void SourceSolver::set_lobe_scale() {
+  const std::size_t suns = index(shape_.suns);
+  for (std::size_t h = 0; h < rules_.size(); ++h) {
+    for (std::size_t s = 0; s < suns; ++s) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < kZeniths; ++i) {
+        const double cosine = rules_[h].cosines[i];
+        const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+        const double weight = rules_[h].weights[i] * 2.0 * pi / static_cast<double>(kAzimuths);
+        for (const double azimuth : ray_azimuths_) {
+          sum +=
+              weight * aerosol_phase(std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0));
+        }
+      }
+      lobe_scale_.push_back(sum > kSmallestLobe ? 1.0 / sum : 1.0);
+    }
+  }
+}
+
+double SourceSolver::aerosol_phase(double cosine) const noexcept {
+  const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+  const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
+  const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
+  return aerosol_phase_[node] +
+         (position - static_cast<double>(node)) * (aerosol_phase_[node + 1] - aerosol_phase_[node]);
+}
+
+std::size_t SourceSolver::radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept {
+  return ((height * kZeniths + zenith) * 3 + channel) * kAzimuths * index(shape_.suns);
+}
+
+void SourceSolver::solve(const Options& options, const Control& control) {
+  const double steps = 2.0 * options.orders - 1.0;  // an order's rays, and between two orders the source
+  double all = 0.0;
+  for (int order = 1; order <= options.orders; ++order) {
+    const double done = 2.0 * (order - 1.0);
+    if (order > 1) {
+      gather(jobs::part_of(control, (done - 1.0) / steps, done / steps));
+      // What the ground reflects into the next order's source is the irradiance by the order before this one.
+      direct_ground_ = false;
+      std::copy_n(order_irradiance_.begin(), ground_before_.size(), ground_before_.begin());
+    }
+    march(order == 1, jobs::part_of(control, done / steps, (done + 1.0) / steps));
+    measure();
+    for (std::size_t i = 0; i < irradiance_.size(); ++i) irradiance_[i] += order_irradiance_[i];
+    if (order > 1) {
+      for (std::size_t i = 0; i < total_.rayleigh.size(); ++i) total_.rayleigh[i] += source_.rayleigh[i];
+      for (std::size_t i = 0; i < total_.aerosol.size(); ++i) total_.aerosol[i] += source_.aerosol[i];
+    }
+    const double added = flux();
+    orders_ = order;
+    last_change_ = all > 0.0 ? added / all : (order == 1 ? 1.0 : 0.0);
+    all += added;
+    if (order > 1 && last_change_ < options.until_change) break;
+  }
+  if (control.progress) control.progress(1.0);
+}
+
+void SourceSolver::march(bool single, const Control& control) {
+  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+  std::vector<Worker> scratch;
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, spectrum_.bands);
+  jobs::run_tiles(index(shape_.heights) * kZeniths, jobs::Placement::arena, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    march_ray(single, tile / kZeniths, tile % kZeniths, scratch[worker]);
+                  });
+}
+
+void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker) {
+  const simd::Kernels& kernels = simd::active_kernels();
+  const double altitude = mapping_.altitude(static_cast<double>(height) / (shape_.heights - 1));
+  const double cosine = rules_[height].cosines[zenith];
+  const bool ground = zenith < index(DirectionRule::kGroundNodes);
+  const double length = ground ? distance_to_ground(air_.bottom_radius(), altitude, cosine)
+                               : distance_to_top(air_.bottom_radius(), air_.thickness(), altitude, cosine);
+  const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+  const std::size_t suns = index(shape_.suns);
+  RayLight& ray = worker.light;
+  for (std::size_t j = 0; j < kAzimuths; ++j) {
+    const double azimuth = ray_azimuths_[j];
+    for (std::size_t s = 0; s < suns; ++s) {
+      ray.set_sun(j * suns + s, sun_cosines_[s],
+                  std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0));
+    }
+  }
+  ray.place(air_, {altitude, cosine, ground, length}, group_, single ? 1.0 : kCoarseness);
+  const std::size_t count = ray.count();
+  if (!single) {
+    const float* const sums = ray.scattered(kernels, air_, group_, source_, mapping_);
+    for (std::size_t c = 0; c < 3; ++c) {
+      float* const radiance = radiance_.data() + radiance_index(height, zenith, c);
+      for (std::size_t i = 0; i < count; ++i) radiance[i] = sums[4 * i + c];
+    }
+    return;
+  }
+  const float* const sums = ray.sunlight(kernels, air_, light_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double nu = ray.angle_cosine(i);
+    const double aerosol = lobe_scale_[height * suns + i % suns] * aerosol_phase(nu);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double value =
+          group_.solar[c] * (group_.rayleigh[c] * rayleigh_phase(nu) * static_cast<double>(sums[8 * i + c]) +
+                             group_.aerosol[c] * aerosol * static_cast<double>(sums[8 * i + 4 + c]));
+      radiance_[radiance_index(height, zenith, c) + i] = static_cast<float>(value);
+    }
+  }
+}
+
+// From the radiance of the last order, the ground's light and the phase functions to the next source.
+void SourceSolver::gather(const Control& control) {
+  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+  const std::size_t blocks = index(shape_.suns) / kSunBlock;
+  std::vector<Worker> scratch;
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, spectrum_.bands);
+  jobs::run_tiles(index(shape_.heights) * blocks, jobs::Placement::arena, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
+                    fold(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
+                  });
+}
+
+void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
+  const simd::Kernels& kernels = simd::active_kernels();
+  const std::size_t suns = index(shape_.suns);
+  const bool reflects = *std::max_element(group_.albedo.begin(), group_.albedo.end()) > 0.0;
+  std::fill(worker.harmonics.begin(), worker.harmonics.end(), 0.0F);
+  for (std::size_t i = 0; i < kZeniths; ++i) {
+    const double weight = rules_[height].weights[i] * 2.0 * pi / static_cast<double>(kAzimuths);
+    const double* const values = legendre_.data() + (height * kZeniths + i) * worker.values.size();
+    for (std::size_t k = 0; k < worker.values.size(); ++k) {
+      worker.values[k] = static_cast<float>(values[k] * weight);
+    }
+    simd::SkyRing ring{.radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
+                       .channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * suns),
+                       .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
+                       .azimuths = static_cast<int>(kAzimuths),
+                       .azimuth_cosines = azimuth_cosines_.data(),
+                       .values = worker.values.data(),
+                       .bands = spectrum_.bands};
+    if (reflects && i < index(DirectionRule::kGroundNodes)) {
+      add_ground(height, i, first_sun, worker);
+      ring.radiance = worker.rays.data();
+      ring.channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * kSunBlock);
+      ring.azimuth_stride = static_cast<std::ptrdiff_t>(kSunBlock);
+    }
+    kernels.sky.project_ring(ring, worker.harmonics.data());
+  }
+}
+
+// Of the last order: irradiance from above, and the mean over all directions.
+void SourceSolver::measure() {
+  const std::size_t suns = index(shape_.suns);
+  std::fill(order_irradiance_.begin(), order_irradiance_.end(), 0.0);
+  std::fill(scalar_.begin(), scalar_.end(), 0.0);
+  for (std::size_t h = 0; h < index(shape_.heights); ++h) {
+    for (std::size_t i = 0; i < kZeniths; ++i) {
+      const double weight = rules_[h].weights[i] / (2.0 * static_cast<double>(kAzimuths));
+      const double upward = 4.0 * pi * std::max(0.0, rules_[h].cosines[i]) * weight;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float* const rays = radiance_.data() + radiance_index(h, i, c);
+        for (std::size_t s = 0; s < suns; ++s) {
+          double sum = 0.0;
+          for (std::size_t j = 0; j < kAzimuths; ++j) sum += static_cast<double>(rays[j * suns + s]);
+          scalar_[(h * 3 + c) * suns + s] += weight * sum;
+          order_irradiance_[(h * 3 + c) * suns + s] += upward * sum;
+        }
+      }
+    }
+  }
+}
+
+// The irradiance of the ground that is reflected, at a point with that sun.
+std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const noexcept {
+  if (direct_ground_) {
+    std::array<double, 3> light = light_.at(0.0, sun_zenith_cosine);
+    for (std::size_t c = 0; c < 3; ++c) light[c] *= group_.solar[c] * std::max(0.0, sun_zenith_cosine);
+    return light;
+  }
+  const double position = mapping_.sun_coordinate(sun_zenith_cosine) * (shape_.suns - 1);
+  const int node = std::min(static_cast<int>(position), shape_.suns - 2);
+  std::array<double, 3> light{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double* const row = ground_before_.data() + c * index(shape_.suns) + node;
+    light[c] = row[0] + (position - node) * (row[1] - row[0]);
+  }
+  return light;
+}
+
+void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const {
+  const std::size_t node = height * index(DirectionRule::kGroundNodes) + zenith;
+  const std::size_t suns = index(shape_.suns);
+  const double altitude = mapping_.altitude(static_cast<double>(height) / (shape_.heights - 1));
+  const double start = (air_.bottom_radius() + altitude) / air_.bottom_radius();
+  const double distance = ground_distance_[node] / air_.bottom_radius();
+  const double cosine = rules_[height].cosines[zenith];
+  const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+  for (std::size_t j = 0; j < kAzimuths; ++j) {
+    const double azimuth = ray_azimuths_[j];
+    for (std::size_t s = 0; s < kSunBlock; ++s) {
+      const double sun = sun_cosines_[first_sun + s];
+      const double nu = cosine * sun + sine * sun_sines_[first_sun + s] * azimuth;
+      const std::array<double, 3> light = ground_light(std::clamp(start * sun + distance * nu, -1.0, 1.0));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto arrived =
+            static_cast<double>(radiance_[radiance_index(height, zenith, c) + j * suns + first_sun + s]);
+        worker.rays[(c * kAzimuths + j) * kSunBlock + s] =
+            static_cast<float>(arrived + ground_transmittance_[node][c] * group_.albedo[c] / pi * light[c]);
+      }
+    }
+  }
+}
+
+// J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
+void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
+  const simd::Kernels& kernels = simd::active_kernels();
+  const int bands = spectrum_.bands;
+  const auto fold_with = [&](int z, const std::vector<double>& moments, int used, std::vector<float>& by_order) {
+    const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
+    for (int m = 0; m < used; ++m) {
+      for (int l = m; l < used; ++l) {
+        worker.values[pair_index(bands, l, m)] =
+            static_cast<float>(values[pair_index(bands, l, m)] * moments[index(l)]);
+      }
+    }
+    kernels.sky.fold_orders(worker.harmonics.data(), worker.values.data(), bands, used, by_order.data());
+  };
+  for (int z = 0; z < shape_.zeniths; ++z) {
+    fold_with(z, spectrum_.rayleigh, kRayleighBands, worker.rayleigh);
+    if (with_aerosol_) fold_with(z, spectrum_.aerosol, bands, worker.aerosol);
+    const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
+    for (int a = 0; a < shape_.angles; ++a) {
+      const std::size_t at = place + 4 * index(a) * index(shape_.suns);
+      const float* const azimuths =
+          source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
+      kernels.sky.sum_orders(worker.rayleigh.data(), kRayleighBands, azimuths, source_.rayleigh.data() + at);
+      if (with_aerosol_) {
+        kernels.sky.sum_orders(worker.aerosol.data(), bands, azimuths, source_.aerosol.data() + at);
+      }
+    }
+  }
+}
+
+// Of all heights and suns alike.
+double SourceSolver::flux() const noexcept {
+  double sum = 0.0;
+  for (const double value : scalar_) sum += value;
+  return sum;
+}
+
+}  // namespace welkin::sky

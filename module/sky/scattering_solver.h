@@ -1,0 +1,94 @@
+// Light scattered many times: the source that each order leaves for the next.
+//
+// At every node of height and sun, the radiance that the order before sends from a few hundred directions, and what the
+// ground reflects of the order before that, is projected to spherical harmonics about the vertical, in which folding
+// with a phase function is a product: no integral over directions for each direction. The source so found, over height,
+// direction and sun, is integrated along the rays of those few hundred directions for the next order; tables get the
+// sum of all sources at once.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sky/phase.h"
+#include "sky/ray_light.h"
+#include "sky/sky_geometry.h"
+#include "welkin/control.h"
+
+namespace welkin::sky {
+
+class SourceSolver {
+ public:
+  struct Options {
+    int orders = 4;
+    double until_change = 0.0;
+  };
+
+  /// `air`, `mapping` and `light` must outlive it.
+  SourceSolver(const Air& air, const TableMapping& mapping, const Sunlight& light, const WavelengthGroup& group,
+               const SourceShape& shape);
+
+  /// Bytes that it takes for itself, the sources included.
+  [[nodiscard]] static std::uint64_t bytes(const SourceShape& shape, bool with_aerosol) noexcept;
+
+  /// Throws `Error` (cancelled).
+  void solve(const Options& options, const Control& control);
+
+  /// The sum of the sources of orders 2 and up.
+  [[nodiscard]] const ScatteringSource& source() const noexcept { return total_; }
+  [[nodiscard]] bool any() const noexcept { return orders_ > 1; }
+  /// Irradiance on a horizontal surface facing up by all orders: [heights][3][suns].
+  [[nodiscard]] const std::vector<double>& irradiance() const noexcept { return irradiance_; }
+  [[nodiscard]] int orders() const noexcept { return orders_; }
+  [[nodiscard]] double last_change() const noexcept { return last_change_; }
+
+ private:
+  struct Worker;
+  [[nodiscard]] std::size_t radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept;
+  void set_rules();
+  void set_lobe_scale();
+  [[nodiscard]] double aerosol_phase(double cosine) const noexcept;
+  void march(bool single, const Control& control);
+  void march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker);
+  void gather(const Control& control);
+  void project(std::size_t height, std::size_t first_sun, Worker& worker);
+  void measure();
+  void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
+  void fold(std::size_t height, std::size_t first_sun, Worker& worker);
+  [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double flux() const noexcept;
+
+  const Air& air_;
+  const TableMapping& mapping_;
+  const Sunlight& light_;
+  WavelengthGroup group_;
+  SourceShape shape_;
+  PhaseSpectrum spectrum_;
+  bool with_aerosol_;
+
+  std::vector<DirectionRule> rules_;  ///< [heights]
+  std::vector<double> sun_cosines_;   ///< [suns]
+  std::vector<double> sun_sines_;
+  std::vector<double> legendre_;                             ///< of the rules: [heights][zeniths][pairs of l and m]
+  std::vector<double> source_legendre_;                      ///< of the source's zeniths
+  std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
+  std::vector<double> ray_azimuths_;                         ///< cos phi
+  std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
+  std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles
+  std::vector<double> lobe_scale_;                           ///< of it: [heights][suns]
+  std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]
+  std::vector<double> ground_distance_;
+
+  std::vector<float> radiance_;  ///< of the last order: [heights][zeniths][3][azimuths][suns]
+  ScatteringSource source_;
+  ScatteringSource total_;
+  std::vector<double> scalar_;  ///< mean radiance of the last order: [heights][3][suns]
+  std::vector<double> order_irradiance_;
+  std::vector<double> irradiance_;
+  std::vector<double> ground_before_;  ///< irradiance of the ground by the order before the last: [3][suns]
+  bool direct_ground_ = true;          ///< ... or by the sun
+  int orders_ = 0;
+  double last_change_ = 0.0;
+};
+
+}  // namespace welkin::sky

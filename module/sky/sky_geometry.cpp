@@ -1,0 +1,70 @@
+#include "sky/sky_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <sstream>
+#include <string>
+
+#include "math/quadrature.h"
+#include "welkin/error.h"
+
+namespace welkin::sky {
+
+DirectionRule direction_rule(double horizon) {
+  DirectionRule rule;
+  std::size_t at = 0;
+  const auto add = [&](int order, const auto& place) {
+    const simd::GaussRule gauss = math::gauss_legendre(order);
+    for (int k = 0; k < order; ++k, ++at) place(0.5 + 0.5 * gauss.nodes[k], 0.5 * gauss.weights[k]);
+  };
+  const auto put = [&](double cosine, double weight) {
+    rule.cosines[at] = cosine;
+    rule.weights[at] = weight;
+  };
+  add(DirectionRule::kGroundNodes, [&](double t, double w) {
+    put(std::max(-1.0, horizon - (1.0 + horizon) * t * t), (1.0 + horizon) * 2.0 * t * w);
+  });
+  add(DirectionRule::kLowNodes, [&](double t, double w) { put(horizon * (1.0 - t), -horizon * w); });
+  add(DirectionRule::kUpperNodes, [&](double t, double w) { put(t * t, 2.0 * t * w); });
+  return rule;
+}
+
+void check_altitude(double altitude_m) {
+  if (altitude_m >= 0.0 && altitude_m <= kHighestAltitude) return;
+  std::ostringstream message;
+  message << "the altitude is " << altitude_m << " m; it must be from 0 (the ground) to " << kHighestAltitude;
+  throw Error(ErrorCode::invalid_argument, message.str());
+}
+
+void check_direction(const char* what, const glm::dvec3& direction) {
+  if (std::abs(glm::length(direction) - 1.0) <= 1e-6) return;
+  std::ostringstream message;
+  message << what << " is (" << direction.x << ", " << direction.y << ", " << direction.z
+          << "); it must be of length 1 (normalise it)";
+  throw Error(ErrorCode::invalid_argument, message.str());
+}
+
+SunAngles sun_angles(const glm::dvec3& sun) {
+  const double largest = std::max({std::abs(sun.x), std::abs(sun.y), std::abs(sun.z)});
+  const bool finite = std::isfinite(sun.x) && std::isfinite(sun.y) && std::isfinite(sun.z);
+  if (!finite || !(largest > 0.0)) {
+    throw Error(ErrorCode::invalid_argument, "the sun's direction (" + std::to_string(sun.x) + " " +
+                                                 std::to_string(sun.y) + " " + std::to_string(sun.z) +
+                                                 ") has no length that could be made 1; (0 1 0) is the zenith");
+  }
+  const double x = sun.x / largest;  // no square overflows or vanishes
+  const double y = sun.y / largest;
+  const double z = sun.z / largest;
+  const double across = std::sqrt(x * x + z * z);
+  const double length = std::sqrt(across * across + y * y);
+  SunAngles angles{.zenith_cosine = y / length, .zenith_sine = across / length};
+  if (across > 0.0) {
+    angles.azimuth_cosine = z / across;
+    angles.azimuth_sine = x / across;
+  }
+  return angles;
+}
+
+}  // namespace welkin::sky

@@ -1,0 +1,205 @@
+// Kernels that carry light along a ray through a planet's air, for many suns at once.
+//
+// A ray's samples are one after the other; the lanes are texels of a table that share the ray and differ in where the
+// sun is: its zenith's cosine mu_s where the ray starts, and its cosine nu with the ray. At a sample, with r the radius
+// at the start and r' there, s the distance between: mu_s' = (r mu_s + s nu) / r'.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace welkin::simd {
+
+/// Suns of a ray. All arrays have `count` entries, a multiple of 16.
+struct SkySuns {
+  const float* zenith_cosine;  ///< mu_s
+  const float* angle_cosine;   ///< nu
+  const std::int32_t* row;    ///< where the nearer row of angles starts in a picture of sources: a multiple of its suns
+  const float* row_fraction;  ///< towards the next one
+  int count;
+};
+
+/// A sample that sunlight reaches.
+struct SunlitSample {
+  float start_ratio;     ///< r / r'
+  float distance_ratio;  ///< s / r'
+  float horizon;         ///< cosine of the horizon's zenith angle there
+  /// Place among the nodes of a row: (rational y / (y + bend) + linear y), y = mu_s' - horizon, at least 0.
+  float rational, bend, linear;
+  /// Visible share of the disc: t^2 (3 - 2 t), t = slope (mu_s' - horizon) + offset, 0 to 1.
+  float disc_slope, disc_offset;
+  /// That share is averaged over the stretch of the ray that the sample stands for, from t - w to t + w,
+  /// w = |turning (nu - view_cosine mu_s') - sinking|.
+  float view_cosine, turning, sinking;
+  const float* rows[4];  ///< transmittance to the sun at four heights around: [nodes][4], red, green, blue and 0
+  float row_weights[4];
+  float transmittance[4];   ///< from the ray's start, and 0
+  float rayleigh, aerosol;  ///< density times length
+};
+
+/// sums[count][8] += rayleigh times light that the sample sends on before phase functions, red, green, blue and 0, and
+/// aerosol times it. slice: scratch, 4 `nodes` floats, nodes a multiple of 4.
+using AddSunlight = void (*)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
+
+/// How a sun's zenith cosine maps to its place among nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 + reach),
+/// a = (d - shortest) scale, x = max(1 - a inverse_lowest, 0) / (1 + a); H and T of the top that suns' paths go to.
+struct SunAxis {
+  float reach;           ///< (H / R)^2
+  float shortest;        ///< T / R
+  float scale;           ///< R / (H - T)
+  float inverse_lowest;  ///< 1 / A
+  int nodes;
+};
+
+/// A sample that sends on light of a source: the sum of eight pictures of it, [angles][suns][4] each.
+struct SourceSample {
+  float start_ratio;
+  float distance_ratio;
+  const float* pictures[8];
+  float weights[8][4];  ///< of red, green, blue and nothing
+  int count;            ///< of pictures
+};
+
+/// sums[count][4] += the source at each sun, linear in angles and suns. picture: scratch, 4 `size` floats; size: angles
+/// times suns, a multiple of 4; `next_row`: suns, or 0 if there is but one angle.
+using AddSource = void (*)(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
+                           float* picture, float* sums);
+
+/// A ring of directions of one zenith angle, for 16 suns: cosines of whole multiples of the azimuth project it.
+struct SkyRing {
+  const float* radiance;  ///< [3][azimuths][16], with the strides below
+  std::ptrdiff_t channel_stride;
+  std::ptrdiff_t azimuth_stride;
+  int azimuths;
+  const float* azimuth_cosines;  ///< [bands][azimuths]
+  const float* values;           ///< harmonics without their azimuth, by m and then l, times the ring's weight
+  int bands;
+};
+
+/// harmonics[pairs][3][16] += the ring's share.
+using ProjectSkyRing = void (*)(const SkyRing& ring, float* harmonics);
+
+/// by_order[m][3][16] = the sum over l < `used`, l >= m, of weights[pair] harmonics[pair], m < `used`.
+using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, int used, float* by_order);
+
+/// out[16][4], red, green, blue and 0: the sum over m < used of by_order[m][c] cos(m phi), not below 0, given cos phi.
+using SumSkyOrders = void (*)(const float* by_order, int used, const float* azimuth_cosines, float* out);
+
+struct SkyKernels {
+  AddSunlight add_sunlight;
+  AddSource add_source;
+  ProjectSkyRing project_ring;
+  FoldSkyOrders fold_orders;
+  SumSkyOrders sum_orders;
+};
+
+// Looking up a sky: what the kernels take.
+
+/// A row of a slice: Rayleigh's and higher orders' red, green, blue, 0; the aerosol's red, green, blue, 0.
+inline constexpr int kSkyRow = 8;
+/// Colours at the ends of rays: red, green, blue, 0.
+inline constexpr int kSkyColour = 4;
+
+/// Weights of the cubic through four nodes next to each other, at 0 <= x <= 3.
+struct CubicTaps {
+  std::int32_t first;
+  std::int32_t between;  ///< the position lies between this and the next of the four: 0 to 2
+  float weights[4];
+};
+
+/// One slice and one sun. Lengths in metres, all in double: planets have 1e9 of them, and altitudes of one.
+struct SkyRun {
+  // The point from which the slice is seen: the viewer's, or, of one above the air, any point of the top.
+  double bottom;       ///< R
+  double radius;       ///< r
+  double altitude;     ///< h
+  double rho_squared;  ///< h (2 R + h)
+  double shell;        ///< (T - h) (2 R + T + h)
+  double shortest;     ///< T - h
+  double to_sky;       ///< positions a metre of distance to the top beyond the shortest
+  double to_ground;    ///< positions a metre of distance to the ground beyond h
+
+  bool outside;          ///< the viewer is above the air
+  double viewer_radius;  ///< then
+
+  double sun[3];      ///< unit
+  double sun_zenith;  ///< mu_s = sun[1]
+  double sun_sine;    ///< sqrt(sun[0]^2 + sun[2]^2)
+
+  // Suns' nodes, for views from outside, whose rays come in each under another sun.
+  double sun_tangent_squared;  ///< H^2 of the top that suns' paths are measured to
+  double sun_thickness;        ///< its T
+  double sun_scale;            ///< 1 / (H - T)
+  double lowest_sun;           ///< a of the lowest
+  double lowest_zenith;        ///< its mu_s
+  CubicTaps sun_taps;          ///< from inside
+  float fade;
+
+  int half;  ///< nodes of either half of the views: first those that end on the ground
+  int azimuths;
+  int suns;
+  const float* rows;    ///< [2 half][azimuths][suns][kSkyRow]
+  const float* of_sun;  ///< `reduce_sky` of them, or null: then it is done on the way
+
+  bool henyey_greenstein;
+  double asymmetry;      ///< g
+  double aerosol_scale;  ///< what does not depend on the angle
+
+  const float* reach;   ///< [half][kSkyColour]: transmittance up to the ground; null: rays to the ground see none
+  const float* ground;  ///< [grounds][kSkyColour]: radiance of the ground over sqrt|mu_s| with its sign
+  int grounds;
+};
+
+/// of_sun[2 half][azimuths][kSkyRow] = the rows weighted by the sun's taps.
+using ReduceSky = void (*)(const SkyRun& run, float* of_sun);
+
+/// Radiance from each of `count` directions x y z, which need not be of unit length (the origin counts as up).
+using SkyRadiance = void (*)(const SkyRun& run, const double* directions, int count, float* rgb);
+
+struct SkyViewKernels {
+  ReduceSky reduce;
+  SkyRadiance radiance;
+};
+
+// A sky's light on rings of equal zenith angle, summed over azimuths.
+
+inline constexpr int kSkyRings = 16;
+inline constexpr int kSkyChannels = 6;  ///< Rayleigh's red, green, blue, then the aerosol's
+
+/// Sixteen rings under one sun. A lane is a ring.
+///
+/// With x = 1 - cos(angle to the lobe's axis), which is the sun or, where the aerosol scatters backwards, the point
+/// opposite: x = nearness + breadth * gap(azimuth), so that it has its digits where the lobe is sharp. Radiance is
+///   rayleigh (1 + (1 - x)^2) value(c) + aerosol (value(3 + c) - lobe(c)) (1 + even (1 - x)^2) / d^1.5 + ground(c),
+///   d = gap + slope x, value = max(weighted sum of four suns', 0).
+struct SkyRings {
+  int azimuths;
+  int bands;
+  const float* values;           ///< of the first of four suns: [azimuths][...][kSkyChannels][kSkyRings]
+  std::ptrdiff_t azimuth_step;   ///< floats between azimuths; suns are kSkyChannels * kSkyRings apart
+  const float* azimuth_gaps;     ///< [azimuths]: 1 - or 1 + cosine
+  const float* azimuth_factors;  ///< [azimuths][bands]: weight times cos(m azimuth)
+  const float* nearness;         ///< [kSkyRings]
+  const float* breadth;          ///< [kSkyRings]: product of the sines of both zenith angles
+  const float* ground;           ///< [azimuths][3][kSkyRings], or null: black
+  float sun_weights[4];
+  float lobe[3];
+  float rayleigh;
+  float aerosol;
+  float gap;    ///< (1 - |g|)^2
+  float slope;  ///< 2 |g|
+  float even;   ///< Cornette-Shanks: 1; Henyey-Greenstein: 0
+};
+
+/// Adds to sums[bands][3][kSkyRings]: radiance times each azimuth's factors.
+using AddSkyRings = void (*)(const SkyRings& rings, float* sums);
+
+/// Adds to sums[kSkyRings]: the aerosol's phase function times each azimuth's first factor.
+using AddSkyLobe = void (*)(const SkyRings& rings, float* sums);
+
+struct SkyRingKernels {
+  AddSkyRings add_rings;
+  AddSkyLobe add_lobe;
+};
+
+}  // namespace welkin::simd

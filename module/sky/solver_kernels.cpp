@@ -1,0 +1,207 @@
+// Light carried along rays through the air (sky_kernels.h).
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+using Indices = xsimd::batch<std::int32_t, Architecture>;
+
+WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
+/// A place among nodes: the one below, and the fraction towards the next.
+struct Place {
+  Indices node;
+  Lanes fraction;
+};
+
+WELKIN_INLINE Place place_among(Lanes position, int nodes) {
+  const Lanes inside = xsimd::min(xsimd::max(position, Lanes(0.0F)), Lanes(static_cast<float>(nodes - 1)));
+  const Indices node = xsimd::min(xsimd::to_int(inside), Indices(nodes - 2));
+  return {node, inside - xsimd::to_float(node)};
+}
+
+WELKIN_INLINE __m128 between(__m128 low, __m128 high, __m128 fraction) {
+  return _mm_add_ps(low, _mm_mul_ps(fraction, _mm_sub_ps(high, low)));
+}
+
+/// Four channels' weights, again and again.
+struct Repeated {
+  alignas(64) float values[kGroup];
+};
+
+WELKIN_INLINE Repeated repeated(const float* four, float factor) {
+  Repeated weights;
+  for (int i = 0; i < kGroup; ++i) weights.values[i] = four[i % 4] * factor;
+  return weights;
+}
+
+WELKIN_INLINE Lanes sun_zenith(float start_ratio, float distance_ratio, const SkySuns& suns, int i) {
+  return Lanes(start_ratio) * load(suns.zenith_cosine + i) + Lanes(distance_ratio) * load(suns.angle_cosine + i);
+}
+
+/// Transmittance from the ray's start to the sample and on to the sun, over the nodes of a row.
+WELKIN_INLINE void make_slice(const SunlitSample& sample, int nodes, float* slice) {
+  Lanes weights[4];
+  for (int k = 0; k < 4; ++k) {
+    weights[k] = Lanes::load_aligned(repeated(sample.transmittance, sample.row_weights[k]).values);
+  }
+  for (int i = 0; i < 4 * nodes; i += kWidth) {
+    Lanes sum(0.0F);
+    for (int k = 0; k < 4; ++k) sum = sum + weights[k] * load(sample.rows[k] + i);
+    xsimd::max(sum, Lanes(0.0F)).store_unaligned(slice + i);
+  }
+}
+
+/// The integral of t^2 (3 - 2 t) from 0, that function being 0 before 0 and 1 after 1.
+WELKIN_INLINE Lanes risen(Lanes t) {
+  const Lanes inside = xsimd::min(xsimd::max(t, Lanes(0.0F)), Lanes(1.0F));
+  return inside * inside * inside * (Lanes(1.0F) - Lanes(0.5F) * inside) + xsimd::max(t - Lanes(1.0F), Lanes(0.0F));
+}
+
+/// The disc's visible share, averaged: half widths of at least 1/32 of its diameter keep the quotient's digits.
+WELKIN_INLINE Lanes disc_share(const SunlitSample& sample, Lanes mu, Lanes nu, Lanes above_horizon) {
+  const Lanes moved = Lanes(sample.turning) * (nu - Lanes(sample.view_cosine) * mu) - Lanes(sample.sinking);
+  const Lanes width = xsimd::max(xsimd::max(moved, Lanes(0.0F) - moved), Lanes(0.03125F));
+  const Lanes t =
+      xsimd::min(xsimd::max(Lanes(sample.disc_slope) * above_horizon + Lanes(sample.disc_offset), Lanes(0.0F) - width),
+                 Lanes(1.0F) + width);
+  return xsimd::min(xsimd::max((risen(t + width) - risen(t - width)) / (width + width), Lanes(0.0F)), Lanes(1.0F));
+}
+
+WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
+  const Lanes mu = xsimd::min(xsimd::max(zenith_cosine, Lanes(-1.0F)), Lanes(1.0F));
+  const Lanes longer = xsimd::sqrt(mu * mu + Lanes(axis.reach)) + xsimd::max(mu, Lanes(0.0F) - mu);
+  const Lanes distance = xsimd::select(mu > Lanes(0.0F), Lanes(axis.reach) / longer, longer);
+  const Lanes a = xsimd::max(distance - Lanes(axis.shortest), Lanes(0.0F)) * Lanes(axis.scale);
+  const Lanes x = xsimd::max(Lanes(1.0F) - a * Lanes(axis.inverse_lowest), Lanes(0.0F)) / (Lanes(1.0F) + a);
+  return place_among(x * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
+}
+
+/// Four channels at a place of a row.
+WELKIN_INLINE __m128 colour_at(const float* row, std::int32_t node, __m128 fraction) {
+  return between(_mm_loadu_ps(row + 4 * node), _mm_loadu_ps(row + 4 * node + 4), fraction);
+}
+
+WELKIN_INLINE void add_to(float* sum, __m128 value) { _mm_storeu_ps(sum, _mm_add_ps(_mm_loadu_ps(sum), value)); }
+
+}  // namespace
+
+// Places are computed across texels; then each texel takes its four channels with one load a node, which beats
+// gathering them channel by channel on every instruction set.
+void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums) {
+  make_slice(sample, nodes, slice);
+  alignas(64) std::int32_t node[kWidth];
+  alignas(64) float fraction[kWidth];
+  alignas(64) float shares[kWidth];
+  const __m128 rayleigh = _mm_set1_ps(sample.rayleigh);
+  const __m128 aerosol = _mm_set1_ps(sample.aerosol);
+  for (int i = 0; i < suns.count; i += kWidth) {
+    const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
+    const Lanes above = mu - Lanes(sample.horizon);
+    disc_share(sample, mu, load(suns.angle_cosine + i), above).store_aligned(shares);
+    const Lanes y = xsimd::max(above, Lanes(0.0F));
+    const Place place =
+        place_among(Lanes(sample.rational) * (y / (y + Lanes(sample.bend))) + Lanes(sample.linear) * y, nodes);
+    place.node.store_aligned(node);
+    place.fraction.store_aligned(fraction);
+    for (int k = 0; k < kWidth; ++k) {
+      if (shares[k] == 0.0F) continue;
+      const __m128 light = _mm_mul_ps(_mm_set1_ps(shares[k]), colour_at(slice, node[k], _mm_set1_ps(fraction[k])));
+      add_to(sums + 8 * (i + k), _mm_mul_ps(rayleigh, light));
+      add_to(sums + 8 * (i + k) + 4, _mm_mul_ps(aerosol, light));
+    }
+  }
+}
+
+void add_source(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
+                float* picture, float* sums) {
+  Lanes weights[8];
+  for (int k = 0; k < sample.count; ++k) weights[k] = Lanes::load_aligned(repeated(sample.weights[k], 1.0F).values);
+  for (int i = 0; i < 4 * size; i += kWidth) {
+    Lanes sum(0.0F);
+    for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.pictures[k] + i);
+    sum.store_unaligned(picture + i);
+  }
+  alignas(64) std::int32_t node[kWidth];
+  alignas(64) float fraction[kWidth];
+  for (int i = 0; i < suns.count; i += kWidth) {
+    const Place place = sun_place(axis, sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i));
+    (Indices::load_unaligned(suns.row + i) + place.node).store_aligned(node);
+    place.fraction.store_aligned(fraction);
+    for (int k = 0; k < kWidth; ++k) {
+      const __m128 along = _mm_set1_ps(fraction[k]);
+      const __m128 low = colour_at(picture, node[k], along);
+      const __m128 high = colour_at(picture, node[k] + next_row, along);
+      add_to(sums + 4 * (i + k), between(low, high, _mm_set1_ps(suns.row_fraction[i + k])));
+    }
+  }
+}
+
+namespace {
+
+// Radiance about a point to harmonics, folded with phase functions, and back (sky_kernels.h): sixteen suns at a time.
+
+constexpr int kRegisters = kGroup / kWidth;
+constexpr int kValues = 3 * kGroup;  ///< of a pair
+
+}  // namespace
+
+void project_sky_ring(const SkyRing& ring, float* harmonics) {
+  int pair = 0;
+  for (int m = 0; m < ring.bands; ++m) {
+    const float* const cosines = ring.azimuth_cosines + m * ring.azimuths;
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < kRegisters; ++k) {
+        const float* const radiance = ring.radiance + c * ring.channel_stride + k * kWidth;
+        Lanes sum(0.0F);
+        for (int j = 0; j < ring.azimuths; ++j) {
+          sum = sum + Lanes(cosines[j]) * Lanes::load_unaligned(radiance + j * ring.azimuth_stride);
+        }
+        for (int l = m; l < ring.bands; ++l) {
+          float* const place = harmonics + (pair + l - m) * kValues + c * kGroup + k * kWidth;
+          (Lanes::load_unaligned(place) + Lanes(ring.values[pair + l - m]) * sum).store_unaligned(place);
+        }
+      }
+    }
+    pair += ring.bands - m;
+  }
+}
+
+void fold_sky_orders(const float* harmonics, const float* weights, int bands, int used, float* by_order) {
+  int pair = 0;
+  for (int m = 0; m < used; ++m) {
+    for (int i = 0; i < kValues; i += kWidth) {
+      Lanes sum(0.0F);
+      for (int l = m; l < used; ++l) {
+        sum = sum + Lanes(weights[pair + l - m]) * Lanes::load_unaligned(harmonics + (pair + l - m) * kValues + i);
+      }
+      sum.store_unaligned(by_order + m * kValues + i);
+    }
+    pair += bands - m;
+  }
+}
+
+void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosines, float* out) {
+  for (int k = 0; k < kRegisters; ++k) {
+    const Lanes cosine = Lanes::load_unaligned(azimuth_cosines + k * kWidth);
+    Lanes before = cosine;  // cos(-phi)
+    Lanes here(1.0F);
+    Lanes sums[3] = {Lanes(0.0F), Lanes(0.0F), Lanes(0.0F)};
+    for (int m = 0; m < used; ++m) {
+      const float* const values = by_order + m * kValues + k * kWidth;
+      for (int c = 0; c < 3; ++c) sums[c] = sums[c] + here * Lanes::load_unaligned(values + c * kGroup);
+      const Lanes next = (cosine + cosine) * here - before;
+      before = here;
+      here = next;
+    }
+    alignas(64) float colours[3][kWidth];
+    for (int c = 0; c < 3; ++c) xsimd::max(sums[c], Lanes(0.0F)).store_aligned(colours[c]);
+    for (int i = 0; i < kWidth; ++i) {
+      float* const texel = out + 4 * (k * kWidth + i);
+      for (int c = 0; c < 3; ++c) texel[c] = colours[c][i];
+      texel[3] = 0.0F;
+    }
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

@@ -1,0 +1,34 @@
+// What every list of wavelengths must be.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "welkin/sky_tables.h"
+
+namespace welkin::sky {
+
+/// Throws `Error` (invalid_argument) unless there are 3 to 96, from 1 to 1e6 nm, all rising or all falling.
+void check_wavelengths(const std::vector<double>& wavelengths_nm);
+
+// The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.
+
+/// Weights of the wavelengths in the three channels.
+class ColourFold {
+ public:
+  ColourFold(const Atmosphere& atmosphere, SkyColour colour);
+
+  /// Sunlight above the air: W/m2/nm, or lux in linear sRGB. Not negative.
+  [[nodiscard]] const glm::dvec3& sunlight() const noexcept { return sunlight_; }
+
+  /// By channel the mean of something that each wavelength has (a transmittance, an albedo), as sunlight weighs it:
+  /// sunlight() times it is what is left. Not below 0.
+  [[nodiscard]] glm::dvec3 share(std::span<const double> values) const noexcept;
+
+ private:
+  std::vector<glm::dvec3> weights_;  ///< sunlight of each wavelength
+  glm::dvec3 sunlight_{};
+};
+
+}  // namespace welkin::sky

@@ -1,0 +1,343 @@
+// The radiance of a sky: sixteen directions' geometry in double lanes, then each one's cubic through 4 x 4 (x 4) rows.
+//
+// The formulas are those of sky/table_mapping.h and sky/sky_slice.h, where they are explained.
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+constexpr double kPi = 3.14159265358979324;
+constexpr double kTiny = 1e-300;  // below any number that matters, above what divides to infinity
+constexpr float kRayleigh = static_cast<float>(3.0 / (16.0 * kPi));
+
+/// What is known of sixteen directions.
+struct Places {
+  alignas(64) double view[kGroup];     ///< position within the half
+  alignas(64) double azimuth[kGroup];  ///< position
+  alignas(64) double sun[kGroup];      ///< position, from outside
+  alignas(64) double fade[kGroup];     ///< from outside
+  alignas(64) double hit[kGroup];      ///< 0: a ray that misses the air
+  alignas(64) double ends[kGroup];     ///< 1: on the ground
+  alignas(64) double ground[kGroup];   ///< position
+  alignas(64) double rayleigh[kGroup];
+  alignas(64) double aerosol[kGroup];
+};
+
+WELKIN_INLINE DoubleLanes constant(double value) { return DoubleLanes(value); }
+
+WELKIN_INLINE DoubleLanes between(DoubleLanes value, double low, double high) {
+  return xsimd::min(xsimd::max(value, constant(low)), constant(high));
+}
+
+WELKIN_INLINE DoubleLanes square_root(DoubleLanes value) { return xsimd::sqrt(xsimd::max(value, constant(0.0))); }
+
+/// Distance to the top, without cancellation either way.
+WELKIN_INLINE DoubleLanes to_top(DoubleLanes along, double shell) {
+  const DoubleLanes root = xsimd::sqrt(along * along + constant(shell));
+  const auto up = along > constant(0.0);
+  const DoubleLanes sum = xsimd::max(along + root, constant(kTiny));
+  return xsimd::select(up, constant(shell) / sum, root - along);
+}
+
+/// Cosine between view and sun to phase functions.
+WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places& places) {
+  const DoubleLanes lobe = constant(1.0) + nu * nu;
+  lobe.store_aligned(places.rayleigh + k);
+  const double size = run.asymmetry < 0.0 ? -run.asymmetry : run.asymmetry;
+  const DoubleLanes ahead = run.asymmetry < 0.0 ? constant(1.0) + nu : constant(1.0) - nu;
+  const DoubleLanes square = constant((1.0 - size) * (1.0 - size)) + constant(2.0 * size) * ahead;
+  const DoubleLanes denominator = square * xsimd::sqrt(square);
+  const DoubleLanes numerator =
+      run.henyey_greenstein ? constant(run.aerosol_scale) : constant(run.aerosol_scale) * lobe;
+  (numerator / denominator).store_aligned(places.aerosol + k);
+}
+
+/// Position and fade of suns whose zenith cosine is known.
+WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places& places) {
+  const DoubleLanes distance = to_top(constant(run.bottom) * mu_s, run.sun_tangent_squared);
+  const DoubleLanes a = xsimd::max(distance - constant(run.sun_thickness), constant(0.0)) * constant(run.sun_scale);
+  const DoubleLanes x = xsimd::max(constant(1.0) - a / constant(run.lowest_sun), constant(0.0)) / (constant(1.0) + a);
+  (x * constant(run.suns - 1)).store_aligned(places.sun + k);
+  const DoubleLanes t = between((mu_s + constant(1.0)) / constant(run.lowest_zenith + 1.0 + kTiny), 0.0, 1.0);
+  (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(places.fade + k);
+}
+
+/// One register of directions.
+WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, DoubleLanes z, int k, Places& places) {
+  const DoubleLanes one = constant(1.0);
+  const DoubleLanes zero = constant(0.0);
+  const DoubleLanes length = xsimd::sqrt(x * x + y * y + z * z);
+  const auto some = length > constant(kTiny);
+  const DoubleLanes inverse = one / xsimd::select(some, length, one);
+  const DoubleLanes dx = x * inverse;
+  const DoubleLanes dy = xsimd::select(some, y * inverse, one);
+  const DoubleLanes dz = z * inverse;
+  const DoubleLanes sine = xsimd::sqrt(dx * dx + dz * dz);
+  const DoubleLanes level = dx * constant(run.sun[0]) + dz * constant(run.sun[2]);
+  const DoubleLanes nu = between(level + dy * constant(run.sun_zenith), -1.0, 1.0);
+  store_phases(run, nu, k, places);
+
+  DoubleLanes mu = between(dy, -1.0, 1.0);
+  DoubleLanes mu_s = constant(run.sun_zenith);
+  DoubleLanes along = constant(run.radius) * mu;
+  DoubleLanes discriminant = along * along - constant(run.rho_squared);
+  DoubleLanes cosine = level / xsimd::max(sine * constant(run.sun_sine), constant(kTiny));
+  if (run.outside) {
+    // b: how near the ray's line comes to the centre. It comes in where its zenith's sine is b / top.
+    const DoubleLanes b = constant(run.viewer_radius) * sine;
+    const DoubleLanes top = constant(run.radius);
+    const DoubleLanes root = square_root((top - b) * (top + b));
+    const DoubleLanes distance = zero - constant(run.viewer_radius) * mu - root;
+    xsimd::select((mu < zero) && (b < top), one, zero).store_aligned(places.hit + k);
+    mu = zero - root / top;
+    mu_s = between((constant(run.viewer_radius * run.sun_zenith) + distance * nu) / top, -1.0, 1.0);
+    along = zero - root;
+    discriminant = (constant(run.bottom) - b) * (constant(run.bottom) + b);
+    const DoubleLanes sun_sine = square_root((one - mu_s) * (one + mu_s));
+    cosine = (nu - mu * mu_s) / xsimd::max(b / top * sun_sine, constant(kTiny));
+    store_suns(run, mu_s, k, places);
+  }
+  ((between(cosine, -1.0, 1.0) + one) * constant(0.5 * (run.azimuths - 1))).store_aligned(places.azimuth + k);
+
+  const auto ends = (mu < zero) && (discriminant > zero);
+  const DoubleLanes reach = xsimd::max(square_root(discriminant) - along, constant(kTiny));
+  const DoubleLanes to_ground = constant(run.rho_squared) / reach;
+  const double last = run.half - 1;
+  const DoubleLanes down =
+      constant(last) - between((to_ground - constant(run.altitude)) * constant(run.to_ground), 0.0, last);
+  const DoubleLanes up = between((to_top(along, run.shell) - constant(run.shortest)) * constant(run.to_sky), 0.0, last);
+  xsimd::select(ends, down, up).store_aligned(places.view + k);
+  xsimd::select(ends, one, zero).store_aligned(places.ends + k);
+
+  const DoubleLanes mu_ground =
+      between((constant(run.radius) * mu_s + to_ground * nu) / constant(run.bottom), -1.0, 1.0);
+  const DoubleLanes rooted = xsimd::sqrt(xsimd::abs(mu_ground));
+  const DoubleLanes folded = xsimd::select(mu_ground < zero, zero - rooted, rooted);
+  ((folded + one) * constant(0.5 * (run.grounds - 1))).store_aligned(places.ground + k);
+}
+
+/// Where a sky falls off steeply, at the rim of the planet's shadow, a cubic swings beyond its nodes: it may leave the
+/// range of the two that the position lies between by this share of them, which smooth skies do not need.
+constexpr float kLeast = 0.9F;
+constexpr float kMost = 1.1F;
+
+/// The cubic through the four nodes about a position among `count` >= 4.
+WELKIN_INLINE CubicTaps taps_at(double position, int count) {
+  int first = static_cast<int>(position) - 1;
+  first = first > count - 4 ? count - 4 : first;
+  first = first < 0 ? 0 : first;
+  const auto x0 = static_cast<float>(position - first);
+  const float x1 = x0 - 1.0F;
+  const float x2 = x0 - 2.0F;
+  const float x3 = x0 - 3.0F;
+  const float low = x0 * x1;
+  const float high = x2 * x3;
+  const int between = x1 < 0.0F ? 0 : x2 < 0.0F ? 1 : 2;
+  return {first, between, {x1 * high * (-1.0F / 6.0F), x0 * high * 0.5F, low * x3 * -0.5F, low * x2 * (1.0F / 6.0F)}};
+}
+
+/// A row in registers.
+struct Row {
+#if defined(__AVX__)
+  __m256 all;
+#else
+  __m128 low, high;
+#endif
+};
+
+#if defined(__AVX__)
+WELKIN_INLINE Row nothing() { return {_mm256_setzero_ps()}; }
+WELKIN_INLINE Row load_row(const float* row) { return {_mm256_loadu_ps(row)}; }
+WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
+  return {_mm256_add_ps(sum.all, _mm256_mul_ps(_mm256_set1_ps(weight), row.all))};
+}
+WELKIN_INLINE Row limited(Row row, Row a, Row b) {
+  const __m256 least = _mm256_mul_ps(_mm256_set1_ps(kLeast), _mm256_min_ps(a.all, b.all));
+  const __m256 most = _mm256_mul_ps(_mm256_set1_ps(kMost), _mm256_max_ps(a.all, b.all));
+  return {_mm256_min_ps(_mm256_max_ps(row.all, least), most)};
+}
+WELKIN_INLINE void store_row(Row row, float* to) { _mm256_storeu_ps(to, row.all); }
+#else
+WELKIN_INLINE Row nothing() { return {_mm_setzero_ps(), _mm_setzero_ps()}; }
+WELKIN_INLINE Row load_row(const float* row) { return {_mm_loadu_ps(row), _mm_loadu_ps(row + 4)}; }
+WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
+  const __m128 factor = _mm_set1_ps(weight);
+  return {_mm_add_ps(sum.low, _mm_mul_ps(factor, row.low)), _mm_add_ps(sum.high, _mm_mul_ps(factor, row.high))};
+}
+WELKIN_INLINE __m128 limited(__m128 value, __m128 a, __m128 b) {
+  const __m128 least = _mm_mul_ps(_mm_set1_ps(kLeast), _mm_min_ps(a, b));
+  const __m128 most = _mm_mul_ps(_mm_set1_ps(kMost), _mm_max_ps(a, b));
+  return _mm_min_ps(_mm_max_ps(value, least), most);
+}
+WELKIN_INLINE Row limited(Row row, Row a, Row b) {
+  return {limited(row.low, a.low, b.low), limited(row.high, a.high, b.high)};
+}
+WELKIN_INLINE void store_row(Row row, float* to) {
+  _mm_storeu_ps(to, row.low);
+  _mm_storeu_ps(to + 4, row.high);
+}
+#endif
+
+/// Of four rows the weighted sum, within reach of the two in the middle of which the position lies.
+WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {
+  Row sum = nothing();
+  for (int i = 0; i < 4; ++i) sum = plus(sum, taps.weights[i], rows[i]);
+  return limited(sum, rows[taps.between], rows[taps.between + 1]);
+}
+
+WELKIN_INLINE Row over_suns(const float* first, const CubicTaps& sun) {
+  Row rows[4];
+  for (int i = 0; i < 4; ++i) rows[i] = load_row(first + i * kSkyRow);
+  return cubic(rows, sun);
+}
+
+/// The interpolated row of one direction.
+WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps& view, const CubicTaps& azimuth,
+                               const CubicTaps& sun, float* row) {
+  Row views[4];
+  for (int a = 0; a < 4; ++a) {
+    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(view_base + view.first + a) * run.azimuths + azimuth.first;
+    Row azimuths[4];
+    for (int b = 0; b < 4; ++b) {
+      azimuths[b] = run.of_sun != nullptr ? load_row(run.of_sun + (place + b) * kSkyRow)
+                                          : over_suns(run.rows + ((place + b) * run.suns + sun.first) * kSkyRow, sun);
+    }
+    views[a] = cubic(azimuths, azimuth);
+  }
+  store_row(cubic(views, view), row);
+}
+
+WELKIN_INLINE float positive(float value) { return value > 0.0F ? value : 0.0F; }
+
+/// What the ground adds, at the end of a ray with these taps.
+WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double position, float* rgb) {
+  const int limit = run.grounds - 2;
+  const int node = static_cast<int>(position) < limit ? static_cast<int>(position) : limit;
+  const auto t = static_cast<float>(position - node);
+  const float* const ground = run.ground + node * kSkyColour;
+  const float* const reach = run.reach + view.first * kSkyColour;
+  for (int c = 0; c < 3; ++c) {
+    float through = 0.0F;
+    for (int i = 0; i < 4; ++i) through = through + view.weights[i] * reach[i * kSkyColour + c];
+    through = positive(through) < 1.0F ? positive(through) : 1.0F;
+    rgb[c] = rgb[c] + through * (ground[c] + t * (ground[kSkyColour + c] - ground[c]));
+  }
+}
+
+WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float* rgb) {
+  const double fade = run.outside ? places.fade[k] : static_cast<double>(run.fade);
+  const bool ends = places.ends[k] > 0.0;
+  rgb[0] = rgb[1] = rgb[2] = 0.0F;
+  if (run.outside && !(places.hit[k] > 0.0)) return;
+  const CubicTaps view = taps_at(places.view[k], run.half);
+  const CubicTaps azimuth = taps_at(places.azimuth[k], run.azimuths);
+  const CubicTaps sun = run.outside ? taps_at(places.sun[k], run.suns) : run.sun_taps;
+  alignas(32) float row[kSkyRow];
+  interpolate(run, ends ? 0 : run.half, view, azimuth, sun, row);
+  const float rayleigh = static_cast<float>(places.rayleigh[k]) * kRayleigh;
+  const auto aerosol = static_cast<float>(places.aerosol[k]);
+  for (int c = 0; c < 3; ++c) {
+    rgb[c] = static_cast<float>(fade) * (positive(row[c]) * rayleigh + positive(row[4 + c]) * aerosol);
+  }
+  if (ends && run.reach != nullptr) add_ground(run, view, places.ground[k], rgb);
+}
+
+}  // namespace
+
+void reduce_sky(const SkyRun& run, float* of_sun) {
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(2) * run.half * run.azimuths;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const float* const from = run.rows + (i * run.suns + run.sun_taps.first) * kSkyRow;
+    store_row(over_suns(from, run.sun_taps), of_sun + i * kSkyRow);
+  }
+}
+
+void sky_radiance(const SkyRun& run, const double* directions, int count, float* rgb) {
+  Places places;
+  for (int first = 0; first < count; first += kGroup) {
+    const int part = count - first < kGroup ? count - first : kGroup;
+    alignas(64) double x[kGroup];
+    alignas(64) double y[kGroup];
+    alignas(64) double z[kGroup];
+    for (int k = 0; k < kGroup; ++k) {
+      const double* const from = directions + std::ptrdiff_t{3} * (first + (k < part ? k : 0));
+      x[k] = from[0];
+      y[k] = from[1];
+      z[k] = from[2];
+    }
+    for (int k = 0; k < part; k += kDoubleWidth) {
+      find_places(run, DoubleLanes::load_aligned(x + k), DoubleLanes::load_aligned(y + k),
+                  DoubleLanes::load_aligned(z + k), k, places);
+    }
+    for (int k = 0; k < part; ++k) look_up(run, places, k, rgb + std::ptrdiff_t{3} * (first + k));
+  }
+}
+
+namespace {
+
+// A sky's light on rings of equal zenith angle, summed over azimuths.
+
+struct Phases {
+  Lanes rayleigh, aerosol;
+};
+
+WELKIN_INLINE Phases phases(const SkyRings& rings, Lanes x) {
+  const Lanes one(1.0F);
+  const Lanes cosine = one - x;
+  const Lanes square = cosine * cosine;
+  const Lanes d = Lanes(rings.gap) + Lanes(rings.slope) * x;
+  return {Lanes(rings.rayleigh) * (one + square),
+          Lanes(rings.aerosol) * (one + Lanes(rings.even) * square) / (d * xsimd::sqrt(d))};
+}
+
+/// Of one channel between four suns; `values` are the first one's of this register's rings.
+WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
+  constexpr int sun = kSkyChannels * kSkyRings;
+  const Lanes a = Lanes(rings.sun_weights[0]) * Lanes::load_aligned(values);
+  const Lanes b = Lanes(rings.sun_weights[1]) * Lanes::load_aligned(values + sun);
+  const Lanes c = Lanes(rings.sun_weights[2]) * Lanes::load_aligned(values + 2 * sun);
+  const Lanes d = Lanes(rings.sun_weights[3]) * Lanes::load_aligned(values + 3 * sun);
+  return xsimd::max((a + b) + (c + d), Lanes(0.0F));
+}
+
+}  // namespace
+
+void add_sky_rings(const SkyRings& rings, float* sums) {
+  for (int lane = 0; lane < kSkyRings; lane += kWidth) {
+    const Lanes nearness = Lanes::load_unaligned(rings.nearness + lane);
+    const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
+    for (int i = 0; i < rings.azimuths; ++i) {
+      const Phases phase = phases(rings, nearness + breadth * Lanes(rings.azimuth_gaps[i]));
+      const float* const values = rings.values + i * rings.azimuth_step + lane;
+      const float* const factors = rings.azimuth_factors + static_cast<std::ptrdiff_t>(i) * rings.bands;
+      for (int c = 0; c < 3; ++c) {
+        const Lanes rayleigh = between_suns(rings, values + c * kSkyRings);
+        const Lanes aerosol = between_suns(rings, values + (3 + c) * kSkyRings) - Lanes(rings.lobe[c]);
+        Lanes light = phase.rayleigh * rayleigh + phase.aerosol * aerosol;
+        if (rings.ground != nullptr) {
+          light = light + Lanes::load_unaligned(rings.ground + (3 * i + c) * kSkyRings + lane);
+        }
+        for (int m = 0; m < rings.bands; ++m) {
+          float* const sum = sums + (3 * m + c) * kSkyRings + lane;
+          (Lanes::load_unaligned(sum) + Lanes(factors[m]) * light).store_unaligned(sum);
+        }
+      }
+    }
+  }
+}
+
+void add_sky_lobe(const SkyRings& rings, float* sums) {
+  for (int lane = 0; lane < kSkyRings; lane += kWidth) {
+    const Lanes nearness = Lanes::load_unaligned(rings.nearness + lane);
+    const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
+    Lanes sum = Lanes::load_unaligned(sums + lane);
+    for (int i = 0; i < rings.azimuths; ++i) {
+      const Phases phase = phases(rings, nearness + breadth * Lanes(rings.azimuth_gaps[i]));
+      sum = sum + Lanes(rings.azimuth_factors[static_cast<std::ptrdiff_t>(i) * rings.bands]) * phase.aerosol;
+    }
+    sum.store_unaligned(sums + lane);
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

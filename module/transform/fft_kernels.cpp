@@ -1,0 +1,482 @@
+// Fourier transforms of 16 rings at once: a lane a ring, so that no number ever changes lanes.
+#include "simd/kernel_table.h"
+#include "simd/lanes.h"
+
+namespace welkin::simd::WELKIN_ISA {
+namespace {
+
+struct Complex {
+  Lanes re, im;
+};
+
+WELKIN_INLINE Complex load(const float* at) { return {Lanes::load_aligned(at), Lanes::load_aligned(at + kRingLanes)}; }
+WELKIN_INLINE void store(Complex z, float* at) {
+  z.re.store_aligned(at);
+  z.im.store_aligned(at + kRingLanes);
+}
+WELKIN_INLINE Complex operator+(Complex a, Complex b) { return {a.re + b.re, a.im + b.im}; }
+WELKIN_INLINE Complex operator-(Complex a, Complex b) { return {a.re - b.re, a.im - b.im}; }
+WELKIN_INLINE Complex operator*(Complex a, Lanes s) { return {a.re * s, a.im * s}; }
+WELKIN_INLINE Complex times(Complex a, Complex b) { return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re}; }
+/// a - i b and a + i b
+WELKIN_INLINE Complex plus_turned_back(Complex a, Complex b) { return {a.re + b.im, a.im - b.re}; }
+WELKIN_INLINE Complex plus_turned(Complex a, Complex b) { return {a.re - b.im, a.im + b.re}; }
+WELKIN_INLINE Complex factor_at(const float* factor) { return {Lanes(factor[0]), Lanes(factor[1])}; }
+
+/// Which output of a butterfly, as a type.
+template <int value>
+struct Index {
+  static constexpr int k = value;
+};
+
+// Discrete Fourier transforms of a few numbers: `load(j)` gives the j-th, `put(Index<k>, number)` takes the k-th
+// result.
+
+struct Radix2 {
+  static constexpr int radix = 2;
+  template <class Load, class Put>
+  WELKIN_INLINE static void run(const Load& get, const Put& put) {
+    const Complex a = get(0);
+    const Complex b = get(1);
+    put(Index<0>(), a + b);
+    put(Index<1>(), a - b);
+  }
+};
+
+struct Radix3 {
+  static constexpr int radix = 3;
+  template <class Load, class Put>
+  WELKIN_INLINE static void run(const Load& get, const Put& put) {
+    const Lanes half(0.5F);
+    const Lanes sine(0.866025403784438647F);  // of 60 degrees
+    const Complex a = get(0);
+    const Complex b = get(1);
+    const Complex c = get(2);
+    const Complex sum = b + c;
+    const Complex middle = a - sum * half;
+    const Complex across = (b - c) * sine;
+    put(Index<0>(), a + sum);
+    put(Index<1>(), plus_turned_back(middle, across));
+    put(Index<2>(), plus_turned(middle, across));
+  }
+};
+
+struct Radix4 {
+  static constexpr int radix = 4;
+  template <class Load, class Put>
+  WELKIN_INLINE static void run(const Load& get, const Put& put) {
+    const Complex a = get(0);
+    const Complex b = get(1);
+    const Complex c = get(2);
+    const Complex d = get(3);
+    const Complex even_sum = a + c;
+    const Complex even_difference = a - c;
+    const Complex odd_sum = b + d;
+    const Complex odd_difference = b - d;
+    put(Index<0>(), even_sum + odd_sum);
+    put(Index<1>(), plus_turned_back(even_difference, odd_difference));
+    put(Index<2>(), even_sum - odd_sum);
+    put(Index<3>(), plus_turned(even_difference, odd_difference));
+  }
+};
+
+struct Radix5 {
+  static constexpr int radix = 5;
+  template <class Load, class Put>
+  WELKIN_INLINE static void run(const Load& get, const Put& put) {
+    const Lanes cosine1(0.309016994374947424F);  // of 72 degrees, of 144 degrees
+    const Lanes cosine2(-0.809016994374947424F);
+    const Lanes sine1(0.951056516295153572F);
+    const Lanes sine2(0.587785252292473129F);
+    const Complex a = get(0);
+    const Complex b = get(1);
+    const Complex c = get(2);
+    const Complex d = get(3);
+    const Complex e = get(4);
+    const Complex sum1 = b + e;
+    const Complex sum2 = c + d;
+    const Complex difference1 = b - e;
+    const Complex difference2 = c - d;
+    const Complex middle1 = a + sum1 * cosine1 + sum2 * cosine2;
+    const Complex middle2 = a + sum1 * cosine2 + sum2 * cosine1;
+    const Complex across1 = difference1 * sine1 + difference2 * sine2;
+    const Complex across2 = difference1 * sine2 - difference2 * sine1;
+    put(Index<0>(), a + sum1 + sum2);
+    put(Index<1>(), plus_turned_back(middle1, across1));
+    put(Index<2>(), plus_turned_back(middle2, across2));
+    put(Index<3>(), plus_turned(middle2, across2));
+    put(Index<4>(), plus_turned(middle1, across1));
+  }
+};
+
+/// Two fours and four twos.
+struct Radix8 {
+  static constexpr int radix = 8;
+  template <class Load, class Put>
+  WELKIN_INLINE static void run(const Load& get, const Put& put) {
+    const Lanes diagonal(0.707106781186547524F);
+    const Complex a = get(0);
+    const Complex b = get(1);
+    const Complex c = get(2);
+    const Complex d = get(3);
+    const Complex e = get(4);
+    const Complex f = get(5);
+    const Complex g = get(6);
+    const Complex h = get(7);
+    const Complex ae = a + e;
+    const Complex cg = c + g;
+    const Complex bf = b + f;
+    const Complex dh = d + h;
+    const Complex even = ae + cg;
+    const Complex odd = bf + dh;
+    const Complex even_across = ae - cg;
+    const Complex odd_across = bf - dh;
+    put(Index<0>(), even + odd);
+    put(Index<2>(), plus_turned_back(even_across, odd_across));
+    put(Index<4>(), even - odd);
+    put(Index<6>(), plus_turned(even_across, odd_across));
+    const Complex x = a - e;
+    const Complex y = c - g;
+    const Complex u = b - f;
+    const Complex v = d - h;
+    const Complex x_back = plus_turned_back(x, y);
+    const Complex x_on = plus_turned(x, y);
+    const Complex u_back = plus_turned_back(u, v);
+    const Complex u_on = plus_turned(u, v);
+    // times e^(-i pi / 4) and e^(-3 i pi / 4)
+    const Complex first = {(u_back.re + u_back.im) * diagonal, (u_back.im - u_back.re) * diagonal};
+    const Complex third = {(u_on.im - u_on.re) * diagonal, (u_on.re + u_on.im) * diagonal};
+    put(Index<1>(), x_back + first);
+    put(Index<5>(), x_back - first);
+    put(Index<3>(), {x_on.re + third.re, x_on.im - third.im});
+    put(Index<7>(), {x_on.re - third.re, x_on.im + third.im});
+  }
+};
+
+/// A whole pass of one small radix.
+template <class Butterfly>
+void run_single(const FourierPass& pass, const float* in, float* out) {
+  constexpr int radix = Butterfly::radix;
+  const std::ptrdiff_t stride = std::ptrdiff_t{kComplexFloats} * pass.stride;
+  const std::ptrdiff_t in_step = pass.count * stride;
+  for (int part = 0; part < kRingLanes; part += kWidth) {
+    for (int p = 0; p < pass.count; ++p) {
+      const float* const twiddles = pass.twiddles + std::ptrdiff_t{2} * radix * p;
+      const float* from = in + p * stride + part;
+      float* to = out + radix * p * stride + part;
+      const float* const end = from + stride;
+      for (; from < end; from += kComplexFloats, to += kComplexFloats) {
+        const auto get = [&](int j) __attribute__((always_inline)) { return load(from + in_step * j); };
+        const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+          constexpr int k = index.k;
+          store(k == 0 ? z : times(z, factor_at(twiddles + 2 * k)), to + stride * k);
+        };
+        Butterfly::run(get, put);
+      }
+    }
+  }
+}
+
+// A pass of radix first x second in one go, through a few kilobytes of the first-level cache: half the traffic to the
+// second level, which is what limits the transform of a thousand columns.
+
+/// in[j in_step] to local, transformed over j = p + second j1 for every p < second, twiddled.
+template <class Butterfly>
+void run_first(const float* in, std::ptrdiff_t in_step, int second, const float* twiddles, float* local) {
+  constexpr int radix = Butterfly::radix;
+  for (int p = 0; p < second; ++p) {
+    const auto get = [&](int j) __attribute__((always_inline)) { return load(in + in_step * (p + second * j)); };
+    float* const to = local + std::ptrdiff_t{kComplexFloats} * radix * p;
+    if (p == 0) {
+      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+        store(z, to + kComplexFloats * index.k);
+      };
+      Butterfly::run(get, put);
+    } else {
+      const float* const t = twiddles + 2 * radix * p;
+      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+        constexpr int k = index.k;
+        store(k == 0 ? z : times(z, factor_at(t + 2 * k)), to + kComplexFloats * k);
+      };
+      Butterfly::run(get, put);
+    }
+  }
+}
+
+/// local to out[k out_step], k = q + first k1, times twiddles[k].
+template <class Butterfly>
+void run_second(const float* local, int first, const float* twiddles, bool twiddled, float* out,
+                std::ptrdiff_t out_step) {
+  for (int q = 0; q < first; ++q) {
+    const float* const from = local + std::ptrdiff_t{kComplexFloats} * q;
+    const auto get = [&](int j) __attribute__((always_inline)) {
+      return load(from + std::ptrdiff_t{kComplexFloats} * first * j);
+    };
+    if (twiddled) {
+      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+        const int k = q + first * index.k;
+        store(times(z, factor_at(twiddles + 2 * k)), out + out_step * k);
+      };
+      Butterfly::run(get, put);
+    } else {
+      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+        store(z, out + out_step * (q + first * index.k));
+      };
+      Butterfly::run(get, put);
+    }
+  }
+}
+
+using RunFirst = void (*)(const float*, std::ptrdiff_t, int, const float*, float*);
+using RunSecond = void (*)(const float*, int, const float*, bool, float*, std::ptrdiff_t);
+
+/// By radix, up to 8.
+constexpr RunFirst kRunFirst[] = {nullptr,           nullptr, run_first<Radix2>, run_first<Radix3>, run_first<Radix4>,
+                                  run_first<Radix5>, nullptr, nullptr,           run_first<Radix8>};
+constexpr RunSecond kRunSecond[] = {
+    nullptr, nullptr, run_second<Radix2>, run_second<Radix3>, run_second<Radix4>, run_second<Radix5>,
+    nullptr, nullptr, run_second<Radix8>};
+
+void run_double(const FourierPass& pass, const float* in, float* out) {
+  alignas(64) float local[kComplexFloats * 64];
+  const int radix = pass.radix * pass.second_radix;
+  const RunFirst first = kRunFirst[pass.radix];
+  const RunSecond second = kRunSecond[pass.second_radix];
+  const std::ptrdiff_t stride = std::ptrdiff_t{kComplexFloats} * pass.stride;
+  for (int part = 0; part < kRingLanes; part += kWidth) {
+    for (int p = 0; p < pass.count; ++p) {
+      const float* const twiddles = pass.twiddles + std::ptrdiff_t{2} * radix * p;
+      for (int q = 0; q < pass.stride; ++q) {
+        const std::ptrdiff_t from = p * stride + std::ptrdiff_t{kComplexFloats} * q + part;
+        const std::ptrdiff_t to = radix * p * stride + std::ptrdiff_t{kComplexFloats} * q + part;
+        first(in + from, pass.count * stride, pass.second_radix, pass.inner_twiddles, local);
+        second(local, pass.radix, twiddles, p > 0, out + to, stride);
+      }
+    }
+  }
+}
+
+/// Any radix, by its definition.
+void run_any_radix(const FourierPass& pass, const float* in, float* out) {
+  const int radix = pass.radix;
+  const std::ptrdiff_t stride = std::ptrdiff_t{kComplexFloats} * pass.stride;
+  for (int part = 0; part < kRingLanes; part += kWidth) {
+    for (int p = 0; p < pass.count; ++p) {
+      for (int q = 0; q < pass.stride; ++q) {
+        const float* const from = in + p * stride + q * kComplexFloats + part;
+        float* const to = out + radix * p * stride + q * kComplexFloats + part;
+        for (int k = 0; k < radix; ++k) {
+          Complex sum = load(from);
+          int turn = 0;  // j k modulo the radix
+          for (int j = 1; j < radix; ++j) {
+            turn = turn + k < radix ? turn + k : turn + k - radix;
+            sum = sum + times(load(from + pass.count * stride * j), factor_at(pass.roots + 2 * turn));
+          }
+          if (k > 0) sum = times(sum, factor_at(pass.twiddles + 2 * (std::ptrdiff_t{radix} * p + k)));
+          store(sum, to + stride * k);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void run_fourier_pass(const FourierPass& pass, const float* in, float* out) {
+  if (pass.second_radix > 1) return run_double(pass, in, out);
+  switch (pass.radix) {
+    case 2: return run_single<Radix2>(pass, in, out);
+    case 3: return run_single<Radix3>(pass, in, out);
+    case 4: return run_single<Radix4>(pass, in, out);
+    case 5: return run_single<Radix5>(pass, in, out);
+    case 8: return run_single<Radix8>(pass, in, out);
+    default: return run_any_radix(pass, in, out);
+  }
+}
+
+void multiply_complex(const float* in, std::ptrdiff_t step, const float* factors, bool conjugate, int count,
+                      float* out) {
+  for (int k = 0; k < count; ++k) {
+    const float* const from = in + step * k;
+    const Complex factor = {Lanes(factors[2 * k]), Lanes(conjugate ? -factors[2 * k + 1] : factors[2 * k + 1])};
+    for (int part = 0; part < kRingLanes; part += kWidth) {
+      store(times(load(from + part), factor), out + std::ptrdiff_t{kComplexFloats} * k + part);
+    }
+  }
+}
+
+void part_orders(const float* z, int width, int orders, int channel, float* columns, std::ptrdiff_t order_stride) {
+  for (int m = 0; m < orders; ++m) {
+    const int index = m % width;
+    const float* const here = z + std::ptrdiff_t{kComplexFloats} * index;
+    const float* const mirrored = z + std::ptrdiff_t{kComplexFloats} * (index == 0 ? 0 : width - index);
+    float* const even = columns + m * order_stride + std::ptrdiff_t{2} * kRingLanes * channel;
+    float* const odd = even + 6 * kRingLanes;
+    for (int part = 0; part < kRingLanes; part += kWidth) {
+      const Complex a = load(here + part);
+      const Complex b = load(mirrored + part);
+      store({a.re + b.re, a.im - b.im}, even + part);
+      store({a.im + b.im, b.re - a.re}, odd + part);
+    }
+  }
+}
+
+void join_orders(const float* columns, std::ptrdiff_t order_stride, int orders, int channel, int width, float* z) {
+  for (int m = 0; m < orders; ++m) {
+    const float* const even = columns + m * order_stride + std::ptrdiff_t{2} * kRingLanes * channel;
+    const float* const odd = even + 6 * kRingLanes;
+    float* const here = z + std::ptrdiff_t{kComplexFloats} * m;
+    float* const mirrored = z + std::ptrdiff_t{kComplexFloats} * (width - m);
+    for (int part = 0; part < kRingLanes; part += kWidth) {
+      const Complex a = load(even + part);
+      const Complex b = load(odd + part);
+      const Complex north = a + b;
+      const Complex south = a - b;
+      if (m > 0) store({north.re + south.im, south.re - north.im}, mirrored + part);
+      store({north.re - south.im, north.im + south.re}, here + part);
+    }
+  }
+  const Lanes zero(0.0F);
+  float* const end = z + std::ptrdiff_t{kComplexFloats} * (orders > 0 ? width - orders + 1 : width);
+  for (float* at = z + std::ptrdiff_t{kComplexFloats} * orders; at < end; at += kWidth) zero.store_aligned(at);
+}
+
+namespace {
+
+// Between rows of pixels in memory and 16 rings in lanes: transpositions.
+
+/// Where float `index` of a row of rgb texels goes: [channel][width][kComplexFloats].
+WELKIN_INLINE float* place_of(float* planes, int width, int index) {
+  return planes + std::ptrdiff_t{kComplexFloats} * (std::ptrdiff_t{index % 3} * width + index / 3);
+}
+
+#if defined(__AVX512F__)
+constexpr int kBlock = 16;  // floats of each row that are transposed together, and lanes
+
+struct Block {
+  __m512 row[kBlock];
+};
+
+WELKIN_INLINE void transpose(Block& block) {
+  __m512 pairs[kBlock];
+  for (int i = 0; i < kBlock; i += 4) {
+    const __m512 ab_low = _mm512_unpacklo_ps(block.row[i], block.row[i + 1]);
+    const __m512 ab_high = _mm512_unpackhi_ps(block.row[i], block.row[i + 1]);
+    const __m512 cd_low = _mm512_unpacklo_ps(block.row[i + 2], block.row[i + 3]);
+    const __m512 cd_high = _mm512_unpackhi_ps(block.row[i + 2], block.row[i + 3]);
+    const auto join = [](__m512 a, __m512 b, bool high) __attribute__((always_inline)) {
+      const __m512d x = _mm512_castps_pd(a);
+      const __m512d y = _mm512_castps_pd(b);
+      return _mm512_castpd_ps(high ? _mm512_unpackhi_pd(x, y) : _mm512_unpacklo_pd(x, y));
+    };
+    pairs[i] = join(ab_low, cd_low, false);  // block b of pairs[i + c]: column 4b + c of rows i to i + 3
+    pairs[i + 1] = join(ab_low, cd_low, true);
+    pairs[i + 2] = join(ab_high, cd_high, false);
+    pairs[i + 3] = join(ab_high, cd_high, true);
+  }
+  for (int c = 0; c < 4; ++c) {
+    const __m512 low01 = _mm512_shuffle_f32x4(pairs[c], pairs[4 + c], 0x44);
+    const __m512 high01 = _mm512_shuffle_f32x4(pairs[c], pairs[4 + c], 0xEE);
+    const __m512 low23 = _mm512_shuffle_f32x4(pairs[8 + c], pairs[12 + c], 0x44);
+    const __m512 high23 = _mm512_shuffle_f32x4(pairs[8 + c], pairs[12 + c], 0xEE);
+    block.row[c] = _mm512_shuffle_f32x4(low01, low23, 0x88);
+    block.row[4 + c] = _mm512_shuffle_f32x4(low01, low23, 0xDD);
+    block.row[8 + c] = _mm512_shuffle_f32x4(high01, high23, 0x88);
+    block.row[12 + c] = _mm512_shuffle_f32x4(high01, high23, 0xDD);
+  }
+}
+WELKIN_INLINE __m512 load_row(const float* from) { return _mm512_loadu_ps(from); }
+WELKIN_INLINE void store_lanes(__m512 value, float* to) { _mm512_store_ps(to, value); }
+WELKIN_INLINE void store_row(__m512 value, float* to) { _mm512_storeu_ps(to, value); }
+WELKIN_INLINE __m512 sum(__m512 a, __m512 b) { return _mm512_add_ps(a, b); }
+WELKIN_INLINE __m512 difference(__m512 a, __m512 b) { return _mm512_sub_ps(a, b); }
+WELKIN_INLINE __m512 zero() { return _mm512_setzero_ps(); }
+#else
+constexpr int kBlock = 4;
+
+struct Block {
+  __m128 row[kBlock];
+};
+
+WELKIN_INLINE void transpose(Block& block) {
+  _MM_TRANSPOSE4_PS(block.row[0], block.row[1], block.row[2], block.row[3]);
+}
+WELKIN_INLINE __m128 load_row(const float* from) { return _mm_loadu_ps(from); }
+WELKIN_INLINE void store_lanes(__m128 value, float* to) { _mm_store_ps(to, value); }
+WELKIN_INLINE void store_row(__m128 value, float* to) { _mm_storeu_ps(to, value); }
+WELKIN_INLINE __m128 sum(__m128 a, __m128 b) { return _mm_add_ps(a, b); }
+WELKIN_INLINE __m128 difference(__m128 a, __m128 b) { return _mm_sub_ps(a, b); }
+WELKIN_INLINE __m128 zero() { return _mm_setzero_ps(); }
+#endif
+
+}  // namespace
+
+void load_row_quads(const RowQuads& rows, int width, float* planes) {
+  const int floats = 3 * width;
+  const int whole = floats - floats % kBlock;
+  for (int index = 0; index < whole; index += kBlock) {
+    for (int lane = 0; lane < kRingLanes; lane += kBlock) {
+      Block even;
+      Block odd;
+      for (int k = 0; k < kBlock; ++k) {
+        const auto north = difference(load_row(rows.a[lane + k] + index), load_row(rows.b[lane + k] + index));
+        const auto south = difference(load_row(rows.c[lane + k] + index), load_row(rows.d[lane + k] + index));
+        even.row[k] = sum(north, south);
+        odd.row[k] = difference(north, south);
+      }
+      transpose(even);
+      transpose(odd);
+      for (int k = 0; k < kBlock; ++k) {
+        float* const to = place_of(planes, width, index + k) + lane;
+        store_lanes(even.row[k], to);
+        store_lanes(odd.row[k], to + kRingLanes);
+      }
+    }
+  }
+  for (int index = whole; index < floats; ++index) {
+    float* const to = place_of(planes, width, index);
+    for (int lane = 0; lane < kRingLanes; ++lane) {
+      const float north = rows.a[lane][index] - rows.b[lane][index];
+      const float south = rows.c[lane][index] - rows.d[lane][index];
+      to[lane] = north + south;
+      to[lane + kRingLanes] = north - south;
+    }
+  }
+}
+
+void store_rings(const float* red, const float* green, const float* blue, int width, const RingRows& rows) {
+  constexpr int texels = kBlock / 4;  // of a row that are transposed together
+  const int whole = width - width % texels;
+  for (int half = 0; half < 2; ++half) {
+    float* const* const to = half == 0 ? rows.north : rows.south;
+    for (int column = 0; column < whole; column += texels) {
+      for (int lane = 0; lane < kRingLanes; lane += kBlock) {
+        Block block;
+        for (int t = 0; t < texels; ++t) {
+          const std::ptrdiff_t at = std::ptrdiff_t{kComplexFloats} * (column + t) + half * kRingLanes + lane;
+          block.row[4 * t] = load_row(red + at);
+          block.row[4 * t + 1] = load_row(green + at);
+          block.row[4 * t + 2] = load_row(blue + at);
+          block.row[4 * t + 3] = zero();
+        }
+        transpose(block);
+        for (int k = 0; k < kBlock; ++k) {
+          if (to[lane + k] != nullptr) store_row(block.row[k], to[lane + k] + std::ptrdiff_t{4} * column);
+        }
+      }
+    }
+    for (int column = whole; column < width; ++column) {
+      for (int lane = 0; lane < kRingLanes; ++lane) {
+        if (to[lane] == nullptr) continue;
+        const std::ptrdiff_t at = std::ptrdiff_t{kComplexFloats} * column + half * kRingLanes + lane;
+        float* const texel = to[lane] + std::ptrdiff_t{4} * column;
+        texel[0] = red[at];
+        texel[1] = green[at];
+        texel[2] = blue[at];
+        texel[3] = 0.0F;
+      }
+    }
+  }
+}
+
+}  // namespace welkin::simd::WELKIN_ISA

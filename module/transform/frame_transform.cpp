@@ -1,0 +1,93 @@
+#include "transform/frame_transform.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <numbers>
+
+#include "math/basis.h"
+#include "math/elementary.h"
+#include "math/quadrature.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::transforms {
+namespace {
+
+constexpr image::Frame kLatLong{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+
+/// All seven transforms for one number of bands.
+struct Transforms {
+  explicit Transforms(int bands) : lat_long(kLatLong, bands) {
+    for (int face = 0; face < 6; ++face) faces.emplace_back(image::face_frame(face), bands);
+  }
+  std::vector<FrameTransform> faces;
+  FrameTransform lat_long;
+};
+
+const Transforms& transforms(int bands) {
+  // Never destroyed: a worker's thread may still compute while the program exits.
+  static std::array<std::once_flag, kMaximumBands + 1> built;
+  static auto& all = *new std::array<std::unique_ptr<const Transforms>, kMaximumBands + 1>;
+  const auto index = static_cast<std::size_t>(bands);
+  std::call_once(built[index], [&] { all[index] = std::make_unique<const Transforms>(bands); });
+  return *all[index];
+}
+
+}  // namespace
+
+// T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, for which
+// bands Gauss points in z and 2 bands equidistant azimuths are exact. Entries are sums of products of a few
+// square roots; what is not one is rounding and dropped.
+FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions_(bands * bands) {
+  const auto count = static_cast<std::size_t>(functions_);
+  std::vector<double> matrix(count * count);
+  std::vector<double> canonical(count);
+  std::vector<double> local(count);
+  const simd::GaussRule rule = math::gauss_legendre(bands);
+  const int azimuths = 2 * bands;
+  for (int i = 0; i < rule.order; ++i) {
+    const double z = rule.nodes[i];
+    const double ring = std::sqrt(1.0 - z * z);
+    const double weight = rule.weights[i] * 2.0 * std::numbers::pi / azimuths;
+    for (int k = 0; k < azimuths; ++k) {
+      const math::SineCosine azimuth = math::sine_cosine_of_turns((k + 0.5) / azimuths);
+      const double x = ring * azimuth.cosine;
+      const double y = ring * azimuth.sine;
+      const glm::dvec3 world = x * frame.u + y * frame.v + z * frame.normal;
+      math::evaluate_basis(x, y, z, bands, local.data());
+      math::evaluate_basis(world.x, world.y, world.z, bands, canonical.data());
+      for (std::size_t row = 0; row < count; ++row) {
+        for (std::size_t column = 0; column < count; ++column) {
+          matrix[row * count + column] += weight * canonical[row] * local[column];
+        }
+      }
+    }
+  }
+  constexpr double rounding = 1e-13;
+  for (int l = 0; l < bands; ++l) {
+    for (int row = l * l; row < (l + 1) * (l + 1); ++row) {
+      for (int column = l * l; column < (l + 1) * (l + 1); ++column) {
+        const double factor = matrix[static_cast<std::size_t>(row) * count + static_cast<std::size_t>(column)];
+        if (std::abs(factor) > rounding) entries_.push_back({row, column, factor});
+      }
+    }
+  }
+}
+
+void FrameTransform::add(const double* local, const int* place, double* canonical) const noexcept {
+  for (int channel = 0; channel < 3; ++channel) {
+    const double* const from = local + channel * functions_;
+    double* const to = canonical + channel * functions_;
+    for (const Entry& entry : entries_) to[entry.canonical] += entry.factor * from[place[entry.local]];
+  }
+}
+
+const FrameTransform& face_transform(int face, int bands) {
+  return transforms(bands).faces[static_cast<std::size_t>(face)];
+}
+
+const FrameTransform& lat_long_transform(int bands) { return transforms(bands).lat_long; }
+
+}  // namespace welkin::transforms

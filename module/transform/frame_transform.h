@@ -1,0 +1,36 @@
+// From the harmonics of a local frame to the canonical ones.
+#pragma once
+
+#include <vector>
+
+#include "image/geometry.h"
+
+namespace welkin::transforms {
+
+/// The matrix that takes coefficients over the harmonics of a frame to canonical coefficients. It mixes
+/// orders within a band only, and few of them; it is kept as a list of what is not zero.
+class FrameTransform {
+ public:
+  FrameTransform(const image::Frame& frame, int bands);
+
+  /// canonical[l(l+1)+m] += sum over m' of T_l[m][m'] local[place[l(l+1)+m']], for the three channels.
+  /// local: [3][bands^2], in the order that `place` says; canonical: [3][bands^2].
+  void add(const double* local, const int* place, double* canonical) const noexcept;
+
+ private:
+  struct Entry {
+    int canonical;
+    int local;
+    double factor;
+  };
+  int functions_;
+  std::vector<Entry> entries_;
+};
+
+/// Of cubemap face 0 to 5 (+X -X +Y -Y +Z -Z). Built once for each number of bands.
+[[nodiscard]] const FrameTransform& face_transform(int face, int bands);
+
+/// Of the frame in which a lat-long's rows are circles around the third axis: u = +z, v = +x, normal = +y.
+[[nodiscard]] const FrameTransform& lat_long_transform(int bands);
+
+}  // namespace welkin::transforms

@@ -1,0 +1,218 @@
+#include "transform/ring_legendre.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "math/elementary.h"
+#include "math/table_cache.h"
+#include "simd/kernels.h"
+
+namespace welkin::transforms {
+namespace {
+
+constexpr std::size_t kRingsCacheBytes = std::size_t{128} << 20U;  // 384 bands on 512 rows take 2.5 MiB
+constexpr double kPi = std::numbers::pi;
+
+/// Functions below this are left out: a thousandth of a float's rounding beside those of order 1.
+constexpr double kNothing = 0x1p-34;
+
+/// Groups whose rings all have a larger sine go in float: their rings' sines differ by a factor of 2 at most, so that
+/// all of a group's functions begin within a float's range of each other.
+constexpr double kSineForSingle = 0.25;
+
+/// sin^m(theta) below this is taken as 0 for good. Where order m still rises above kNothing before degree L,
+/// m < L sin(theta) (nearly), and sin^m > exp(-L / e): 1e-245 for 1536 bands.
+constexpr double kVanished = 1e-280;
+
+double largest(const double* values) {
+  double most = 0.0;
+  for (int k = 0; k < 2 * simd::kRingLanes; ++k) most = std::max(most, std::abs(values[k]));
+  return most;
+}
+
+}  // namespace
+
+std::shared_ptr<const LegendreRings> LegendreRings::get(const LegendreRingsKey& key) {
+  static auto& cache = *new math::TableCache<LegendreRingsKey, LegendreRings>(kRingsCacheBytes);  // never destroyed
+  return cache.get(key, [&] { return std::make_shared<const LegendreRings>(key); });
+}
+
+LegendreRings::LegendreRings(const LegendreRingsKey& key)
+    : bands_(key.bands), groups_(groups_of(key.rings, key.places)) {
+  place_rings(key);
+  find_starts(key);
+  if (key.places == RingPlaces::edges) fill_row_weights(key);
+}
+
+void LegendreRings::place_rings(const LegendreRingsKey& key) {
+  const int pairs = pairs_of(key.rings, key.places);
+  sines_.assign(lanes(), 0.0);
+  x_ = platform::AlignedBuffer<double>(lanes());
+  std::fill_n(x_.data(), lanes(), 0.0);
+  for (int q = 0; q < pairs; ++q) {
+    const bool equator = key.places == RingPlaces::edges && q + 1 == pairs;
+    const double row = key.places == RingPlaces::centres ? q + 0.5 : q + 1.0;
+    const math::SineCosine theta = math::sine_cosine_of_turns(equator ? 0.25 : row / (2.0 * key.rings));
+    sines_[static_cast<std::size_t>(q)] = theta.sine;
+    x_.data()[q] = theta.cosine;
+  }
+  x_single_ = platform::AlignedBuffer<float>(2 * lanes());
+  for (int q = 0; q < groups_ * simd::kRingLanes; ++q) {
+    const double x = x_.data()[q];
+    const auto nearest = static_cast<float>(x);
+    float* const to = x_single_.data() + 2 * q - q % simd::kRingLanes;
+    to[0] = nearest;
+    to[simd::kRingLanes] = static_cast<float>(x - static_cast<double>(nearest));
+  }
+  if (key.places == RingPlaces::edges) first_single_ = groups_;
+  while (first_single_ < groups_ &&
+         sines_[static_cast<std::size_t>(first_single_ * simd::kRingLanes)] < kSineForSingle) {
+    ++first_single_;
+  }
+}
+
+void LegendreRings::find_starts(const LegendreRingsKey& key) {
+  const auto factors = LegendreFactors::get(key.bands);
+  const auto bands = static_cast<std::size_t>(key.bands);
+  const auto groups = static_cast<std::size_t>(groups_);
+  constexpr int state_doubles = 2 * simd::kRingLanes;
+  states_ = platform::AlignedBuffer<double>(bands * groups * static_cast<std::size_t>(state_doubles));
+  starts_.resize(bands * groups);
+  orders_.assign(groups, 0);
+  // P(m, m) = sqrt(1 / 4 pi) prod over k <= m of sqrt((2k + 1) / (2k)) sin(theta)
+  std::vector<double> sectoral(lanes());
+  for (std::size_t q = 0; q < lanes(); ++q) {
+    const double sine = sines_[q];
+    sectoral[q] = sine > 0.0 ? std::sqrt(0.25 / kPi) * (key.places == RingPlaces::edges ? sine * sine : 1.0) : 0.0;
+  }
+  const simd::TransformKernels& kernels = simd::active_kernels().transform;
+  double* state = states_.data();
+  for (int m = 0; m < key.bands; ++m) {
+    if (m > 0) {
+      const double factor = std::sqrt((2.0 * m + 1.0) / (2.0 * m));
+      for (std::size_t q = 0; q < lanes(); ++q) {
+        sectoral[q] *= factor * sines_[q];
+        if (sectoral[q] < kVanished) sectoral[q] = 0.0;
+      }
+    }
+    const double* const a = factors->a(m);
+    const int fours = simd::fours_of(key.bands - m);
+    int last = fours;  // starts must not rise towards the equator
+    int first_group = groups_;
+    for (int group = 0; group < groups_; ++group, state += state_doubles) {
+      const double* const x = x_.data() + std::ptrdiff_t{simd::kRingLanes} * group;
+      for (int k = 0; k < simd::kRingLanes; ++k) {
+        state[k] = sectoral[static_cast<std::size_t>(group * simd::kRingLanes + k)];
+        state[simd::kRingLanes + k] = a[1] * x[k] * state[k];
+      }
+      const bool vanished = largest(state) == 0.0;
+      const int four = vanished ? last : kernels.find_start(a, x, kNothing, last, state);
+      starts_[static_cast<std::size_t>(m) * groups + static_cast<std::size_t>(group)] = four;
+      last = four;
+      if (four == fours) continue;
+      first_group = std::min(first_group, group);
+      orders_[static_cast<std::size_t>(group)] = m + 1;
+    }
+    first_groups_.push_back(first_group);
+  }
+}
+
+// With g(theta) = Int from theta to pi/2 of sin^(m + 1), a row's integral is a difference of g's; summing by parts
+// gives g(0) times the sum over the equator's two rows, less (g(0) - g) times the steps at the other edges.
+// Int sin^n = (sin^(n - 1) cos + (n - 1) Int sin^(n - 2)) / n, taken from theta to pi/2.
+void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
+  const int last_lane = pairs_of(key.rings, key.places) - 1;
+  row_weights_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(key.bands) * lanes());
+  std::fill_n(row_weights_.data(), row_weights_.size(), 0.0);
+  for (int q = 0; q <= last_lane; ++q) {
+    const auto lane = static_cast<std::size_t>(q);
+    const double sine = sines_[lane];
+    const double cosine = x_.data()[q];
+    double before = kPi * (0.5 - (q + 1.0) / key.rings);  // Int sin^0; in the last lane not used
+    double before_whole = 0.5 * kPi;                      // the same from theta = 0
+    double here = cosine;                                 // Int sin^1
+    double here_whole = 1.0;
+    double power = 1.0;  // sin^m
+    double norm = std::sqrt(0.25 / kPi);
+    for (int m = 0; m < key.bands; ++m) {
+      double* const weight = row_weights_.data() + static_cast<std::size_t>(m) * lanes() + lane;
+      *weight = norm * (q == last_lane ? here_whole : here - here_whole);
+      const double n = m + 2.0;
+      power *= sine;
+      const double next = (power * cosine + (n - 1.0) * before) / n;
+      const double next_whole = (n - 1.0) * before_whole / n;
+      before = here;
+      before_whole = here_whole;
+      here = next;
+      here_whole = next_whole;
+      norm *= std::sqrt((2.0 * m + 3.0) / (2.0 * m + 2.0));
+    }
+  }
+}
+
+simd::LegendreRun LegendreRings::run(int m, int first, int groups, const LegendreFactors& factors) const noexcept {
+  const std::size_t from =
+      static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(first);
+  return {.a = factors.a(m),
+          .a_single = factors.a_single(m),
+          .x = x_.data() + std::ptrdiff_t{simd::kRingLanes} * first,
+          .x_single = x_single_.data() + std::ptrdiff_t{2} * simd::kRingLanes * first,
+          .states = states_.data() + from * 2 * static_cast<std::size_t>(simd::kRingLanes),
+          .starts = starts_.data() + from,
+          .groups = groups,
+          .first_single = std::max(0, first_single_ - first),
+          .fours = simd::fours_of(bands_ - m)};
+}
+
+std::size_t LegendreRings::bytes() const noexcept {
+  return sizeof(*this) + x_.bytes() + x_single_.bytes() + states_.bytes() + row_weights_.bytes() +
+         (starts_.size() + orders_.size() + first_groups_.size()) * sizeof(int) + sines_.size() * sizeof(double);
+}
+
+namespace {
+
+constexpr std::size_t kFactorsCacheBytes = std::size_t{64} << 20U;  // 512 bands take 4 MiB, 1536 take 38
+constexpr int kBeyond = 9;                                          // degrees that kernels run past the last one
+
+/// e(l, m); 0 for l = m.
+double ratio(double l, double m) { return std::sqrt((l - m) * (l + m) / ((2.0 * l - 1.0) * (2.0 * l + 1.0))); }
+
+}  // namespace
+
+std::shared_ptr<const LegendreFactors> LegendreFactors::get(int bands) {
+  static auto& cache = *new math::TableCache<int, LegendreFactors>(kFactorsCacheBytes);  // never destroyed
+  return cache.get(bands, [&] { return std::make_shared<const LegendreFactors>(bands); });
+}
+
+LegendreFactors::LegendreFactors(int bands) {
+  for (int m = 0; m < bands; ++m) {
+    starts_.push_back(length_);
+    length_ += static_cast<std::size_t>(bands - m + kBeyond);
+  }
+  values_ = platform::AlignedBuffer<double>(4 * length_);
+  single_ = platform::AlignedBuffer<float>(length_);
+  for (int m = 0; m < bands; ++m) fill_order(m, bands - m + kBeyond);
+  for (std::size_t k = 0; k < length_; ++k) single_.data()[k] = static_cast<float>(values_.data()[k]);
+}
+
+void LegendreFactors::fill_order(int m, int count) {
+  double* const a = values_.data() + start(m);
+  double* const gamma = a + length_;
+  double* const alpha = gamma + length_;
+  double* const beta = alpha + length_;
+  a[0] = alpha[0] = beta[0] = 0.0;  // not used
+  gamma[0] = 1.0;
+  double ratio_before = 0.0;  // e(l - 1)
+  for (int i = 1; i < count; ++i) {
+    const double l = m + i;
+    const double ratio_here = ratio(l, m);
+    gamma[i] = i == 1 ? 1.0 : ratio_before / ratio_here * gamma[i - 2];
+    a[i] = gamma[i - 1] / (ratio_here * gamma[i]);
+    alpha[i] = (l - 2.0) * ratio_before / ((l + 1.0) * ratio_here);
+    beta[i] = gamma[i - 1] / ((l + 1.0) * ratio_here);
+    ratio_before = ratio_here;
+  }
+}
+
+}  // namespace welkin::transforms

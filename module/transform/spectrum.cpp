@@ -1,0 +1,400 @@
+// From pixels to harmonics.
+//
+// Texels are areas, so c(l, m) = sum over rows of F(m, row) Int P(l, m) sin(theta) d theta, F the row's Fourier
+// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (legendre_factors.h) asks for
+//   K(l) = sum over edges between rows of (F(below) - F(above)) sin^2(theta) P(l, m) at the edge:
+// the functions are needed at edges only, the result is exact at any size and any number of bands, and what is
+// transformed are differences of neighbouring rows, taken between the pixels themselves before anything rounds.
+#include "transform/spectrum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "simd/kernels.h"
+#include "transform/frame_transform.h"
+#include "transform/ring_fft.h"
+#include "transform/ring_legendre.h"
+#include "transform/transform_kernels.h"
+#include "welkin/error.h"
+
+namespace welkin::transforms {
+
+Spectrum::Spectrum(int bands) : bands_(bands) {
+  image::require_range("bands", bands, 1, kMaximumSpectrumBands);
+  values_ = platform::AlignedBuffer<float>(start(bands));
+  std::fill_n(values_.data(), values_.size(), 0.0F);
+}
+
+std::size_t Spectrum::start(int m) const noexcept {
+  const auto order = static_cast<std::size_t>(m);
+  const std::size_t before = order * static_cast<std::size_t>(bands_) - order * (order > 0 ? order - 1 : 0) / 2;
+  return before * simd::kHarmonicFloats;
+}
+
+std::complex<double> Spectrum::value(int l, int m, int channel) const noexcept {
+  const float* const values = order(m) + std::ptrdiff_t{simd::kHarmonicFloats} * (l - m) + std::ptrdiff_t{2} * channel;
+  return {values[0], values[1]};
+}
+
+// Y(l, m) = sqrt(2) P cos(m phi), Y(l, -m) = sqrt(2) P sin(m phi) for m > 0, and c = Int f P e^(-i m phi): in the frame
+// whose third axis is y. The canonical frame's is z.
+SphericalHarmonics Spectrum::harmonics(int bands) const {
+  image::require_range("bands", bands, 1, std::min(bands_, kMaximumBands));
+  const auto functions = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
+  std::vector<double> local(3 * functions);
+  std::vector<double> canonical(3 * functions);
+  std::vector<int> place(functions);
+  for (std::size_t k = 0; k < functions; ++k) place[k] = static_cast<int>(k);
+  for (int channel = 0; channel < 3; ++channel) {
+    double* const here = local.data() + static_cast<std::size_t>(channel) * functions;
+    for (int l = 0; l < bands; ++l) {
+      for (int m = 0; m <= l; ++m) {
+        const std::complex<double> c = value(l, m, channel) * (m > 0 ? std::numbers::sqrt2 : 1.0);
+        here[SphericalHarmonics::index(l, m)] = c.real();
+        if (m > 0) here[SphericalHarmonics::index(l, -m)] = -c.imag();
+      }
+    }
+  }
+  lat_long_transform(bands).add(local.data(), place.data(), canonical.data());
+  SphericalHarmonics result(bands);
+  for (std::size_t k = 0; k < functions; ++k) {
+    result.coefficients()[k] = {canonical[k], canonical[functions + k], canonical[2 * functions + k]};
+  }
+  return result;
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// What the Fourier stage needs for one group of rings.
+struct RowScratch {
+  RowScratch(int width, const RingFourier& fourier)
+      : planes(std::size_t{3} * static_cast<std::size_t>(width) * simd::kComplexFloats),
+        work(fourier.scratch_floats()) {}
+  platform::AlignedBuffer<float> planes;
+  platform::AlignedBuffer<float> work;
+};
+
+/// What the Legendre stage needs for one order.
+struct AnalysisScratch {
+  explicit AnalysisScratch(int bands)
+      : state(std::size_t{simd::kAnalysisGroups} * 2 * simd::kRingLanes),
+        sums(static_cast<std::size_t>(bands + 7) * simd::kHarmonicFloats) {}
+  platform::AlignedBuffer<double> state;
+  platform::AlignedBuffer<float> sums;
+};
+
+class Analysis {
+ public:
+  Analysis(const LatLongView& source, int bands)
+      : source_(source),
+        bands_(bands),
+        kernels_(simd::active_kernels()),
+        fourier_(RingFourier::get(source.width)),
+        factors_(LegendreFactors::get(bands)),
+        rings_(LegendreRings::get({source.height, bands, RingPlaces::edges})),
+        groups_(rings_->groups()),
+        zeros_(std::size_t{3} * static_cast<std::size_t>(source.width), 0.0F),
+        columns_(static_cast<std::size_t>(bands) * static_cast<std::size_t>(groups_) * simd::kColumnFloats),
+        spectrum_(bands) {}
+
+  [[nodiscard]] Spectrum run(const Control& control);
+
+ private:
+  [[nodiscard]] const float* row(int index) const noexcept {
+    const std::ptrdiff_t packed = std::ptrdiff_t{12} * source_.width;
+    const std::ptrdiff_t stride = source_.row_stride_bytes != 0 ? source_.row_stride_bytes : packed;
+    return reinterpret_cast<const float*>(static_cast<const std::byte*>(source_.pixels) + index * stride);
+  }
+  [[nodiscard]] float* column(int m, int group) noexcept {
+    return columns_.data() +
+           (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
+               simd::kColumnFloats;
+  }
+  [[nodiscard]] simd::RowQuads rows_of(int group) const noexcept;
+  void transform_rows(int group, RowScratch& room) noexcept;
+  void sum_order(int m, AnalysisScratch& room) noexcept;
+
+  const LatLongView& source_;
+  int bands_;
+  const simd::Kernels& kernels_;
+  std::shared_ptr<const RingFourier> fourier_;
+  std::shared_ptr<const LegendreFactors> factors_;
+  std::shared_ptr<const LegendreRings> rings_;
+  int groups_;
+  std::vector<float> zeros_;                ///< a black row
+  platform::AlignedBuffer<float> columns_;  ///< [m][group][kColumnFloats]
+  Spectrum spectrum_;
+};
+
+/// Lane q: the steps across edge q + 1 from either pole. The last lane: the rows next to the equator, whose step is the
+/// even part there (none in an odd number of rows) and whose sum starts the integrals.
+simd::RowQuads Analysis::rows_of(int group) const noexcept {
+  const int height = source_.height;
+  const int pairs = LegendreRings::pairs_of(height, RingPlaces::edges);
+  simd::RowQuads rows{};
+  for (int lane = 0; lane < simd::kRingLanes; ++lane) {
+    const int edge = group * simd::kRingLanes + lane + 1;
+    if (edge < pairs) {
+      rows.a[lane] = row(edge);
+      rows.b[lane] = row(edge - 1);
+      rows.c[lane] = row(height - edge);
+      rows.d[lane] = row(height - 1 - edge);
+    } else {
+      const bool equator = edge == pairs;
+      rows.a[lane] = equator ? row(height / 2) : zeros_.data();
+      rows.b[lane] = rows.c[lane] = zeros_.data();
+      rows.d[lane] = equator ? row((height + 1) / 2 - 1) : zeros_.data();
+    }
+  }
+  return rows;
+}
+
+void Analysis::transform_rows(int group, RowScratch& room) noexcept {
+  const platform::FlushDenormalsScope flush;
+  const int width = source_.width;
+  kernels_.transform.load_row_quads(rows_of(group), width, room.planes.data());
+  for (int channel = 0; channel < 3; ++channel) {
+    float* const plane = room.planes.data() + std::ptrdiff_t{simd::kComplexFloats} * channel * width;
+    const float* const z = fourier_->transform(kernels_, plane, room.work.data());
+    kernels_.transform.part_orders(z, width, rings_->orders(group), channel, column(0, group),
+                                   std::ptrdiff_t{simd::kColumnFloats} * groups_);
+  }
+}
+
+void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
+  const platform::FlushDenormalsScope flush;
+  const int first = rings_->first_group(m);
+  std::fill_n(room.sums.data(), (bands_ - m + 7) * simd::kHarmonicFloats, 0.0F);
+  for (int group = first; group < groups_; group += simd::kAnalysisGroups) {
+    const int count = std::min(simd::kAnalysisGroups, groups_ - group);
+    kernels_.transform.analyse_order(rings_->run(m, group, count, *factors_), column(m, group), room.state.data(),
+                                     room.sums.data());
+  }
+  // A pixel's longitude is pi - 2 pi (i + 1/2) / width, and its extent turns the value at the centre into an integral;
+  // the column numbers are doubled.
+  const std::int64_t width = source_.width;
+  const math::SineCosine phase =
+      math::sine_cosine_of_turns(static_cast<double>(m * (width + 1) % (2 * width)) / static_cast<double>(2 * width));
+  const double extent =
+      m == 0
+          ? 2.0 * kPi / static_cast<double>(width)
+          : 2.0 *
+                math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
+                m;
+  simd::IntegralRun run{.alpha = factors_->alpha(m),
+                        .beta = factors_->beta(m),
+                        .first = {},
+                        .phase_real = 0.5 * extent * phase.cosine,
+                        .phase_imaginary = 0.5 * extent * phase.sine,
+                        .count = bands_ - m};
+  if (first < groups_) {
+    kernels_.transform.weigh_odd_parts(column(m, first),
+                                       rings_->row_weights(m) + std::ptrdiff_t{simd::kRingLanes} * first,
+                                       groups_ - first, run.first);
+  }
+  kernels_.transform.integrate_sums(run, room.sums.data(), spectrum_.order(m));
+}
+
+Spectrum Analysis::run(const Control& control) {
+  const std::int64_t texels = std::int64_t{source_.width} * source_.height;
+  const jobs::Placement placement = jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
+  const std::size_t workers = jobs::worker_count(placement);
+  {
+    std::vector<RowScratch> rooms;
+    for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(source_.width, *fourier_);
+    jobs::run_tiles(
+        static_cast<std::size_t>(groups_), placement, workers, jobs::part_of(control, 0.0, 0.4),
+        [&](std::size_t group, std::size_t worker) { transform_rows(static_cast<int>(group), rooms[worker]); });
+  }
+  std::vector<AnalysisScratch> rooms;
+  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_);
+  // A low order and a high one together: tiles of equal work.
+  jobs::run_tiles(static_cast<std::size_t>((bands_ + 1) / 2), placement, workers, jobs::part_of(control, 0.4, 1.0),
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int m = static_cast<int>(tile);
+                    sum_order(m, rooms[worker]);
+                    if (bands_ - 1 - m != m) sum_order(bands_ - 1 - m, rooms[worker]);
+                  });
+  return std::move(spectrum_);
+}
+
+}  // namespace
+
+Spectrum analyse(const LatLongView& source, int bands, const Control& control) {
+  image::check_view(source);
+  image::require_range("bands", bands, 1, kMaximumSpectrumBands);
+  if (source.format != PixelFormat::rgb_f32) {
+    throw Error(ErrorCode::invalid_argument, "the transform reads rgb_f32 pixels only; decode them first");
+  }
+  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  return Analysis(source, bands).run(control);
+}
+
+namespace {
+
+// From harmonics to rings.
+
+/// What the Legendre stage needs for one order.
+struct SynthesisScratch {
+  SynthesisScratch(int bands, int groups)
+      : coefficients(static_cast<std::size_t>(bands + 3) * simd::kHarmonicFloats),
+        rows(simd::spline_scratch_floats(groups)) {}
+  platform::AlignedBuffer<float> coefficients;
+  platform::AlignedBuffer<float> rows;
+};
+
+/// What the Fourier stage needs for one group of rings.
+struct RingScratch {
+  RingScratch(int columns, const RingFourier& fourier)
+      : planes(std::size_t{3} * plane_floats(columns)), work(std::size_t{3} * fourier.scratch_floats()) {}
+  static std::size_t plane_floats(int columns) { return static_cast<std::size_t>(columns) * simd::kComplexFloats; }
+  platform::AlignedBuffer<float> planes;
+  platform::AlignedBuffer<float> work;
+};
+
+class Synthesis {
+ public:
+  Synthesis(const Spectrum& spectrum, std::span<const double> zonal, image::SphereGrid& grid)
+      : spectrum_(spectrum),
+        zonal_(zonal),
+        bands_(static_cast<int>(zonal.size())),
+        grid_(grid),
+        spline_(grid.content() == image::GridContent::spline_coefficients),
+        kernels_(simd::active_kernels()),
+        fourier_(RingFourier::get(grid.columns())),
+        factors_(LegendreFactors::get(bands_)),
+        rings_(LegendreRings::get({grid.rings(), bands_, RingPlaces::centres})),
+        groups_(rings_->groups()),
+        columns_(static_cast<std::size_t>(bands_) * static_cast<std::size_t>(groups_) * simd::kColumnFloats) {}
+
+  void run(const Control& control);
+
+ private:
+  [[nodiscard]] float* column(int m, int group) noexcept {
+    return columns_.data() +
+           (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
+               simd::kColumnFloats;
+  }
+  void sum_order(int m, SynthesisScratch& room) noexcept;
+  void write_rings(int group, RingScratch& room) noexcept;
+
+  const Spectrum& spectrum_;
+  std::span<const double> zonal_;
+  int bands_;
+  image::SphereGrid& grid_;
+  bool spline_;
+  const simd::Kernels& kernels_;
+  std::shared_ptr<const RingFourier> fourier_;
+  std::shared_ptr<const LegendreFactors> factors_;
+  std::shared_ptr<const LegendreRings> rings_;
+  int groups_;
+  platform::AlignedBuffer<float> columns_;  ///< [m][group][kColumnFloats]
+};
+
+void Synthesis::sum_order(int m, SynthesisScratch& room) noexcept {
+  const platform::FlushDenormalsScope flush;
+  // A texel's longitude is pi - 2 pi (i + 1/2) / columns.
+  const std::int64_t width = grid_.columns();
+  const math::SineCosine phase =
+      math::sine_cosine_of_turns(static_cast<double>(m * (width - 1) % (2 * width)) / static_cast<double>(2 * width));
+  double scale = 1.0;
+  if (spline_) {
+    const double wave = math::sine_cosine_of_turns(static_cast<double>(m) / static_cast<double>(width)).cosine;
+    scale = simd::kSplineGain * 3.0 / (2.0 + wave);
+  }
+  const int count = bands_ - m;
+  kernels_.transform.scale_harmonics({.scale = zonal_.data() + m,
+                                      .gamma = factors_->gamma(m),
+                                      .phase_real = scale * phase.cosine,
+                                      .phase_imaginary = scale * phase.sine,
+                                      .count = count},
+                                     spectrum_.order(m), room.coefficients.data());
+  float* const end = room.coefficients.data() + std::ptrdiff_t{simd::kHarmonicFloats} * count;
+  std::fill_n(end, (4 * simd::fours_of(count) - count) * simd::kHarmonicFloats, 0.0F);
+  kernels_.transform.synthesise_order(rings_->run(m, 0, groups_, *factors_), room.coefficients.data(), column(m, 0));
+  if (spline_) kernels_.transform.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), room.rows.data());
+}
+
+void Synthesis::write_rings(int group, RingScratch& room) noexcept {
+  const platform::FlushDenormalsScope flush;
+  const int width = grid_.columns();
+  // Spline coefficients reach a little beyond where the functions vanish.
+  const int orders = rings_->orders(spline_ ? std::min(group + 1, groups_ - 1) : group);
+  const float* planes[3] = {};
+  for (int channel = 0; channel < 3; ++channel) {
+    float* const plane = room.planes.data() + static_cast<std::size_t>(channel) * RingScratch::plane_floats(width);
+    float* const work = room.work.data() + static_cast<std::size_t>(channel) * fourier_->scratch_floats();
+    kernels_.transform.join_orders(column(0, group), std::ptrdiff_t{simd::kColumnFloats} * groups_, orders, channel,
+                                   width, plane);
+    planes[channel] = fourier_->transform(kernels_, plane, work);
+  }
+  simd::RingRows rows{};
+  const int first = group * simd::kRingLanes;
+  const int last = std::min(first + simd::kRingLanes, (grid_.rings() + 1) / 2);
+  for (int ring = first; ring < last; ++ring) {
+    rows.north[ring - first] = grid_.texel(0, ring);
+    rows.south[ring - first] = grid_.texel(0, grid_.rings() - 1 - ring);
+  }
+  kernels_.transform.store_rings(planes[0], planes[1], planes[2], width, rows);
+  grid_.fill_sides(first, last - first);
+  grid_.fill_sides(grid_.rings() - last, last - first);
+}
+
+void Synthesis::run(const Control& control) {
+  const std::int64_t texels = std::int64_t{grid_.columns()} * grid_.rings();
+  const jobs::Placement placement = jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
+  const std::size_t workers = jobs::worker_count(placement);
+  {
+    std::vector<SynthesisScratch> rooms;
+    for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_, groups_);
+    // A low order and a high one together: tiles of equal work.
+    jobs::run_tiles(static_cast<std::size_t>((bands_ + 1) / 2), placement, workers, jobs::part_of(control, 0.0, 0.6),
+                    [&](std::size_t tile, std::size_t worker) {
+                      const int m = static_cast<int>(tile);
+                      sum_order(m, rooms[worker]);
+                      if (bands_ - 1 - m != m) sum_order(bands_ - 1 - m, rooms[worker]);
+                    });
+  }
+  std::vector<RingScratch> rooms;
+  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(grid_.columns(), *fourier_);
+  jobs::run_tiles(static_cast<std::size_t>(groups_), placement, workers, jobs::part_of(control, 0.6, 1.0),
+                  [&](std::size_t group, std::size_t worker) { write_rings(static_cast<int>(group), rooms[worker]); });
+  grid_.fill_poles();
+}
+
+}  // namespace
+
+void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::SphereGrid& grid,
+                const Control& control) {
+  image::require_range("zonal factors", static_cast<std::int64_t>(zonal.size()), 1, spectrum.bands());
+  image::require_range("rings of the grid", grid.rings(), 1, image::kLargestLatLongHeight);
+  image::require_range("columns of the grid", grid.columns(), 2 * static_cast<std::int64_t>(zonal.size()) - 1,
+                       image::kLargestLatLongWidth);
+  if (grid.columns() % 2 != 0) {
+    throw Error(ErrorCode::invalid_argument,
+                "the grid has " + std::to_string(grid.columns()) + " columns; it needs an even number");
+  }
+  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  Synthesis(spectrum, zonal, grid).run(control);
+}
+
+GridSize grid_for_bands(int bands, double oversampling) noexcept {
+  constexpr double least_rings = 8.0;
+  constexpr double most_rings = 32768.0;
+  const double rings = std::clamp(std::ceil(bands * oversampling - 1e-9), least_rings, most_rings);
+  const int columns = fast_even_length(2 * static_cast<int>(rings));
+  return {columns / 2, columns};
+}
+
+}  // namespace welkin::transforms

@@ -1,0 +1,72 @@
+// An environment's harmonics up to many hundred bands, and the way back to rings of latitude.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+
+#include "image/sphere_grid.h"
+#include "platform/memory.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::transforms {
+
+/// The most bands of a spectrum.
+inline constexpr int kMaximumSpectrumBands = 1536;
+
+/// Coefficients of three channels for all l < bands and 0 <= m <= l, complex: a real function's negative orders follow.
+/// f(theta, phi) = sum over l, m >= 0 of (m ? 2 : 1) Re(c(l, m) P(l, m)(cos theta) e^(i m phi)), with P orthonormal
+/// ((l, m)'s complex harmonic is P e^(i m phi), Int |.|^2 = 1, no Condon-Shortley phase), theta from +y, phi from +z
+/// towards +x: the longitude of `LatLongView`.
+class Spectrum {
+ public:
+  Spectrum() = default;
+  /// All zero. Throws `Error` (invalid_argument) unless 1 <= bands <= kMaximumSpectrumBands.
+  explicit Spectrum(int bands);
+
+  [[nodiscard]] int bands() const noexcept { return bands_; }
+  [[nodiscard]] std::complex<double> value(int l, int m, int channel) const noexcept;
+  [[nodiscard]] std::size_t bytes() const noexcept { return values_.bytes(); }
+
+  /// The first bands (at most `bands()` and kMaximumBands) in Welkin's canonical real form.
+  [[nodiscard]] SphericalHarmonics harmonics(int bands) const;
+
+  /// Coefficients of order m: [bands - m][simd::kHarmonicFloats], red, green and blue, each real and imaginary, and two
+  /// that mean nothing; index i is l = m + i.
+  [[nodiscard]] float* order(int m) noexcept { return values_.data() + start(m); }
+  [[nodiscard]] const float* order(int m) const noexcept { return values_.data() + start(m); }
+
+ private:
+  [[nodiscard]] std::size_t start(int m) const noexcept;
+
+  int bands_ = 0;
+  platform::AlignedBuffer<float> values_;
+};
+
+/// Projects a lat-long of clean rgb_f32 pixels (any size, any row stride), its texels taken as areas, exactly but for
+/// rounding: some 1e-7 of what the brightest texel gives. Texels below 1e30 in magnitude; below 1e-30 they may count
+/// as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a band and row, beside the
+/// result. Throws `Error` (invalid_argument, cancelled).
+[[nodiscard]] Spectrum analyse(const LatLongView& source, int bands, const Control& control);
+
+/// Writes sum over l, m of zonal[l] c(l, m) Y(l, m) for l < zonal.size() to `grid` (made by the caller; columns >=
+/// 2 zonal.size() - 1 and even, any number of rings), border filled, as samples or spline coefficients as the grid's
+/// content says. 1 <= zonal.size() <= bands(). Throws `Error` (invalid_argument, cancelled).
+void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::SphereGrid& grid,
+                const Control& control);
+
+/// Rings and columns of a grid: a fast size for `bands` bands, `oversampling` times the least (a ring for each band,
+/// two columns a ring). What a cubic B-spline through the samples loses of degree l half way between four of them, as a
+/// share of that degree, each way: 6e-5 for l = rings / 8, 1.2e-3 for rings / 4, 7e-3 for 3/8, 2.8e-2 for rings / 2,
+/// 0.24 for 3/4; like (l / rings)^4. A lobe's last bands, at 4/3, are small enough for that; others may ask for more.
+struct GridSize {
+  int rings;
+  int columns;
+
+  friend bool operator==(const GridSize&, const GridSize&) = default;
+};
+[[nodiscard]] GridSize grid_for_bands(int bands, double oversampling = 4.0 / 3.0) noexcept;
+
+}  // namespace welkin::transforms

@@ -1,0 +1,107 @@
+// What a live sky has made on a worker: one thing at a time, always the latest that is wished for.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+
+#include "welkin/sky_light.h"
+#include "welkin/sky_requests.h"
+
+namespace welkin::worker {
+
+/// How often each was asked for; what was made last carries the number it was made for.
+struct SkyVersions {
+  std::uint64_t tables = 0;
+  std::uint64_t curve = 0;
+  std::uint64_t specular = 0;
+
+  friend bool operator==(const SkyVersions&, const SkyVersions&) = default;
+};
+
+struct SkyWish {
+  SkyVersions versions;
+  std::shared_ptr<const Atmosphere> atmosphere;  ///< null: the tables that are there
+  double altitude_m = 0.0;
+  glm::dvec3 sun{0.0, 1.0, 0.0};  ///< for reflections
+};
+
+/// What has been made and not been taken.
+struct SkyArrivals {
+  std::shared_ptr<const SkyCurve> curve;
+  double sun_radius_degrees = 0.0;  ///< of the curve's atmosphere
+  std::shared_ptr<const PrefilteredSpecular> specular;
+  glm::dvec3 specular_sun{0.0, 1.0, 0.0};
+};
+
+struct SkyBakeCounts {
+  std::uint64_t posts = 0, tables = 0, curves = 0, speculars = 0, given_up = 0, failures = 0;
+};
+
+/// Shared by the live object and the request that is in the worker's hands, whichever lives longer.
+class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
+ public:
+  SkyBakery(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables);
+
+  /// Changes the wish, and posts a request if one is due and none is in the worker's hands.
+  /// `stop`: what is being made is for nothing now.
+  void set(const SkyWish& wish, bool stop);
+
+  /// Posts a request if one is due and none is in the worker's hands, as after one that the worker let go of. Does
+  /// nothing if the lock is held by somebody.
+  void retry();
+
+  /// Stops what is being made; nothing is posted any more.
+  void close() noexcept;
+
+  /// What the frame sees. False, and nothing is written, if the lock is held by somebody: it does not wait.
+  struct News {
+    SkyArrivals arrivals;
+    bool busy = false;
+  };
+  /// Takes a curve or reflections only where they are asked for.
+  bool try_take(bool curve, bool specular, News& news) noexcept;
+
+  /// Takes what the frame has no more use for, so that it is freed on the worker. False, and it is the caller's still,
+  /// if there is no room or the lock is held by somebody.
+  bool retire(std::shared_ptr<const void>& old) noexcept;
+
+  [[nodiscard]] SkyBakeCounts counts() const;
+  [[nodiscard]] std::exception_ptr error() const;
+
+ private:
+  enum class Step { none, tables, curve, specular };
+  class Ticket;
+  struct Request;
+
+  [[nodiscard]] Step next_step() const noexcept;
+  void post();
+  void run(const Control& control);
+  void make(Step step, const SkyWish& wish, const Control& control);
+  void settle(Step step, const SkyWish& wish, std::exception_ptr error);
+  void dropped() noexcept;
+  void tell_of_the_worker() noexcept;
+
+  Worker& worker_;
+  const SkyLightOptions options_;
+
+  mutable std::mutex mutex_;
+  SkyWish wish_;
+  SkyVersions done_;
+  SkyArrivals arrivals_;
+  SkyBakeCounts counts_;
+  std::shared_ptr<const SkyTables> tables_;
+  std::array<std::shared_ptr<const void>, 8> retired_;
+  std::stop_source stop_;
+  std::exception_ptr error_;
+  Step last_ = Step::none;  ///< that was begun
+  bool running_ = false;
+  bool closed_ = false;
+};
+
+}  // namespace welkin::worker

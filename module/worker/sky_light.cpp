@@ -1,0 +1,385 @@
+#include "welkin/sky_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "math/elementary.h"
+#include "sky/sky_quadrature.h"
+#include "sky/sunlight.h"
+#include "welkin/error.h"
+#include "worker/sky_bakery.h"
+
+namespace welkin {
+namespace {
+
+constexpr double kLargestIntensity = 1e12;
+
+[[noreturn]] void refuse(const std::string& what, double value, const std::string& would_do) {
+  throw Error(ErrorCode::invalid_argument, "live sky: " + what + " " + std::to_string(value) + "; " + would_do);
+}
+
+void check_range(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  refuse(what, value, std::to_string(least) + " to " + std::to_string(most) + " are possible");
+}
+
+void check_altitude(double altitude_m) { check_range("altitude in metres", altitude_m, 0.0, 1e9); }
+
+void check_tables(const Atmosphere& atmosphere, const SkyTableOptions& options) {
+  (void)sky_table_bytes(atmosphere, options);
+  if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
+    refuse("a spectral sky of as many wavelengths as", static_cast<double>(atmosphere.wavelengths_nm.size()),
+           "three make one; any number is folded with SkyColour::linear_srgb");
+  }
+}
+
+bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
+  Atmosphere renamed = a;
+  renamed.name = b.name;
+  return renamed == b;
+}
+
+const SkyLightOptions& checked(const SkyLightOptions& options) {
+  check_altitude(options.altitude_m);
+  check_range("bands", options.curve.bands, 1, kMaximumBands);
+  check_range("nodes of the curve", options.curve.nodes, 8, 4096);
+  check_range("size of the reflections", options.specular.size, 0, 8192);
+  check_range("sun threshold in degrees", options.sun_threshold_degrees, 0.0, 10.0);
+  check_range("specular threshold in degrees", options.specular_threshold_degrees, 0.0, 90.0);
+  check_range("altitude threshold in metres", options.altitude_threshold_m, 0.0, 1e6);
+  SkyHarmonicsOptions projection = options.curve.projection;
+  projection.bands = options.curve.bands;
+  (void)sky::sky_rule(projection, 0.0, 1.0, 0.0);  // throws what the bake would throw later
+  check_range("blend in seconds", options.blend_seconds, 0.0, 3600.0);
+  return options;
+}
+
+glm::dvec3 unit(const glm::dvec3& direction) {
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  const bool finite = std::isfinite(direction.x) && std::isfinite(direction.y) && std::isfinite(direction.z);
+  if (!finite || !(largest > 0.0)) {
+    refuse("the sun's direction has a largest component of", largest, "(0 1 0) is the zenith");
+  }
+  return glm::normalize(direction / largest);
+}
+
+/// Of the sun, (sine, cosine); in the zenith that of +z.
+glm::dvec2 azimuth(const glm::dvec3& sun) {
+  const double across = std::sqrt(sun.x * sun.x + sun.z * sun.z);
+  return across > 0.0 ? glm::dvec2(sun.x / across, sun.z / across) : glm::dvec2(0.0, 1.0);
+}
+
+/// About the vertical, from one sun's azimuth to the other's.
+glm::dmat3 turn(const glm::dvec3& from, const glm::dvec3& to) {
+  const glm::dvec2 a = azimuth(from);
+  const glm::dvec2 b = azimuth(to);
+  const double cosine = a.x * b.x + a.y * b.y;
+  const double sine = b.x * a.y - b.y * a.x;
+  return {cosine, 0.0, -sine, 0.0, 1.0, 0.0, sine, 0.0, cosine};
+}
+
+/// sin^2 of half the angle between two elevations.
+double elevation_gap(const glm::dvec3& a, const glm::dvec3& b) {
+  const double across = std::sqrt(a.x * a.x + a.z * a.z) - std::sqrt(b.x * b.x + b.z * b.z);
+  const double up = a.y - b.y;
+  return 0.25 * (across * across + up * up);
+}
+
+double half_angle_square(double degrees) {
+  const double sine = math::sine_cosine_of_turns(degrees / 720.0).sine;
+  return sine * sine;
+}
+
+/// An old and a new thing, and how far it is from the one to the other.
+template <class Thing>
+struct Blend {
+  Thing newer{};
+  Thing older{};
+  double part = 1.0;  ///< of the newer
+
+  [[nodiscard]] bool under_way() const noexcept { return part < 1.0; }
+  void take(Thing thing, bool at_once) {
+    older = std::exchange(newer, std::move(thing));
+    part = at_once ? 1.0 : 0.0;
+  }
+};
+
+struct Curve {
+  std::shared_ptr<const SkyCurve> curve;
+  double sun_radius_degrees = 0.0;
+};
+
+struct Reflections {
+  std::shared_ptr<const PrefilteredSpecular> specular;
+  glm::dvec3 sun{0.0, 1.0, 0.0};
+};
+
+}  // namespace
+
+struct SkyLight::State {
+  SkyLightOptions options;
+  std::shared_ptr<worker::SkyBakery> bakery;
+  worker::SkyWish wish;
+  SkyLightFrame frame;
+  SkyLightCounters counters;
+  glm::dvec3 sun{0.0, 1.0, 0.0};
+  double intensity = 1.0;
+  double sun_gap;       ///< sin^2 of half the threshold
+  double specular_gap;  ///< likewise
+  Blend<Curve> curves;
+  Blend<Reflections> reflections;
+  std::vector<glm::dvec3> older_light;
+  std::array<std::shared_ptr<const void>, 4> garbage;  ///< to be freed on the worker
+  bool dirty = true;
+
+  State(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options);
+
+  void move_sun(const glm::dvec3& to);
+  void take_news();
+  [[nodiscard]] bool advance(double seconds);
+  void compute_light();
+  void place_reflections();
+  [[nodiscard]] Sun sun_of(const glm::dvec3& irradiance, double radius_degrees) const;
+  void let_go(std::shared_ptr<const void> old);
+  void retire();
+};
+
+SkyLight::State::State(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options)
+    : options(checked(its_options)),
+      bakery(std::make_shared<worker::SkyBakery>(worker, options, std::move(tables))),
+      sun_gap(half_angle_square(options.sun_threshold_degrees)),
+      specular_gap(half_angle_square(options.specular_threshold_degrees)),
+      older_light(static_cast<std::size_t>(options.curve.bands) * static_cast<std::size_t>(options.curve.bands)) {
+  frame.radiance = SphericalHarmonics(options.curve.bands);
+  wish.altitude_m = options.altitude_m;
+  wish.versions = {.tables = 0, .curve = 1, .specular = options.specular.size > 0 ? 1U : 0U};
+}
+
+SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
+  check_tables(atmosphere, checked(options).tables);
+  state_ = std::make_unique<State>(worker, nullptr, options);
+  state_->wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
+  state_->wish.versions.tables = 1;
+  state_->bakery->set(state_->wish, false);
+}
+
+SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options) {
+  if (!tables)
+    throw Error(ErrorCode::invalid_argument, "live sky: the tables are a null pointer; precompute_sky makes some");
+  SkyLightOptions with_tables = checked(options);
+  with_tables.tables = tables->options;
+  check_tables(tables->atmosphere, tables->options);
+  const auto atmosphere = std::shared_ptr<const Atmosphere>(tables, &tables->atmosphere);
+  state_ = std::make_unique<State>(worker, std::move(tables), with_tables);
+  state_->wish.atmosphere = atmosphere;
+  state_->bakery->set(state_->wish, false);
+}
+
+SkyLight::~SkyLight() { state_->bakery->close(); }
+
+void SkyLight::set_sun(double elevation_degrees, double azimuth_degrees) {
+  if (!(elevation_degrees >= -90.0 && elevation_degrees <= 90.0)) {
+    refuse("the sun's elevation in degrees", elevation_degrees, "-90 to 90 are possible");
+  }
+  if (!(std::abs(azimuth_degrees) <= 1e6)) {
+    refuse("the sun's azimuth in degrees", azimuth_degrees, "-1e6 to 1e6 are possible");
+  }
+  state_->move_sun(unit(sun_direction(elevation_degrees, azimuth_degrees)));
+}
+
+void SkyLight::set_sun(const glm::dvec3& direction) { state_->move_sun(unit(direction)); }
+
+void SkyLight::State::move_sun(const glm::dvec3& to) {
+  bakery->retry();
+  const glm::dvec3 chord = to - sun;
+  const double moved = glm::dot(chord, chord);  // (2 sin(angle / 2))^2
+  if (moved == 0.0) return;
+  if (moved < 4.0 * sun_gap) {
+    ++counters.moves_ignored;
+    return;
+  }
+  constexpr double same_elevation = 1e-20;
+  const bool rises = elevation_gap(to, sun) > same_elevation;
+  sun = to;
+  dirty = true;
+  if (!rises) {
+    ++counters.turns;
+    return;
+  }
+  ++counters.elevations;
+  if (options.specular.size == 0) return;
+  if (elevation_gap(to, wish.sun) < specular_gap) {
+    ++counters.specular_spared;
+    return;
+  }
+  wish.sun = to;
+  ++wish.versions.specular;
+  bakery->set(wish, false);
+}
+
+void SkyLight::set_intensity(double intensity) {
+  check_range("intensity", intensity, 0.0, kLargestIntensity);
+  state_->bakery->retry();
+  if (intensity == state_->intensity) return;
+  state_->intensity = intensity;
+  state_->dirty = true;
+  ++state_->counters.intensities;
+}
+
+void SkyLight::set_altitude(double altitude_m) {
+  check_altitude(altitude_m);
+  worker::SkyWish& wish = state_->wish;
+  state_->bakery->retry();
+  if (altitude_m == wish.altitude_m) return;
+  if (std::abs(altitude_m - wish.altitude_m) < state_->options.altitude_threshold_m) {
+    ++state_->counters.moves_ignored;
+    return;
+  }
+  wish.altitude_m = altitude_m;
+  wish.sun = state_->sun;
+  ++wish.versions.curve;
+  if (state_->options.specular.size > 0) ++wish.versions.specular;
+  state_->bakery->set(wish, false);
+}
+
+void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
+  check_tables(atmosphere, state_->options.tables);
+  worker::SkyWish& wish = state_->wish;
+  state_->bakery->retry();
+  if (same_but_for_name(*wish.atmosphere, atmosphere)) return;
+  wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
+  wish.sun = state_->sun;
+  ++wish.versions.tables;
+  ++wish.versions.curve;
+  if (state_->options.specular.size > 0) ++wish.versions.specular;
+  state_->bakery->set(wish, true);
+}
+
+/// What comes while something is being blended waits for the end of that: there are two places only.
+void SkyLight::State::take_news() {
+  worker::SkyBakery::News news;
+  if (!bakery->try_take(!curves.under_way(), !reflections.under_way(), news)) {
+    frame.settled = false;
+    return;
+  }
+  if (news.arrivals.curve) {
+    let_go(std::move(curves.older.curve));
+    curves.take({std::move(news.arrivals.curve), news.arrivals.sun_radius_degrees},
+                !frame.ready || options.blend_seconds == 0.0);
+    frame.ready = true;
+    dirty = true;
+  }
+  if (news.arrivals.specular) {
+    let_go(std::move(reflections.older.specular));
+    const bool first = !reflections.newer.specular;
+    reflections.take({std::move(news.arrivals.specular), news.arrivals.specular_sun},
+                     first || options.blend_seconds == 0.0);
+    dirty = true;
+  }
+  frame.settled = !news.busy;
+}
+
+void SkyLight::State::let_go(std::shared_ptr<const void> old) {
+  if (!old) return;
+  for (std::shared_ptr<const void>& place : garbage) {
+    if (place) continue;
+    place = std::move(old);
+    return;
+  }
+}
+
+void SkyLight::State::retire() {
+  for (std::shared_ptr<const void>& old : garbage) {
+    if (old && !bakery->retire(old)) return;
+  }
+}
+
+/// Whether anything moved.
+bool SkyLight::State::advance(double seconds) {
+  const double step = options.blend_seconds > 0.0 ? seconds / options.blend_seconds : 1.0;
+  bool moved = false;
+  const auto go_on = [&](auto& blend) {
+    if (!blend.under_way()) return;
+    blend.part = std::min(1.0, blend.part + step);
+    moved = true;
+  };
+  go_on(curves);
+  go_on(reflections);
+  return moved;
+}
+
+Sun SkyLight::State::sun_of(const glm::dvec3& irradiance, double radius_degrees) const {
+  Sun light;
+  light.direction = sun;
+  light.irradiance = irradiance;
+  light.angular_radius_degrees = radius_degrees;
+  light.solid_angle = 4.0 * std::numbers::pi * half_angle_square(radius_degrees);
+  if (light.solid_angle > sky::kPoint) light.radiance = irradiance / light.solid_angle;
+  return light;
+}
+
+void SkyLight::State::compute_light() {
+  ++counters.lights;
+  const std::span<glm::dvec3> light = frame.radiance.coefficients();
+  curves.newer.curve->at(sun, light);
+  glm::dvec3 irradiance = curves.newer.curve->sun_irradiance(sun);
+  double radius = curves.newer.sun_radius_degrees;
+  if (curves.under_way()) {
+    const double part = curves.part;
+    curves.older.curve->at(sun, older_light);
+    for (std::size_t k = 0; k < light.size(); ++k) light[k] = (1.0 - part) * older_light[k] + part * light[k];
+    irradiance = (1.0 - part) * curves.older.curve->sun_irradiance(sun) + part * irradiance;
+    radius = (1.0 - part) * curves.older.sun_radius_degrees + part * radius;
+  }
+  if (intensity != 1.0) {
+    for (glm::dvec3& coefficient : light) coefficient *= intensity;
+    irradiance *= intensity;
+  }
+  frame.sun = sun_of(irradiance, radius);
+}
+
+void SkyLight::State::place_reflections() {
+  const auto place = [&](const Reflections& from, double weight) {
+    return SkyReflections{from.specular, turn(from.sun, sun), from.specular ? weight * intensity : 0.0};
+  };
+  frame.reflections[0] = place(reflections.newer, reflections.part);
+  frame.reflections[1] = place(reflections.under_way() ? reflections.older : Reflections{}, 1.0 - reflections.part);
+}
+
+const SkyLightFrame& SkyLight::update(double seconds) {
+  if (!(seconds >= 0.0)) refuse("a frame of seconds", seconds, "0 and up are possible");
+  State& state = *state_;
+  ++state.counters.frames;
+  state.take_news();
+  state.retire();
+  const bool moved = state.advance(seconds);
+  if (state.curves.under_way() || state.reflections.under_way()) state.frame.settled = false;
+  if (state.frame.ready && (state.dirty || moved)) {
+    state.compute_light();
+    state.place_reflections();
+    state.dirty = false;
+  }
+  return state.frame;
+}
+
+const SkyLightFrame& SkyLight::light() const noexcept { return state_->frame; }
+
+SkyLightCounters SkyLight::counters() const {
+  SkyLightCounters counters = state_->counters;
+  const worker::SkyBakeCounts baked = state_->bakery->counts();
+  counters.posts = baked.posts;
+  counters.tables_baked = baked.tables;
+  counters.curves_baked = baked.curves;
+  counters.speculars_baked = baked.speculars;
+  counters.given_up = baked.given_up;
+  counters.failures = baked.failures;
+  return counters;
+}
+
+std::exception_ptr SkyLight::error() const { return state_->bakery->error(); }
+
+}  // namespace welkin

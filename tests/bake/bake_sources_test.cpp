@@ -1,0 +1,410 @@
+// What bakes are made from: files, with what those bring along, and skies.
+
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "bake/baked.h"
+#include "places.h"
+#include "support/catch.h"
+#include "support/shared_pictures.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/bake.h"
+#include "welkin/bake_file.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/plan.h"
+#include "welkin/sky_plan.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+
+// Promise: a file bakes as what is in it; an .env file keeps its polynomial.
+
+TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), picture.view());
+  std::vector<double> reports;
+  const Control control{{}, [&](double done) { reports.push_back(done); }};
+  BakeResult found = bake_file(directory.file("sky.pfm"), {}, small_bake(), control);
+  REQUIRE(!reports.empty());
+  CHECK(std::is_sorted(reports.begin(), reports.end()));
+  CHECK(reports.back() == 1.0);
+  REQUIRE(!found.diagnostics.passes.empty());
+  CHECK(found.diagnostics.passes.front().name == "read");
+  CHECK(found.diagnostics.passes.front().reason.find("PFM") != std::string::npos);
+  CHECK(!found.stored_polynomial);
+  found.diagnostics.passes.erase(found.diagnostics.passes.begin());
+  CHECK(same_bits(found, bake(picture.view(), small_bake())));
+}
+
+TEST_CASE("A cubemap's file bakes as the cubemap", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 16, 3, 3);
+  write_environment(directory.file("sky.hdr"), cubemap.view());
+  const Environment read = read_environment(directory.file("sky.hdr"));
+  BakeResult found = bake_file(directory.file("sky.hdr"), {}, small_bake());
+  found.diagnostics.passes.erase(found.diagnostics.passes.begin());
+  CHECK(same_bits(found, bake(read.cubemap(), small_bake())));
+}
+
+TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  CubemapChain chain(16, full_chain_levels(16));
+  for (int level = 0; level < chain.levels(); ++level) {
+    const TestCubemap pixels = make_cubemap(Content::smooth, chain.level_size(level), 3, 3);
+    std::memcpy(chain.face(level, 0), pixels.pixels.data(), pixels.pixels.size() * sizeof(float));
+  }
+  const SphericalHarmonics radiance = project(chain.view(0)).radiance;
+  BabylonEnvironment environment = to_babylon(chain, radiance);
+  environment.polynomial->xx = {41.0, 42.0, 43.0};  // one that no pixels have
+  write_babylon_environment(directory.file("sky.env"), environment);
+
+  BakeResult found = bake_file(directory.file("sky.env"), {}, small_bake());
+  REQUIRE(found.stored_polynomial);
+  CHECK(found.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
+  CHECK(pass_named(found, "project").action == "reuse");
+  CHECK(found.diagnostics.passes.front().name == "read");
+  // That is also where the coefficients and the irradiance come from.
+  const Projection stored = project_file(directory.file("sky.env"));
+  REQUIRE(found.radiance);
+  CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), stored.radiance.coefficients()));
+  CHECK(same_bits(found.irradiance, irradiance_cubemap(irradiance_from_radiance(stored.radiance), 5)));
+  CHECK(same_bits(found.diagnostics.flux, stored.diagnostics.flux));
+  CHECK(found.diagnostics.texels == 6 * 16 * 16);
+
+  // More bands are not in it. RGBD rounds to some parts of a thousand: the same picture, the same way round.
+  BakeOptions more = small_bake();
+  more.bands = 4;
+  const BakeResult projected = bake_file(directory.file("sky.env"), {}, more);
+  CHECK(pass_named(projected, "project").action == "run");
+  CHECK(projected.stored_polynomial);
+  for (std::size_t k = 0; k < 9; ++k) {
+    INFO("coefficient " << k);
+    CHECK(glm::length(projected.radiance->coefficients()[k] - radiance.coefficients()[k]) < 0.01);
+  }
+}
+
+TEST_CASE("A real .env file bakes and keeps its polynomial", "[bake][codec]") {
+  const std::filesystem::path folder = std::filesystem::path(WELKIN_SHARED) / "oracles" / "web" / "env";
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::exists(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() == ".env") files.push_back(entry.path());
+    }
+  }
+  if (files.empty()) {
+    WARN("left out: no .env files at " << folder);
+    return;
+  }
+  for (const auto& file : files) {
+    INFO(file);
+    const BakeResult found = bake_file(file, {}, small_bake());
+    const BabylonEnvironment stored = read_babylon_environment(file);
+    REQUIRE(stored.polynomial);
+    REQUIRE(found.stored_polynomial);
+    CHECK(std::memcmp(&*found.stored_polynomial, &*stored.polynomial, sizeof(BabylonPolynomial)) == 0);
+  }
+}
+
+TEST_CASE("Files that cannot be baked say why", "[bake][codec]") {
+  const TemporaryDirectory directory;
+  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("none.hdr"))); }).code == ErrorCode::file_access);
+  write_bytes(directory.file("text.hdr"), {'n', 'o'});
+  CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("text.hdr"))); }).says("text.hdr"));
+  const TestLatLong picture = make_lat_long(Content::nan_bearing, 64, 32, 3);
+  write_environment(directory.file("nan.pfm"), picture.view());
+  BakeOptions options = small_bake();
+  options.pixels.nan = NonFinitePolicy::reject;
+  const ThrownError error = thrown_by([&] { static_cast<void>(bake_file(directory.file("nan.pfm"), {}, options)); });
+  CHECK(error.code == ErrorCode::rejected_pixel);
+  CHECK(error.says("nan.pfm"));
+  CHECK(error.says("row"));
+}
+
+// Promise: what a file carries already is taken as it is and not computed again, and pixels that no pass wants are not
+// even read.
+
+namespace {
+
+constexpr int kSize = 16;
+
+/// Levels that are no mips of each other.
+CubemapChain odd_chain() {
+  CubemapChain chain(kSize, full_chain_levels(kSize));
+  for (int level = 0; level < chain.levels(); ++level) {
+    const TestCubemap pixels =
+        make_cubemap(Content::smooth, chain.level_size(level), 3, 3U + static_cast<unsigned>(level));
+    std::memcpy(chain.face(level, 0), pixels.pixels.data(), pixels.pixels.size() * sizeof(float));
+  }
+  return chain;
+}
+
+BakeOptions whole_bake() {
+  BakeOptions options = small_bake(kSize);
+  options.background_size = kSize;
+  return options;
+}
+
+std::filesystem::path write_env(const TemporaryDirectory& directory) {
+  const CubemapChain chain = odd_chain();
+  BabylonEnvironment environment = to_babylon(chain, project(chain.view(0)).radiance);
+  environment.polynomial->xx = {41.0, 42.0, 43.0};  // one that no pixels have
+  write_babylon_environment(directory.file("sky.env"), environment);
+  return directory.file("sky.env");
+}
+
+std::filesystem::path write_ktx2(const TemporaryDirectory& directory, const std::string& roughness) {
+  TextureOptions options{.format = TexelFormat::rgba32f};
+  if (!roughness.empty()) options.metadata["welkin.roughness"] = roughness;
+  write_texture(directory.file("sky.ktx2"), odd_chain().views(), options);
+  return directory.file("sky.ktx2");
+}
+
+}  // namespace
+
+TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const StoredEnvironment file = probe_environment(write_env(directory));
+  CHECK(file.has_polynomial);
+  CHECK(file.content == LevelContent::reflections);
+  CHECK(file.levels == 5);
+  const Plan light = plan(file, {.glossy = std::nullopt, .background = false}, whole_bake());
+  CHECK(light.pass("read").action == PassAction::skip);
+  CHECK(light.pass("project").action == PassAction::reuse);
+  const BakeResult result = bake(file, light);
+  REQUIRE(result.radiance);
+  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), project_file(file.path).radiance.coefficients()));
+  CHECK(same_bits(result.irradiance, bake_file(file.path, {}, whole_bake()).irradiance));
+  REQUIRE(result.stored_polynomial);
+  CHECK(result.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
+}
+
+TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const StoredEnvironment file = probe_environment(write_env(directory));
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  for (const RoughnessRange range : {RoughnessRange{0.0, 1.0}, RoughnessRange{0.6, 1.0}}) {
+    const Plan planned = plan(file, {.glossy = range}, whole_bake());
+    INFO(plan_text(planned));
+    CHECK(planned.pass("specular").action == PassAction::reuse);
+    const BakeResult result = bake(file, planned);
+    REQUIRE(result.specular);
+    const int first = planned.first_stored_mip;
+    CHECK((first > 0) == (range.least > 0.0));
+    CHECK(result.specular->cubemap.levels() == planned.stored_mips);
+    for (int level = 0; level < planned.stored_mips; ++level) {
+      CHECK(same_bytes(level_values(result.specular->cubemap, level), level_values(stored, first + level)));
+      CHECK(result.specular->mips[static_cast<std::size_t>(level)].roughness ==
+            file.roughness[static_cast<std::size_t>(first + level)]);
+    }
+    CHECK(pass_named(result, "specular").action == "reuse");
+    CHECK(pass_named(result, "project").action == "reuse");
+    CHECK(same_bytes(level_values(result.background, 0), level_values(stored, 0)));
+  }
+}
+
+TEST_CASE("What a file carries is computed all the same if that is asked for", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const StoredEnvironment file = probe_environment(write_env(directory));
+  const Plan planned = plan(file, {.stored_results = false}, whole_bake());
+  for (const char* pass : {"read", "specular", "project"}) CHECK(planned.pass(pass).action == PassAction::run);
+  const BakeResult result = bake(file, planned);
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  const BakeResult pixels = bake(stored.view(0), whole_bake());
+  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
+  CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));
+  // stored results were made without a clamp
+  BakeOptions clamped = whole_bake();
+  clamped.pixels.clamp = RadianceClamp{.maximum = 1.0F};
+  CHECK(plan(file, {}, clamped).pass("project").action == PassAction::run);
+}
+
+TEST_CASE("A KTX2's levels are the background's mips", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const StoredEnvironment file = probe_environment(write_ktx2(directory, ""));
+  CHECK(file.content == LevelContent::radiance);
+  const SceneNeeds needs{.glossy = std::nullopt};
+  const Plan planned = plan(file, needs, whole_bake());
+  CHECK(planned.pass("background mips").action == PassAction::reuse);
+  const BakeResult result = bake(file, planned);
+  CHECK(same_bits(result.background, odd_chain()));
+  CHECK(pass_named(result, "background mips").action == "reuse");
+  BakeOptions smaller = whole_bake();
+  smaller.background_size = 8;
+  CHECK(plan(file, needs, smaller).pass("background mips").action == PassAction::run);
+}
+
+TEST_CASE("A KTX2 that speaks of roughness holds reflections", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const StoredEnvironment file = probe_environment(write_ktx2(directory, "0 0.25 0.5 0.75 1"));
+  CHECK(file.content == LevelContent::reflections);
+  CHECK(file.roughness == std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0});
+  const Plan planned = plan(file, {.glossy = RoughnessRange{0.3, 0.6}, .background = false}, whole_bake());
+  CHECK(planned.first_stored_mip == 1);
+  CHECK(planned.stored_mips == 3);
+  const BakeResult result = bake(file, planned);
+  CHECK(same_bytes(level_values(result.specular->cubemap, 0), level_values(odd_chain(), 1)));
+  CHECK(plan(file, {}, whole_bake()).pass("background mips").action == PassAction::run);
+}
+
+TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.dds");
+  write_texture(path, odd_chain().views(), {.format = TexelFormat::rgba32f});
+  const SceneNeeds needs{.glossy = std::nullopt};
+  const auto action = [&](LevelContent content) {
+    return plan(probe_environment(path, {}, content), needs, whole_bake()).pass("background mips").action;
+  };
+  CHECK(action(LevelContent::automatic) == PassAction::run);
+  CHECK(action(LevelContent::radiance) == PassAction::reuse);
+  CHECK(action(LevelContent::reflections) == PassAction::run);
+}
+
+TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 7);
+  const std::filesystem::path file = directory.file("sky.hdr");
+  write_environment(file, picture.view());
+  const SceneNeeds needs{.glossy = std::nullopt, .background = false};
+  BakeOptions options;
+  options.irradiance_size = 512;
+  options.memory_limit_bytes = 1'000'000;
+  const StoredEnvironment stored = probe_environment(file);
+  const Plan planned = plan(stored, needs, options);
+  REQUIRE(planned.streams);
+  CHECK(thrown_by([&] { static_cast<void>(bake(stored, planned)); }).code == ErrorCode::limit_exceeded);
+}
+
+TEST_CASE("A panorama whose light alone is used is projected while it is read", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), picture.view());
+  const StoredEnvironment file = probe_environment(directory.file("sky.pfm"));
+  const BakeResult whole = bake(picture.view(), whole_bake());
+  const Plan light = plan(file, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
+  CHECK(light.streams);
+  CHECK(light.pass("read").bytes == 0);
+  CHECK(same_bytes<glm::dvec3>(bake(file, light).radiance->coefficients(), whole.radiance->coefficients()));
+  const Plan all = plan(file, {}, whole_bake());
+  CHECK(!all.streams);
+  BakeResult baked = bake(file, all);
+  baked.diagnostics.passes.erase(baked.diagnostics.passes.begin());
+  CHECK(same_bits(baked.specular->cubemap, whole.specular->cubemap));
+  CHECK(same_bits(baked.background, whole.background));
+  CHECK(same_bits(baked.irradiance, whole.irradiance));
+  CHECK(thrown_by([&] { static_cast<void>(bake(file, plan(picture.view(), {}))); }).says("plan again"));
+}
+
+// Promise: of a sky only the tables and the light are made that the scene needs and the planet has.
+
+namespace {
+
+SkyBakeOptions small_sky() {
+  SkyBakeOptions options;
+  options.tables.heights = 8;
+  options.tables.view_zeniths = 12;
+  options.tables.sun_zeniths = 12;
+  options.tables.sun_angles = 3;
+  options.tables.transmittance_heights = 16;
+  options.tables.transmittance_zeniths = 32;
+  options.tables.orders = 2;
+  options.curve.nodes = 12;
+  options.curve.projection.zeniths = options.curve.projection.azimuths = 4;
+  options.harmonics.zeniths = options.harmonics.azimuths = 4;
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.6, 1.0}};
+  options.background_size = 8;
+  options.brdf = BrdfTableOptions{.width = 4, .height = 4};
+  return options;
+}
+
+PassAction action(const SkyPlan& plan, const std::string& pass) { return plan.pass(pass).action; }
+
+}  // namespace
+
+TEST_CASE("A moving sun has a curve, one that stands still has one light", "[plan][sky]") {
+  const SkyPlan moving = plan(earth(), {}, small_sky());
+  CHECK(action(moving, "curve") == PassAction::run);
+  CHECK(action(moving, "project") == PassAction::skip);
+  const SkyPlan still = plan(earth(), {.sun_moves = false}, small_sky());
+  CHECK(action(still, "curve") == PassAction::skip);
+  CHECK(action(still, "project") == PassAction::run);
+  CHECK(still.milliseconds() < moving.milliseconds());
+}
+
+TEST_CASE("What a planet has not is planned without", "[plan][sky]") {
+  Atmosphere bare = without_aerosol(earth());
+  bare.absorbers.clear();
+  const SkyPlan planned = plan(bare, {}, small_sky());
+  CHECK(action(planned, "aerosol") == PassAction::skip);
+  CHECK(action(planned, "absorbers") == PassAction::skip);
+  const SkyPlan all = plan(earth(), {}, small_sky());
+  CHECK(action(all, "aerosol") == PassAction::run);
+  CHECK(action(all, "absorbers") == PassAction::run);
+  CHECK(5 * planned.pass("scattering").bytes < 3 * all.pass("scattering").bytes);
+  SkyBakeOptions once = small_sky();
+  once.tables.orders = 1;
+  const SkyPlan single = plan(earth(), {}, once);
+  CHECK(single.pass("orders").reason.find("multiple scattering falls away") != std::string::npos);
+  CHECK(single.pass("orders").predicted_milliseconds < all.pass("orders").predicted_milliseconds);
+}
+
+TEST_CASE("Matter without any effect is as good as none, bit for bit", "[plan][sky]") {
+  Atmosphere bare = without_aerosol(earth());
+  bare.absorbers.clear();
+  Atmosphere idle = bare;
+  idle.aerosol.density = exponential_profile(1200.0);
+  idle.aerosol.scattering_per_m = {0.0, 0.0, 0.0};
+  idle.absorbers.push_back({tent_profile(25'000.0, 15'000.0), {}, {0.0, 0.0, 0.0}});
+  const SkyTables a = precompute_sky(bare, small_sky().tables);
+  const SkyTables b = precompute_sky(idle, small_sky().tables);
+  CHECK(a.single_mie.empty());
+  CHECK(b.single_mie.empty());
+  CHECK(same_bytes<float>(a.scattering, b.scattering));
+  CHECK(same_bytes<float>(a.irradiance, b.irradiance));
+  CHECK(same_bytes<float>(a.transmittance, b.transmittance));
+}
+
+TEST_CASE("A scene without use for the sky makes no tables", "[plan][sky]") {
+  const SkyPlan nothing = plan(earth(), {.diffuse_bands = 0, .glossy = std::nullopt, .background = false}, small_sky());
+  for (const PlannedPass& pass : nothing.passes) {
+    INFO(pass.name);
+    CHECK(pass.action == PassAction::skip);
+    CHECK(!pass.reason.empty());
+  }
+  const SkyBake baked = bake(nothing, sun_direction(20.0, 0.0));
+  CHECK(!baked.tables);
+  CHECK(!baked.radiance);
+}
+
+TEST_CASE("A planned sky has the bits of the direct calls", "[plan][sky]") {
+  const glm::dvec3 sun = sun_direction(20.0, 40.0);
+  const SkyBakeOptions options = small_sky();
+  const SkyBake whole = bake(plan(earth(), {}, options), sun);
+  const SkyBake still =
+      bake(plan(earth(), {.glossy = RoughnessRange{0.6, 1.0}, .brdf_table = false, .sun_moves = false}, options), sun);
+  CHECK(same_bytes<float>(whole.tables->scattering, still.tables->scattering));
+  const SkyView view(whole.tables, 0.0);
+  REQUIRE(still.radiance);
+  CHECK(same_bytes<glm::dvec3>(still.radiance->coefficients(),
+                               SkyProjector(view, options.harmonics).project(sun).coefficients()));
+  REQUIRE(whole.curve);
+  const SphericalHarmonics on_curve = SkyCurve(view, options.curve).at(sun);
+  CHECK(same_bytes<glm::dvec3>(whole.curve->at(sun).coefficients(), on_curve.coefficients()));
+  REQUIRE(still.specular);
+  REQUIRE(still.specular->cubemap.levels() == 2);
+  for (int level = 0; level < 2; ++level) {
+    CHECK(same_bytes(level_values(still.specular->cubemap, level), level_values(whole.specular->cubemap, 2 + level)));
+  }
+  CHECK(same_bits(whole.background, still.background));
+  CHECK(!still.brdf);
+  CHECK(whole.sun.irradiance == still.sun.irradiance);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,547 @@
+// Plans: what is not needed is left out, budgets pick the settings, and what is made has the bits of the whole bake.
+
+#include "welkin/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "bake/baked.h"
+#include "reflections/prefilter_support.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/random_environments.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/bake_file.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/resampling.h"
+#include "welkin/sky_plan.h"
+
+namespace welkin::test {
+
+// Promise: what a planned bake computes has the bits that the bake of everything gives it.
+
+namespace {
+
+BakeOptions whole_bake() {
+  BakeOptions options = small_bake();
+  // a copy, a sampled one, spectral ones
+  options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.04, 0.25, 0.4, 0.7, 1.0}, .samples = 32};
+  return options;
+}
+
+/// Levels of `part` against those of `whole` from `first` on.
+bool same_mips(const PrefilteredSpecular& part, const PrefilteredSpecular& whole, int first) {
+  for (int level = 0; level < part.cubemap.levels(); ++level) {
+    if (!same_bytes(level_values(part.cubemap, level), level_values(whole.cubemap, first + level))) return false;
+    if (part.mips[static_cast<std::size_t>(level)].roughness !=
+        whole.mips[static_cast<std::size_t>(first + level)].roughness)
+      return false;
+  }
+  return true;
+}
+
+/// Whatever both have.
+void check_same_where_both(const BakeResult& part, const BakeResult& whole, int first_mip) {
+  if (part.background.levels() > 0) {
+    CHECK(part.background.size() == whole.background.size());
+    for (int level = 0; level < part.background.levels(); ++level)
+      CHECK(same_bytes(level_values(part.background, level), level_values(whole.background, level)));
+  }
+  if (part.specular) CHECK(same_mips(*part.specular, *whole.specular, first_mip));
+  if (part.irradiance.size > 0 && part.radiance->bands() == whole.radiance->bands())
+    CHECK(same_bits(part.irradiance, whole.irradiance));
+  if (part.radiance) {
+    const auto count = part.radiance->coefficients().size();
+    CHECK(same_bytes<glm::dvec3>(part.radiance->coefficients(), whole.radiance->coefficients().first(count)));
+  }
+  if (part.brdf) CHECK(same_bytes<float>(part.brdf->values, whole.brdf->values));
+}
+
+template <class View>
+void check_all_needs(const View& view, const BakeResult& whole, const BakeOptions& options) {
+  struct Case {
+    SceneNeeds needs;
+    int first_mip = 0;
+    int mips = 0;
+  };
+  const std::vector<Case> cases = {
+      {{}, 0, 6},
+      {{.diffuse_bands = 1, .glossy = std::nullopt, .background = false}, 0, 0},
+      {{.irradiance_cubemap = false, .glossy = RoughnessRange{0.5, 1.0}, .background_mips = false}, 3, 3},
+      {{.glossy = RoughnessRange{0.0, 0.2}, .background = false}, 0, 3},
+      {{.glossy = RoughnessRange{0.03, 0.04}, .brdf_table = false}, 0, 2},
+      {{.diffuse_bands = 0, .glossy = RoughnessRange{0.4, 0.7}}, 3, 2},
+      {{.diffuse_bands = 2, .glossy = RoughnessRange{1.0, 1.0}}, 5, 1},
+      {{.diffuse_bands = 0, .glossy = std::nullopt, .background = false}, 0, 0},  // nothing at all
+  };
+  for (const Case& each : cases) {
+    const Plan planned = plan(view, each.needs, options);
+    INFO(plan_text(planned));
+    const BakeResult part = bake(view, planned);
+    check_same_where_both(part, whole, each.first_mip);
+    CHECK((part.specular ? part.specular->cubemap.levels() : 0) == each.mips);
+    CHECK(part.diagnostics.passes.size() == planned.passes.size());
+    for (std::size_t k = 0; k < planned.passes.size(); ++k) {
+      const PlannedPass& said = planned.passes[k];
+      const PassRecord& done = part.diagnostics.passes[k];
+      CHECK(done.name == said.name);
+      CHECK((done.action == "skip") == (said.action == PassAction::skip));
+      if (said.action == PassAction::skip) CHECK(done.reason == said.reason);
+    }
+    CHECK(part.peak_bytes == planned.result_bytes + planned.working_bytes);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A panorama baked by a plan has the whole bake's bits", "[plan]") {
+  for (const Content content : {Content::high_range, Content::one_texel_sun}) {
+    const TestLatLong picture = make_lat_long(content, 96, 48, 7);
+    check_all_needs(picture.view(), bake(picture.view(), whole_bake()), whole_bake());
+  }
+}
+
+TEST_CASE("A cubemap baked by a plan has the whole bake's bits", "[plan]") {
+  const TestCubemapHalf cube = make_cubemap_half(Content::high_range, 16, 4, 8);
+  check_all_needs(cube.view(), bake(cube.view(), whole_bake()), whole_bake());
+}
+
+TEST_CASE("A mip has the same bits where others that take many more bands are left out", "[plan]") {
+  BakeOptions options = whole_bake();
+  options.specular = PrefilterOptions{.size = 128, .roughness = {0.0, 0.12, 0.4, 1.0}};
+  const auto check = [&](const auto& view) {
+    const BakeResult whole = bake(view, options);
+    const BakeResult part = bake(view, plan(view, {.glossy = RoughnessRange{0.4, 1.0}}, options));
+    REQUIRE(whole.specular->mips[1].bands > 3 * whole.specular->mips[2].bands);
+    check_same_where_both(part, whole, 2);
+  };
+  const TestLatLong picture = make_lat_long(Content::high_range, 512, 256, 7);
+  check(picture.view());
+  const TestCubemap cube = make_cubemap(Content::high_range, 64, 3, 8);
+  check(cube.view());
+}
+
+TEST_CASE("A chain of its own is within the bounds of the whole one", "[plan]") {
+  const TestCubemap cube = make_cubemap(Content::smooth, 16, 3, 9);
+  const BakeResult whole = bake(cube.view(), whole_bake());
+  const Plan apart = plan(cube.view(), {.glossy = RoughnessRange{0.4, 1.0}, .same_bits = false}, whole_bake());
+  const BakeResult part = bake(cube.view(), apart);
+  REQUIRE(part.specular);
+  REQUIRE(part.specular->cubemap.levels() == 3);
+  for (int level = 0; level < 3; ++level) {
+    const auto values = level_values(part.specular->cubemap, level);
+    const auto truth = level_values(whole.specular->cubemap, 3 + level);
+    REQUIRE(values.size() == truth.size());
+    for (std::size_t k = 0; k < values.size(); ++k) CHECK(values[k] == Approx(truth[k]).epsilon(2e-2));
+  }
+}
+
+TEST_CASE("Mips that are left out stay within the chain", "[plan]") {
+  const TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 3);
+  PrefilterOptions options{.size = 8, .roughness = {0.2, 0.5, 1.0}};
+  options.leave_out_sharp = 2;
+  CHECK(prefilter_specular(picture.view(), options).cubemap.size() == 2);
+  options.leave_out_rough = 1;
+  const auto refused = [&] {
+    return thrown_by([&] { static_cast<void>(prefilter_specular(picture.view(), options)); });
+  };
+  CHECK(refused().says("leave_out_rough"));
+  options.leave_out_rough = 0;
+  options.leave_out_sharp = 3;
+  CHECK(refused().says("leave_out_sharp"));
+}
+
+TEST_CASE("What the caller left out already is not left out twice", "[plan]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 7);
+  BakeOptions options = small_bake();
+  options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}};
+  options.specular->leave_out_sharp = 1;
+  options.specular->leave_out_rough = 1;
+  for (const bool same_bits : {true, false}) {
+    const SceneNeeds needs{.glossy = RoughnessRange{0.4, 1.0}, .same_bits = same_bits};
+    const BakeResult part = bake(picture.view(), plan(picture.view(), needs, options));
+    REQUIRE(part.specular->mips.size() == 3);
+    CHECK(part.specular->mips.front().roughness == 0.4);
+    CHECK(part.specular->mips.back().roughness == 0.8);
+  }
+}
+
+TEST_CASE("A plan is for the source that it was made for", "[plan]") {
+  const TestLatLong one = make_lat_long(Content::smooth, 32, 16, 3);
+  const TestLatLong other = make_lat_long(Content::smooth, 34, 16, 3);
+  const Plan planned = plan(one.view(), {});
+  CHECK(thrown_by([&] { static_cast<void>(bake(other.view(), planned)); }).says("lat-long 32 x 16"));
+}
+
+TEST_CASE("An environment that was turned and scaled is not projected again", "[plan]") {
+  const TestCubemap cube = make_cubemap(Content::high_range, 16, 3, 4);
+  BakeOptions options = small_bake();
+  BakeResult result = bake(cube.view(), options);
+  EnvironmentChange change;
+  change.turn = turn_about_y(90.0);
+  change.scale = glm::dvec3(2.0, 0.5, 1.0);
+  apply_change(result, options, change);
+  CubemapImage turned = to_cubemap(cube.view(), 16, change.turn);  // texels to texels
+  for (std::size_t k = 0; k < turned.pixels.size(); ++k)
+    turned.pixels[k] *= static_cast<float>(change.scale[static_cast<glm::length_t>(k % 3)]);
+  const BakeResult anew = bake(turned.view(), options);
+  const auto coefficients = result.radiance->coefficients();
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    for (glm::length_t c = 0; c < 3; ++c) {
+      const double size = anew.radiance->coefficients()[0][c];
+      CHECK(std::abs(coefficients[k][c] - anew.radiance->coefficients()[k][c]) < 1e-6 * size);
+    }
+  }
+  for (std::size_t k = 0; k < result.irradiance.pixels.size(); ++k)
+    CHECK(result.irradiance.pixels[k] == Approx(anew.irradiance.pixels[k]).epsilon(1e-5));
+  CHECK(result.diagnostics.flux.x == Approx(anew.diagnostics.flux.x));
+  EnvironmentChange wrong;
+  wrong.scale = glm::dvec3(-1.0);
+  CHECK(thrown_by([&] { apply_change(result, options, wrong); }).code == ErrorCode::invalid_argument);
+  result.radiance.reset();  // nothing is left that could be turned
+  const glm::dvec3 flux = result.diagnostics.flux;
+  wrong.scale = glm::dvec3(1.0);
+  wrong.turn[0][0] = 3.0;
+  CHECK(thrown_by([&] { apply_change(result, options, wrong); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { static_cast<void>(plan_change(options, wrong)); }).code == ErrorCode::invalid_argument);
+  apply_change(result, options, change);
+  CHECK(result.diagnostics.flux == flux * change.scale);
+}
+
+// Promise: a plan says of every pass whether it runs and why, and what a scene does not use falls away.
+
+namespace {
+
+const SourceShape kPanorama{false, 512, 256, PixelFormat::rgb_f32};
+
+BakeOptions six_mip_bake() {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = 64, .roughness = {0.0, 0.1, 0.3, 0.5, 0.8, 1.0}};
+  return options;
+}
+
+void check_skipped(const Plan& plan, const std::string& pass, const std::string& reason) {
+  INFO(pass);
+  CHECK(plan.pass(pass).action == PassAction::skip);
+  CHECK(plan.pass(pass).reason == reason);
+  CHECK(plan.pass(pass).predicted_milliseconds == 0.0);
+  CHECK(plan.pass(pass).bytes == 0);
+}
+
+}  // namespace
+
+TEST_CASE("A scene that needs everything leaves nothing out", "[plan]") {
+  const Plan all = plan(kPanorama, {}, six_mip_bake());
+  REQUIRE(all.passes.size() == 7);
+  for (const PlannedPass& pass : all.passes) {
+    INFO(pass.name);
+    CHECK(pass.action != PassAction::skip);
+    CHECK(!pass.reason.empty());
+    CHECK(pass.predicted_milliseconds > 0.0);
+  }
+  CHECK(all.options.specular->leave_out_sharp == 0);
+  CHECK(all.options.specular->leave_out_rough == 0);
+  CHECK(all.milliseconds(2) == Approx(all.milliseconds() / 2.0));
+}
+
+TEST_CASE("Where coefficients are all, there is no cubemap", "[plan]") {
+  const Plan light = plan(kPanorama, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
+  check_skipped(light, "background", "nothing shows it");
+  check_skipped(light, "background mips", "there is no background");
+  check_skipped(light, "specular", "no glossy materials");
+  check_skipped(light, "brdf", "no glossy materials");
+  check_skipped(light, "irradiance", "diffuse light is read from coefficients");
+  CHECK(light.pass("clean").action == PassAction::skip);
+  CHECK(light.pass("project").action == PassAction::run);
+  CHECK(light.result_bytes == 0);
+}
+
+TEST_CASE("Ambient light is one colour, and of no diffuse light nothing is projected", "[plan]") {
+  const Plan ambient = plan(kPanorama, {.diffuse_bands = 1});
+  CHECK(ambient.options.bands == 1);
+  check_skipped(ambient, "irradiance", "ambient only: one colour is all of it");
+  const Plan none = plan(kPanorama, {.diffuse_bands = 0});
+  check_skipped(none, "project", "no diffuse light is used");
+  check_skipped(none, "irradiance", "no diffuse light is used");
+}
+
+TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
+  struct Case {
+    RoughnessRange range;
+    int sharp;
+    int rough;
+  };
+  // of 0.0, 0.1, 0.3, 0.5, 0.8, 1.0: a lookup between two mips reads both
+  for (const Case& each : {Case{{0.0, 1.0}, 0, 0}, Case{{0.4, 1.0}, 2, 0}, Case{{0.3, 0.8}, 2, 1},
+                           Case{{0.0, 0.0}, 0, 5}, Case{{1.0, 1.0}, 5, 0}, Case{{0.05, 0.31}, 0, 2}}) {
+    INFO(each.range.least << " to " << each.range.greatest);
+    const Plan planned = plan(kPanorama, {.glossy = each.range}, six_mip_bake());
+    CHECK(planned.options.specular->leave_out_sharp == each.sharp);
+    CHECK(planned.options.specular->leave_out_rough == each.rough);
+    const Plan apart = plan(kPanorama, {.glossy = each.range, .same_bits = false}, six_mip_bake());
+    CHECK(apart.options.specular->size == 64 >> each.sharp);
+    CHECK(static_cast<int>(apart.options.specular->roughness.size()) == 6 - each.sharp - each.rough);
+  }
+}
+
+TEST_CASE("A background keeps its size when reflections lose theirs", "[plan]") {
+  const Plan without = plan(kPanorama, {.glossy = std::nullopt}, six_mip_bake());
+  CHECK(without.options.background_size == 64);
+  const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
+  CHECK(rough.options.background_size == 64);
+  CHECK(rough.pass("background").action == PassAction::run);
+  CHECK(plan(kPanorama, {}, six_mip_bake()).pass("background").action == PassAction::reuse);
+}
+
+TEST_CASE("What is left out is predicted to cost less", "[plan]") {
+  const Plan all = plan(kPanorama, {}, six_mip_bake());
+  const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
+  CHECK(rough.pass("specular").predicted_milliseconds < all.pass("specular").predicted_milliseconds);
+  CHECK(rough.pass("specular").bytes < all.pass("specular").bytes);
+  CHECK(rough.working_bytes < all.working_bytes);
+}
+
+TEST_CASE("A cost model scales what it names", "[plan]") {
+  CostModel slow;
+  for (const CostUnit& unit : cost_units()) {
+    CHECK(slow.*unit.value > 0.0);
+    slow.*unit.value *= 3.0;
+  }
+  const Plan planned = plan(kPanorama, {}, six_mip_bake());
+  const Plan slowly = plan(kPanorama, {}, six_mip_bake(), slow);
+  for (const PlannedPass& pass : planned.passes) {
+    INFO(pass.name);
+    CHECK(slowly.pass(pass.name).predicted_milliseconds == Approx(3.0 * pass.predicted_milliseconds));
+  }
+}
+
+TEST_CASE("A plan reads as a table", "[plan]") {
+  const Plan planned = plan(kPanorama, {.glossy = std::nullopt}, six_mip_bake());
+  const std::string text = plan_text(planned);
+  CHECK(text.find("lat-long 512 x 256") != std::string::npos);
+  CHECK(text.find("no glossy materials") != std::string::npos);
+  CHECK(text.find("measured") == std::string::npos);
+  const std::string after = plan_text(planned, {{"project", "run", "", 123.0}, {"clean", "run", "a copy", 1.0}});
+  CHECK(after.find("measured") != std::string::npos);
+  CHECK(after.find("123") != std::string::npos);
+  CHECK(after.find("run: a copy") != std::string::npos);  // another action than was planned
+}
+
+TEST_CASE("Needs that make no sense are refused", "[plan]") {
+  const auto refused = [](const SceneNeeds& needs, const std::string& word) {
+    const ThrownError error = thrown_by([&] { static_cast<void>(plan(kPanorama, needs)); });
+    INFO(error.message);
+    return error.code == ErrorCode::invalid_argument && error.says(word);
+  };
+  CHECK(refused({.diffuse_bands = -1}, "diffuse_bands"));
+  CHECK(refused({.glossy = RoughnessRange{0.6, 0.5}}, "roughness"));
+  CHECK(refused({.glossy = RoughnessRange{0.0, 1.5}}, "roughness"));
+}
+
+TEST_CASE("A change of exposure or direction reads no pixel", "[plan]") {
+  const BakeOptions baked = six_mip_bake();
+  EnvironmentChange turned;
+  turned.turn = glm::dmat3(0, 0, -1, 0, 1, 0, 1, 0, 0);
+  const Plan change = plan_change(baked, turned);
+  CHECK(change.pass("project").action == PassAction::reuse);
+  CHECK(change.pass("clean").action == PassAction::skip);
+  CHECK(change.pass("specular").action == PassAction::reuse);
+  CHECK(change.pass("irradiance").action == PassAction::run);
+  CHECK(change.milliseconds() < 0.2 * plan(kPanorama, {}, baked).milliseconds());
+}
+
+// Promise: with an error budget a plan picks the cheapest setting of each pass that this environment allows; what comes
+// out is within the budget of the full bake, and reasons say what was picked and why not.
+
+namespace {
+
+/// Fine bounds, many bands: a budget has something to spend.
+BakeOptions four_mip_bake() {
+  BakeOptions options;
+  options.background = false;
+  options.specular = PrefilterOptions{.size = 16, .roughness = {0.0, 0.3, 0.6, 1.0}, .rms_error = 3e-4};
+  options.irradiance_size = 8;
+  options.bands = 9;
+  options.brdf.reset();
+  return options;
+}
+
+LatLongImage grey(int height) {
+  return {2 * height, height, std::vector<float>(std::size_t{6} * static_cast<std::size_t>(height * height), 0.5F)};
+}
+
+/// With a spot that nothing smooths away.
+LatLongImage spotted(int height) {
+  LatLongImage image = grey(height);
+  for (std::size_t k = 0; k < 3; ++k) image.pixels[image.pixels.size() / 3 + k] = 1e4F;
+  return image;
+}
+
+double rms_difference(std::span<const float> a, std::span<const float> b) {
+  double difference = 0.0;
+  double whole = 0.0;
+  REQUIRE(a.size() == b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double off = static_cast<double>(a[k]) - static_cast<double>(b[k]);
+    difference += off * off;
+    whole += static_cast<double>(b[k]) * static_cast<double>(b[k]);
+  }
+  return whole > 0.0 ? std::sqrt(difference / whole) : 0.0;
+}
+
+bool says(const Plan& plan, const std::string& pass, const std::string& words) {
+  INFO(plan.pass(pass).reason);
+  return plan.pass(pass).reason.find(words) != std::string::npos;
+}
+
+/// How often each was picked: a test of nothing would pass as well.
+struct Picked {
+  int bands = 0;
+  int bounds = 0;
+};
+
+template <class Image>
+void check_within(const Image& image, double budget, Picked& picked) {
+  const Plan planned = plan(image.view(), {.diffuse_bands = 9, .error_budget = budget}, four_mip_bake());
+  const BakeResult part = bake(image.view(), planned);
+  BakeOptions exact = four_mip_bake();
+  exact.irradiance_method = IrradianceMethod::direct;
+  const BakeResult whole = bake(image.view(), exact);
+  if (says(planned, "project", "picked")) {
+    ++picked.bands;
+    CHECK(part.radiance->bands() <= whole.radiance->bands());
+    CHECK(rms_difference(part.irradiance.pixels, whole.irradiance.pixels) <= budget);
+  } else {
+    CHECK(part.radiance->bands() == whole.radiance->bands());
+  }
+  if (!says(planned, "specular", "picked")) {
+    CHECK(planned.options.specular->rms_error == four_mip_bake().specular->rms_error);
+    return;
+  }
+  ++picked.bounds;
+  for (int level = 1; level < part.specular->cubemap.levels(); ++level) {
+    CAPTURE(level);
+    CHECK(rms_difference(level_values(part.specular->cubemap, level), level_values(whole.specular->cubemap, level)) <=
+          budget);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A bake that spends an error budget is within it", "[plan][estimates]") {
+  RandomEnvironments random(91);
+  Picked picked;
+  for (int trial = 0; trial < 6; ++trial) {
+    const double budget = random.scale(3e-3, 0.1);
+    if (trial % 2 == 0) {
+      const LatLongImage image = random.lat_long(16, 48);
+      CAPTURE(random.description(), budget);
+      check_within(image, budget, picked);
+    } else {
+      const CubemapImage image = random.cubemap(12, 24);
+      CAPTURE(random.description(), budget);
+      check_within(image, budget, picked);
+    }
+  }
+  CHECK(picked.bands >= 2);
+  CHECK(picked.bounds >= 3);
+}
+
+TEST_CASE("A budget picks what a smooth environment can do with, and says so", "[plan][estimates]") {
+  const LatLongImage image = grey(64);
+  const Plan planned = plan(image.view(), {.error_budget = 0.01}, four_mip_bake());
+  const Plan exact = plan(image.view(), {}, four_mip_bake());
+  CHECK(planned.options.bands == 1);
+  CHECK(planned.options.projected_bands == 0);
+  CHECK(planned.options.specular->rms_error == 0.1);
+  CHECK(says(planned, "project", "1 band picked: estimated error of irradiance "));
+  CHECK(says(planned, "project", ", budget 1 %"));
+  CHECK(says(planned, "specular", "rms bound 10 % picked: estimated error of the worst mip "));
+  for (const char* pass : {"specular", "project", "irradiance"}) {
+    INFO(pass);
+    CHECK(planned.pass(pass).predicted_milliseconds < exact.pass(pass).predicted_milliseconds);
+  }
+  const BakeResult baked = bake(image.view(), planned);
+  for (const PassRecord& record : baked.diagnostics.passes) {
+    if (record.name == "project") CHECK(record.reason == planned.pass("project").reason);
+  }
+}
+
+TEST_CASE("Where no estimate is under the budget, all stays as it was", "[plan][estimates]") {
+  const LatLongImage image = spotted(64);
+  const Plan strict = plan(image.view(), {.diffuse_bands = 9, .error_budget = 1e-6}, four_mip_bake());
+  CHECK(strict.options.bands == 9);
+  CHECK(strict.options.specular->rms_error == four_mip_bake().specular->rms_error);
+  CHECK(strict.options.specular->maximum_error == four_mip_bake().specular->maximum_error);
+  CHECK(says(strict, "project", "no fewer: estimated error of irradiance "));
+  CHECK(says(strict, "project", "above the budget of 0.0001 %"));
+  CHECK(says(strict, "specular", "bounds as they were: of none is the estimated error under the budget of 0.0001 %"));
+
+  BakeOptions few = four_mip_bake();
+  few.bands = 2;
+  few.specular->roughness = {0.0, 0.02, 0.6, 1.0};
+  const Plan narrow = plan(image.view(), {.error_budget = 0.1}, few);
+  CHECK(narrow.options.bands == 2);
+  CHECK(says(narrow, "project", "above the budget of 10 %, which 3 bands would meet"));
+  CHECK(says(narrow, "specular", "a mip that is sampled has no estimate"));
+  CHECK(narrow.options.specular->rms_error == few.specular->rms_error);
+
+  // Nothing but rounding is left of what cancels.
+  LatLongImage board = grey(32);
+  for (std::size_t k = 0; k < board.pixels.size(); ++k) board.pixels[k] = (k / 3 + k / 192) % 2 == 0 ? 1.0F : -1.0F;
+  BakeOptions rough = four_mip_bake();
+  rough.specular = PrefilterOptions{.size = 8, .roughness = {1.0}};
+  const Plan cancelled = plan(board.view(), {.error_budget = 0.01}, rough);
+  INFO(plan_text(cancelled));
+  CHECK(plan_text(cancelled).find("sampled") == std::string::npos);
+  CHECK(plan_text(cancelled).find("inf") == std::string::npos);
+  CHECK(plan_text(cancelled).find("e+") == std::string::npos);
+
+  few.specular->method = PrefilterMethod::sampled;
+  CHECK(says(plan(image.view(), {.error_budget = 0.5}, few), "specular", "the method that was asked for"));
+}
+
+TEST_CASE("A budget spends only what the scene needs", "[plan][estimates]") {
+  const LatLongImage image = grey(32);
+  const Plan light =
+      plan(image.view(), {.diffuse_bands = 0, .glossy = std::nullopt, .error_budget = 0.01}, four_mip_bake());
+  CHECK(light.pass("project").reason == "no diffuse light is used");
+  CHECK(light.pass("specular").reason == "no glossy materials");
+  const Plan rough = plan(image.view(), {.glossy = RoughnessRange{0.6, 1.0}, .error_budget = 0.01}, four_mip_bake());
+  CHECK(rough.options.specular->size == 4);  // a chain of its own: there are no bits to keep
+}
+
+TEST_CASE("A budget without pixels, or out of range, is refused", "[plan][estimates]") {
+  const LatLongImage image = grey(8);
+  for (const double budget : {0.0, -0.1, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+    const ThrownError error = thrown_by([&] { static_cast<void>(plan(image.view(), {.error_budget = budget})); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("error budget"));
+  }
+  const SceneNeeds needs{.error_budget = 0.01};
+  const ThrownError shape = thrown_by([&] { static_cast<void>(plan(shape_of(image.view()), needs)); });
+  CHECK(shape.code == ErrorCode::invalid_argument);
+  CHECK(shape.says("plan the view"));
+  const ThrownError file = thrown_by([&] { static_cast<void>(plan(StoredEnvironment{}, needs)); });
+  CHECK(file.says("read the file"));
+  const ThrownError sky = thrown_by([&] { static_cast<void>(plan(earth(), needs)); });
+  CHECK(sky.code == ErrorCode::invalid_argument);
+  CHECK(sky.says("choose_sky_tables"));
+}
+
+TEST_CASE("Planning by a budget can be stopped", "[plan][estimates]") {
+  const LatLongImage image = grey(64);
+  std::stop_source stop;
+  stop.request_stop();
+  const ThrownError error = thrown_by([&] {
+    static_cast<void>(plan(image.view(), {.error_budget = 0.01}, four_mip_bake(), {}, {stop.get_token(), {}}));
+  });
+  CHECK(error.code == ErrorCode::cancelled);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,546 @@
+// The C interface: statuses, handles, noise, and the same bits as the C++ calls.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <new>
+#include <random>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "c/c_support.h"
+#include "support/catch.h"
+#include "support/pfm_files.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/engine_light.h"
+#include "welkin/environment_file.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+
+// The tests' pictures as C callers describe them.
+
+namespace {
+
+welkin_cubemap c_view(const CubemapView& view) {
+  welkin_cubemap cubemap;
+  WELKIN_INIT(cubemap);
+  cubemap.format = static_cast<welkin_format>(view.format);
+  cubemap.row_stride_bytes = view.row_stride_bytes;
+  std::copy(view.faces.begin(), view.faces.end(), cubemap.faces);
+  cubemap.size = view.size;
+  return cubemap;
+}
+
+welkin_lat_long c_view(const LatLongView& view) {
+  welkin_lat_long lat_long;
+  WELKIN_INIT(lat_long);
+  lat_long.format = static_cast<welkin_format>(view.format);
+  lat_long.row_stride_bytes = view.row_stride_bytes;
+  lat_long.pixels = view.pixels;
+  lat_long.width = view.width;
+  lat_long.height = view.height;
+  return lat_long;
+}
+
+/// All zero but the size.
+template <class Struct>
+Struct c_struct() {
+  Struct made;
+  WELKIN_INIT(made);
+  return made;
+}
+
+/// A worker of `threads`, destroyed with its scope.
+class CWorker {
+ public:
+  explicit CWorker(int threads) {
+    auto options = c_struct<welkin_worker_options>();
+    options.threads = threads;
+    REQUIRE(welkin_worker_create(&options, &worker_) == WELKIN_OK);
+  }
+  ~CWorker() { welkin_worker_destroy(worker_); }
+  CWorker(const CWorker&) = delete;
+  CWorker& operator=(const CWorker&) = delete;
+
+  [[nodiscard]] welkin_worker* get() const noexcept { return worker_; }
+
+ private:
+  welkin_worker* worker_ = nullptr;
+};
+
+}  // namespace
+
+// Each ErrorCode has a status of its own, and arrives as that one.
+
+namespace {
+
+/// What an entry returns whose body throws this.
+template <class Thrown>
+welkin_status status_after(const Thrown& thrown) {
+  return c_interface::guarded([&]() -> welkin_status { throw thrown; });
+}
+
+}  // namespace
+
+TEST_CASE("C: every error code has a status of its own, with a name and the message", "[c_interface]") {
+  std::set<welkin_status> seen;
+  for (int number = 0; number <= static_cast<int>(ErrorCode::stopped); ++number) {
+    const auto code = static_cast<ErrorCode>(number);
+    const std::string message = "message of " + std::to_string(number);
+    const welkin_status status = status_after(Error(code, message));
+    REQUIRE(status == number + 1);
+    REQUIRE(seen.insert(status).second);
+    REQUIRE(welkin_status_name(status) != std::string("unknown"));
+    REQUIRE(welkin_last_error() == message);
+  }
+}
+
+TEST_CASE("C: what is no Error has a status too", "[c_interface]") {
+  REQUIRE(status_after(std::bad_alloc()) == WELKIN_OUT_OF_MEMORY);
+  REQUIRE(std::string(welkin_last_error()).find("memory") != std::string::npos);
+  REQUIRE(status_after(std::runtime_error("some reason")) == WELKIN_INTERNAL);
+  REQUIRE(welkin_last_error() == std::string("some reason"));
+  REQUIRE(status_after(std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again))) ==
+          WELKIN_INTERNAL);
+  REQUIRE(status_after(42) == WELKIN_INTERNAL);
+  REQUIRE(std::string(welkin_last_error()).size() > 0);
+}
+
+TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]") {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("short.pfm"), {'P', 'F', '\n', '8', ' ', '4', '\n', '-', '1', '\n', 0});
+  write_bytes(directory.file("other.txt"), {'t', 'e', 'x', 't'});
+  auto light = c_struct<welkin_projection>();
+  const auto read = [&](const char* name) {
+    return welkin_project_file(directory.file(name).string().c_str(), nullptr, nullptr, nullptr, &light);
+  };
+  REQUIRE(read("none.exr") == WELKIN_FILE_ACCESS);
+  REQUIRE(read("short.pfm") == WELKIN_CORRUPT_FILE);
+  REQUIRE(read("other.txt") == WELKIN_UNSUPPORTED_FILE);
+
+  auto cube = make_cubemap(Content::random, 8, 3, 1);
+  cube.pixels[100] = -1.0F;
+  const welkin_cubemap view = c_view(cube.view());
+  auto strict = c_struct<welkin_projection_options>();
+  strict.negative = WELKIN_NEGATIVE_REJECT;
+  REQUIRE(welkin_project_cubemap(&view, 1, &strict, nullptr, &light) == WELKIN_REJECTED_PIXEL);
+  REQUIRE(std::string(welkin_last_error()).find("face") != std::string::npos);
+
+  // The same through a job, and as often as one asks.
+  const CWorker worker(1);
+  welkin_job* job = nullptr;
+  REQUIRE(welkin_post_project_cubemap(worker.get(), &view, 1, &strict, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_REJECTED_PIXEL);
+  const std::string message = welkin_last_error();
+  REQUIRE(message.find("face") != std::string::npos);
+  static_cast<void>(read("none.exr"));
+  REQUIRE(welkin_job_poll(job, nullptr) == WELKIN_REJECTED_PIXEL);
+  REQUIRE(welkin_last_error() == message);
+  REQUIRE(welkin_job_projection(job, &light) == WELKIN_REJECTED_PIXEL);
+  welkin_job_release(job);
+}
+
+TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_interface]") {
+  auto options = c_struct<welkin_worker_options>();
+  options.threads = 1;
+  options.most_bytes = 1000;
+  welkin_worker* worker = nullptr;
+  REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
+  const auto cube = make_cubemap(Content::random, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  welkin_job* job = nullptr;
+  REQUIRE(welkin_post_project_cubemap(worker, &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_LIMIT_EXCEEDED);
+  welkin_job_release(job);
+  auto post = c_struct<welkin_post_options>();
+  post.bytes = 10;  // the caller knows better
+  REQUIRE(welkin_post_project_cubemap(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
+  welkin_job_release(job);
+  welkin_worker_destroy(worker);
+}
+
+TEST_CASE("C: what a callback throws stays inside", "[c_interface]") {
+  const CWorker worker(1);
+  welkin_job* job = nullptr;
+  REQUIRE(welkin_post_function(
+              worker.get(), [](void*, const welkin_control*) -> welkin_status { throw std::runtime_error("thrown"); },
+              nullptr, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_INTERNAL);
+  REQUIRE(welkin_last_error() == std::string("thrown"));
+  welkin_job_release(job);
+
+  auto post = c_struct<welkin_post_options>();
+  post.release = [](void*) { throw 1; };
+  post.completed = [](welkin_job*, void*) { throw std::runtime_error("drained"); };
+  REQUIRE(welkin_post_function(
+              worker.get(), [](void*, const welkin_control*) -> welkin_status { return WELKIN_OK; }, nullptr, &post,
+              nullptr) == WELKIN_OK);
+  REQUIRE(welkin_worker_wait_until_idle(worker.get()) == WELKIN_OK);
+  REQUIRE(welkin_worker_drain(worker.get(), WELKIN_NO_LIMIT, nullptr) == WELKIN_INTERNAL);
+  REQUIRE(welkin_last_error() == std::string("drained"));
+}
+
+// Structures full of noise: a status comes back, and nothing else happens.
+
+namespace {
+
+/// A structure in a buffer that is longer than any size that is believed, so that none is read past its end.
+template <class Struct>
+class Noisy {
+ public:
+  /// A sound one, up to two of whose first `words` words are overwritten by all kinds of numbers.
+  Noisy(const Struct& sound, std::size_t words, std::mt19937& random) {
+    std::memcpy(bytes_.data(), &sound, sizeof sound);
+    std::uniform_int_distribution<std::size_t> place(0, words - 1);
+    std::uniform_int_distribution<int> kind(0, 3);
+    for (int changes = kind(random) - 1; changes > 0; --changes) {
+      const std::array<std::uint32_t, 4> values{static_cast<std::uint32_t>(random()), 0xffffffffU, 0x80000000U,
+                                                static_cast<std::uint32_t>(random() % 40)};
+      std::memcpy(bytes_.data() + 4 * place(random), &values.at(static_cast<std::size_t>(kind(random))), 4);
+    }
+  }
+
+  [[nodiscard]] Struct* get() { return reinterpret_cast<Struct*>(bytes_.data()); }
+
+ private:
+  alignas(Struct) std::array<std::byte, 2 * (sizeof(Struct) + 4096)> bytes_{};
+};
+
+}  // namespace
+
+TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
+  const unsigned seed = 20261121;
+  INFO("seed " << seed);
+  std::mt19937 random(seed);
+  const auto picture = make_lat_long(Content::random, 8, 4, 1);
+  // Dimensions stay: a larger picture than there is cannot be told from a good one.
+  auto sound_view = c_view(picture.view());
+  auto sound_options = c_struct<welkin_projection_options>();
+  sound_options.bands = 2;
+  constexpr std::size_t kOptionWords = sizeof(welkin_projection_options) / 4;
+  constexpr std::size_t kViewWords = 2;  // struct_size, format
+  constexpr std::size_t kPostWords = 2;  // struct_size, priority
+  static std::atomic<long> released{0};
+  auto sound_post = c_struct<welkin_post_options>();
+  sound_post.release = [](void*) { released.fetch_add(1); };
+
+  long owed = 0;
+  int refused = 0;
+  int done = 0;
+  {
+    const CWorker worker(1);
+    for (int run = 0; run < 3000; ++run) {
+      Noisy<welkin_projection_options> options(sound_options, kOptionWords, random);
+      // Formats of more bytes would read past the picture: of its first half in f32, any other stays inside.
+      sound_view.height = 2;
+      Noisy<welkin_lat_long> view(sound_view, kViewWords, random);
+      auto light = c_struct<welkin_projection>();
+      light.struct_size = random() % 4 == 0 ? static_cast<std::uint32_t>(random() % sizeof light) : light.struct_size;
+      const welkin_status status = welkin_project_lat_long(view.get(), options.get(), nullptr, &light);
+      REQUIRE((status == WELKIN_OK || status == WELKIN_INVALID_ARGUMENT || status == WELKIN_REJECTED_PIXEL));
+      (status == WELKIN_OK ? done : refused) += 1;
+
+      Noisy<welkin_post_options> post(sound_post, kPostWords, random);
+      const std::uint32_t size = post.get()->struct_size;
+      const bool readable = size >= 8 && size % 8 == 0 && size <= sizeof(welkin_post_options) + 4096 &&
+                            size >= offsetof(welkin_post_options, release_user);
+      welkin_job* job = nullptr;
+      const welkin_status posted =
+          welkin_post_project_lat_long(worker.get(), view.get(), options.get(), post.get(), &job);
+      REQUIRE((posted == WELKIN_OK || posted == WELKIN_INVALID_ARGUMENT));
+      REQUIRE((job != nullptr) == (posted == WELKIN_OK));
+      if (readable) ++owed;
+      welkin_job_release(job);
+    }
+  }
+  REQUIRE(refused > 500);
+  REQUIRE(done > 500);
+  REQUIRE(released.load() == owed);
+}
+
+// Many threads retain, ask, cancel and release; each job's pixels are released once, and each handle lives until its
+// last reference goes.
+
+namespace {
+
+/// One post's pixels: how often they were released, and whether the job's callback came.
+struct Slot {
+  std::atomic<int> released{0};
+  std::atomic<int> completed{0};
+};
+
+void release_slot(void* slot) { static_cast<Slot*>(slot)->released.fetch_add(1); }
+void complete_slot(welkin_job* job, void* slot) {
+  if (welkin_job_poll(job, nullptr) != WELKIN_NOT_READY) static_cast<Slot*>(slot)->completed.fetch_add(1);
+}
+
+welkin_post_options post_for(Slot& slot) {
+  auto post = c_struct<welkin_post_options>();
+  post.release = release_slot;
+  post.release_user = &slot;
+  post.completed = complete_slot;
+  post.completed_user = &slot;
+  return post;
+}
+
+}  // namespace
+
+TEST_CASE("C: a handle is shared by many threads", "[c_interface]") {
+  constexpr int kThreads = 4;
+  const CWorker worker(2);
+  const auto cube = make_cubemap(Content::random, 32, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  std::atomic<int> wrong{0};
+  for (int round = 0; round < 50; ++round) {
+    welkin_job* job = nullptr;
+    REQUIRE(welkin_post_project_cubemap(worker.get(), &view, 1, nullptr, nullptr, &job) == WELKIN_OK);
+    std::vector<std::thread> threads;
+    for (int i = 0; i < kThreads; ++i) {
+      welkin_job_retain(job);
+      threads.emplace_back([&wrong, job, i, round] {
+        if (i == 0 && round % 2 == 0) welkin_job_cancel(job, nullptr);
+        const welkin_status status = welkin_job_wait(job, WELKIN_NO_LIMIT);
+        if (status != WELKIN_OK && status != WELKIN_CANCELLED) wrong.fetch_add(1);
+        auto light = c_struct<welkin_projection>();
+        if (welkin_job_projection(job, &light) != status) wrong.fetch_add(1);
+        welkin_job_release(job);
+      });
+    }
+    welkin_job_release(job);  // the others keep it
+    for (std::thread& thread : threads) thread.join();
+  }
+  REQUIRE(wrong.load() == 0);
+}
+
+TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and terminates", "[c_interface]") {
+  constexpr int kThreads = 3;
+  constexpr int kPosts = 60;
+  const unsigned seed = 4711;
+  INFO("seed " << seed);
+  const auto cube = make_cubemap(Content::random, 24, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  for (unsigned round = 0; round < 8; ++round) {
+    std::vector<Slot> slots(std::size_t{kThreads} * kPosts);
+    std::atomic<int> posted{0};
+    auto options = c_struct<welkin_worker_options>();
+    options.threads = 2;
+    options.most_jobs = 16;
+    options.when_full = static_cast<welkin_when_full>(round % 3);
+    welkin_worker* worker = nullptr;
+    REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
+    std::vector<std::thread> threads;
+    for (unsigned i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&, i] {
+        std::mt19937 random(seed + round * kThreads + i);
+        for (unsigned k = 0; k < kPosts; ++k) {
+          welkin_post_options post = post_for(slots[i * kPosts + k]);
+          const std::array<const char*, 4> keys{nullptr, nullptr, "one", "two"};
+          post.key = keys.at(random() % keys.size());
+          post.priority = static_cast<welkin_priority>(random() % 3) - 1;
+          welkin_job* job = nullptr;
+          if (welkin_post_project_cubemap(worker, &view, 1, nullptr, &post, &job) == WELKIN_OK) posted.fetch_add(1);
+          if (random() % 3 == 0) welkin_job_cancel(job, nullptr);
+          if (random() % 4 == 0) welkin_worker_drain(worker, 0, nullptr);
+          if (i == 0 && k == kPosts / 2 && round % 2 == 0) welkin_worker_terminate(worker);
+          welkin_job_release(job);
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    welkin_worker_wait_until_idle(worker);
+    REQUIRE(welkin_worker_terminate(worker) == WELKIN_OK);
+    REQUIRE(welkin_worker_drain(worker, WELKIN_NO_LIMIT, nullptr) == WELKIN_OK);
+    welkin_worker_destroy(worker);
+    REQUIRE(posted.load() == static_cast<int>(slots.size()));
+    for (const Slot& slot : slots) {
+      REQUIRE(slot.released.load() == 1);
+      REQUIRE(slot.completed.load() == 1);
+    }
+  }
+}
+
+// What comes through the C interface is, bit for bit, what the C++ calls give.
+
+namespace {
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+bool same_triple(const double* values, const glm::dvec3& expected) {
+  return same_bits(values[0], expected.x) && same_bits(values[1], expected.y) && same_bits(values[2], expected.z);
+}
+
+void require_same(const welkin_projection& light, const Projection& expected) {
+  REQUIRE(light.bands == expected.radiance.bands());
+  const auto coefficients = expected.radiance.coefficients();
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    INFO("coefficient " << i);
+    REQUIRE(same_triple(light.coefficients + 3 * i, coefficients[i]));
+  }
+  for (std::size_t i = 3 * coefficients.size(); i < std::size(light.coefficients); ++i) {
+    REQUIRE(light.coefficients[i] == 0.0);
+  }
+  const ProjectionDiagnostics& diagnostics = expected.diagnostics;
+  REQUIRE(light.texels == diagnostics.texels);
+  REQUIRE(light.nans_replaced == diagnostics.nans_replaced);
+  REQUIRE(light.infinities_replaced == diagnostics.infinities_replaced);
+  REQUIRE(light.negatives_replaced == diagnostics.negatives_replaced);
+  REQUIRE(light.texels_clamped == diagnostics.texels_clamped);
+  REQUIRE(same_triple(light.flux_before_clamp, diagnostics.flux_before_clamp));
+  REQUIRE(same_triple(light.flux, diagnostics.flux));
+  REQUIRE(same_bits(light.error_estimate, diagnostics.error_estimate));
+}
+
+/// Every option away from its default in one of them at least, in both languages.
+struct Wanted {
+  ProjectionOptions options;
+  welkin_projection_options c_options;
+};
+
+std::vector<Wanted> all_wanted() {
+  std::vector<Wanted> all(5, {{}, c_struct<welkin_projection_options>()});
+  all[1].options = {.bands = 16, .clamp = RadianceClamp{100.0F, true}, .negative = NegativePolicy::replace};
+  all[1].c_options.bands = 16;
+  all[1].c_options.clamp_maximum = 100.0F;
+  all[1].c_options.clamp_preserve_colour = 1;
+  all[1].c_options.negative = WELKIN_NEGATIVE_REPLACE;
+  all[2].options = {.quadrature = Quadrature::midpoint, .target_size = 8, .gamma = true};
+  all[2].c_options.quadrature = WELKIN_QUADRATURE_MIDPOINT;
+  all[2].c_options.target_size = 8;
+  all[2].c_options.gamma = 1;
+  all[3].options = {.bands = 1, .clamp = RadianceClamp{2.5F, false}};
+  all[3].c_options.bands = 1;
+  all[3].c_options.clamp_maximum = 2.5F;
+  all[4].options = {.bands = 4, .target_size = 16};
+  all[4].c_options.bands = 4;
+  all[4].c_options.target_size = 16;
+  return all;
+}
+
+/// The result of a posted job. `post` gets where the handle is to go.
+welkin_projection posted(const std::function<welkin_status(welkin_job**)>& post) {
+  welkin_job* job = nullptr;
+  REQUIRE(post(&job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
+  auto light = c_struct<welkin_projection>();
+  REQUIRE(welkin_job_projection(job, &light) == WELKIN_OK);
+  welkin_job_release(job);
+  return light;
+}
+
+}  // namespace
+
+TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_interface]") {
+  const CWorker worker(2);
+  const auto large = make_cubemap_half(Content::special_values, 32, 4, 1);
+  const auto small = make_cubemap_half(Content::random, 16, 4, 2);
+  const std::vector<CubemapView> views{large.view(), small.view()};
+  const std::vector<welkin_cubemap> mips{c_view(views[0]), c_view(views[1])};
+  for (const auto& [options, c_options] : all_wanted()) {
+    for (const std::size_t levels : {1U, 2U}) {
+      const Projection expected = project(std::span(views).first(levels), options);
+      const auto count = static_cast<std::int32_t>(levels);
+      auto light = c_struct<welkin_projection>();
+      REQUIRE(welkin_project_cubemap(mips.data(), count, &c_options, nullptr, &light) == WELKIN_OK);
+      require_same(light, expected);
+      require_same(posted([&, options = &c_options](welkin_job** job) {
+                     return welkin_post_project_cubemap(worker.get(), mips.data(), count, options, nullptr, job);
+                   }),
+                   expected);
+    }
+  }
+}
+
+TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
+  const CWorker worker(2);
+  const auto picture = make_lat_long(Content::high_range, 128, 64, 3);
+  const welkin_lat_long view = c_view(picture.view());
+  for (const auto& [options, c_options] : all_wanted()) {
+    const Projection expected = project(picture.view(), options);
+    auto light = c_struct<welkin_projection>();
+    REQUIRE(welkin_project_lat_long(&view, &c_options, nullptr, &light) == WELKIN_OK);
+    require_same(light, expected);
+    require_same(posted([&, options = &c_options](welkin_job** job) {
+                   return welkin_post_project_lat_long(worker.get(), &view, options, nullptr, job);
+                 }),
+                 expected);
+  }
+}
+
+TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
+  const CWorker worker(2);
+  const TemporaryDirectory directory;
+  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 4);
+  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
+  const std::string path = directory.file("sky.pfm").string();
+  auto reading = c_struct<welkin_read_options>();
+  reading.layout = WELKIN_LAYOUT_LAT_LONG;
+  reading.primaries = WELKIN_PRIMARIES_AS_STORED;
+  for (const auto& [options, c_options] : all_wanted()) {
+    const Projection expected = project_file(path, {}, options);
+    auto light = c_struct<welkin_projection>();
+    REQUIRE(welkin_project_file(path.c_str(), &reading, &c_options, nullptr, &light) == WELKIN_OK);
+    require_same(light, expected);
+    require_same(posted([&, options = &c_options](welkin_job** job) {
+                   return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr, job);
+                 }),
+                 expected);
+  }
+}
+
+TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interface]") {
+  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
+  for (const int bands : {1, 2, 3, 5}) {
+    const Projection light = project(picture.view(), {.bands = bands});
+    std::vector<double> radiance;
+    for (const glm::dvec3& rgb : light.radiance.coefficients()) radiance.insert(radiance.end(), {rgb.x, rgb.y, rgb.z});
+
+    const SphericalHarmonics expected = irradiance_from_radiance(light.radiance);
+    std::vector<double> irradiance(radiance.size());
+    REQUIRE(welkin_irradiance_from_radiance(bands, radiance.data(), irradiance.data()) == WELKIN_OK);
+    for (std::size_t i = 0; i < expected.coefficients().size(); ++i) {
+      REQUIRE(same_triple(irradiance.data() + 3 * i, expected.coefficients()[i]));
+    }
+
+    const double direction[3] = {0.6, 0.0, -0.8};
+    double value[3];
+    REQUIRE(welkin_evaluate(bands, irradiance.data(), direction, value) == WELKIN_OK);
+    REQUIRE(same_triple(value, evaluate(expected, {0.6, 0.0, -0.8})));
+
+    for (const Convention& convention : conventions()) {
+      auto form = c_struct<welkin_engine_light>();
+      const auto number = static_cast<welkin_engine>(convention.engine);
+      for (const bool turned : {false, true}) {
+        const auto call = turned ? welkin_engine_light_from_radiance : welkin_engine_light_in_place;
+        const welkin_status status = call(bands, radiance.data(), number, &form);
+        INFO(convention.name);
+        REQUIRE((status == WELKIN_OK) == has_engine_light(convention.engine));
+        if (status != WELKIN_OK) continue;
+        const EngineLight engine = turned ? engine_light(light.radiance, convention.engine)
+                                          : engine_light_in_place(light.radiance, convention.engine);
+        REQUIRE(form.engine == number);
+        REQUIRE(static_cast<std::size_t>(form.term_count) == engine.terms.size());
+        REQUIRE(static_cast<std::size_t>(form.vector_count) == engine.vectors.size());
+        for (std::size_t i = 0; i < engine.terms.size(); ++i) REQUIRE(same_triple(form.terms[i], engine.terms[i].rgb));
+        for (std::size_t i = 0; i < engine.vectors.size(); ++i) {
+          REQUIRE(same_triple(form.vectors[i], glm::dvec3(engine.vectors[i].value)));
+          REQUIRE(same_bits(form.vectors[i][3], engine.vectors[i].value.w));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,542 @@
+// What names an entry of the cache, and that no entry is believed.
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <functional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cache/entry_store.h"
+#include "cache/payloads.h"
+#include "support/catch.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/content_hash.h"
+#include "welkin/environment_file.h"
+#include "welkin/result_cache.h"
+
+namespace welkin::test {
+
+// Hashes follow what pixels and options say, and nothing else.
+
+namespace {
+
+/// The same texels with rows further apart and turned upside down in memory, and junk between them.
+struct Strided {
+  std::vector<std::byte> memory;
+  CubemapView view;
+};
+
+Strided strided(const CubemapView& packed, std::ptrdiff_t padding, bool upside_down) {
+  const auto rows = static_cast<std::ptrdiff_t>(packed.size);
+  const auto row = static_cast<std::ptrdiff_t>(bytes_per_texel(packed.format)) * rows;
+  const std::ptrdiff_t stride = row + padding;
+  Strided result{std::vector<std::byte>(static_cast<std::size_t>(6 * rows * stride), std::byte{0x5a}), packed};
+  for (std::ptrdiff_t face = 0; face < 6; ++face) {
+    std::byte* const first = result.memory.data() + face * rows * stride;
+    for (std::ptrdiff_t r = 0; r < rows; ++r) {
+      const auto* const from = static_cast<const std::byte*>(packed.faces[static_cast<std::size_t>(face)]) + r * row;
+      std::memcpy(first + (upside_down ? rows - 1 - r : r) * stride, from, static_cast<std::size_t>(row));
+    }
+    result.view.faces[static_cast<std::size_t>(face)] = upside_down ? first + (rows - 1) * stride : first;
+  }
+  result.view.row_stride_bytes = upside_down ? -stride : stride;
+  return result;
+}
+
+TEST_CASE("hash: where rows lie in memory does not matter") {
+  for (const int size : {1, 2, 37, 128}) {
+    const TestCubemap cubemap = make_cubemap(Content::smooth, size, 4, 7);
+    const ContentHash hash = hash_pixels(cubemap.view());
+    CHECK(hash_pixels(strided(cubemap.view(), 0, false).view) == hash);
+    CHECK(hash_pixels(strided(cubemap.view(), 48, false).view) == hash);
+    CHECK(hash_pixels(strided(cubemap.view(), 16, true).view) == hash);
+  }
+}
+
+TEST_CASE("hash: threads do not matter") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 300, 3, 3);
+  const TestLatLong lat_long = make_lat_long(Content::random, 700, 350, 3);
+  std::set<ContentHash> hashes;
+  for (const int threads : {1, 2, 3, 8}) {
+    run_with_threads(threads, [&] {
+      const std::array parts = {hash_pixels(cubemap.view()), hash_pixels(lat_long.view())};
+      hashes.insert(combine(parts));
+    });
+  }
+  CHECK(hashes.size() == 1);
+}
+
+TEST_CASE("hash: every texel, every channel and every face counts") {
+  const TestCubemap original = make_cubemap(Content::random, 150, 3, 1);
+  const std::array<ContentHash, 6> faces = hash_faces(original.view());
+  std::set<ContentHash> seen{hash_pixels(original.view())};
+  const std::size_t face_values = original.pixels.size() / 6;
+  // First and last values of faces, and of the blocks of rows that are hashed apart.
+  const std::vector<std::size_t> places = {0, 1, 2, 449, 450, face_values - 1, 65535, 65536, face_values / 2};
+  for (std::size_t face = 0; face < 6; ++face) {
+    for (const std::size_t place : places) {
+      TestCubemap changed = original;
+      changed.pixels[face * face_values + place] += 1.0F;
+      INFO(face << ' ' << place);
+      CHECK(seen.insert(hash_pixels(changed.view())).second);
+      const std::array<ContentHash, 6> now = hash_faces(changed.view());
+      for (std::size_t other = 0; other < 6; ++other) CHECK((now[other] == faces[other]) == (other != face));
+    }
+  }
+}
+
+TEST_CASE("hash: the same bytes in another shape or format are something else") {
+  const std::vector<float> values(6 * 4 * 4 * 3, 0.25F);
+  std::set<ContentHash> seen;
+  for (const auto& [width, height] : {std::pair{24, 4}, std::pair{4, 24}, std::pair{12, 8}}) {
+    CHECK(seen.insert(hash_pixels(LatLongView{values.data(), width, height, 0, PixelFormat::rgb_f32})).second);
+  }
+  CHECK(seen.insert(hash_pixels(LatLongView{values.data(), 48, 4, 0, PixelFormat::rgb_f16})).second);
+  CHECK(seen.insert(hash_pixels(LatLongView{values.data(), 96, 4, 0, PixelFormat::rgb_u8})).second);
+  CHECK(seen.insert(hash_pixels(LatLongView{values.data(), 96, 4, 0, PixelFormat::rgb_srgb8})).second);
+  const CubemapImage cubemap{4, values};
+  CHECK(seen.insert(hash_pixels(cubemap.view())).second);
+}
+
+TEST_CASE("hash: faces in another order are another cubemap") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  CubemapView swapped = cubemap.view();
+  std::swap(swapped.faces[0], swapped.faces[1]);
+  CHECK(hash_pixels(swapped) != hash_pixels(cubemap.view()));
+  CHECK(hash_faces(swapped)[0] == hash_faces(cubemap.view())[1]);
+}
+
+TEST_CASE("hash: what no call accepts is refused, and cancelling works") {
+  CHECK(thrown_by([] { static_cast<void>(hash_pixels(CubemapView{})); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([] { static_cast<void>(hash_file("/nowhere/at/all")); }).code == ErrorCode::file_access);
+  std::stop_source stop;
+  stop.request_stop();
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  CHECK(thrown_by([&] {
+          static_cast<void>(hash_pixels(cubemap.view(), {stop.get_token(), {}}));
+        }).code == ErrorCode::cancelled);
+}
+
+TEST_CASE("hash: files by their bytes") {
+  const TemporaryDirectory directory;
+  std::vector<char> bytes(3'000'000, 'x');
+  write_bytes(directory.file("a"), bytes);
+  write_bytes(directory.file("b"), bytes);
+  CHECK(hash_file(directory.file("a")) == hash_file(directory.file("b")));
+  CHECK(hash_file(directory.file("a")) == hash_bytes(bytes.data(), bytes.size()));
+  bytes.back() = 'y';
+  write_bytes(directory.file("b"), bytes);
+  CHECK(hash_file(directory.file("a")) != hash_file(directory.file("b")));
+}
+
+TEST_CASE("hash: in text it has 32 digits") {
+  CHECK(ContentHash{0x0123456789abcdefU, 0xfU}.text() == "0123456789abcdef000000000000000f");
+  // XXH3-128 of nothing, seed 0, as its specification has it: entries outlive programs.
+  CHECK(hash_bytes(nullptr, 0).text() == "99aa06d3014798d86001c324468d497f");
+}
+
+}  // namespace
+
+// No field that a result depends on is left out of its hash, and none that it does not depend on is in it.
+
+namespace {
+
+/// Every change gives a hash of its own.
+template <class Options>
+void check_changes(const Options& plain, const std::vector<std::function<void(Options&)>>& changes) {
+  std::set<ContentHash> seen{hash_options(plain)};
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    Options options = plain;
+    changes[k](options);
+    INFO("change " << k);
+    CHECK(seen.insert(hash_options(options)).second);
+  }
+}
+
+template <class Options>
+void check_without_effect(const Options& plain, const std::function<void(Options&)>& change) {
+  Options options = plain;
+  change(options);
+  CHECK(hash_options(options) == hash_options(plain));
+}
+
+TEST_CASE("options: every field of a projection counts") {
+  using Options = ProjectionOptions;
+  check_changes<Options>({}, {[](Options& o) { o.bands = 4; }, [](Options& o) { o.quadrature = Quadrature::midpoint; },
+                              [](Options& o) { o.target_size = 4; }, [](Options& o) { o.clamp = RadianceClamp{}; },
+                              [](Options& o) { o.clamp = RadianceClamp{2.0F}; },
+                              [](Options& o) {
+                                o.clamp = RadianceClamp{2.0F, true};
+                              },
+                              [](Options& o) { o.gamma = true; }, [](Options& o) { o.nan = NonFinitePolicy::reject; },
+                              [](Options& o) { o.infinity = NonFinitePolicy::reject; },
+                              [](Options& o) { o.negative = NegativePolicy::replace; },
+                              [](Options& o) { o.negative = NegativePolicy::reject; }});
+}
+
+TEST_CASE("options: every field of a prefilter counts, but what it does not use of its pixels") {
+  using Options = PrefilterOptions;
+  check_changes<Options>(
+      {}, {[](Options& o) { o.size = 4; }, [](Options& o) { o.mips = 4; }, [](Options& o) { o.roughness = {0.5}; },
+           [](Options& o) {
+             o.roughness = {0.5, 0.5};
+           },
+           [](Options& o) { o.method = PrefilterMethod::sampled; }, [](Options& o) { o.rms_error = 0.5; },
+           [](Options& o) { o.maximum_error = 0.5; }, [](Options& o) { o.samples = 4; },
+           [](Options& o) { o.pixels.gamma = true; }, [](Options& o) { o.pixels.clamp = RadianceClamp{}; }});
+  check_without_effect<Options>({}, [](Options& o) { o.pixels.bands = 7; });
+}
+
+TEST_CASE("options: every field of a bake counts, but its limit and what is not used") {
+  using Options = BakeOptions;
+  check_changes<Options>(
+      {},
+      {[](Options& o) { o.background_size = 4; }, [](Options& o) { o.background = false; },
+       [](Options& o) { o.background_mips = false; }, [](Options& o) { o.mip_filter = MipFilter::box; },
+       [](Options& o) { o.specular.reset(); }, [](Options& o) { o.specular->size = 4; },
+       [](Options& o) { o.irradiance_size = 4; }, [](Options& o) { o.irradiance_method = IrradianceMethod::direct; },
+       [](Options& o) { o.bands = 4; }, [](Options& o) { o.brdf.reset(); }, [](Options& o) { o.brdf->width = 4; },
+       [](Options& o) { o.brdf->height = 4; }, [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; },
+       [](Options& o) { o.brdf->sheen = false; }, [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});
+  check_without_effect<Options>({}, [](Options& o) {
+    o.memory_limit_bytes = 5;
+    o.pixels.bands = 7;
+    o.specular->pixels.gamma = true;
+  });
+}
+
+TEST_CASE("options: every field of reading counts, but its limit") {
+  using Options = ReadOptions;
+  check_changes<Options>(
+      {}, {[](Options& o) { o.layout = Layout::lat_long; }, [](Options& o) { o.part = std::string("a"); },
+           [](Options& o) { o.layer = std::string("a"); }, [](Options& o) { o.level = 1; },
+           [](Options& o) { o.transfer = Transfer::linear; }, [](Options& o) { o.primaries = Primaries::as_stored; }});
+  check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
+}
+
+TEST_CASE("options: every field of sky tables counts, but their limit") {
+  using Options = SkyTableOptions;
+  check_changes<Options>(
+      {}, {[](Options& o) { o.layout = ScatteringLayout::compact; }, [](Options& o) { o.heights = 9; },
+           [](Options& o) { o.view_zeniths = 9; }, [](Options& o) { o.sun_zeniths = 9; },
+           [](Options& o) { o.sun_angles = 9; }, [](Options& o) { o.transmittance_heights = 9; },
+           [](Options& o) { o.transmittance_zeniths = 9; }, [](Options& o) { o.irradiance_heights = 9; },
+           [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.lowest_sun_degrees = -9.0; },
+           [](Options& o) { o.orders = 9; }, [](Options& o) { o.until_change = 0.5; },
+           [](Options& o) { o.colour = SkyColour::linear_srgb; }});
+  check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
+}
+
+TEST_CASE("options: every field of an atmosphere counts, but its name") {
+  using Options = Atmosphere;
+  check_changes<Options>(
+      earth(), {[](Options& o) { o.wavelengths_nm[1] = 500.0; }, [](Options& o) { o.bottom_radius_m += 1.0; },
+                [](Options& o) { o.top_radius_m += 1.0; }, [](Options& o) { o.rayleigh.scattering_per_m[2] *= 2.0; },
+                [](Options& o) {
+                  o.rayleigh.absorption_per_m = {0.0, 0.0, 1.0};
+                },
+                [](Options& o) { o.rayleigh.density[0].thickness_m += 1.0; },
+                [](Options& o) { o.rayleigh.density[0].exponential_term += 1.0; },
+                [](Options& o) { o.rayleigh.density[0].exponential_scale_per_m += 1.0; },
+                [](Options& o) { o.rayleigh.density[0].linear_term_per_m += 1.0; },
+                [](Options& o) { o.rayleigh.density[0].constant_term += 1.0; }, [](Options& o) { o.aerosol = {}; },
+                [](Options& o) { o.aerosol_phase = AerosolPhase::henyey_greenstein; },
+                [](Options& o) { o.aerosol_asymmetry = 0.1; }, [](Options& o) { o.absorbers.clear(); },
+                [](Options& o) { o.ground_albedo.clear(); }, [](Options& o) { o.solar_irradiance[0] *= 2.0; },
+                [](Options& o) { o.sun_angular_radius_degrees = 1.0; }});
+  check_without_effect<Options>(earth(), [](Options& o) { o.name = std::string("another"); });
+}
+
+}  // namespace
+
+// Whatever happens to the folder, results are right and calls succeed.
+
+namespace {
+
+using cache::EntryFolder;
+using cache::EntryKind;
+using cache::EntryName;
+
+constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  return files;
+}
+
+/// A payload whose every byte follows from the number.
+std::vector<std::uint8_t> payload_of(unsigned number, std::size_t bytes) {
+  std::vector<std::uint8_t> payload(bytes);
+  for (std::size_t k = 0; k < bytes; ++k) payload[k] = static_cast<std::uint8_t>(k * 31 + number * 7 + k / 256);
+  return payload;
+}
+
+EntryName named(unsigned number) { return {EntryKind::projection, {number, ~std::uint64_t{number}}}; }
+
+TEST_CASE("entries: a damaged byte, a cut and an appended byte are found out, and the entry is computed anew") {
+  const TemporaryDirectory directory;
+  const TestCubemap cubemap = make_cubemap(Content::random, 6, 3, 1);
+  const CacheOptions options{.folder = directory.file("cache"), .memory_bytes = 0};
+  const Projection truth = project(cubemap.view());
+  static_cast<void>(ResultCache(options).project(cubemap.view()));
+  REQUIRE(files_in(options.folder).size() == 1);
+  const std::filesystem::path path = files_in(options.folder).front();
+  const std::vector<char> sound = read_bytes(path);
+  const auto survives = [&](const std::vector<char>& damaged) {
+    write_bytes(path, damaged);
+    ResultCache cache(options);
+    CHECK(same_bytes<glm::dvec3>(cache.project(cubemap.view()).radiance.coefficients(), truth.radiance.coefficients()));
+    CHECK(cache.statistics().damaged == 1);
+    CHECK(cache.statistics().disk_hits == 0);
+    CHECK(read_bytes(path).size() == sound.size());
+  };
+  for (std::size_t place = 0; place < sound.size(); place += place < 64 ? 1 : 41) {
+    std::vector<char> damaged = sound;
+    damaged[place] = static_cast<char>(damaged[place] ^ 4);
+    survives(damaged);
+  }
+  for (const std::size_t length : {std::size_t{0}, std::size_t{63}, std::size_t{64}, sound.size() - 1}) {
+    survives({sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(length)});
+  }
+  std::vector<char> longer = sound;
+  longer.push_back(0);
+  survives(longer);
+}
+
+/// What the folder's files say that they are.
+std::vector<EntryName> names_in(const std::filesystem::path& folder) {
+  std::vector<EntryName> names;
+  for (const std::filesystem::path& path : files_in(folder)) {
+    const std::vector<char> bytes = read_bytes(path);
+    const std::vector<std::uint8_t> unsigned_bytes(bytes.begin(), bytes.end());
+    const auto statement = cache::read_entry_header(unsigned_bytes);
+    REQUIRE(statement.has_value());
+    names.push_back(statement->name);
+  }
+  return names;
+}
+
+TEST_CASE("entries: whole ones of another shape than was asked for are computed anew") {
+  const TemporaryDirectory directory;
+  const CacheOptions options{.folder = directory.file("cache"), .memory_bytes = 0};
+  const TestLatLong picture = make_lat_long(Content::random, 32, 16, 3);
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  BakeOptions baking;
+  baking.specular = PrefilterOptions{.size = 8, .mips = 2};
+  baking.irradiance_size = 4;
+  baking.brdf.reset();
+  const SkyTableOptions sky{.heights = 4,
+                            .view_zeniths = 8,
+                            .sun_zeniths = 4,
+                            .sun_angles = 2,
+                            .transmittance_heights = 4,
+                            .transmittance_zeniths = 8,
+                            .irradiance_heights = 2,
+                            .irradiance_sun_zeniths = 4,
+                            .orders = 1};
+  const auto check_all = [&] {
+    ResultCache cache(options);
+    const BakeResult found = cache.bake(picture.view(), baking);
+    const BakeResult truth = bake(picture.view(), baking);
+    CHECK(same_bits(found.irradiance, truth.irradiance));
+    REQUIRE(found.background.size() == truth.background.size());
+    CHECK(same_bytes<float>({found.background.face(0, 0), found.background.bytes() / 4},
+                            {truth.background.face(0, 0), truth.background.bytes() / 4}));
+    CHECK(same_bytes(found.radiance->coefficients(), truth.radiance->coefficients()));
+    const Projection light = cache.project(cubemap.view(), {}, {.keep_faces = true});
+    CHECK(same_bytes<glm::dvec3>(light.radiance.coefficients(), project(cubemap.view()).radiance.coefficients()));
+    CHECK(cache.precompute_sky(earth(), sky).scattering == precompute_sky(earth(), sky).scattering);
+    return cache.statistics();
+  };
+  check_all();
+  const std::vector<EntryName> names = names_in(options.folder);
+  REQUIRE(names.size() > 10);
+  const std::vector<std::vector<std::uint8_t>> others = {
+      std::vector<std::uint8_t>(16, 0),          std::vector<std::uint8_t>(4096, 0),
+      cache::encode(CubemapChain(1, 1)),         cache::encode(Projection{SphericalHarmonics(7), {}}),
+      cache::encode(projection::FaceSums(1, 2)), cache::encode(SkyTables())};
+  for (const std::vector<std::uint8_t>& other : others) {
+    INFO("entries of " << other.size() << " bytes");
+    EntryFolder folder(options.folder, kLarge);
+    for (const EntryName& name : names) folder.store(name, other);
+    const CacheStatistics statistics = check_all();
+    CHECK(statistics.damaged > 4);
+    CHECK(statistics.disk_hits == 0);
+  }
+}
+
+TEST_CASE("entries: another entry under this name is not taken for it") {
+  const TemporaryDirectory directory;
+  EntryFolder folder(directory.file("cache"), kLarge);
+  folder.store(named(1), payload_of(1, 100));
+  const std::filesystem::path first = files_in(directory.file("cache")).front();
+  folder.store(named(2), payload_of(2, 100));
+  for (const std::filesystem::path& path : files_in(directory.file("cache"))) {
+    if (path != first) std::filesystem::copy_file(first, path, std::filesystem::copy_options::overwrite_existing);
+  }
+  CHECK(folder.find(named(1)) == payload_of(1, 100));
+  CHECK_FALSE(folder.find(named(2)).has_value());
+  CHECK(folder.counts().damaged == 1);
+}
+
+TEST_CASE("entries: files of others stay, and pipes and folders under an entry's name keep nobody waiting") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  EntryFolder folder(place, 1000);
+  const std::vector<std::string> theirs{"notes.txt", "mine.welkin-entry", ".welkin-notes.part", ".welkin-.part"};
+  for (const std::string& name : theirs) {
+    write_bytes(place / name, std::vector<char>(5000, 'x'));
+    std::filesystem::last_write_time(place / name,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(200));
+  }
+  folder.store(named(1), payload_of(1, 500));
+  const std::string name = [&] {
+    for (const auto& path : files_in(place)) {
+      if (std::ranges::find(theirs, path.filename().string()) == theirs.end()) return path.filename().string();
+    }
+    return std::string();
+  }();
+  std::filesystem::remove(place / name);
+  REQUIRE(mkfifo((place / name).c_str(), 0600) == 0);
+  CHECK_FALSE(folder.find(named(1)).has_value());
+  std::filesystem::create_directory(place / name);
+  CHECK_FALSE(folder.find(named(1)).has_value());
+  for (unsigned number = 2; number < 6; ++number) folder.store(named(number), payload_of(number, 500));
+  const EntryFolder once_more(place, 1000);
+  for (const std::string& each : theirs) CHECK(std::filesystem::exists(place / each));
+}
+
+TEST_CASE("entries: the least recently used go when the folder is full") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  EntryFolder folder(place, 3 * (1000 + cache::kEntryHeaderBytes));
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(15)); };
+  for (unsigned number = 1; number <= 3; ++number) {
+    folder.store(named(number), payload_of(number, 1000));
+    pause();
+  }
+  CHECK(folder.find(named(1)).has_value());
+  pause();
+  folder.store(named(4), payload_of(4, 1000));
+  CHECK(folder.find(named(1)).has_value());
+  CHECK_FALSE(folder.find(named(2)).has_value());
+  CHECK(folder.find(named(4)).has_value());
+  folder.store(named(5), payload_of(5, 100'000));
+  CHECK_FALSE(folder.find(named(5)).has_value());
+  CHECK(files_in(place).size() == 3);
+  EntryFolder smaller(place, 1200);
+  CHECK(files_in(place).size() == 1);
+}
+
+TEST_CASE("entries: what a killed writer left behind goes after an hour") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  std::filesystem::create_directory(place);
+  write_bytes(place / ".welkin-1-0.part", {'x'});
+  write_bytes(place / ".welkin-2-0.part", {'x'});
+  std::filesystem::last_write_time(place / ".welkin-1-0.part",
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
+  const EntryFolder folder(place, 1000);
+  CHECK_FALSE(std::filesystem::exists(place / ".welkin-1-0.part"));
+  CHECK(std::filesystem::exists(place / ".welkin-2-0.part"));
+}
+
+TEST_CASE("entries: a folder that cannot be is no reason to fail") {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("file"), {'x'});
+  const TestCubemap cubemap = make_cubemap(Content::random, 6, 3, 1);
+  ResultCache cache({.folder = directory.file("file") / "cache"});
+  const Projection projection = cache.project(cubemap.view());
+  CHECK(same_bytes<glm::dvec3>(projection.radiance.coefficients(), project(cubemap.view()).radiance.coefficients()));
+  CHECK(cache.statistics().write_failures == 2);
+  CHECK_FALSE(cache.statistics().last_failure.empty());
+  CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == "reuse");
+}
+
+/// Runs `work` in a process of its own; what it returns.
+template <class Work>
+pid_t start_process(const Work& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  return child;
+}
+
+int exit_code(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
+}
+
+TEST_CASE("entries: a full disk is no reason to fail and leaves nothing behind") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  const pid_t child = start_process([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4096, 4096};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    EntryFolder folder(place, kLarge);
+    folder.store(named(1), payload_of(1, 100'000));
+    folder.store(named(2), payload_of(2, 1000));
+    const bool right = folder.counts().write_failures == 1 && !folder.find(named(1)) && folder.find(named(2));
+    return right ? 0 : 1;
+  });
+  CHECK(exit_code(child) == 0);
+  CHECK(files_in(place).size() == 1);
+}
+
+/// Stores and finds entries among those of others; 0 if all that was found was right.
+int work_among_others(const std::filesystem::path& place, unsigned seed, int rounds) {
+  // Little room: entries come and go under the readers' hands.
+  EntryFolder folder(place, 40'000);
+  unsigned state = seed * 2654435761U + 1;
+  for (int round = 0; round < rounds; ++round) {
+    state = state * 1664525U + 1013904223U;
+    const unsigned number = (state >> 16U) % 12;
+    const std::size_t bytes = 1000 + 500 * number;
+    if (const auto found = folder.find(named(number)); found && *found != payload_of(number, bytes)) return 1;
+    if ((state >> 28U) % 2 == 0) folder.store(named(number), payload_of(number, bytes));
+  }
+  return folder.counts().write_failures == 0 ? 0 : 2;
+}
+
+TEST_CASE("entries: processes and threads that share a folder never see half an entry") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  std::vector<pid_t> children;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    children.push_back(start_process([&] { return work_among_others(place, seed, 60); }));
+  }
+  const pid_t killed = start_process([&] { return work_among_others(place, 9, 1'000'000); });
+  for (const pid_t child : children) CHECK(exit_code(child) == 0);
+  kill(killed, SIGKILL);
+  CHECK(exit_code(killed) == 256 + SIGKILL);
+  std::vector<int> codes(3, -1);
+  std::vector<std::thread> threads;
+  for (unsigned k = 0; k < 3; ++k) {
+    threads.emplace_back([&, k] { codes[k] = work_among_others(place, 20 + k, 60); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(codes == std::vector<int>{0, 0, 0});
+  EntryFolder folder(place, kLarge);
+  for (unsigned number = 0; number < 12; ++number) {
+    const auto found = folder.find(named(number));
+    CHECK((!found || *found == payload_of(number, 1000 + 500 * number)));
+  }
+  CHECK(folder.counts().damaged == 0);
+}
+
+}  // namespace
+
+}  // namespace welkin::test

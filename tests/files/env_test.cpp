@@ -1,0 +1,500 @@
+// `.env` files: ours come back, and Babylon.js's own are read as it means them.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <sstream>
+#include <tuple>
+
+#include "files/rgbd.h"
+#include "places.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "support/webp_env.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+
+// Promises: an .env that we write is the one that we read, up to RGBD's rounding; its pictures and bytes do not depend
+// on the number of threads; what it cannot hold is counted or refused.
+
+namespace {
+
+BabylonPolynomial some_polynomial() {
+  BabylonPolynomial polynomial;
+  double value = 0.1;
+  for (glm::dvec3* term : {&polynomial.x, &polynomial.y, &polynomial.z, &polynomial.xx, &polynomial.yy, &polynomial.zz,
+                           &polynomial.yz, &polynomial.zx, &polynomial.xy}) {
+    *term = {value, -value / 3.0, value * 7.0};
+    value *= 1.7;
+  }
+  return polynomial;
+}
+
+bool same_bits(const BabylonPolynomial& a, const BabylonPolynomial& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+BabylonEnvironment some_environment(int size, int octaves = 6) {
+  BabylonEnvironment environment;
+  environment.specular = noisy_chain(size, full_chain_levels(size), octaves);
+  environment.polynomial = some_polynomial();
+  return environment;
+}
+
+CubemapImage some_irradiance(int size) {
+  const CubemapChain chain = noisy_chain(size, 1, 3, 7);
+  return {size, {chain.face(0, 0), chain.face(0, 0) + 6 * face_values(chain, 0)}};
+}
+
+/// RGBD in double, by libm: readable, for comparison.
+std::array<double, 3> through_rgbd(const float* rgb) {
+  const double largest =
+      std::max({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2]), 1e-7});
+  const double d = std::clamp(std::floor(std::max(255.0 / largest, 1.0)) / 255.0, 0.0, 1.0);
+  std::array<double, 3> back{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double code = std::round(255.0 * std::min(1.0, std::pow(static_cast<double>(rgb[c]) * d, 1.0 / 2.2)));
+    back[c] = std::pow(code / 255.0, 2.2) / d;
+  }
+  return back;
+}
+
+/// The frames of CubemapView, face by face: normal, where columns and where rows run along.
+constexpr std::array<std::array<glm::dvec3, 3>, 6> kFrames{{{{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}}},
+                                                            {{{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}}},
+                                                            {{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}},
+                                                            {{{0, -1, 0}, {1, 0, 0}, {0, 0, -1}}},
+                                                            {{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}},
+                                                            {{{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}}};
+
+glm::dvec3 texel_direction(int size, int face, int column, int row) {
+  const auto& frame = kFrames[static_cast<std::size_t>(face)];
+  return frame[0] + frame[1] * ((2.0 * column + 1.0) / size - 1.0) + frame[2] * ((2.0 * row + 1.0) / size - 1.0);
+}
+
+/// Face, column and row of the texel that a direction of length 1 along its largest axis meets.
+std::tuple<int, int, int> texel_at(int size, const glm::dvec3& direction) {
+  for (int face = 0; face < 6; ++face) {
+    const auto& frame = kFrames[static_cast<std::size_t>(face)];
+    if (glm::dot(direction, frame[0]) < 1.0 - 1e-12) continue;
+    const auto index = [&](const glm::dvec3& axis) {
+      return static_cast<int>((glm::dot(direction, axis) + 1.0) / 2.0 * size);
+    };
+    return {face, index(frame[1]), index(frame[2])};
+  }
+  return {0, 0, 0};
+}
+
+bool is_rgbd_of(const CubemapChain& written, const CubemapChain& read) {
+  if (written.size() != read.size() || written.levels() != read.levels()) return false;
+  for (int level = 0; level < written.levels(); ++level) {
+    for (int face = 0; face < 6; ++face) {
+      for (std::size_t i = 0; i < face_values(written, level); i += 3) {
+        const std::array<double, 3> wanted = through_rgbd(written.face(level, face) + i);
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto found = static_cast<double>(read.face(level, face)[i + c]);
+          if (!(std::abs(found - wanted[c]) <= 1e-6 * wanted[c])) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes its sign", "[codec][env]") {
+  const CubemapChain chain = noisy_chain(5, 3);
+  SphericalHarmonics radiance(3);
+  for (int l = 0; l < 3; ++l) {
+    for (int m = -l; m <= l; ++m) radiance.at(l, m) = glm::dvec3(1.0 + l * 3 + m, 0.5 * m, l - 0.25 * m);
+  }
+  const BabylonEnvironment turned = to_babylon(chain, radiance, some_irradiance(3));
+  for (int level = 0; level < 3; ++level) {
+    const int size = chain.level_size(level);
+    for (int face = 0; face < 6; ++face) {
+      for (int row = 0; row < size; ++row) {
+        for (int column = 0; column < size; ++column) {
+          glm::dvec3 direction = texel_direction(size, face, column, row);
+          direction.x = -direction.x;
+          const auto [other_face, other_column, other_row] = texel_at(size, direction);
+          const float* from = chain.face(level, face) + 3 * (row * size + column);
+          const float* to = turned.specular.face(level, other_face) + 3 * (other_row * size + other_column);
+          CHECK(std::equal(from, from + 3, to));
+        }
+      }
+    }
+  }
+  CHECK(same_bits(mirrored_x(turned.specular), chain));
+  CHECK(same_bits(mirrored_x(turned.irradiance), some_irradiance(3)));
+  // Twice E / pi of the polynomial's kind in a direction is that of the mirrored direction.
+  REQUIRE(turned.polynomial);
+  const BabylonPolynomial straight = babylon_polynomial(radiance);
+  for (const glm::dvec3& normal : {glm::dvec3(1, 0, 0), glm::dvec3(0.6, 0.8, 0), glm::dvec3(0.36, 0.48, -0.8)}) {
+    const glm::dvec3 mirrored = evaluate(*turned.polynomial, normal * glm::dvec3(-1, 1, 1));
+    CHECK(glm::length(mirrored - evaluate(straight, normal)) < 1e-12);
+  }
+}
+
+TEST_CASE("RGBD has the byte whose colour is nearest in the encoded scale, over its whole range", "[codec][env]") {
+  const files::RgbdEncoder encoder;
+  const files::RgbdDecoder decoder;
+  for (int i = 0; i < 200000; ++i) {
+    const double value = std::pow(2.0, -14.0 + 22.0 * i / 200000.0);
+    const std::array<float, 3> rgb{static_cast<float>(value), static_cast<float>(value * 0.37), 0.0F};
+    if (rgb[0] > 255.0F) break;
+    std::array<std::uint8_t, 4> rgbd{};
+    std::array<float, 3> back{};
+    REQUIRE(encoder.encode(rgb.data(), 1, rgbd.data()) == 0);
+    decoder.decode(rgbd.data(), 1, back.data());
+    const std::array<double, 3> wanted = through_rgbd(rgb.data());
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(std::abs(static_cast<double>(back[c]) - wanted[c]) <= 1e-6 * wanted[c])) FAIL(rgb[c] << " " << back[c]);
+    }
+    // What the coding costs: half a step of 255 in the 1/2.2th power of the share of 1 that the divisor leaves.
+    if (value > 0.5) CHECK(std::abs(static_cast<double>(back[0]) / value - 1.0) < 0.5 * 2.2 / (255.0 * 0.72));
+  }
+}
+
+TEST_CASE("every byte of RGBD decodes to its power, and a divisor of 0 is taken as 1", "[codec][env]") {
+  const files::RgbdDecoder decoder;
+  for (int code = 0; code < 256; ++code) {
+    for (const int d : {0, 1, 2, 127, 255}) {
+      const auto byte = static_cast<std::uint8_t>(code);
+      const std::array<std::uint8_t, 4> rgbd{byte, byte, byte, static_cast<std::uint8_t>(d)};
+      std::array<float, 3> rgb{};
+      decoder.decode(rgbd.data(), 1, rgb.data());
+      const double wanted = std::pow(code / 255.0, 2.2) / (std::max(d, 1) / 255.0);
+      CHECK(std::abs(static_cast<double>(rgb[1]) - wanted) <= 1e-7 * wanted);
+    }
+  }
+}
+
+TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env]") {
+  const TemporaryDirectory directory;
+  for (const int size : {1, 2, 4, 64, 256}) {
+    CAPTURE(size);
+    BabylonEnvironment environment = some_environment(size);
+    environment.lod_generation_scale = 0.75;
+    const auto path = directory.file("sky.env");
+    const WriteReport report = write_babylon_environment(path, environment);
+    CHECK(report.values_clamped == 0);
+    CHECK(report.files == std::vector<std::filesystem::path>{path});
+    const BabylonEnvironment read = read_babylon_environment(path);
+    CHECK(read.version == 2);
+    CHECK(read.lod_generation_scale == 0.75);
+    CHECK(read.irradiance.size == 0);
+    CHECK(!read.dominant_direction);
+    REQUIRE(read.polynomial);
+    CHECK(same_bits(*read.polynomial, *environment.polynomial));
+    CHECK(is_rgbd_of(environment.specular, read.specular));
+  }
+}
+
+TEST_CASE("an .env's irradiance texture and dominant direction come back", "[codec][env]") {
+  const TemporaryDirectory directory;
+  for (const int size : {1, 31, 64}) {
+    BabylonEnvironment environment = some_environment(8);
+    environment.irradiance = some_irradiance(size);
+    environment.dominant_direction = glm::dvec3(0.1, -0.7, 0.3);
+    write_babylon_environment(directory.file("sky.env"), environment);
+    const BabylonEnvironment read = read_babylon_environment(directory.file("sky.env"));
+    REQUIRE(read.irradiance.size == size);
+    REQUIRE(read.dominant_direction);
+    CHECK(same_bits(*read.dominant_direction, *environment.dominant_direction));
+    CubemapChain written(size, 1);
+    CubemapChain found(size, 1);
+    std::copy(environment.irradiance.pixels.begin(), environment.irradiance.pixels.end(), written.face(0, 0));
+    std::copy(read.irradiance.pixels.begin(), read.irradiance.pixels.end(), found.face(0, 0));
+    CHECK(is_rgbd_of(written, found));
+  }
+}
+
+TEST_CASE("pictures in WebP without loss are the same light as in PNG, to the bit", "[codec][env]") {
+  const TemporaryDirectory directory;
+  for (const int size : {1, 4, 64}) {
+    BabylonEnvironment environment = some_environment(size);
+    environment.irradiance = some_irradiance(5);
+    write_babylon_environment(directory.file("png.env"), environment);
+    write_bytes(directory.file("webp.env"), with_webp_pictures(read_bytes(directory.file("png.env"))));
+    const BabylonEnvironment png = read_babylon_environment(directory.file("png.env"));
+    const BabylonEnvironment webp = read_babylon_environment(directory.file("webp.env"));
+    CHECK(same_bits(png.specular, webp.specular));
+    CHECK(same_bits(png.irradiance, webp.irradiance));
+  }
+}
+
+TEST_CASE("an .env without a polynomial says null", "[codec][env]") {
+  const TemporaryDirectory directory;
+  BabylonEnvironment environment = some_environment(2);
+  environment.polynomial.reset();
+  write_babylon_environment(directory.file("sky.env"), environment);
+  CHECK(!read_babylon_environment(directory.file("sky.env")).polynomial);
+  const std::vector<char> bytes = read_bytes(directory.file("sky.env"));
+  CHECK(std::string(bytes.begin(), bytes.end()).find("\"irradiance\":null") != std::string::npos);
+}
+
+TEST_CASE("an .env has the same bytes on any number of threads", "[codec][env]") {
+  const TemporaryDirectory directory;
+  const BabylonEnvironment environment = some_environment(128);
+  std::vector<char> first;
+  CubemapChain first_read;
+  for (const int threads : {1, 2, 5}) {
+    CubemapChain read;
+    run_with_threads(threads, [&] {
+      write_babylon_environment(directory.file("sky.env"), environment);
+      read = read_babylon_environment(directory.file("sky.env")).specular;
+    });
+    const std::vector<char> bytes = read_bytes(directory.file("sky.env"));
+    if (threads == 1) {
+      first = bytes;
+      first_read = std::move(read);
+      continue;
+    }
+    CHECK(bytes == first);
+    CHECK(same_bits(read, first_read));
+  }
+}
+
+TEST_CASE("values above 255, negatives and NaN are clamped and counted in an .env", "[codec][env]") {
+  const TemporaryDirectory directory;
+  BabylonEnvironment environment = some_environment(2);
+  float* texel = environment.specular.face(0, 3);
+  const std::array<float, 12> odd{
+      255.0F, 300.0F, 1e30F, -1.0F, -0.0F, 2.0F, NAN, 1.0F, 4.0F, std::numeric_limits<float>::infinity(), 0.0F, 3.0F};
+  std::copy(odd.begin(), odd.end(), texel);
+  CHECK(write_babylon_environment(directory.file("sky.env"), environment).values_clamped == 5);
+  const BabylonEnvironment read = read_babylon_environment(directory.file("sky.env"));
+  const float* back = read.specular.face(0, 3);
+  CHECK(back[0] == 255.0F);
+  CHECK(back[1] == 255.0F);
+  CHECK(back[2] == 255.0F);
+  CHECK(back[3] == 0.0F);
+  CHECK(back[4] == 0.0F);
+  CHECK(back[6] == 0.0F);
+  CHECK(back[9] == 255.0F);
+}
+
+TEST_CASE("what an .env cannot hold is refused before anything is written", "[codec][env]") {
+  const TemporaryDirectory directory;
+  const auto refusal = [&directory](const BabylonEnvironment& environment) {
+    const ThrownError error = thrown_by([&] { write_babylon_environment(directory.file("sky.env"), environment); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(!std::filesystem::exists(directory.file("sky.env")));
+    return error;
+  };
+  BabylonEnvironment environment = some_environment(4);
+  environment.specular = noisy_chain(6, 3);
+  CHECK(refusal(environment).says("power of two"));
+  environment.specular = noisy_chain(8, 3);
+  CHECK(refusal(environment).says("down to 1 texel"));
+  environment.specular = CubemapChain();
+  CHECK(refusal(environment).says("0 levels"));
+  environment = some_environment(4);
+  environment.polynomial->zz.y = NAN;
+  CHECK(refusal(environment).says("polynomial is not finite"));
+  environment = some_environment(4);
+  environment.lod_generation_scale = -0.5;
+  CHECK(refusal(environment).says("lodGenerationScale"));
+  environment = some_environment(4);
+  environment.irradiance = some_irradiance(4);
+  environment.irradiance.pixels.pop_back();
+  CHECK(refusal(environment).says("irradiance cubemap has 287 values"));
+  environment.irradiance = some_irradiance(4);
+  environment.polynomial.reset();
+  CHECK(refusal(environment).says("has a polynomial too"));
+  environment = some_environment(4);
+  environment.dominant_direction = glm::dvec3(0.0, 1.0, 0.0);
+  CHECK(refusal(environment).says("dominant direction"));
+}
+
+// Promises: the .env files that the real Babylon.js wrote are read as it means them: faces, rows, RGBD, polynomial,
+// irradiance texture; PNG and WebP.
+
+namespace {
+
+const std::filesystem::path kShared = WELKIN_SHARED;
+const std::filesystem::path kOracle = kShared / "oracles" / "web" / "env";
+
+bool is_here(const std::filesystem::path& path) {
+  if (std::filesystem::exists(path)) return true;
+  WARN("left out: " << path << " is not there");
+  return false;
+}
+
+/// What was handed to Babylon.js: 6 x 16 x 16 RGBA floats, row 0 on top.
+std::vector<float> source_of(const char* name) {
+  const std::vector<char> bytes = read_bytes(kOracle / (std::string(name) + ".f32"));
+  std::vector<float> rgba(bytes.size() / sizeof(float));
+  std::memcpy(rgba.data(), bytes.data(), rgba.size() * sizeof(float));
+  return rgba;
+}
+
+glm::dvec3 stored_term(const std::string& file, const std::string& term) {
+  std::ifstream lines(kShared / "hdr" / "REFERENCE_SH.csv");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(file) == std::string::npos || line.find("as stored") == std::string::npos) continue;
+    if (line.find("," + term + ",") == std::string::npos) continue;
+    std::istringstream numbers(line.substr(line.find("," + term + ",") + term.size() + 2));
+    glm::dvec3 rgb{};
+    char comma = 0;
+    numbers >> rgb.r >> comma >> rgb.g >> comma >> rgb.b;
+    return rgb;
+  }
+  FAIL("no term " << term << " of " << file);
+  return {};
+}
+
+/// Mean over a level's texels of |log2 of green / green|, once the faces of `chain` went through `turn`: texel (column,
+/// row) of a face of the cubemap is compared with the one that `turn` names in the chain.
+template <class Turn>
+double log_difference(const CubemapImage& cubemap, const CubemapChain& chain, int level, const Turn& turn) {
+  const int size = cubemap.size;
+  double sum = 0.0;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const auto [other_face, other_column, other_row] = turn(face, column, row);
+        const float ours = cubemap.pixels[static_cast<std::size_t>(((face * size + row) * size + column) * 3 + 1)];
+        const float theirs = chain.face(level, other_face)[(other_row * size + other_column) * 3 + 1];
+        sum += std::abs(
+            std::log2(std::max(1e-3, static_cast<double>(theirs)) / std::max(1e-3, static_cast<double>(ours))));
+      }
+    }
+  }
+  return sum / (6.0 * size * size);
+}
+
+}  // namespace
+
+TEST_CASE("Babylon.js's own RGBD of known texels is read where they were", "[codec][env][shared]") {
+  if (!is_here(kOracle / "code_16.env")) return;
+  for (const char* name : {"code_16", "range_16"}) {
+    const BabylonEnvironment read = read_babylon_environment(kOracle / (std::string(name) + ".env"));
+    const std::vector<float> source = source_of(name);
+    REQUIRE(read.specular.size() == 16);
+    REQUIRE(read.specular.levels() == 5);
+    const files::RgbdEncoder encoder;
+    const files::RgbdDecoder decoder;
+    for (int face = 0; face < 6; ++face) {
+      for (std::size_t texel = 0; texel < 256; ++texel) {
+        const float* from = source.data() + (static_cast<std::size_t>(face) * 256 + texel) * 4;
+        const float* found = read.specular.face(0, face) + 3 * texel;
+        // Our own coding of the texel; the GPU's powers may have gone to the next byte, its divisor to the next one.
+        std::array<std::uint8_t, 4> rgbd{};
+        std::array<float, 3> ours{};
+        encoder.encode(from, 1, rgbd.data());
+        decoder.decode(rgbd.data(), 1, ours.data());
+        const float largest = std::max({ours[0], ours[1], ours[2]});
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double off = std::abs(static_cast<double>(found[c]) - static_cast<double>(ours[c]));
+          CAPTURE(name, face, texel, c, found[c], ours[c]);
+          if (!(off <= 0.012 * static_cast<double>(largest))) FAIL("not the texel that it was");
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("range_16 is Babylon.js's clamp at 255", "[codec][env][shared]") {
+  if (!is_here(kOracle / "range_16.env")) return;
+  const BabylonEnvironment read = read_babylon_environment(kOracle / "range_16.env");
+  const float* values = read.specular.face(0, 0);
+  CHECK(*std::max_element(values, values + face_values(read.specular, 0)) == 255.0F);
+}
+
+TEST_CASE("real .env files are read whole, with the polynomial that they hold", "[codec][env][shared]") {
+  const std::filesystem::path folder = kShared / "hdr" / "cube";
+  if (!is_here(folder / "babylon_venice_sunset_128.env")) return;
+  const std::pair<const char*, int> files[] = {
+      {"babylon_dikhololo_night_64.env", 64},   {"babylon_lebombo_64_webp.env", 64},
+      {"babylon_potsdamer_platz_256.env", 256}, {"babylon_spruit_sunrise_128.env", 128},
+      {"babylon_studio_small_03_128.env", 128}, {"babylon_venice_sunset_128.env", 128}};
+  for (const auto& [file, size] : files) {
+    CAPTURE(file);
+    const BabylonEnvironment read = read_babylon_environment(folder / file);
+    CHECK(read.specular.size() == size);
+    CHECK(read.specular.levels() == full_chain_levels(size));
+    REQUIRE(read.polynomial);
+    CHECK(glm::length(read.polynomial->zx - stored_term(file, "zx")) < 1e-7);
+    CHECK(glm::length(read.polynomial->yy - stored_term(file, "yy")) < 1e-7);
+  }
+}
+
+TEST_CASE("real .env files show their photographs, right way up and not mirrored", "[codec][env][shared]") {
+  const std::pair<const char*, const char*> pairs[] = {{"babylon_dikhololo_night_64.env", "dikhololo_night_1k.hdr"},
+                                                       {"babylon_lebombo_64_webp.env", "lebombo_1k.hdr"},
+                                                       {"babylon_spruit_sunrise_128.env", "spruit_sunrise_1k.hdr"},
+                                                       {"babylon_venice_sunset_128.env", "venice_sunset_1k.hdr"}};
+  for (const auto& [file, photograph] : pairs) {
+    if (!is_here(kShared / "hdr" / "cube" / file)) return;
+    CAPTURE(file);
+    const CubemapChain chain = mirrored_x(read_babylon_environment(kShared / "hdr" / "cube" / file).specular);
+    const Environment picture = read_environment(kShared / "hdr" / "env" / photograph);
+    const int size = chain.size() / 2;  // level 1 is nearly sharp
+    const CubemapImage cubemap = to_cubemap(picture.lat_long(), size);
+    const int end = size - 1;
+    const auto difference = [&](const auto& turn) { return log_difference(cubemap, chain, 1, turn); };
+    const double as_it_is = difference([](int face, int column, int row) { return std::tuple(face, column, row); });
+    const double mirrored =
+        difference([end](int face, int column, int row) { return std::tuple(face, end - column, row); });
+    const double upside_down =
+        difference([end](int face, int column, int row) { return std::tuple(face, column, end - row); });
+    const double opposite = difference([](int face, int column, int row) { return std::tuple(face ^ 1, column, row); });
+    CHECK(as_it_is < 0.6 * mirrored);
+    CHECK(as_it_is < 0.6 * upside_down);
+    CHECK(as_it_is < 0.6 * opposite);
+  }
+}
+
+TEST_CASE("the same environment as PNG and as WebP is the same light", "[codec][env][shared]") {
+  if (!is_here(kOracle / "sky_64_webp.env")) return;
+  const CubemapChain png = read_babylon_environment(kOracle / "sky_64.env").specular;
+  const CubemapChain webp = read_babylon_environment(kOracle / "sky_64_webp.env").specular;
+  for (const int level : {0, 2, 4}) {
+    double difference = 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 6 * face_values(png, level); ++i) {
+      difference += std::abs(static_cast<double>(png.face(level, 0)[i]) - static_cast<double>(webp.face(level, 0)[i]));
+      sum += static_cast<double>(png.face(level, 0)[i]);
+    }
+    CHECK(difference < 0.05 * sum);
+  }
+}
+
+TEST_CASE("Babylon.js's irradiance texture and dominant direction are read", "[codec][env][shared]") {
+  if (!is_here(kOracle / "sky_64_irradiance_cdf.env")) return;
+  const BabylonEnvironment plain = read_babylon_environment(kOracle / "sky_64_irradiance.env");
+  const BabylonEnvironment cdf = read_babylon_environment(kOracle / "sky_64_irradiance_cdf.env");
+  CHECK(plain.irradiance.size == 32);
+  CHECK(cdf.irradiance.size == 32);
+  CHECK(cdf.dominant_direction);
+  REQUIRE(plain.polynomial);
+  // Irradiance over pi has the mean of the radiance (here unweighted, and by the samples of Babylon.js).
+  double mean = 0.0;
+  double radiance = 0.0;
+  for (const float value : plain.irradiance.pixels) mean += static_cast<double>(value);
+  for (std::size_t i = 0; i < 6 * face_values(plain.specular, 1); ++i) {
+    radiance += static_cast<double>(plain.specular.face(1, 0)[i]);
+  }
+  mean /= static_cast<double>(plain.irradiance.pixels.size());
+  radiance /= static_cast<double>(6 * face_values(plain.specular, 1));
+  CHECK(mean > 0.6 * radiance);
+  CHECK(mean < 1.4 * radiance);
+  // What a white surface reflects along +y, in the texture and by the polynomial's way back, is of one size.
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 32 * 32; ++i) sum += static_cast<double>(plain.irradiance.pixels[(2 * 1024 + i) * 3 + 1]);
+  const double up = evaluate(*plain.polynomial, {0.0, 1.0, 0.0}).g;
+  CHECK(sum / 1024.0 > 0.5 * up);
+  CHECK(sum / 1024.0 < 2.0 * up);
+}
+
+}  // namespace welkin::test

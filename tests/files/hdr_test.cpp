@@ -1,0 +1,491 @@
+// Radiance pictures: forms of scanlines, headers, refusals.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+#include "files/row_source.h"
+#include "support/catch.h"
+#include "support/close.h"
+#include "support/hdr_files.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
+
+namespace welkin::test {
+
+// Promises: a Radiance picture is the same picture in every form of its scanlines, from every corner, at every width,
+// in any pieces, on any number of threads.
+
+namespace {
+
+const ReadOptions kLatLong{Layout::lat_long};
+
+void check_whole(const std::filesystem::path& path, const HdrRecipe& recipe, const std::vector<Rgbe>& texels) {
+  CAPTURE(recipe.width, recipe.height, static_cast<int>(recipe.form), recipe.columns, recipe.bottom_first,
+          recipe.right_first);
+  write_bytes(path, hdr_bytes(recipe, texels));
+  const Environment read = read_environment(path, kLatLong);
+  REQUIRE(read.info.width == recipe.width);
+  REQUIRE(read.info.height == recipe.height);
+  CHECK(same_bits(decoded(texels), read.pixels.get()));
+}
+
+}  // namespace
+
+TEST_CASE("all forms and orientations of a Radiance picture are the same picture", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  const std::vector<Rgbe> texels = some_rgbe(38, 19);
+  for (const HdrForm form : {HdrForm::flat, HdrForm::old_rle, HdrForm::new_rle, HdrForm::mixed}) {
+    for (int orientation = 0; orientation < 8; ++orientation) {
+      const HdrRecipe recipe{38, 19, form, orientation >= 4, orientation % 4 >= 2, orientation % 2 == 1};
+      check_whole(path, recipe, texels);
+    }
+  }
+}
+
+TEST_CASE("Radiance pictures of any width are read", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  for (const auto& [width, height] : {std::tuple{1, 1},
+                                      {1, 9},
+                                      {2, 1},
+                                      {3, 2},
+                                      {7, 3},
+                                      {8, 3},
+                                      {9, 2},
+                                      {127, 3},
+                                      {128, 3},
+                                      {129, 3},
+                                      {257, 5},
+                                      {32767, 2},
+                                      {32768, 2},
+                                      {65536, 1}}) {
+    const std::vector<Rgbe> texels = some_rgbe(width, height, static_cast<unsigned>(width));
+    for (const HdrForm form : {HdrForm::flat, HdrForm::old_rle, HdrForm::new_rle, HdrForm::mixed}) {
+      check_whole(path, {width, height, form}, texels);
+      if (width <= 257) {
+        check_whole(path, {width, height, form, true, false, true}, texels);
+      }
+    }
+  }
+}
+
+TEST_CASE("long repeats of the old form shift their counts", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  for (const int width : {256, 257, 258, 513, 65536}) {  // after a first texel: counts of 255, 256, 257, 512, 65535
+    const std::vector<Rgbe> texels(static_cast<std::size_t>(width), Rgbe{200, 100, 50, 130});
+    check_whole(path, {width, 1, HdrForm::old_rle}, texels);
+  }
+  // A repeat, a texel, a repeat: the texel in between starts the counting anew.
+  const HdrRecipe recipe{10, 1};
+  std::string file = hdr_header(recipe);
+  file += std::string("\x80\x40\x20\x81\x01\x01\x01\x03", 8) + std::string("\x90\x40\x20\x81\x01\x01\x01\x05", 8);
+  write_bytes(path, {file.begin(), file.end()});
+  std::vector<Rgbe> texels(4, {0x80, 0x40, 0x20, 0x81});
+  texels.resize(10, {0x90, 0x40, 0x20, 0x81});
+  CHECK(same_bits(decoded(texels), read_environment(path, kLatLong).pixels.get()));
+}
+
+TEST_CASE("what may look like the new form is read as Radiance reads it", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  // Third byte 128 or more: an old texel. Below 8 texels and above 32767: never the new form.
+  std::vector<Rgbe> texels = some_rgbe(8, 4);
+  texels[0] = texels[8] = {2, 2, 128, 8};
+  check_whole(path, {8, 4, HdrForm::flat}, texels);
+  check_whole(path, {8, 4, HdrForm::old_rle}, texels);
+  texels.resize(14);
+  texels[0] = texels[7] = {2, 2, 0, 7};
+  check_whole(path, {7, 2, HdrForm::flat}, texels);
+  texels = some_rgbe(32768, 1);
+  texels[0] = {2, 2, 127, 255};
+  check_whole(path, {32768, 1, HdrForm::flat}, texels);
+}
+
+TEST_CASE("codes of no texels are passed over", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  std::string file = hdr_header({8, 1}) + std::string("\x02\x02\x00\x08", 4);
+  for (const char value : {'\x11', '\x22', '\x33', '\x7f'}) {
+    file += std::string("\x00\x00\x83", 3) + value + std::string("\x00\x80\x00\x85", 4) + value;
+  }
+  // A code of 128 takes 128 values, as Radiance has it: a run of none would be 0.
+  write_bytes(path, {file.begin(), file.end()});
+  CHECK_THROWS_AS(read_environment(path, kLatLong), Error);
+  file = hdr_header({8, 1}) + std::string("\x02\x02\x00\x08", 4);
+  for (const char value : {'\x11', '\x22', '\x33', '\x7f'}) {
+    file += std::string("\x00\x00\x83", 3) + value + std::string("\x00\x85", 2) + value;
+  }
+  write_bytes(path, {file.begin(), file.end()});
+  const std::vector<Rgbe> texels(8, {0x11, 0x22, 0x33, 0x7f});
+  CHECK(same_bits(decoded(texels), read_environment(path, kLatLong).pixels.get()));
+}
+
+TEST_CASE("a Radiance picture's rows can be read in any pieces", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  constexpr int kWidth = 90;
+  constexpr int kHeight = 45;
+  const std::vector<Rgbe> texels = some_rgbe(kWidth, kHeight);
+  const std::vector<float> wanted = decoded(texels);
+  for (int orientation = 0; orientation < 8; ++orientation) {
+    CAPTURE(orientation);
+    write_bytes(
+        path, hdr_bytes({kWidth, kHeight, HdrForm::mixed, orientation >= 4, orientation % 4 >= 2, orientation % 2 == 1},
+                        texels));
+    const auto source = files::open_row_source(path, {});
+    const auto check_piece = [&](files::RowReader& reader, int first, int count) {
+      std::vector<float> rows(static_cast<std::size_t>(count) * 3 * kWidth);
+      reader.read(first, count, rows.data());
+      REQUIRE(std::equal(rows.begin(), rows.end(), wanted.begin() + first * 3 * kWidth));
+    };
+    for (const int rows : {1, 2, 3, 7, 44, 45}) {
+      const auto downwards = source->open_reader();
+      for (int first = 0; first < kHeight; first += rows) {
+        check_piece(*downwards, first, std::min(rows, kHeight - first));
+      }
+      const auto upwards = source->open_reader();
+      for (int first = kHeight - 1; first >= 0; first -= rows) {
+        check_piece(*upwards, first, std::min(rows, kHeight - first));
+      }
+    }
+  }
+}
+
+TEST_CASE("a Radiance picture has the same bits on any number of threads, streamed or whole", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  constexpr int kWidth = 700;
+  constexpr int kHeight = 350;  // enough texels for several tasks
+  std::vector<Rgbe> texels = some_rgbe(kWidth, kHeight);
+  for (Rgbe& texel : texels) {
+    texel[3] = std::min(texel[3], std::uint8_t{140});  // for sums that stay finite
+  }
+  const std::vector<float> wanted = decoded(texels);
+  for (const bool columns : {false, true}) {
+    for (const bool bottom_first : {false, true}) {
+      CAPTURE(columns, bottom_first);
+      write_bytes(path, hdr_bytes({kWidth, kHeight, HdrForm::mixed, columns, bottom_first}, texels));
+      const LatLongView view{wanted.data(), kWidth, kHeight, 0, PixelFormat::rgb_f32};
+      const Projection reference = project(view);
+      for (const int threads : {1, 4}) {
+        run_with_threads(threads, [&] {
+          CHECK(same_bits(wanted, read_environment(path).pixels.get()));
+          const Projection streamed = project_file(path);
+          const auto found = streamed.radiance.coefficients();
+          CHECK(std::equal(found.begin(), found.end(), reference.radiance.coefficients().begin()));
+        });
+      }
+    }
+  }
+}
+
+// Promises: what a Radiance header says about the numbers is done to them, and said; what says nothing changes nothing.
+
+namespace {
+
+const std::string kRgbe = "FORMAT=32-bit_rle_rgbe";
+
+class Picture {
+ public:
+  Environment read(const std::vector<std::string>& lines, Primaries primaries = Primaries::rec709) const {
+    HdrRecipe recipe{16, 8};
+    recipe.lines = lines;
+    write_bytes(path_, hdr_bytes(recipe, texels_));
+    ReadOptions options;
+    options.primaries = primaries;
+    return read_environment(path_, options);
+  }
+
+  [[nodiscard]] const std::vector<Rgbe>& texels() const { return texels_; }
+  [[nodiscard]] std::vector<float> values() const { return decoded(texels_); }
+  [[nodiscard]] std::filesystem::path path() const { return path_; }
+
+ private:
+  TemporaryDirectory directory_;
+  std::filesystem::path path_ = directory_.file("sky.hdr");
+  std::vector<Rgbe> texels_ = some_rgbe(16, 8);
+};
+
+bool unchanged(const Picture& picture, const Environment& read) {
+  const std::vector<float> wanted = picture.values();
+  return std::equal(wanted.begin(), wanted.end(), read.pixels.get());
+}
+
+bool notes_say(const Environment& read, const std::string& words) {
+  return std::any_of(read.info.notes.begin(), read.info.notes.end(),
+                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("what is in a Radiance file is told", "[codec][hdr]") {
+  const Picture picture;
+  const Environment read = picture.read({kRgbe});
+  CHECK(unchanged(picture, read));
+  CHECK(read.info.format == "Radiance");
+  CHECK(read.info.compression == "rle");
+  CHECK(read.info.storage == "scanline");
+  CHECK(read.info.layout == Layout::lat_long);
+  CHECK(read.info.notes.empty());
+  REQUIRE(read.info.channels.size() == 3);
+  CHECK(read.info.channels[0].name == "R");
+  CHECK(read.info.channels[0].type == "rgbe");
+
+  const auto compression = [&](HdrForm form, bool columns) {
+    write_bytes(picture.path(), hdr_bytes({16, 8, form, columns}, picture.texels()));
+    return inspect_environment(picture.path());
+  };
+  CHECK(compression(HdrForm::flat, false).compression == "none");
+  CHECK(compression(HdrForm::old_rle, false).compression == "old rle");
+  CHECK(compression(HdrForm::new_rle, true).storage == "columns");
+}
+
+TEST_CASE("any magic word, comments and unknown lines are passed over", "[codec][hdr]") {
+  const Picture picture;
+  CHECK(unchanged(picture, picture.read({})));  // no FORMAT is RGBE
+  CHECK(unchanged(picture, picture.read({"#?RADIANCE", "# made by hand", "GAMMA=1", "VIEW= -vtv -vp 0 0 0",
+                                         "PIXASPECT=2.5", "SOFTWARE=none EXPOSURE=9", "rpict -vf x", "=", "EXPOSURE",
+                                         kRgbe, "PRIMARIES=0 0 0 0 0 0 0 0", "\tEXPOSURE=3", " COLORCORR=1"})));
+  for (const std::string magic : {"#?RGBE", "#?RADIANCE ", "#?", "#?rpict of 1991"}) {
+    HdrRecipe recipe{16, 8};
+    recipe.magic = magic;
+    write_bytes(picture.path(), hdr_bytes(recipe, picture.texels()));
+    CHECK(unchanged(picture, read_environment(picture.path())));
+  }
+}
+
+TEST_CASE("lines may end as on Windows, and the resolution line may have spaces", "[codec][hdr]") {
+  const Picture picture;
+  for (const std::string header :
+       {"#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 8 +X 16\r\n", "#?RADIANCE\n\n-Y8+X16\n",
+        "#?RADIANCE\nFORMAT= 32-bit_rle_rgbe \n\n  -Y   8\t+X 16  \n"}) {
+    CAPTURE(header);
+    const std::vector<char> sound = hdr_bytes({16, 8}, picture.texels());
+    std::vector<char> bytes(header.begin(), header.end());
+    bytes.insert(bytes.end(), sound.begin() + static_cast<std::ptrdiff_t>(hdr_header({16, 8}).size()), sound.end());
+    write_bytes(picture.path(), bytes);
+    CHECK(unchanged(picture, read_environment(picture.path())));
+  }
+}
+
+TEST_CASE("exposures and colour corrections are divided out, all of them", "[codec][hdr]") {
+  const Picture picture;
+  const Environment read =
+      picture.read({"EXPOSURE=2.0", kRgbe, "EXPOSURE= 4", "COLORCORR= 1 0.5 +2e0", "COLORCORR=3 1 1"});
+  const std::vector<float> stored = picture.values();
+  const double divisors[] = {24.0, 4.0, 16.0};
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    REQUIRE(read.pixels[i] == static_cast<float>(static_cast<double>(stored[i]) / divisors[i % 3]));
+  }
+  CHECK(notes_say(read, "divided by 24 4 16, the product of the header's EXPOSURE and COLORCORR lines"));
+  CHECK(notes_say(picture.read({"EXPOSURE=0.25", "EXPOSURE=0.5"}), "divided by 0.125,"));
+  const Environment cancelled = picture.read({"EXPOSURE=4", "EXPOSURE=0.25"});
+  CHECK(unchanged(picture, cancelled));
+  CHECK(cancelled.info.notes.empty());
+}
+
+TEST_CASE("a gamma is ignored, and said to be", "[codec][hdr]") {
+  const Picture picture;
+  const Environment read = picture.read({"GAMMA=2.2"});
+  CHECK(unchanged(picture, read));
+  CHECK(notes_say(read, "GAMMA=2.2 is ignored"));
+}
+
+TEST_CASE("XYZE becomes Rec. 709, or stays as stored", "[codec][hdr]") {
+  const Picture picture;
+  const std::vector<float> stored = picture.values();
+  const Environment as_stored = picture.read({"FORMAT=32-bit_rle_xyze"}, Primaries::as_stored);
+  CHECK(unchanged(picture, as_stored));
+  CHECK(as_stored.info.channels[0].name == "X");
+  CHECK(as_stored.info.channels[0].type == "xyze");
+  const Environment read = picture.read({"FORMAT=32-bit_rle_xyze"});
+  CHECK(notes_say(read, "XYZ"));
+  // IEC 61966-2-1, with as many digits as it states.
+  const double matrix[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
+  for (std::size_t i = 0; i < stored.size(); i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      double wanted = 0.0;
+      double size = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        wanted += matrix[c][k] * static_cast<double>(stored[i + k]);
+        size += std::abs(matrix[c][k]) * static_cast<double>(stored[i + k]);
+      }
+      REQUIRE(std::abs(static_cast<double>(read.pixels[i + c]) - wanted) <= 1e-3 * size);
+    }
+  }
+}
+
+TEST_CASE("stated primaries become Rec. 709, or stay as stored", "[codec][hdr]") {
+  const Picture picture;
+  const std::string rec709 = "PRIMARIES=0.640 0.330 0.300 0.600 0.150 0.060 0.3127 0.3290";
+  CHECK(unchanged(picture, picture.read({rec709})));
+  // Rec. 2020, the same white: grey stays grey, and pure red leaves Rec. 709 (ITU-R BT.2087: 1.6605 -0.1246 -0.0182).
+  const std::string rec2020 = "PRIMARIES= 0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290";
+  CHECK(unchanged(picture, picture.read({rec2020}, Primaries::as_stored)));
+  HdrRecipe recipe{2, 1};
+  recipe.lines = {rec2020};
+  write_bytes(picture.path(), hdr_bytes(recipe, {{128, 128, 128, 129}, {128, 0, 0, 129}}));
+  const Environment read = read_environment(picture.path());
+  const double wanted[] = {1.0, 1.0, 1.0, 1.6605, -0.1246, -0.0182};
+  for (int i = 0; i < 6; ++i) {
+    CHECK(std::abs(static_cast<double>(read.pixels[static_cast<std::size_t>(i)]) - wanted[i]) < 1e-4);
+  }
+  REQUIRE(read.info.notes.size() == 1);
+  CHECK(read.info.notes[0] == "primaries were converted to Rec. 709 from Rec. 2020 (the header's PRIMARIES line)");
+  const Environment pointless = picture.read({"PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3"});
+  CHECK(unchanged(picture, pointless));
+  CHECK(notes_say(pointless, "primaries that span no colours are ignored"));
+}
+
+// Promises: a Radiance picture that is not read is refused by a code and a message with the file's name, the place in
+// it, what was found, and what would do.
+
+namespace {
+
+using namespace std::string_literals;
+
+void check_refusal(const std::string& content, ErrorCode code, const std::string& found, const std::string& remedy) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  write_bytes(path, {content.begin(), content.end()});
+  const ThrownError error = thrown_by([&] { (void)read_environment(path, kLatLong); });
+  INFO(error.message);
+  CHECK(error.code == code);
+  CHECK(error.says(path.string() + ": "));
+  CHECK(error.says(found));
+  CHECK(error.says(remedy));
+}
+
+// A whole sound header but for one line.
+std::string with_line(const std::string& line) { return "#?RADIANCE\n" + line + "\n\n-Y 1 +X 2\n12341234"; }
+
+std::string with_resolution(const std::string& line) { return "#?RADIANCE\n\n" + line + "\n12341234"; }
+
+}  // namespace
+
+TEST_CASE("damaged Radiance headers are refused by what is wrong with them", "[codec][hdr]") {
+  const ErrorCode corrupt = ErrorCode::corrupt_file;
+  check_refusal("#?RADIANCE", corrupt, "ends within its Radiance header", "fetch or export it again");
+  check_refusal("#?RADIANCE\n\n", corrupt, "ends within its Radiance header", "fetch or export it again");
+  check_refusal("#?" + std::string(70000, 'x'), corrupt, "no end within 65536 bytes", "is it a Radiance picture?");
+  check_refusal("#?RADIANCE\n" + std::string(70000, '\n'), corrupt, "resolution line is \"\"",
+                "like \"-Y 512 +X 1024\"");
+  std::string lines = "#?RADIANCE\n";
+  for (int i = 0; i < 20000; ++i) {
+    lines += "A=1\n";
+  }
+  check_refusal(lines + "\n-Y 1 +X 2\n12341234", corrupt, "no end within 65536 bytes", "");
+
+  check_refusal(with_line("FORMAT=Radiance_spectra"), ErrorCode::unsupported_file, "format is \"Radiance_spectra\"",
+                "ra_xyze");
+  check_refusal(with_line("FORMAT="), ErrorCode::unsupported_file, "format is \"\"", "are read");
+  check_refusal(with_line("EXPOSURE=bright"), corrupt, "\"EXPOSURE=bright\" should have 1 number",
+                "correct or remove it");
+  check_refusal(with_line("EXPOSURE=1 2"), corrupt, "has more than 1 number", "correct or remove it");
+  check_refusal(with_line("COLORCORR=1 2"), corrupt, "\"COLORCORR=1 2\" should have 3 numbers", "correct or remove it");
+  check_refusal(with_line("PRIMARIES=1 2 3"), corrupt, "should have 8 numbers", "correct or remove it");
+  for (const std::string value : {"0", "-1", "1e-31", "1e31", "-0"}) {
+    check_refusal(with_line("EXPOSURE=" + value), corrupt, "leaves no radiance to find", "from 1e-30 to 1e30");
+  }
+  check_refusal(with_line("EXPOSURE=1e20\nEXPOSURE=1e20"), corrupt, "leaves no radiance to find", "correct or remove");
+  for (const std::string value : {"nan", "inf", "1e999", "0x10", "", "--1", "\x01\xff"}) {
+    check_refusal(with_line("EXPOSURE=" + value), corrupt, "1 number", "correct or remove it");
+  }
+}
+
+TEST_CASE("Radiance resolution lines out of bounds are refused", "[codec][hdr]") {
+  const ErrorCode corrupt = ErrorCode::corrupt_file;
+  const ErrorCode unsupported = ErrorCode::unsupported_file;
+  for (const std::string line : {"512 1024", "-Y 1", "-Y 1 -Y 2", "-X 1 +X 2", "Y 1 X 2", "-Z 1 +X 2", "-y 1 +x 2",
+                                 "FORMAT=32-bit_rle_rgbe", "-", "+Y"}) {
+    check_refusal(with_resolution(line), corrupt, "resolution line", "");
+  }
+  check_refusal(with_resolution("-Y 1 +X 2 3"), corrupt, "with something behind the two numbers", "");
+  check_refusal(with_resolution("-Y 1 +X 2x"), corrupt, "with something behind the two numbers", "");
+  check_refusal(with_resolution("-Y 0 +X 2"), corrupt, "height is no positive number", "\"-Y 0 +X 2\"");
+  check_refusal(with_resolution("-Y 1 +X -2"), corrupt, "width is no positive number", "");
+  check_refusal(with_resolution("-Y 1 +X"), corrupt, "width is no positive number", "");
+  check_refusal(with_resolution("-Y 1.5 +X 2"), corrupt, "resolution line", "");
+  check_refusal(with_resolution("-Y 1 +X 65537"), unsupported, "width is above 65536", "reduce the picture first");
+  check_refusal(with_resolution("-Y 98305 +X 1"), unsupported, "height is above 98304", "reduce the picture first");
+  check_refusal(with_resolution("-Y 1 +X 99999999999999999999"), unsupported, "width is above 65536", "reduce");
+  check_refusal(with_resolution("-Y 4294967297 +X 4294967296"), unsupported, "height is above 98304", "reduce");
+  check_refusal(with_resolution("-Y 32768 +X 65536"), corrupt,
+                "32768 scanlines of 65536 texels take at least 262144 bytes, 8 follow", "fetch or export it again");
+}
+
+TEST_CASE("damaged Radiance scanlines are refused by where and how", "[codec][hdr]") {
+  const ErrorCode corrupt = ErrorCode::corrupt_file;
+  const std::string header = hdr_header({10, 2});
+  const std::string place = std::to_string(header.size() + 4);
+  const std::string remedy = "fetch or export the file again";
+  const std::string row = "\x02\x02\x00\x0a\x8a\x11\x8a\x22\x8a\x33\x8a\x80"s;
+  check_refusal(header + row + row.substr(0, 11), corrupt,
+                "scanline 1 of 2, at byte " + std::to_string(header.size() + 23) + ": the file ends", remedy);
+  check_refusal(header + row + "\x02\x02\x00\x0b"s + row, corrupt,
+                "scanline 1 of 2, at byte " + std::to_string(header.size() + 12) +
+                    ": it says that it has 11 texels, and must have 10",
+                remedy);
+  check_refusal(
+      header + "\x02\x02\x00\x0a\x8b\x11"s + row + row, corrupt,
+      "scanline 0 of 2, at byte " + std::to_string(header.size() + 5) + ": a run of 11 values where 10 of 10 are left",
+      remedy);
+  check_refusal(header + "\x02\x02\x00\x0a\x05\x11\x11\x11\x11\x11\x06"s + row + row, corrupt,
+                "a run of 6 values where 5 of 10 are left", remedy);
+  check_refusal(header + "\x01\x01\x01\x05"s + row + row, corrupt, "starts with a repeat", remedy);
+  check_refusal(header + "\x80\x40\x20\x81\x01\x01\x01\x0a"s + row + row, corrupt,
+                "repeated 10 times where 9 of 10 are left", remedy);
+  std::string shifted = header + "\x80\x40\x20\x81"s;
+  for (int i = 0; i < 50; ++i) {
+    shifted += "\x01\x01\x01"s + '\0';
+  }
+  check_refusal(shifted + "\x01\x01\x01\xff"s + row + row, corrupt, "repeated 4278190080 times where 9 of 10", remedy);
+}
+
+TEST_CASE("a picture of columns is refused where decoding it whole takes too much", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
+  ReadOptions options;
+  options.memory_limit_bytes = 512 * 256 * 4;
+  CHECK(inspect_environment(path, options).width == 512);
+  CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
+  const ThrownError error = thrown_by([&] { (void)files::open_row_source(path, options)->open_reader(); });
+  CHECK(error.code == ErrorCode::limit_exceeded);
+  CHECK(error.says(path.string() + ": its scanlines are columns, so that it must be decoded whole"));
+  CHECK(error.says("save it as -Y +X"));
+  options.memory_limit_bytes = 1U << 20U;
+  CHECK(measure_environment(path, options).texels == 512 * 256);
+}
+
+TEST_CASE("what a Radiance reader holds does not depend on what the header claims", "[codec][hdr]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.hdr");
+  // The smallest file that may be 65536 x 32768: its rows are damaged, and nothing is allocated to find that out.
+  std::string content = hdr_header({65536, 32768});
+  content += std::string(262144, '\x01');
+  write_bytes(path, {content.begin(), content.end()});
+  CHECK(thrown_by([&] { (void)files::open_row_source(path, {}); }).says("starts with a repeat"));
+  content = hdr_header({65536, 32768});
+  for (int i = 0; i < 4096; ++i) {
+    content += "\x80\x40\x20\x81\x01\x01\x01\xff\x01\x01\x01\xff"s;
+  }
+  content += std::string(262144, '\x01');
+  write_bytes(path, {content.begin(), content.end()});
+  const auto source = files::open_row_source(path, {});
+  CHECK(source->reader_bytes() < std::uint64_t{1} << 20U);
+  const ThrownError error = thrown_by([&] {
+    std::vector<float> row(std::size_t{3} * 65536);
+    source->open_reader()->read(32767, 1, row.data());
+  });
+  CHECK(error.says("scanline 4096 of 32768"));
+}
+
+}  // namespace welkin::test

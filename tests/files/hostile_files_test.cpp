@@ -1,0 +1,436 @@
+// Files that are damaged or lie do no harm and cost no memory.
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/damaged_files.h"
+#include "support/exr_files.h"
+#include "support/pfm_files.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "support/webp_env.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/environment_file.h"
+#include "welkin/error.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+
+// Promises: a file that is cut off anywhere, has any byte changed, or any field of its header set to an extreme, is
+// either read or refused with an Error that names it. Nothing else happens.
+
+namespace {
+
+struct Tally {
+  int loaded = 0;
+  int refused = 0;
+};
+
+// Whatever but an Error comes out of this fails the test.
+void try_to_read(const std::filesystem::path& path, const std::vector<char>& bytes, Tally& tally) {
+  std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
+  write_bytes(path, bytes);
+  ReadOptions options;
+  options.memory_limit_bytes = std::uint64_t{16} << 20U;
+  try {
+    (void)read_environment(path, options);
+    (void)measure_environment(path, options);
+    ++tally.loaded;
+  } catch (const Error& error) {
+    if (std::string(error.what()).find(path.string()) != 0) FAIL("no file is named in: " << error.what());
+    ++tally.refused;
+  }
+}
+
+using Damage = void (*)(const SoundFile&, const Use&);
+
+void check_damage(Damage damage, const std::string& extension, bool may_load) {
+  const TemporaryDirectory directory;
+  for (const SoundFile& sound : sound_files(directory.file(""))) {
+    if (std::filesystem::path(sound.name).extension() != extension) continue;
+    CAPTURE(sound.name);
+    const std::filesystem::path path = directory.file(sound.name);
+    Tally tally;
+    try_to_read(path, sound.bytes, tally);
+    REQUIRE(tally.loaded == 1);
+    damage(sound, [&](const std::vector<char>& bytes) { try_to_read(path, bytes, tally); });
+    if (!may_load && sound.all_is_read) CHECK(tally.loaded == 1);
+    CHECK(tally.refused > 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage]") {
+  for (const char* extension : {".exr", ".pfm", ".hdr"}) check_damage(for_each_truncation, extension, false);
+  check_damage(for_each_truncation, ".png", true);  // nothing that is needed follows the last row
+}
+
+TEST_CASE("no changed byte does harm", "[codec][damage]") {
+  for (const char* extension : {".exr", ".pfm", ".hdr", ".png"}) {
+    check_damage(for_each_changed_byte, extension, true);
+  }
+}
+
+TEST_CASE("no extreme number in a header of text does harm", "[codec][damage]") {
+  for (const char* extension : {".pfm", ".hdr"}) check_damage(for_each_extreme_number, extension, true);
+}
+
+TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage]") {
+  check_damage(for_each_extreme_field, ".exr", true);
+}
+
+TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage]") {
+  for (const char* extension : {".pfm", ".hdr", ".png"}) check_damage(for_each_extreme_field, extension, true);
+}
+
+// Promises: a texture or .env that is cut off anywhere, has any byte changed, or any field set to an extreme, is either
+// read or refused with an Error that names it. Nothing else happens.
+
+namespace {
+
+SoundFile texture(const TemporaryDirectory& directory, const std::string& name, const TextureOptions& options) {
+  write_texture(directory.file(name), noisy_chain(3, 2).views(), options);
+  SoundFile file{name, read_bytes(directory.file(name))};
+  file.header_bytes = std::min<std::size_t>(file.bytes.size(), 500);
+  return file;
+}
+
+SoundFile env(const TemporaryDirectory& directory) {
+  BabylonEnvironment environment;
+  environment.specular = noisy_chain(2, 2);
+  environment.polynomial = BabylonPolynomial{};
+  environment.irradiance = {1, std::vector<float>(18, 0.5F)};
+  write_babylon_environment(directory.file("sky.env"), environment);
+  SoundFile file{"sky.env", read_bytes(directory.file("sky.env"))};
+  file.header_bytes = std::min<std::size_t>(file.bytes.size(), 1300);
+  return file;
+}
+
+SoundFile webp_env(const TemporaryDirectory& directory) {
+  SoundFile file = env(directory);
+  file.name = "webp.env";
+  file.bytes = with_webp_pictures(file.bytes);
+  file.header_bytes = file.bytes.size();
+  return file;
+}
+
+std::vector<SoundFile> sound_textures(const TemporaryDirectory& directory) {
+  return {texture(directory, "sky.ktx2", {}),
+          texture(directory, "zlib.ktx2", {TexelFormat::b10g11r11, Supercompression::zlib, {{"key", "value"}}}),
+          texture(directory, "zstd.ktx2", {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
+          texture(directory, "sky.dds", {}),
+          env(directory),
+          webp_env(directory)};
+}
+
+void try_to_read_texture(const std::filesystem::path& path, const std::vector<char>& bytes, Tally& tally) {
+  std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
+  write_bytes(path, bytes);
+  constexpr std::uint64_t limit = std::uint64_t{16} << 20U;
+  ReadOptions options;
+  options.memory_limit_bytes = limit;
+  const auto attempt = [&](const auto& call) {
+    try {
+      call();
+      ++tally.loaded;
+    } catch (const Error& error) {
+      if (std::string(error.what()).find(path.string()) != 0) FAIL("no file is named in: " << error.what());
+      ++tally.refused;
+    }
+  };
+  if (path.extension() == ".env") {
+    attempt([&] { (void)read_babylon_environment(path, limit); });
+  } else {
+    attempt([&] { (void)read_texture(path, limit); });
+  }
+  attempt([&] { (void)read_environment(path, options); });
+}
+
+void check_texture_damage(Damage damage, bool may_load) {
+  const TemporaryDirectory directory;
+  for (const SoundFile& sound : sound_textures(directory)) {
+    CAPTURE(sound.name);
+    Tally tally;
+    try_to_read_texture(directory.file(sound.name), sound.bytes, tally);
+    REQUIRE(tally.loaded == 2);
+    const Tally before = tally;
+    damage(sound,
+           [&](const std::vector<char>& bytes) { try_to_read_texture(directory.file(sound.name), bytes, tally); });
+    if (!may_load) CHECK(tally.loaded == before.loaded);
+    CHECK(tally.refused > 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a texture that is cut off is refused, wherever the cut is", "[codec][textures][damage]") {
+  check_texture_damage(for_each_truncation, false);
+}
+
+TEST_CASE("no changed byte of a texture does harm", "[codec][textures][damage]") {
+  check_texture_damage(for_each_changed_byte, true);
+}
+
+TEST_CASE("no extreme field of a texture does harm", "[codec][textures][damage]") {
+  check_texture_damage(for_each_extreme_field, true);
+}
+
+TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][damage]") {
+  const TemporaryDirectory directory;
+  const SoundFile sound = env(directory);
+  Tally tally;
+  for_each_extreme_number(
+      sound, [&](const std::vector<char>& bytes) { try_to_read_texture(directory.file("sky.env"), bytes, tally); });
+  CHECK(tally.refused > 0);
+}
+
+// Promises: what a header claims costs no memory; a streamed picture needs a few blocks a thread.
+
+// The sanitizers need far more address space than they are asked for.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WELKIN_UNLIMITED_ADDRESS_SPACE
+#endif
+
+namespace {
+
+#ifndef WELKIN_UNLIMITED_ADDRESS_SPACE
+
+std::uint64_t address_space_in_use() {
+  unsigned long pages = 0;
+  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(file, "%lu", &pages) != 1) {
+      pages = 0;
+    }
+    std::fclose(file);
+  }
+  return std::uint64_t{pages} * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Runs `work` in a child process that may take `bytes` more of address space than now. True if it returns true.
+bool succeeds_within(std::uint64_t bytes, const std::function<bool()>& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit limit{address_space_in_use() + bytes, RLIM_INFINITY};
+    const bool limited = setrlimit(RLIMIT_AS, &limit) == 0;
+    bool success = false;
+    try {
+      success = limited && work();
+    } catch (...) {
+    }
+    _exit(success ? 0 : 1);
+  }
+  int status = 1;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+// "VmRSS:" or "VmHWM:" of this process, in bytes.
+std::uint64_t memory_by_status(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kibibytes = 0;
+    if (word == key && status >> kibibytes) return kibibytes << 10U;
+  }
+  return 0;
+}
+
+// By how much `work` raised the memory that is in use at its highest; nothing if the system does not tell.
+std::optional<std::uint64_t> peak_growth(const std::function<void()>& work) {
+  malloc_trim(0);
+  const std::uint64_t before = memory_by_status("VmRSS:");
+  {
+    std::ofstream reset("/proc/self/clear_refs");
+    reset << "5";  // proc(5): the peak begins anew from what is in use now
+    if (!reset.flush()) return std::nullopt;
+  }
+  if (before == 0 || memory_by_status("VmHWM:") > before + (before >> 6U)) return std::nullopt;
+  work();
+  const std::uint64_t peak = memory_by_status("VmHWM:");
+  return peak > before ? peak - before : 0;
+}
+
+constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20U;
+
+// Refused for what the file says, not because memory ran out on the way.
+bool is_refused_for_itself(const std::filesystem::path& path) {
+  try {
+    (void)inspect_environment(path);
+    (void)measure_environment(path);
+  } catch (const Error& error) {
+    return std::strstr(error.what(), "more memory than there is") == nullptr;
+  }
+  return false;
+}
+
+// Puts a 32-bit value behind the first place where `name` and a type stand as attribute.
+void patch_attribute(std::vector<char>& bytes, const std::string& name_and_type, std::size_t offset,
+                     std::uint32_t value) {
+  const auto found = std::search(bytes.begin(), bytes.end(), name_and_type.begin(), name_and_type.end());
+  REQUIRE(found != bytes.end());
+  const auto place = found - bytes.begin() + static_cast<std::ptrdiff_t>(name_and_type.size() + offset);
+  std::memcpy(bytes.data() + place, &value, sizeof(value));
+}
+
+std::vector<char> tiled_exr(const std::filesystem::path& path) {
+  ExrRecipe recipe{64, 32, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, Imf::TileDescription(16, 16), {}, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  write_exr(path, recipe, some_pixels(64, 32));
+  return read_bytes(path);
+}
+
+// What the first call of a process sets up (oneTBB, kernels, OpenEXR) is no matter of the picture's size.
+void call_once_before(const TemporaryDirectory& directory) {
+  const std::filesystem::path path = directory.file("small.exr");
+  static_cast<void>(tiled_exr(path));
+  run_with_threads(1, [&] { static_cast<void>(project_file(path)); });
+}
+
+using namespace std::string_literals;
+const std::string kTiles = "tiles\0tiledesc\0"s;
+const std::string kDataWindow = "dataWindow\0box2i\0"s;
+
+#endif
+
+}  // namespace
+
+TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
+#ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
+  WARN("left out: address space cannot be limited under a sanitizer");
+#else
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("claims.exr");
+  const std::vector<char> sound = tiled_exr(path);
+  const auto check = [&](const std::function<void(std::vector<char>&)>& damage) {
+    std::vector<char> bytes = sound;
+    damage(bytes);
+    write_bytes(path, bytes);
+    CHECK(succeeds_within(64 * kMebibyte, [&] { return is_refused_for_itself(path); }));
+  };
+  check([](auto& bytes) {  // tiles of two gigatexels
+    patch_attribute(bytes, kTiles, 4, 0x7fffffff);
+    patch_attribute(bytes, kTiles, 8, 1);
+  });
+  check([](auto& bytes) {  // two thousand million tiles of one texel
+    patch_attribute(bytes, kTiles, 4, 1);
+    patch_attribute(bytes, kTiles, 8, 1);
+    patch_attribute(bytes, kDataWindow, 12, 65535);
+    patch_attribute(bytes, kDataWindow, 16, 32767);
+  });
+  check([](auto& bytes) {  // a picture as large as integers go
+    patch_attribute(bytes, kDataWindow, 4, 0xc0000002);
+    patch_attribute(bytes, kDataWindow, 12, 0x3ffffffe);
+  });
+  check([](auto& bytes) { patch_attribute(bytes, "lineOrder\0lineOrder\0"s, 0, 0x7fffffff); });
+  check([](auto& bytes) { patch_attribute(bytes, "channels\0chlist\0"s, 0, 0x7fffffff); });
+  check([](auto& bytes) {  // a long opaque attribute where a short one was
+    const std::string name = "lineOrder\0lineOrder\0"s;
+    const auto place = std::search(bytes.begin(), bytes.end(), name.begin(), name.end());
+    std::copy_n("lineOrder\0something\0", name.size(), place);
+    patch_attribute(bytes, "lineOrder\0something\0"s, 0, 0x7ffffff0);
+  });
+#endif
+}
+
+TEST_CASE("a streamed picture needs a few blocks of memory", "[codec]") {
+#ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
+  WARN("left out: address space cannot be limited under a sanitizer");
+#else
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("long.exr");
+  const int width = 4096;
+  const int height = 2048;  // 96 MiB as floats
+  ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  write_exr(path, recipe, std::vector<float>(std::size_t{3} * width * height, 0.5F));
+  ReadOptions options;
+  options.memory_limit_bytes = 8 * kMebibyte;
+  const auto stream = [&] {
+    bool success = false;
+    run_with_threads(1, [&] {  // a pool's threads do not live on in a child process
+      success = measure_environment(path, options).texels == std::uint64_t{width} * height &&
+                project_file(path, options).radiance.bands() == 3;
+    });
+    return success;
+  };
+  CHECK(succeeds_within(24 * kMebibyte, stream));
+#endif
+}
+
+TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming]") {
+#ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
+  WARN("left out: address space cannot be limited under a sanitizer");
+#else
+  // 1.5 GiB of zeros that take no room on the disk, and one row of ones.
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("vast.pfm");
+  const std::string header = "PF\n16384 8192\n-1\n";
+  const std::uint64_t row_bytes = 16384 * 12;
+  write_bytes(path, {header.begin(), header.end()});
+  std::filesystem::resize_file(path, header.size() + 8192 * row_bytes);
+  {
+    const std::vector<float> ones(row_bytes / 4, 1.0F);
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(static_cast<std::streamoff>(header.size() + 4096 * row_bytes));
+    file.write(reinterpret_cast<const char*>(ones.data()), static_cast<std::streamsize>(row_bytes));
+    REQUIRE(file.good());
+  }
+  const auto stream = [&] {
+    bool success = false;
+    run_with_threads(1, [&] {
+      const Projection light = project_file(path);
+      const double row = 2.0 * 3.14159265358979 * 3.14159265358979 / 8192.0;  // steradians of one row at the horizon
+      success = light.diagnostics.texels == std::uint64_t{16384} * 8192 &&
+                std::abs(light.diagnostics.flux.g / row - 1.0) < 1e-6;
+    });
+    return success;
+  };
+  call_once_before(directory);
+  CHECK(succeeds_within(4 * kMebibyte, stream));
+#endif
+}
+
+TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread", "[codec][streaming]") {
+#ifdef WELKIN_UNLIMITED_ADDRESS_SPACE
+  WARN("left out: a sanitizer's own memory is in the way");
+#else
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("wide.exr");
+  ExrRecipe recipe{16384, 512, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, {}, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  write_exr(path, recipe, std::vector<float>(std::size_t{3} * 16384 * 512, 0.5F));
+  ReadOptions options;
+  options.layout = Layout::lat_long;
+  const auto stream = [&] { return project_file(path, options).diagnostics.texels == 16384 * 512; };
+  const auto stream_alone = [&] {
+    bool success = false;
+    run_with_threads(1, [&] { success = stream(); });
+    return success;
+  };
+  call_once_before(directory);
+  CHECK(succeeds_within(10 * kMebibyte, stream_alone));
+  for (const int threads : {2, 4}) {
+    std::optional<std::uint64_t> growth;
+    run_with_threads(threads, [&] { growth = peak_growth([&] { CHECK(stream()); }); });
+    if (!growth) {
+      WARN("left out: the system does not tell a process its peak of memory");
+      return;
+    }
+    CHECK(*growth < static_cast<std::uint64_t>(threads) * 10 * kMebibyte);  // the picture has 96 MiB as floats
+  }
+#endif
+}
+
+}  // namespace welkin::test

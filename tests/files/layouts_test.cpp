@@ -1,0 +1,535 @@
+// Layouts: told, read, joined like the cube, and gone through by the labelled map.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include "files/layout.h"
+#include "files/row_source.h"
+#include "image/geometry.h"
+#include "support/catch.h"
+#include "support/coefficients.h"
+#include "support/cube_pictures.h"
+#include "support/exr_files.h"
+#include "support/pfm_files.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "tools/test_map.h"
+#include "welkin/convention.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+
+// Promises: the layout is what was asked for, else what the header says, else what the shape says; and the reason
+// is given.
+
+namespace {
+
+std::filesystem::path write_picture(const TemporaryDirectory& directory, int width, int height,
+                                    std::optional<Imf::Envmap> envmap = std::nullopt) {
+  std::filesystem::path path = directory.file("sky.exr");
+  ExrRecipe recipe{width, height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, envmap, {}};
+  recipe.channels = rgb_channels(Imf::HALF);
+  write_exr(path, recipe, some_pixels(width, height));
+  return path;
+}
+
+ReadOptions as(Layout layout) {
+  ReadOptions options;
+  options.layout = layout;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("layouts have names", "[codec]") {
+  CHECK(std::string(name(Layout::automatic)) == "automatic");
+  CHECK(std::string(name(Layout::lat_long)) == "lat-long");
+  CHECK(std::string(name(Layout::vertical_strip)) == "vertical-strip");
+  CHECK(std::string(name(Layout::horizontal_strip)) == "horizontal-strip");
+  CHECK(std::string(name(Layout::horizontal_cross)) == "horizontal-cross");
+  CHECK(std::string(name(Layout::vertical_cross)) == "vertical-cross");
+  CHECK(std::string(name(Layout::six_files)) == "six-files");
+}
+
+TEST_CASE("the shape tells the layout", "[codec]") {
+  const TemporaryDirectory directory;
+  const auto check = [&](int width, int height, Layout layout, const std::string& reason) {
+    const EnvironmentInfo info = inspect_environment(write_picture(directory, width, height));
+    CHECK(info.layout == layout);
+    CHECK(info.layout_reason == reason);
+  };
+  check(64, 32, Layout::lat_long, "64 x 32 is 2:1");
+  check(8, 48, Layout::vertical_strip, "8 x 48 is 1:6");
+  check(48, 8, Layout::horizontal_strip, "48 x 8 is 6:1");
+  check(32, 24, Layout::horizontal_cross, "32 x 24 is 4:3");
+  check(24, 32, Layout::vertical_cross, "24 x 32 is 3:4");
+  check(4, 3, Layout::horizontal_cross, "4 x 3 is 4:3");
+}
+
+TEST_CASE("a shape that tells nothing is refused, and --layout is offered", "[codec]") {
+  const TemporaryDirectory directory;
+  for (const auto& [width, height] : {std::pair{64, 31}, {33, 24}, {32, 25}, {49, 8}, {8, 47}, {13, 9}, {5, 1}}) {
+    const std::filesystem::path path = write_picture(directory, width, height);
+    const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    CHECK(error.message ==
+          path.string() + ": " + std::to_string(width) + " x " + std::to_string(height) +
+              " is neither a 2:1 lat-long nor a 1:6 vertical strip, a 6:1 horizontal strip, a 4:3 or a 3:4 cross; pass "
+              "--layout to say what it is: lat-long (any ratio), vertical-strip (1:6), horizontal-strip (6:1), "
+              "horizontal-cross (4:3), "
+              "vertical-cross (3:4) or six-files (1:1 each)");
+  }
+}
+
+TEST_CASE("a square that is none of six files is refused, saying why it is not", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = write_picture(directory, 8, 8);
+  const ThrownError plain = thrown_by([&] { (void)inspect_environment(path); });
+  CHECK(plain.code == ErrorCode::unsupported_file);
+  CHECK(plain.says(path.string() + ": 8 x 8 is square, so it would be a face among six files, but " + path.string() +
+                   ": its name does not end as one of six faces does (px nx"));
+  CHECK(plain.says(". If it is something else, pass --layout to say what: lat-long (any ratio), "));
+  const std::filesystem::path face = directory.file("sky_px.exr");
+  std::filesystem::rename(path, face);
+  const ThrownError alone = thrown_by([&] { (void)inspect_environment(face); });
+  CHECK(alone.code == ErrorCode::unsupported_file);
+  CHECK(alone.says("is one of six faces of which others are missing beside it: -X (sky_nx.exr), +Y (sky_py.exr)"));
+  CHECK(inspect_environment(face, as(Layout::lat_long)).layout == Layout::lat_long);
+  const ThrownError asked = thrown_by([&] { (void)inspect_environment(face, as(Layout::six_files)); });
+  CHECK(asked.code == ErrorCode::file_access);
+  CHECK(asked.says("-X (sky_nx.exr)"));
+}
+
+TEST_CASE("strips and crosses that are asked for must have their shape", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = write_picture(directory, 100, 31);
+  const std::vector<std::pair<Layout, std::string>> cases{
+      {Layout::vertical_strip, "1:6 vertical strip"},
+      {Layout::horizontal_strip, "6:1 horizontal strip"},
+      {Layout::horizontal_cross, "4:3 horizontal cross"},
+      {Layout::vertical_cross, "3:4 vertical cross"},
+  };
+  for (const auto& [layout, words] : cases) {
+    const ThrownError error = thrown_by([&] { (void)inspect_environment(path, as(layout)); });
+    CHECK(error.code == ErrorCode::unsupported_file);
+    CHECK(error.message == path.string() + ": 100 x 31 is not a " + words + " of six square faces (" + name(layout) +
+                               " was asked for); pass --layout lat-long if it is one, or export the faces anew");
+  }
+}
+
+TEST_CASE("the header tells before the shape", "[codec]") {
+  const TemporaryDirectory directory;
+  const EnvironmentInfo odd = inspect_environment(write_picture(directory, 50, 31, Imf::ENVMAP_LATLONG));
+  CHECK(odd.layout == Layout::lat_long);
+  CHECK(odd.layout_reason == "the header's envmap attribute says latlong");
+  const EnvironmentInfo cube = inspect_environment(write_picture(directory, 4, 24, Imf::ENVMAP_CUBE));
+  CHECK(cube.layout == Layout::vertical_strip);
+  CHECK(cube.layout_reason == "the header's envmap attribute says cube");
+  const std::filesystem::path path = write_picture(directory, 64, 32, Imf::ENVMAP_CUBE);
+  const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
+  CHECK(error.code == ErrorCode::unsupported_file);
+  CHECK(error.says(path.string() + ": 64 x 32 is not a 1:6 vertical strip"));
+  CHECK(error.says("--layout lat-long"));
+}
+
+TEST_CASE("what is asked for comes before header and shape", "[codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = write_picture(directory, 8, 48, Imf::ENVMAP_CUBE);
+  const EnvironmentInfo info = inspect_environment(path, as(Layout::lat_long));
+  CHECK(info.layout == Layout::lat_long);
+  CHECK(info.layout_reason == "lat-long was asked for");
+  CHECK(inspect_environment(path, as(Layout::vertical_strip)).layout == Layout::vertical_strip);
+  const std::filesystem::path wide = write_picture(directory, 100, 31);
+  CHECK(inspect_environment(wide, as(Layout::lat_long)).layout == Layout::lat_long);
+  CHECK(thrown_by([&] {
+          (void)inspect_environment(wide, as(Layout::vertical_strip));
+        }).says("100 x 31 is not a 1:6 vertical strip"));
+}
+
+TEST_CASE("an environment gives the view of its own layout and no other", "[codec]") {
+  const TemporaryDirectory directory;
+  const Environment sky = read_environment(write_picture(directory, 64, 32));
+  CHECK(sky.lat_long().pixels == sky.pixels.get());
+  CHECK(sky.lat_long().width == 64);
+  CHECK(sky.lat_long().height == 32);
+  const ThrownError no_cube = thrown_by([&] { (void)sky.cubemap(); });
+  CHECK(no_cube.code == ErrorCode::invalid_argument);
+  CHECK(no_cube.says("is held as a lat-long (64 x 32 is 2:1), and a view of a cubemap was asked for"));
+  CHECK(sky.face_size() == 0);
+  const Environment strip = read_environment(write_picture(directory, 8, 48));
+  CHECK(strip.cubemap().size == 8);
+  CHECK(strip.cubemap().faces[5] == strip.pixels.get() + 5 * 8 * 8 * 3);
+  CHECK(thrown_by([&] { (void)strip.lat_long(); }).says("vertical-strip"));
+}
+
+// Promises: a cubemap comes out of a picture of any layout texel for texel, whatever its size, and what lies between
+// the faces of a cross is never seen: not in pixels, not in statistics, not in a projection.
+
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+void write_pfm(const std::filesystem::path& path, const CubePicture& picture) {
+  write_bytes(path, pfm_bytes(picture.width, picture.height, false, "-1", picture.pixels));
+}
+
+void write_float_exr(const std::filesystem::path& path, const CubePicture& picture,
+                     const std::optional<Imf::TileDescription>& tiles) {
+  ExrRecipe recipe{picture.width, picture.height, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y,
+                   tiles,         std::nullopt,   {}};
+  recipe.channels = rgb_channels(Imf::FLOAT);
+  write_exr(path, recipe, picture.pixels);
+}
+
+bool holds(const Environment& environment, const std::vector<float>& faces) {
+  return std::equal(faces.begin(), faces.end(), environment.pixels.get());
+}
+
+}  // namespace
+
+TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cube.pfm");
+  for (const Layout layout : one_file_cube_layouts()) {
+    for (const int size : {1, 2, 3, 7, 64, 130}) {
+      CAPTURE(name(layout), size);
+      const std::vector<float> faces = unlike_texels(size);
+      write_pfm(path, cube_picture(layout, size, faces, kNaN));
+      const Environment cube = read_environment(path);
+      CHECK(cube.info.layout == layout);
+      CHECK(cube.face_size() == size);
+      CHECK(holds(cube, faces));
+      const CubemapView view = cube.cubemap();
+      CHECK(view.size == size);
+      for (std::size_t face = 0; face < 6; ++face) {
+        const auto edge = static_cast<std::size_t>(size);
+        CHECK(*static_cast<const float*>(view.faces[face]) == faces[face * edge * edge * 3]);
+      }
+    }
+  }
+}
+
+TEST_CASE("layouts are read alike from blocks and tiles, on any number of threads", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cube.exr");
+  const int size = 133;
+  const std::vector<float> faces = unlike_texels(size);
+  for (const Layout layout : one_file_cube_layouts()) {
+    CAPTURE(name(layout));
+    const CubePicture picture = cube_picture(layout, size, faces, kNaN);
+    for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(60, 50)}}) {
+      write_float_exr(path, picture, tiles);
+      for (const int threads : {1, 2, 5}) {
+        run_with_threads(threads, [&] { CHECK(holds(read_environment(path), faces)); });
+      }
+    }
+  }
+}
+
+TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cube.pfm");
+  const int size = 24;
+  const std::vector<float> faces = some_pixels(size, 6 * size);
+  write_pfm(path, cube_picture(Layout::vertical_strip, size, faces, 0.0F));
+  const EnvironmentStatistics wanted = measure_environment(path);
+  const Projection wanted_light = project_file(path);
+  for (const Layout layout : one_file_cube_layouts()) {
+    for (const float blank : {0.0F, 1e30F, -1.0F, kNaN}) {
+      CAPTURE(name(layout), blank);
+      write_pfm(path, cube_picture(layout, size, faces, blank));
+      const EnvironmentStatistics found = measure_environment(path);
+      CHECK(found.texels == std::uint64_t{6} * size * size);
+      CHECK(found.nans == 0);
+      CHECK(found.negatives == wanted.negatives);
+      CHECK(found.minimum == wanted.minimum);
+      CHECK(found.maximum == wanted.maximum);
+      for (int channel = 0; channel < 3; ++channel) {
+        CHECK(found.mean[channel] == Approx(wanted.mean[channel]).epsilon(1e-13));
+        CHECK(found.flux[channel] == Approx(wanted.flux[channel]).epsilon(1e-13));
+      }
+      CHECK(found.brightest == wanted.brightest);
+      CHECK(found.brightest_direction == wanted.brightest_direction);
+      CHECK(same_bits(project_file(path).radiance, wanted_light.radiance));
+    }
+  }
+}
+
+TEST_CASE("the brightest texel is told by its place in the picture and its direction", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cube.pfm");
+  const int size = 8;
+  const std::vector<float> dark(std::size_t{18} * size * size, 0.25F);
+  for (std::size_t face = 0; face < 6; ++face) {
+    std::vector<float> faces = dark;
+    std::fill_n(faces.begin() + static_cast<std::ptrdiff_t>(3 * ((face * size + 2) * size + 5)), 3, 9.0F);
+    write_pfm(path, cube_picture(Layout::vertical_strip, size, faces, 0.0F));
+    const glm::dvec3 wanted = measure_environment(path).brightest_direction;
+    for (const Layout layout : one_file_cube_layouts()) {
+      CAPTURE(name(layout), face);
+      const CubePicture picture = cube_picture(layout, size, faces, 0.5F);
+      write_pfm(path, picture);
+      const EnvironmentStatistics found = measure_environment(path);
+      CHECK(found.brightest_direction == wanted);
+      CHECK(picture
+                .pixels[static_cast<std::size_t>(3 * (found.brightest_row * picture.width + found.brightest_column))] ==
+            9.0F);
+    }
+  }
+}
+
+TEST_CASE("a cross is held as its faces alone and refused by what they take", "[codec][layout]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("cross.pfm");
+  const int size = 64;
+  write_pfm(path, cube_picture(Layout::horizontal_cross, size, unlike_texels(size), kNaN));
+  ReadOptions options;
+  options.memory_limit_bytes = 6 * size * size * 12 - 1;
+  const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
+  CHECK(error.code == ErrorCode::limit_exceeded);
+  CHECK(error.message == path.string() +
+                             ": 256 x 192 texels take 294912 bytes as RGB floats, above the limit of 294911; raise "
+                             "the limit or reduce the picture");
+  options.memory_limit_bytes += std::uint64_t{1} << 19U;  // room for decoding
+  CHECK(read_environment(path, options).face_size() == size);
+}
+
+// Promises: in each cross, faces that touch in the picture touch on the cube, edge along edge; in every layout each
+// face lies once; and OpenEXR's strip is that of its own documentation.
+
+namespace {
+
+const files::FaceSegment* segment_at(const files::RowSegments& segments, int size, int column) {
+  for (const files::FaceSegment& segment : segments) {
+    if (column >= segment.first_column && column < segment.first_column + size) return &segment;
+  }
+  return nullptr;
+}
+
+// Direction of a texel's centre, or nothing at a blank place.
+std::optional<glm::dvec3> direction_at(const files::CubePlacement& placement, int size, int column, int row) {
+  if (column >= placement.columns * size || row >= placement.rows * size) return std::nullopt;
+  const files::RowSegments segments = files::row_segments(placement, size, row);
+  const files::FaceSegment* segment = segment_at(segments, size, column);
+  if (segment == nullptr) return std::nullopt;
+  const int offset = column - segment->first_column;
+  const int face_column = segment->mirrored ? size - 1 - offset : offset;
+  return image::face_direction(size, segment->face, face_column + 0.5, segment->face_row + 0.5);
+}
+
+}  // namespace
+
+TEST_CASE("neighbouring texels of a cross are neighbours on the sphere, across faces too", "[codec][layout]") {
+  for (const Layout layout : {Layout::horizontal_cross, Layout::vertical_cross}) {
+    for (const int size : {1, 2, 7, 16}) {
+      CAPTURE(name(layout), size);
+      const files::CubePlacement& placement = files::cube_placement(layout);
+      int joins = 0;
+      for (int row = 0; row < placement.rows * size; ++row) {
+        for (int column = 0; column < placement.columns * size; ++column) {
+          const auto here = direction_at(placement, size, column, row);
+          for (const auto& there :
+               {direction_at(placement, size, column + 1, row), direction_at(placement, size, column, row + 1)}) {
+            if (!here || !there) continue;
+            ++joins;
+            // Centres of neighbours are at most two texels' edges of 2 / size apart on the cube's surface.
+            const double angle = std::acos(std::min(1.0, glm::dot(*here, *there)));
+            REQUIRE(angle <= 2.0 * std::atan(1.0 / size) + 1e-9);
+          }
+        }
+      }
+      const int inside_faces = 6 * 2 * size * (size - 1);
+      CHECK(joins == inside_faces + 5 * size);
+    }
+  }
+}
+
+TEST_CASE("each texel of each face lies once in each layout", "[codec][layout]") {
+  for (const Layout layout : one_file_cube_layouts()) {
+    const int size = 3;
+    const files::CubePlacement& placement = files::cube_placement(layout);
+    std::set<std::tuple<int, int, int>> seen;
+    for (int row = 0; row < placement.rows * size; ++row) {
+      int column = -1;
+      for (const files::FaceSegment& segment : files::row_segments(placement, size, row)) {
+        CHECK(segment.first_column > column);
+        column = segment.first_column + size - 1;
+        CHECK(column < placement.columns * size);
+        for (int i = 0; i < size; ++i) {
+          CHECK(seen.insert({segment.face, segment.face_row, segment.mirrored ? size - 1 - i : i}).second);
+        }
+      }
+    }
+    CHECK(seen.size() == 54);
+  }
+}
+
+TEST_CASE("six files are taken as a strip, a lat-long has no faces", "[codec][layout]") {
+  CHECK(&files::cube_placement(Layout::six_files) == &files::cube_placement(Layout::vertical_strip));
+  const ThrownError error = thrown_by([] { (void)files::cube_placement(Layout::lat_long); });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  CHECK(error.message == "the layout lat-long has no faces; strips, crosses and six files have them");
+}
+
+TEST_CASE("a segment copied there and back is as it was", "[codec][layout]") {
+  for (const int size : {1, 2, 3, 64}) {
+    std::vector<float> texels;
+    for (int i = 0; i < 3 * size; ++i) texels.push_back(static_cast<float>(i));
+    for (const bool mirrored : {false, true}) {
+      std::vector<float> there(texels.size());
+      std::vector<float> back(texels.size());
+      files::copy_segment(texels.data(), there.data(), size, mirrored);
+      files::copy_segment(there.data(), back.data(), size, mirrored);
+      CHECK(back == texels);
+      CHECK(there[0] == (mirrored ? static_cast<float>(3 * size - 3) : 0.0F));
+      CHECK(there[1] == there[0] + 1.0F);
+    }
+  }
+}
+
+// Promise: the labelled map shows which way is which, the same on a lat-long and on a cube.
+
+namespace {
+
+glm::dvec3 mean_of_face(const CubemapImage& map, int face) {
+  const std::size_t texels = static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size);
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < texels; ++i) {
+    const float* rgb = map.pixels.data() + 3 * (static_cast<std::size_t>(face) * texels + i);
+    sum += glm::dvec3(rgb[0], rgb[1], rgb[2]);
+  }
+  return sum / static_cast<double>(texels);
+}
+
+}  // namespace
+
+TEST_CASE("Positive axes have their primary colour, negative ones its complement", "[testmap]") {
+  const CubemapImage map = test_map_cubemap(32);
+  for (int face = 0; face < 6; ++face) {
+    const glm::dvec3 mean = mean_of_face(map, face);
+    const int own = face / 2;
+    for (int other : {(own + 1) % 3, (own + 2) % 3}) {
+      CAPTURE(face, other);
+      if (face % 2 == 0) {
+        CHECK(mean[own] > mean[other] + 0.1);
+      } else {
+        CHECK(mean[own] < mean[other] - 0.1);
+      }
+    }
+  }
+}
+
+TEST_CASE("Lat-long and cubemap are the same map", "[testmap]") {
+  const LatLongImage map = test_map_lat_long(512, 256);
+  const CubemapImage cube = test_map_cubemap(128);
+  const LatLongImage from_cube = to_lat_long(cube.view(), 512, 256);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+    REQUIRE(map.pixels[i] >= 0.0F);
+    REQUIRE(map.pixels[i] <= 1.0F);
+    squares += std::pow(map.pixels[i] - from_cube.pixels[i], 2);
+  }
+  CHECK(std::sqrt(squares / static_cast<double>(map.pixels.size())) < 0.08);
+}
+
+TEST_CASE("From inside, letters read from left to right and arrows point up", "[testmap]") {
+  // On each wall of the lat-long: the sign stands to the left of the letter. The upper half of an X, Z or its like and
+  // the word below it are not symmetric to the arrow above.
+  const int width = 1024;
+  const LatLongImage map = test_map_lat_long(width, 512);
+  const auto is_ink = [&](int column, int row) {
+    const float* rgb = map.pixels.data() + 3 * (row * width + (column + width) % width);
+    return rgb[0] > 0.9F && rgb[1] > 0.9F && rgb[2] > 0.9F;
+  };
+  for (const int middle : {0, 256, 512, 768}) {
+    int left = 0;
+    int right = 0;
+    int above = 0;
+    int below = 0;
+    for (int row = 190; row < 315; ++row) {
+      for (int step = 8; step < 110; ++step) {
+        left += is_ink(middle - step, row) ? 1 : 0;
+        right += is_ink(middle + step, row) ? 1 : 0;
+      }
+    }
+    for (int step = -12; step <= 12; ++step) {
+      for (int row = 140; row < 180; ++row) above += is_ink(middle + step, row) ? 1 : 0;
+      for (int row = 332; row < 372; ++row) below += is_ink(middle + step, row) ? 1 : 0;
+    }
+    CAPTURE(middle, left, right, above, below);
+    CHECK(left * 1.2 < right);  // '+' and '-' have less ink than 'X' and 'Z'
+    CHECK(above > 200);         // the arrow's shaft
+  }
+}
+
+TEST_CASE("Maps of every size are drawn; others are refused", "[testmap]") {
+  for (const int size : {1, 2, 3, 7, 65}) {
+    CHECK(test_map_cubemap(size).pixels.size() == static_cast<std::size_t>(18 * size * size));
+    CHECK(test_map_lat_long(size, 2 * size).pixels.size() == static_cast<std::size_t>(6 * size * size));
+  }
+  CHECK(thrown_by([] { return test_map_cubemap(0); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([] { return test_map_lat_long(4, 40000); }).says("height"));
+}
+
+// Promise: a labelled map goes through every layout, format and orientation and back, and no texel moves.
+
+namespace {
+
+constexpr std::array kCubeLayouts{Layout::automatic,        Layout::vertical_strip, Layout::horizontal_strip,
+                                  Layout::horizontal_cross, Layout::vertical_cross, Layout::six_files};
+
+}  // namespace
+
+TEST_CASE("The labelled map goes through every layout and back without a moved texel", "[writers][layouts]") {
+  for (const int size : {1, 2, 7, 32}) {
+    const CubemapImage map = test_map_cubemap(size);
+    for (const char* extension : {".exr", ".pfm"}) {
+      for (const Layout layout : kCubeLayouts) {
+        const TemporaryDirectory directory;
+        const auto path = directory.file(std::string("map") + extension);
+        const WriteReport report = write_environment(path, map.view(), {layout, SampleType::float32});
+        CAPTURE(size, extension, name(layout));
+        REQUIRE(report.files.size() == (layout == Layout::six_files ? 6U : 1U));
+        const Environment read = read_environment(report.files.front());  // the layout is told from shape and header
+        REQUIRE(read.face_size() == size);
+        CHECK(same_bits(map.pixels, read.pixels.get()));
+      }
+    }
+  }
+}
+
+TEST_CASE("In 8 bits and in RGBE the same texels are in the same places", "[writers][layouts]") {
+  const int size = 16;
+  const CubemapImage map = test_map_cubemap(size);
+  for (const auto& [extension, off] : {std::pair{".png", 0.006F}, {".hdr", 0.003F}}) {
+    for (const Layout layout : kCubeLayouts) {
+      const TemporaryDirectory directory;
+      const WriteReport report =
+          write_environment(directory.file(std::string("map") + extension), map.view(), {layout});
+      const Environment read = read_environment(report.files.front());
+      REQUIRE(read.face_size() == size);
+      for (std::size_t i = 0; i < map.pixels.size(); ++i) REQUIRE(std::abs(read.pixels[i] - map.pixels[i]) < off);
+    }
+  }
+}
+
+TEST_CASE("The labelled map goes into every engine's faces and back without a moved texel", "[resampling]") {
+  const CubemapImage map = test_map_cubemap(32);
+  for (const Convention& engine : conventions()) {
+    if (!engine.faces_from_engine) continue;
+    const glm::dmat3 there = *engine.faces_from_engine * engine.from_welkin;
+    CAPTURE(engine.name);
+    const CubemapImage turned = to_cubemap(map.view(), 32, there);
+    CHECK(same_bits(map.pixels, to_cubemap(turned.view(), 32, glm::transpose(there)).pixels.data()));
+  }
+}
+
+}  // namespace welkin::test

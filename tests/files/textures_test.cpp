@@ -1,0 +1,590 @@
+// Textures: texel for texel back, rounded to the nearest, and calls that stop inside a level.
+#include <Imath/half.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <limits>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "files/env_pictures.h"
+#include "files/rgbd.h"
+#include "files/supercompression.h"
+#include "files/texel_formats.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+
+// Promises: what is written as KTX2, DDS or mip-mapped OpenEXR comes back texel for texel, rounded as the format says;
+// the bytes are where the formats' specifications want them, and the same on any number of threads.
+
+namespace {
+
+constexpr std::array kFormats{TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11,
+                              TexelFormat::e5b9g9r9};
+constexpr std::array kPackings{Supercompression::none, Supercompression::zlib, Supercompression::zstd};
+
+/// A step of the format at a value: that of a half, ...
+double step(TexelFormat format, double value, double largest_of_texel) {
+  switch (format) {
+    case TexelFormat::rgba16f: return std::ldexp(std::abs(value), -10);
+    case TexelFormat::rgba32f: return 0.0;
+    case TexelFormat::b10g11r11: return std::ldexp(std::abs(value), -5);
+    case TexelFormat::e5b9g9r9: return std::ldexp(largest_of_texel, -8) * 1.001;  // 511.5 steps are rounded to 512
+  }
+  return 0.0;
+}
+
+/// Whether each value of `read` is half a step from what was written, at most.
+bool is_rounded(const CubemapChain& written, const CubemapChain& read, TexelFormat format) {
+  if (written.size() != read.size() || written.levels() != read.levels()) return false;
+  for (int level = 0; level < written.levels(); ++level) {
+    for (int face = 0; face < 6; ++face) {
+      for (std::size_t texel = 0; texel < face_values(written, level); texel += 3) {
+        const float* from = written.face(level, face) + texel;
+        const float* to = read.face(level, face) + texel;
+        const double largest = std::max({std::abs(from[0]), std::abs(from[1]), std::abs(from[2])});
+        for (int c = 0; c < 3; ++c) {
+          const double off = std::abs(static_cast<double>(from[c]) - static_cast<double>(to[c]));
+          if (!(off <= 0.5 * step(format, static_cast<double>(from[c]), largest))) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+std::uint64_t number(const std::vector<char>& bytes, std::size_t place, std::size_t count) {
+  std::uint64_t value = 0;
+  std::memcpy(&value, bytes.data() + place, count);
+  return value;
+}
+
+CubemapChain half_chain(int size, int levels) {
+  return changed(noisy_chain(size, levels), [](float value) { return static_cast<float>(Imath::half(value)); });
+}
+
+}  // namespace
+
+TEST_CASE("textures come back rounded as their format says, at every size", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  for (const int size : {1, 2, 3, 7, 64, 257}) {
+    for (const int levels : {1, full_chain_levels(size)}) {
+      if (size == 257 && levels == 1) continue;  // takes its time, and says nothing new
+      const CubemapChain chain = noisy_chain(size, levels);
+      for (const TexelFormat format : kFormats) {
+        for (const Supercompression packing : kPackings) {
+          CAPTURE(size, levels, static_cast<int>(format), static_cast<int>(packing));
+          const auto path = directory.file("sky.ktx2");
+          const WriteReport report = write_texture(path, chain.views(), {format, packing, {{"key", "value"}}});
+          CHECK(report.values_clamped == 0);
+          CHECK(report.files == std::vector<std::filesystem::path>{path});
+          const CubemapTexture texture = read_texture(path);
+          CHECK(is_rounded(chain, texture.cubemap, format));
+          CHECK(texture.metadata.at("key") == "value");
+          CHECK(texture.metadata.at("KTXorientation") == "rd");
+        }
+        const auto path = directory.file("sky.dds");
+        write_texture(path, chain.views(), {format});
+        CHECK(is_rounded(chain, read_texture(path).cubemap, format));
+      }
+    }
+  }
+}
+
+TEST_CASE("a KTX2 file has its parts where the specification wants them", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(6, 3);
+  for (const TexelFormat format : kFormats) {
+    for (const Supercompression packing : kPackings) {
+      CAPTURE(static_cast<int>(format), static_cast<int>(packing));
+      write_texture(directory.file("sky.ktx2"), chain.views(), {format, packing, {{"zeta", "1"}, {"Alpha", "22"}}});
+      const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
+      const std::size_t texel = format == TexelFormat::rgba16f ? 8 : format == TexelFormat::rgba32f ? 16 : 4;
+      CHECK(std::string(bytes.data() + 1, 6) == "KTX 20");
+      constexpr std::array<std::uint64_t, 4> formats{97, 109, 122, 123};
+      CHECK(number(bytes, 12, 4) == formats[static_cast<std::size_t>(format)]);
+      CHECK(number(bytes, 20, 4) == 6);  // width and height
+      CHECK(number(bytes, 24, 4) == 6);
+      CHECK(number(bytes, 36, 4) == 6);  // faces
+      CHECK(number(bytes, 40, 4) == 3);  // levels
+      CHECK(number(bytes, 44, 4) == (packing == Supercompression::none   ? 0U
+                                     : packing == Supercompression::zstd ? 2U
+                                                                         : 3U));
+      const std::size_t descriptor = number(bytes, 48, 4);
+      CHECK(descriptor == 80 + 3 * 24);
+      CHECK(number(bytes, descriptor, 4) == number(bytes, 52, 4));
+      const std::size_t samples = format == TexelFormat::e5b9g9r9 ? 6 : format == TexelFormat::b10g11r11 ? 3 : 4;
+      CHECK(number(bytes, 52, 4) == 4 + 24 + 16 * samples);
+      CHECK(number(bytes, descriptor + 20, 1) == (packing == Supercompression::none ? texel : 0));
+      const std::size_t metadata = number(bytes, 56, 4);
+      CHECK(metadata == descriptor + number(bytes, 52, 4));
+      const std::string text(bytes.data() + metadata, number(bytes, 60, 4));
+      CHECK(text.find("Alpha") < text.find("KTXorientation"));
+      CHECK(text.find("KTXorientation") < text.find("KTXwriter"));
+      CHECK(text.find("KTXwriter") < text.find("zeta"));
+      std::uint64_t end = metadata + number(bytes, 60, 4);
+      for (const std::size_t level : {2U, 1U, 0U}) {  // the smallest comes first
+        const std::size_t entry = 80 + 24 * level;
+        const std::uint64_t offset = number(bytes, entry, 8);
+        const std::uint64_t edge = 6U >> level;
+        CHECK(offset >= end);
+        CHECK(offset < end + texel);
+        if (packing == Supercompression::none) CHECK(offset % texel == 0);
+        CHECK(number(bytes, entry + 16, 8) == 6 * edge * edge * texel);
+        end = offset + number(bytes, entry + 8, 8);
+      }
+      CHECK(end == bytes.size());
+    }
+  }
+}
+
+TEST_CASE("plain KTX2 levels start at multiples of a texel, however long the metadata is", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(2, 2);
+  for (std::size_t length = 0; length < 16; length += 4) {
+    const TextureOptions options{TexelFormat::rgba32f, Supercompression::none, {{"k", std::string(length, 'x')}}};
+    write_texture(directory.file("sky.ktx2"), chain.views(), options);
+    const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
+    CHECK(number(bytes, 80, 8) % 16 == 0);
+    CHECK(number(bytes, 104, 8) % 16 == 0);
+  }
+}
+
+TEST_CASE("a DDS file has face after face, with its levels from the largest to the smallest", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(4, 3);
+  write_texture(directory.file("sky.dds"), chain.views(), {});
+  const std::vector<char> bytes = read_bytes(directory.file("sky.dds"));
+  REQUIRE(bytes.size() == 148 + 6 * (16 + 4 + 1) * 8);
+  CHECK(std::string(bytes.data(), 4) == "DDS ");
+  CHECK(std::string(bytes.data() + 84, 4) == "DX10");
+  CHECK(number(bytes, 28, 4) == 3);
+  CHECK(number(bytes, 112, 4) == 0xFE00);
+  CHECK(number(bytes, 128, 4) == 10);
+  CHECK(number(bytes, 136, 4) == 4);
+  std::size_t place = 148;
+  bool right = true;
+  for (int face = 0; face < 6; ++face) {
+    for (int level = 0; level < 3; ++level) {
+      for (std::size_t i = 0; i < face_values(chain, level); i += 3, place += 8) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          Imath::half half;
+          half.setBits(static_cast<std::uint16_t>(number(bytes, place + 2 * c, 2)));
+          right = right && static_cast<float>(half) == chain.face(level, face)[i + c];
+        }
+        right = right && number(bytes, place + 6, 2) == 0x3C00;
+      }
+    }
+  }
+  CHECK(right);
+}
+
+TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.exr");
+  for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f}) {
+    for (const auto& [size, levels] : {std::pair{1, 1}, {2, 2}, {64, 7}, {64, 3}, {256, 1}}) {
+      const CubemapChain chain = half_chain(size, levels);
+      write_texture(path, chain.views(), {format, Supercompression::none, {{"roughness", "0 0.5 1"}}});
+      for (int level = 0; level < levels; ++level) {
+        CAPTURE(size, levels, level);
+        ReadOptions options;
+        options.level = level;
+        const Environment read = read_environment(path, options);
+        REQUIRE(read.face_size() == chain.level_size(level));
+        CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, level)},
+                                {chain.face(level, 0), 6 * face_values(chain, level)}));
+      }
+    }
+  }
+  const EnvironmentInfo info = inspect_environment(path);
+  CHECK(info.storage.find("mip-mapped tiles") != std::string::npos);
+  CHECK(info.layout_reason.find("envmap") != std::string::npos);
+}
+
+TEST_CASE("levels of an OpenEXR cube that were not given are means of the last one", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(16, 2);
+  write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
+  ReadOptions options;
+  options.level = 3;
+  const Environment read = read_environment(directory.file("sky.exr"), options);
+  REQUIRE(read.face_size() == 2);
+  for (int face = 0; face < 6; ++face) {
+    double sum = 0.0;  // of the top left quarter of 8 x 8
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) sum += static_cast<double>(chain.face(1, face)[3 * (8 * j + i)]);
+    }
+    CHECK(std::abs(static_cast<double>(read.pixels[static_cast<std::size_t>(face) * 12]) - sum / 16.0) < 1e-6 * sum);
+  }
+}
+
+TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  for (const int size : {3, 7, 257}) {
+    const CubemapChain chain = half_chain(size, full_chain_levels(size));
+    write_texture(directory.file("sky.exr"), chain.views(), {});
+    const Environment read = read_environment(directory.file("sky.exr"));
+    CHECK(read.face_size() == size);
+    CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, 0)},
+                            {chain.face(0, 0), 6 * face_values(chain, 0)}));
+  }
+}
+
+TEST_CASE("a texture's bytes do not depend on the number of threads", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = noisy_chain(128, 8);
+  for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
+    for (const Supercompression packing : kPackings) {
+      if (packing != Supercompression::none && std::string(file) != "sky.ktx2") continue;
+      std::vector<char> first;
+      for (const int threads : {1, 2, 5}) {
+        CubemapChain read;
+        run_with_threads(threads, [&] {
+          write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
+          if (std::string(file) != "sky.exr") read = read_texture(directory.file(file)).cubemap;
+        });
+        const std::vector<char> bytes = read_bytes(directory.file(file));
+        if (threads == 1) first = bytes;
+        CHECK(bytes == first);
+        if (std::string(file) != "sky.exr") CHECK(is_rounded(chain, read, TexelFormat::rgba16f));
+      }
+    }
+  }
+}
+
+TEST_CASE("views of any format and stride are written as they are seen", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  std::vector<std::uint16_t> halves;
+  for (int texel = 0; texel < 6 * 3 * 5; ++texel) {  // rows of 5 texels, of which 3 are the picture
+    for (int channel = 0; channel < 4; ++channel) {
+      halves.push_back(Imath::half(static_cast<float>(texel * 4 + channel) * 0.25F).bits());
+    }
+  }
+  CubemapView view{{}, 3, -5 * 8, PixelFormat::rgba_f16};  // bottom row first
+  for (std::size_t face = 0; face < 6; ++face) view.faces[face] = halves.data() + (face * 15 + 10) * 4;
+  write_texture(directory.file("sky.ktx2"), {&view, 1}, {});
+  const CubemapTexture read = read_texture(directory.file("sky.ktx2"));
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < 3; ++row) {
+      const float wanted = static_cast<float>((face * 15 + (2 - row) * 5 + 1) * 4 + 2) * 0.25F;
+      CHECK(read.cubemap.face(0, face)[3 * (row * 3 + 1) + 2] == wanted);
+    }
+  }
+}
+
+TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  CubemapChain chain = noisy_chain(4, 3);
+  chain.face(0, 2)[7] = 1e6F;
+  chain.face(2, 5)[0] = -1e6F;
+  for (const char* file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
+    CHECK(write_texture(directory.file(file), chain.views(), {}).values_clamped == 2);
+    CHECK(write_texture(directory.file(file), chain.views(), {TexelFormat::rgba32f}).values_clamped == 0);
+  }
+  const TextureOptions packed{TexelFormat::e5b9g9r9, Supercompression::zstd, {}};
+  CHECK(write_texture(directory.file("sky.ktx2"), chain.views(), packed).values_clamped == 2);
+}
+
+TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = half_chain(4, 1);
+  const float* rgb = chain.face(0, 0);
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {2, 16}}) {
+    const auto texels = static_cast<std::size_t>(width * height);
+    const auto holds_halves = [&](const std::vector<char>& bytes, std::size_t place) {
+      bool right = bytes.size() == place + 8 * texels;
+      for (std::size_t i = 0; right && i < 3 * texels; ++i) {
+        Imath::half half;
+        half.setBits(static_cast<std::uint16_t>(number(bytes, place + i / 3 * 8 + i % 3 * 2, 2)));
+        right = static_cast<float>(half) == rgb[i];
+      }
+      return right;
+    };
+    write_texture_2d(directory.file("table.ktx2"), width, height, rgb);
+    std::vector<char> bytes = read_bytes(directory.file("table.ktx2"));
+    CHECK(number(bytes, 20, 4) == static_cast<std::uint64_t>(width));
+    CHECK(number(bytes, 24, 4) == static_cast<std::uint64_t>(height));
+    CHECK(number(bytes, 36, 4) == 1);
+    CHECK(holds_halves(bytes, number(bytes, 80, 8)));
+    write_texture_2d(directory.file("table.dds"), width, height, rgb);
+    bytes = read_bytes(directory.file("table.dds"));
+    CHECK(number(bytes, 112, 4) == 0);
+    CHECK(number(bytes, 12, 4) == static_cast<std::uint64_t>(height));
+    CHECK(number(bytes, 16, 4) == static_cast<std::uint64_t>(width));
+    CHECK(holds_halves(bytes, 148));
+  }
+  const auto refusal = [&](const char* file, int width, const float* pixels) {
+    return thrown_by([&] { write_texture_2d(directory.file(file), width, 4, pixels); });
+  };
+  CHECK(refusal("table.exr", 4, rgb).code == ErrorCode::unsupported_file);
+  CHECK(refusal("table.dds", 0, rgb).code == ErrorCode::invalid_argument);
+  CHECK(refusal("table.dds", 4, nullptr).says("no pixels"));
+  CHECK(thrown_by([&] { (void)read_texture(directory.file("table.ktx2")); }).says("has 1 face; cubemaps"));
+}
+
+// Promises: halves, b10g11r11 and e5b9g9r9 take the value that is nearest, among all that there are; each of these goes
+// to itself; and the texels of files count what they clamp.
+
+namespace {
+
+/// Values over the whole range, denormals and places halfway between two among them.
+std::vector<float> values_up_to(float largest, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<float> values{0.0F, largest, std::numeric_limits<float>::denorm_min(), 0x1p-24F, 0x1p-25F, 0x3p-26F};
+  while (values.size() < 20000) {
+    const int exponent = static_cast<int>(random() % 48) - 31;
+    const float bits = random() % 2 == 0 ? 4096.0F : 8388608.0F;  // few bits: halfway, often
+    const float value =
+        std::ldexp(1.0F + std::floor(static_cast<float>(random() % 65536U) / 65536.0F * bits) / bits, exponent);
+    if (value <= largest) values.push_back(value);
+  }
+  return values;
+}
+
+/// All values of an unsigned float with five bits of exponent (bias 15), rising, in double.
+std::vector<double> all_small_floats(int mantissa_bits) {
+  std::vector<double> values;
+  for (int exponent = 0; exponent < 31; ++exponent) {
+    for (int mantissa = 0; mantissa < 1 << mantissa_bits; ++mantissa) {
+      const double fraction = std::ldexp(mantissa, -mantissa_bits);
+      values.push_back(exponent == 0 ? std::ldexp(fraction, -14) : std::ldexp(1.0 + fraction, exponent - 15));
+    }
+  }
+  return values;
+}
+
+/// The index of the nearest; of two, the even one.
+std::size_t nearest(const std::vector<double>& values, double value) {
+  const auto above = std::lower_bound(values.begin(), values.end(), value);
+  if (above == values.end()) return values.size() - 1;
+  const auto index = static_cast<std::size_t>(above - values.begin());
+  if (index == 0) return 0;
+  const double to_above = *above - value;
+  const double to_below = value - values[index - 1];
+  return to_above < to_below || (to_above == to_below && index % 2 == 0) ? index : index - 1;
+}
+
+bool is_a_number(std::uint16_t half) { return (half & 0x7C00U) != 0x7C00U; }
+
+}  // namespace
+
+TEST_CASE("every half comes back from its float, and floats go where Imath has them", "[codec][texels]") {
+  bool all = true;
+  for (unsigned bits = 0; bits < 65536; ++bits) {
+    const auto half = static_cast<std::uint16_t>(bits);
+    Imath::half value;
+    value.setBits(half);
+    if (is_a_number(half)) all = all && files::half_from_float(value) == half;
+  }
+  CHECK(all);
+  for (const float value : values_up_to(files::kLargestHalf, 1)) {
+    if (files::half_from_float(value) != Imath::half(value).bits() ||
+        files::half_from_float(-value) != Imath::half(-value).bits()) {
+      FAIL(value << " becomes " << files::half_from_float(value));
+    }
+  }
+}
+
+TEST_CASE("b10g11r11 takes the nearest value in each channel", "[codec][texels]") {
+  const std::vector<double> eleven = all_small_floats(6);
+  const std::vector<double> ten = all_small_floats(5);
+  REQUIRE(eleven.back() == static_cast<double>(files::kLargestFloat11));
+  REQUIRE(ten.back() == static_cast<double>(files::kLargestFloat10));
+  for (const float value : values_up_to(files::kLargestFloat10, 2)) {
+    const std::uint32_t texel = files::pack_b10g11r11({value, 0.0F, value});
+    const auto wide = static_cast<double>(value);
+    if (texel != (nearest(eleven, wide) | nearest(ten, wide) << 22U)) FAIL(value << " becomes " << texel);
+    if (files::pack_b10g11r11({0.0F, value, 0.0F}) != nearest(eleven, wide) << 11U) FAIL(value << " in green");
+  }
+  for (std::uint32_t bits = 0; bits < eleven.size(); ++bits) {
+    const std::array<float, 3> rgb = files::unpack_b10g11r11(bits | bits << 11U);
+    if (static_cast<double>(rgb[0]) != eleven[bits] || static_cast<double>(rgb[1]) != eleven[bits]) FAIL(bits);
+  }
+  for (std::uint32_t bits = 0; bits < ten.size(); ++bits) {
+    if (static_cast<double>(files::unpack_b10g11r11(bits << 22U)[2]) != ten[bits]) FAIL(bits);
+  }
+}
+
+TEST_CASE("e5b9g9r9 has the least exponent that holds the largest channel, and rounds to its steps",
+          "[codec][texels]") {
+  const std::vector<float> values = values_up_to(files::kLargestSharedFloat, 3);
+  for (std::size_t i = 0; i + 2 < values.size(); ++i) {
+    const std::array<float, 3> rgb{values[i], values[i + 1], values[i + 2]};
+    const std::uint32_t texel = files::pack_e5b9g9r9(rgb);
+    const auto largest = static_cast<double>(std::max({rgb[0], rgb[1], rgb[2]}));
+    const int exponent = static_cast<int>(texel >> 27U);
+    const double step = std::ldexp(1.0, exponent - 24);
+    const std::array<float, 3> back = files::unpack_e5b9g9r9(texel);
+    bool right = largest < 511.5 * step && (exponent == 0 || largest >= 511.5 * step / 2);
+    for (std::size_t c = 0; c < 3; ++c) {
+      right = right && static_cast<double>(back[c]) == std::floor(static_cast<double>(rgb[c]) / step + 0.5) * step;
+    }
+    if (!right) FAIL(rgb[0] << ' ' << rgb[1] << ' ' << rgb[2] << " become " << texel);
+  }
+  CHECK(files::pack_e5b9g9r9({1.0F, 0.0F, 0.0F}) == (16U << 27U | 256U));
+  CHECK(files::pack_e5b9g9r9({0.0F, 0.0F, files::kLargestSharedFloat}) == (31U << 27U | 511U << 18U));
+}
+
+TEST_CASE("what a texel cannot hold is clamped and counted", "[codec][texels]") {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> rgb{70000.0F, -70000.0F, NAN, infinity, -infinity, -1.0F, -0.0F, 65504.0F, 1.0F};
+  const auto through = [&rgb](TexelFormat format, std::uint64_t& clamped) {
+    std::vector<std::uint8_t> texels(3 * files::texel_bytes(files::kind_of(format)));
+    clamped = files::encode_texels(format, rgb.data(), 3, texels.data());
+    std::vector<float> back(9);
+    files::decode_texels(files::kind_of(format), texels.data(), 3, back.data());
+    return back;
+  };
+  std::uint64_t clamped = 0;
+  CHECK(through(TexelFormat::rgba16f, clamped) == std::vector<float>{65504, -65504, 0, 65504, -65504, -1, 0, 65504, 1});
+  CHECK(clamped == 5);
+  CHECK(through(TexelFormat::b10g11r11, clamped) == std::vector<float>{65024, 0, 0, 65024, 0, 0, 0, 65024, 1});
+  CHECK(clamped == 7);
+  CHECK(through(TexelFormat::e5b9g9r9, clamped) == std::vector<float>{65408, 0, 0, 65408, 0, 0, 0, 65408, 0});
+  CHECK(clamped == 7);
+  const std::vector<float> floats = through(TexelFormat::rgba32f, clamped);
+  CHECK(clamped == 0);
+  CHECK(std::isnan(floats[2]));
+  CHECK(floats[3] == infinity);
+  CHECK(floats[0] == 70000.0F);
+}
+
+// Promises: whoever asks a long call on textures to stop waits for a block, not for a level or a face; the work of the
+// libraries that pack is cut for that, and what comes out is what they make in one go.
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes noise(std::size_t count) {
+  Bytes bytes(count);
+  std::minstd_rand random(7);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random() >> 8U);
+  return bytes;
+}
+
+/// Runs `work` and asks it to stop once it has begun, from another thread.
+template <typename Work>
+ThrownError stopped_while(const Work& work) {
+  std::stop_source source;
+  std::atomic<bool> begun{false};
+  std::thread other([&] {
+    while (!begun) std::this_thread::yield();
+    source.request_stop();
+  });
+  ThrownError error;
+  try {
+    begun = true;
+    work(source.get_token());
+  } catch (const Error& thrown) {
+    error = {thrown.code(), thrown.what()};
+  }
+  other.join();
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("packing in blocks gives what packing in one go gives", "[codec][textures]") {
+  // Around the block's megabyte, and over it.
+  for (const std::size_t count : {std::size_t{24}, (std::size_t{1} << 20U) - 1, std::size_t{1} << 20U,
+                                  (std::size_t{1} << 20U) + 1, (std::size_t{5} << 19U) + 3}) {
+    CAPTURE(count);
+    Bytes bytes = noise(count);
+    std::fill_n(bytes.begin(), count / 2, std::uint8_t{42});  // half of it can be packed
+    for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
+      Bytes whole(packing == Supercompression::zlib ? compressBound(count) : ZSTD_compressBound(count));
+      if (packing == Supercompression::zlib) {
+        uLongf size = whole.size();
+        REQUIRE(compress2(whole.data(), &size, bytes.data(), count, Z_DEFAULT_COMPRESSION) == Z_OK);
+        whole.resize(size);
+      } else {
+        whole.resize(ZSTD_compress(whole.data(), whole.size(), bytes.data(), count, ZSTD_CLEVEL_DEFAULT));
+      }
+      const Bytes packed = files::pack(packing, bytes);
+      if (packing == Supercompression::zlib) CHECK(packed == whole);
+      for (const Bytes& each : {packed, whole}) {
+        Bytes unpacked(count);
+        files::unpack(packing, each, "sky.ktx2", unpacked);
+        CHECK(unpacked == bytes);
+      }
+      for (const std::ptrdiff_t wrong : {-1, 1}) {
+        Bytes other(static_cast<std::size_t>(static_cast<std::ptrdiff_t>(count) + wrong));
+        const ThrownError error = thrown_by([&] { files::unpack(packing, packed, "sky.ktx2", other); });
+        CHECK(error.code == ErrorCode::corrupt_file);
+      }
+      for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, packed.size() / 2, packed.size() - 1}) {
+        Bytes other(count);
+        const Bytes begin(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(cut));
+        const ThrownError error = thrown_by([&] { files::unpack(packing, begin, "sky.ktx2", other); });
+        CHECK(error.code == ErrorCode::corrupt_file);
+      }
+    }
+  }
+}
+
+TEST_CASE("packing and unpacking stop in the middle of a level", "[codec][textures]") {
+  const Bytes bytes = noise(std::size_t{16} << 20U);  // half a second of zlib
+  for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
+    const ThrownError error =
+        stopped_while([&](const std::stop_token& stop) { (void)files::pack(packing, bytes, stop); });
+    CHECK(error.says("cancelled"));
+  }
+  const Bytes packed = files::pack(Supercompression::zlib, Bytes(std::size_t{128} << 20U));
+  Bytes unpacked(std::size_t{128} << 20U);
+  const ThrownError error = stopped_while(
+      [&](const std::stop_token& stop) { files::unpack(Supercompression::zlib, packed, "sky.ktx2", unpacked, stop); });
+  CHECK(error.says("cancelled"));
+}
+
+TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env]") {
+  constexpr int size = 2048;
+  const Bytes rgba = noise(std::size_t{4} * size * size);
+  const ThrownError written =
+      stopped_while([&](const std::stop_token& stop) { (void)files::encode_png_rgba(rgba, size, stop); });
+  CHECK(written.says("cancelled"));
+  const Bytes png = files::encode_png_rgba(rgba, size);
+  Bytes back(rgba.size());
+  files::decode_rgba(png, size, "sky.env", "its face", back.data());
+  CHECK(back == rgba);
+  const ThrownError read = stopped_while(
+      [&](const std::stop_token& stop) { files::decode_rgba(png, size, "sky.env", "its face", back.data(), stop); });
+  CHECK(read.says("cancelled"));
+}
+
+TEST_CASE("a two-dimensional texture that is stopped before it is packed leaves no file", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const std::vector<float> rgb(std::size_t{3} * 64 * 64, 0.5F);
+  for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
+    std::stop_source source;
+    double last = 0.0;
+    const Control control{source.get_token(), [&](double done) {
+                            last = done;
+                            source.request_stop();
+                          }};
+    const ThrownError error = thrown_by([&] {
+      write_texture_2d(directory.file("brdf.ktx2"), 64, 64, rgb.data(), {TexelFormat::rgba16f, packing, {}}, control);
+    });
+    CHECK(error.code == ErrorCode::cancelled);
+    CHECK(last < 1.0);
+    CHECK(std::filesystem::is_empty(directory.file("").parent_path()));
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,493 @@
+// Files that are written: whole or not there, read back as what went in, saved sky tables as well.
+#include <ImfEnvmap.h>
+#include <ImfInputFile.h>
+#include <ImfStandardAttributes.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "image/geometry.h"
+#include "support/catch.h"
+#include "support/exr_files.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/image.h"
+#include "welkin/sky_table_file.h"
+#include "welkin/sky_tables.h"
+
+namespace welkin::test {
+
+// Promise: whatever goes wrong while a file is written, it is not there, and what was there before still is.
+
+namespace {
+
+/// Files of this process end at so many bytes while it lives: what a full disk does.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &saved_);
+    const rlimit limit{bytes, saved_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &saved_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit saved_{};
+};
+
+std::size_t entries(const TemporaryDirectory& directory) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory.file("").parent_path())) {
+    count += entry.exists() ? 1 : 0;
+  }
+  return count;
+}
+
+constexpr std::array kNames{"sky.exr", "sky.hdr", "sky.pfm", "sky.png"};
+
+}  // namespace
+
+TEST_CASE("A full disk leaves no file, and says what happened", "[writers]") {
+  const LatLongImage map{256, 128, some_pixels(256, 128)};
+  for (const char* file : kNames) {
+    for (const rlim_t bytes : {0UL, 100UL, 5000UL, 20000UL}) {
+      const TemporaryDirectory directory;
+      CAPTURE(file, bytes);
+      ThrownError error;
+      {
+        const FileSizeLimit limit(bytes);
+        error = thrown_by([&] { write_environment(directory.file(file), map.view()); });
+      }
+      CHECK(error.code == ErrorCode::file_access);
+      CHECK(error.says(file));
+      CHECK(error.says("File too large"));
+      CHECK(entries(directory) == 0);
+    }
+  }
+}
+
+TEST_CASE("A cancelled write leaves what was there", "[writers]") {
+  const CubemapImage map{32, some_pixels(32, 192)};
+  for (const char* file : kNames) {
+    for (const Layout layout : {Layout::automatic, Layout::six_files}) {
+      const TemporaryDirectory directory;
+      write_bytes(directory.file(file), {'o', 'l', 'd'});
+      std::stop_source stop;
+      const Control control{stop.get_token(), [&](double done) {
+                              if (done > 0.6) stop.request_stop();
+                            }};
+      const auto call = [&] { write_environment(directory.file(file), map.view(), {layout}, control); };
+      CHECK(thrown_by(call).code == ErrorCode::cancelled);
+      CHECK(entries(directory) == 1);
+      CHECK(read_bytes(directory.file(file)) == std::vector<char>{'o', 'l', 'd'});
+    }
+  }
+}
+
+TEST_CASE("A file that is there is replaced, and progress runs to one", "[writers]") {
+  const CubemapImage map{8, some_pixels(8, 48)};
+  for (const char* file : kNames) {
+    for (const Layout layout : {Layout::automatic, Layout::six_files}) {
+      const TemporaryDirectory directory;
+      write_bytes(directory.file(file), {'o', 'l', 'd'});
+      double last = 0.0;
+      const Control control{{}, [&](double done) {
+                              CHECK(done >= last);
+                              last = done;
+                            }};
+      const WriteReport report = write_environment(directory.file(file), map.view(), {layout}, control);
+      CHECK(last == 1.0);
+      CHECK(entries(directory) == (layout == Layout::six_files ? 7U : 1U));
+      CHECK(std::filesystem::file_size(report.files.back()) > 3);
+    }
+  }
+}
+
+TEST_CASE("Refusals to write say what would do", "[writers]") {
+  const TemporaryDirectory directory;
+  const LatLongImage map{4, 2, some_pixels(4, 2)};
+  const CubemapImage cube{2, some_pixels(2, 12)};
+  const auto refusal = [&](const std::string& file, const WriteOptions& options = {}) {
+    return thrown_by([&] { write_environment(directory.file(file), map.view(), options); });
+  };
+  CHECK(refusal("sky.gif").code == ErrorCode::unsupported_file);
+  CHECK(refusal("sky.gif").says("\".gif\" is not written; use .exr, .hdr, .pfm or .png"));
+  CHECK(refusal("sky").says("no extension"));
+  CHECK(refusal("none/sky.exr").code == ErrorCode::file_access);
+  CHECK(refusal("none/sky.exr").says("its folder is not there"));
+  CHECK(refusal("sky.exr", {Layout::automatic, SampleType::uint8}).says("half or float"));
+  CHECK(refusal("sky.hdr", {Layout::automatic, SampleType::float32}).says("RGBE"));
+  CHECK(refusal("sky.pfm", {Layout::automatic, SampleType::half}).says("floats alone"));
+  CHECK(refusal("sky.png", {Layout::automatic, SampleType::half}).says("8 or 16 bits"));
+  CHECK(refusal("sky.exr", {Layout::vertical_strip}).says("to_cubemap"));
+  CHECK(refusal("sky.exr", {Layout::vertical_strip}).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] {
+          write_environment(directory.file("a.exr"), cube.view(), {Layout::lat_long});
+        }).says("to_lat_long"));
+  CHECK(thrown_by([&] { write_environment(directory.file("a.exr"), LatLongView{}); }).code ==
+        ErrorCode::invalid_argument);
+  std::filesystem::create_directory(directory.file("folder.exr"));
+  CHECK(refusal("folder.exr").says("is a directory"));
+  CHECK(entries(directory) == 1);
+}
+
+// Promises: a file that replaces another has its permissions; a symbolic link stays one, and what it leads to is
+// replaced.
+
+TEST_CASE("A file that is replaced hands on its permissions", "[writers]") {
+  const LatLongImage map{8, 4, some_pixels(8, 4)};
+  for (const auto mode : {std::filesystem::perms{0600}, std::filesystem::perms{0664}}) {
+    const TemporaryDirectory directory;
+    const auto path = directory.file("sky.pfm");
+    write_bytes(path, {'o', 'l', 'd'});
+    std::filesystem::permissions(path, mode);
+    write_environment(path, map.view());
+    CHECK(std::filesystem::status(path).permissions() == mode);
+    CHECK(std::filesystem::file_size(path) > 3);
+  }
+}
+
+TEST_CASE("Through a symbolic link the file that it leads to is replaced", "[writers]") {
+  const LatLongImage map{8, 4, some_pixels(8, 4)};
+  const TemporaryDirectory directory;
+  const auto target = directory.file("elsewhere/target.pfm");
+  std::filesystem::create_directory(target.parent_path());
+  write_bytes(target, {'o', 'l', 'd'});
+  const auto link = directory.file("sky.pfm");
+  std::filesystem::create_symlink("elsewhere/target.pfm", link);
+  const WriteReport report = write_environment(link, map.view());
+  CHECK(report.files.front() == link);
+  CHECK(std::filesystem::is_symlink(link));
+  CHECK(std::filesystem::file_size(target) > 3);
+}
+
+// Promise: every format is written so that it reads back as what went in, to what the format can hold.
+
+namespace {
+
+LatLongImage some_lat_long(int width, int height) { return {width, height, some_pixels(width, height)}; }
+
+double srgb_from_linear(double value) {
+  return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
+}
+
+}  // namespace
+
+TEST_CASE("OpenEXR's own library reads what is written: float bit for bit, half to the nearest", "[writers]") {
+  const TemporaryDirectory directory;
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {64, 33}, {257, 17}}) {
+    const LatLongImage map = some_lat_long(width, height);
+    const auto path = directory.file("sky.exr");
+    REQUIRE(write_environment(path, map.view(), {Layout::automatic, SampleType::float32}).values_clamped == 0);
+    CHECK(read_exr_with_library(path) == map.pixels);
+
+    write_environment(path, map.view());
+    std::vector<float> rounded = map.pixels;
+    for (float& value : rounded) value = as_half(value);
+    CHECK(read_exr_with_library(path) == rounded);
+    const Imf::InputFile file(path.string().c_str());
+    CHECK(Imf::envmap(file.header()) == Imf::ENVMAP_LATLONG);
+    CHECK(file.header().compression() == Imf::ZIP_COMPRESSION);
+  }
+}
+
+TEST_CASE("Halves clamp what is finite, and keep NaN and infinities", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.exr");
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const LatLongImage map{2, 1, {65505.0F, -1e9F, kInfinity, -kInfinity, NAN, 65504.0F}};
+  CHECK(write_environment(path, map.view()).values_clamped == 2);
+  const std::vector<float> read = read_exr_with_library(path);
+  CHECK(std::vector<float>(read.begin(), read.begin() + 4) ==
+        std::vector<float>{65504.0F, -65504.0F, kInfinity, -kInfinity});
+  CHECK(std::isnan(read[4]));
+  CHECK(read[5] == 65504.0F);
+}
+
+TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("cube.exr");
+  const int size = 5;
+  const CubemapImage map{size, some_pixels(size, 6 * size)};
+  write_environment(path, map.view(), {Layout::automatic, SampleType::float32});
+  const Imf::InputFile file(path.string().c_str());
+  REQUIRE(Imf::envmap(file.header()) == Imf::ENVMAP_CUBE);
+  const std::vector<float> stored = read_exr_with_library(path);
+  const Imath::Box2i window = file.header().dataWindow();
+  for (int row = 0; row < 6 * size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
+      // OpenEXR's texels are points with the outermost ones on the edges: the direction to ask for is the point's.
+      const auto onto_points = [&](double place) { return place * size / (size - 1.0); };
+      const image::Frame& frame = image::face_frame(row / size);
+      const double u = onto_points(glm::dot(to, frame.u) / glm::dot(to, frame.normal)) * 0.999;
+      const double v = onto_points(glm::dot(to, frame.v) / glm::dot(to, frame.normal)) * 0.999;
+      const glm::dvec3 point = frame.normal + u * frame.u + v * frame.v;
+      Imf::CubeMapFace face{};
+      Imath::V2f in_face;
+      Imf::CubeMap::faceAndPixelPosition(
+          Imath::V3f(static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)), window,
+          face, in_face);
+      const Imath::V2f pixel = Imf::CubeMap::pixelPosition(face, window, in_face);
+      const int x = static_cast<int>(std::lround(pixel.x));
+      const int y = static_cast<int>(std::lround(pixel.y));
+      const float* wanted = map.pixels.data() + 3 * (row * size + column);
+      REQUIRE(std::equal(wanted, wanted + 3, stored.data() + 3 * (y * size + x)));
+    }
+  }
+}
+
+TEST_CASE("Radiance pictures hold values to half a step of the largest component", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.hdr");
+  for (const auto& [width, height] : {std::pair{1, 2}, {7, 3}, {8, 4}, {257, 5}, {32767, 1}, {32768, 1}}) {
+    LatLongImage map = some_lat_long(width, height);
+    // Runs of every length among noise, and dark texels.
+    for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+      if (i / 3 % 300 < 150) map.pixels[i] = 0.25F * static_cast<float>(i % 3);
+      if (i / 3 % 31 == 0) map.pixels[i] *= 1e-30F;
+    }
+    map.pixels[0] = 255.9F;  // rounds up to the next exponent
+    CAPTURE(width, height);
+    CHECK(write_environment(path, map.view()).values_clamped == 0);
+    const Environment read = read_environment(path, {Layout::lat_long});
+    REQUIRE(read.info.width == width);
+    REQUIRE(read.info.height == height);
+    int wrong = 0;
+    for (std::size_t texel = 0; texel < map.pixels.size() / 3; ++texel) {
+      const float* in = map.pixels.data() + 3 * texel;
+      const float* out = read.pixels.get() + 3 * texel;
+      const float step = 2.0F * std::max({in[0], in[1], in[2]}) / 256.0F;
+      for (int c = 0; c < 3; ++c) {
+        if (std::abs(in[c] - out[c]) > 0.5F * step + 1e-38F) ++wrong;
+      }
+    }
+    CHECK(wrong == 0);
+  }
+  std::vector<char> bytes = read_bytes(path);
+  CHECK(std::string(bytes.data(), 10) == "#?RADIANCE");
+}
+
+TEST_CASE("Radiance pictures are shorter where texels repeat", "[writers]") {
+  const TemporaryDirectory directory;
+  const LatLongImage grey{1024, 512, std::vector<float>(std::size_t{3} * 1024 * 512, 0.5F)};
+  write_environment(directory.file("grey.hdr"), grey.view());
+  CHECK(std::filesystem::file_size(directory.file("grey.hdr")) < 512 * 80);
+}
+
+TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]") {
+  const TemporaryDirectory directory;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const LatLongImage map{2, 1, {-1.0F, NAN, 0.5F, kInfinity, 3e38F, 0.25F}};
+  CHECK(write_environment(directory.file("a.hdr"), map.view()).values_clamped == 4);
+  const Environment hdr = read_environment(directory.file("a.hdr"));
+  CHECK(std::vector<float>(hdr.pixels.get(), hdr.pixels.get() + 6) ==
+        std::vector<float>{0.0F, 0.0F, 0.5F, 0xFFp119F, 0xFFp119F, 0.0F});
+  CHECK(write_environment(directory.file("a.png"), map.view()).values_clamped == 4);
+  const Environment png = read_environment(directory.file("a.png"));
+  CHECK(png.pixels[0] == 0.0F);
+  CHECK(png.pixels[1] == 0.0F);
+  CHECK(png.pixels[2] == Approx(0.5).margin(0.003));
+  CHECK(png.pixels[3] == 1.0F);
+  CHECK(png.pixels[4] == 1.0F);
+}
+
+TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("ramp.png");
+  const int width = 3000;
+  LatLongImage ramp{width, 2, std::vector<float>(std::size_t{6} * width)};
+  for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
+    ramp.pixels[i] = static_cast<float>(std::pow(static_cast<double>(i) / (6.0 * width - 1.0), 3.0));
+  }
+  for (const auto& [type, largest] : {std::pair{SampleType::uint8, 255.0}, {SampleType::uint16, 65535.0}}) {
+    CHECK(write_environment(path, ramp.view(), {Layout::automatic, type}).values_clamped == 0);
+    const Environment read = read_environment(path, {Layout::lat_long});
+    CHECK(read.info.channels.front().type == (largest > 255.0 ? "uint16" : "uint8"));
+    double worst = 0.0;
+    for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
+      const double code = srgb_from_linear(read.pixels[i]) * largest;  // whole, but for rounding
+      worst = std::max(worst, std::abs(code - srgb_from_linear(ramp.pixels[i]) * largest));
+    }
+    CHECK(worst < 0.51);
+  }
+}
+
+TEST_CASE("PFM keeps every bit", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.pfm");
+  LatLongImage map = some_lat_long(34, 17);
+  map.pixels[3] = NAN;
+  map.pixels[4] = -INFINITY;
+  map.pixels[5] = -0.0F;
+  CHECK(write_environment(path, map.view()).values_clamped == 0);
+  const Environment read = read_environment(path);
+  CHECK(std::memcmp(read.pixels.get(), map.pixels.data(), map.pixels.size() * sizeof(float)) == 0);
+}
+
+TEST_CASE("Views of every format and stride are written", "[writers]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.pfm");
+  const TestLatLong floats = make_lat_long(Content::random, 12, 6, 9, 4);
+  const TestLatLongHalf halves = make_lat_long_half(Content::random, 12, 6, 9, 4);
+  const TestLatLongBytes bytes = make_lat_long_bytes(Content::random, 12, 6, 9, 3);
+  const auto written = [&](const LatLongView& view) {
+    write_environment(path, view);
+    const Environment read = read_environment(path);
+    return std::vector<float>(read.pixels.get(), read.pixels.get() + 12 * 6 * 3);
+  };
+  const std::vector<float> from_float = written(floats.view());
+  const std::vector<float> from_half = written(halves.view());
+  const std::vector<float> from_bytes = written(bytes.view());
+  LatLongView upside_down = floats.view();
+  upside_down.pixels = floats.pixels.data() + 12 * 4 * 5;
+  upside_down.row_stride_bytes = -12 * 16;
+  const std::vector<float> turned = written(upside_down);
+  for (std::size_t i = 0; i < from_float.size(); ++i) {
+    REQUIRE(from_float[i] == floats.pixels[i / 3 * 4 + i % 3]);
+    REQUIRE(from_half[i] == as_half(from_float[i]));
+    REQUIRE(from_bytes[i] == Approx(from_float[i]).margin(0.004));
+    const std::size_t row = i / 36;
+    REQUIRE(turned[i] == from_float[(5 - row) * 36 + i % 36]);
+  }
+}
+
+// Promise: saved sky tables come back bit by bit; a damaged file is refused, whatever the damage.
+
+namespace {
+
+SkyTableOptions tiny_options(ScatteringLayout layout) {
+  return {.layout = layout,
+          .heights = 2,
+          .view_zeniths = 4,
+          .sun_zeniths = 4,
+          .sun_angles = 2,
+          .transmittance_heights = 2,
+          .transmittance_zeniths = 3,
+          .irradiance_heights = 2,
+          .irradiance_sun_zeniths = 2,
+          .orders = 2};
+}
+
+std::vector<char> bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write(const std::filesystem::path& path, const std::vector<char>& bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+bool refused(const std::filesystem::path& path) {
+  try {
+    static_cast<void>(load_sky_tables(path, std::uint64_t{1} << 20U));
+  } catch (const Error& error) {
+    return std::string(error.what()).find(path.filename().string()) != std::string::npos;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("Saved sky tables come back with all their parameters and bits", "[sky][codec]") {
+  const TemporaryDirectory directory;
+  for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
+    for (const Atmosphere& air : {earth(), mars(), earth_hillaire()}) {
+      const SkyTables tables = precompute_sky(air, tiny_options(layout));
+      save_sky_tables(tables, directory.file("sky.tables"));
+      const SkyTables back = load_sky_tables(directory.file("sky.tables"));
+      CHECK(back.atmosphere == tables.atmosphere);
+      CHECK(back.options == tables.options);
+      CHECK(back.transmittance == tables.transmittance);
+      CHECK(back.scattering == tables.scattering);
+      CHECK(back.single_mie == tables.single_mie);
+      CHECK(back.irradiance == tables.irradiance);
+      CHECK(back.orders == tables.orders);
+      CHECK(back.last_change == tables.last_change);
+    }
+  }
+  CHECK(std::distance(std::filesystem::directory_iterator(directory.file("")), {}) == 1);
+}
+
+TEST_CASE("Sky tables cut off anywhere or changed in any byte are refused", "[sky][codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.tables");
+  save_sky_tables(precompute_sky(earth(), tiny_options(ScatteringLayout::compact)), path);
+  const std::vector<char> sound = bytes_of(path);
+  REQUIRE(!refused(path));
+  const std::filesystem::path damaged = directory.file("damaged.tables");
+  constexpr std::size_t header = 600;  // all parameters, and more
+  REQUIRE(sound.size() > header);
+  for (std::size_t length = 0; length < sound.size(); length += length < header ? 1 : 7) {
+    write(damaged, {sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(length)});
+    if (!refused(damaged)) FAIL("cut off after " << length);
+  }
+  std::vector<char> longer = sound;
+  longer.push_back(0);
+  write(damaged, longer);
+  CHECK(refused(damaged));
+  for (std::size_t place = 0; place < sound.size(); place += place < header ? 1 : 7) {
+    for (const int flip : {0x01, 0xff}) {
+      std::vector<char> bytes = sound;
+      bytes[place] = static_cast<char>(bytes[place] ^ flip);
+      write(damaged, bytes);
+      if (!refused(damaged)) FAIL("byte " << place << " changed by " << flip);
+    }
+  }
+}
+
+TEST_CASE("Refused sky tables say why", "[sky][codec]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("sky.tables");
+  save_sky_tables(precompute_sky(earth(), tiny_options(ScatteringLayout::full)), path);
+  const auto load = [&](std::uint64_t limit = 1U << 30U) {
+    return thrown_by([&] { static_cast<void>(load_sky_tables(path, limit)); });
+  };
+  CHECK(load(100).code == ErrorCode::limit_exceeded);
+  std::vector<char> bytes = bytes_of(path);
+  bytes[8] = 3;
+  write(path, bytes);
+  CHECK(load().code == ErrorCode::unsupported_file);
+  CHECK(load().says("version 3"));
+  bytes[8] = 2;
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  write(path, bytes);
+  CHECK(load().code == ErrorCode::corrupt_file);
+  CHECK(load().says("checksum"));
+  write(path, std::vector<char>(100, 'x'));
+  CHECK(load().code == ErrorCode::unsupported_file);
+  std::filesystem::remove(path);
+  CHECK(load().code == ErrorCode::file_access);
+  CHECK(thrown_by([&] {
+          save_sky_tables(precompute_sky(earth(), tiny_options(ScatteringLayout::compact)),
+                          directory.file("missing/sky.tables"));
+        }).code == ErrorCode::file_access);
+  SkyTables odd = precompute_sky(earth(), tiny_options(ScatteringLayout::compact));
+  odd.scattering.pop_back();
+  CHECK(thrown_by([&] { save_sky_tables(odd, path); }).code == ErrorCode::invalid_argument);
+  odd = precompute_sky(earth(), tiny_options(ScatteringLayout::compact));
+  odd.atmosphere.name.assign(5000, 'n');
+  CHECK(thrown_by([&] { save_sky_tables(odd, path); }).code == ErrorCode::invalid_argument);
+  CHECK(!std::filesystem::exists(path));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,457 @@
+// Turned harmonics, the one light nearest to them, and the harmonics of a sun.
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "harmonics/rotation.h"
+#include "math/quadrature.h"
+#include "transform/frame_transform.h"
+#include "support/catch.h"
+#include "support/coefficients.h"
+#include "support/random_harmonics.h"
+#include "support/sun_maps.h"
+#include "support/thrown_error.h"
+#include "welkin/directional_light.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/projection.h"
+
+namespace welkin::test {
+
+// Promise: turned coefficients are those of the turned function; turns compose, undo and keep power, also 10 000 of
+// them.
+
+namespace {
+
+/// Largest difference between `turned` at map * d and `original` at d.
+double worst_difference(const SphericalHarmonics& turned, const SphericalHarmonics& original, const glm::dmat3& map) {
+  RandomLight light(7);
+  double worst = 0.0;
+  for (int k = 0; k < 50; ++k) {
+    const glm::dvec3 d = light.direction();
+    const glm::dvec3 off = evaluate(turned, glm::normalize(map * d)) - evaluate(original, d);
+    worst = std::max(worst, glm::length(off));
+  }
+  return worst;
+}
+
+double band_power(const SphericalHarmonics& harmonics, int l) {
+  double sum = 0.0;
+  for (int m = -l; m <= l; ++m) sum += glm::dot(harmonics.at(l, m), harmonics.at(l, m));
+  return sum;
+}
+
+/// All 48 signed permutations of the axes.
+std::vector<glm::dmat3> cube_symmetries() {
+  std::vector<glm::dmat3> all;
+  int order[3] = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 map(0.0);
+      for (int k = 0; k < 3; ++k) map[k][order[k]] = (signs >> k & 1) != 0 ? -1.0 : 1.0;
+      all.push_back(map);
+    }
+  } while (std::next_permutation(order, order + 3));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("Turned coefficients are those of the turned function, in every number of bands", "[sh][turn]") {
+  RandomLight light(1);
+  for (int bands = 1; bands <= kMaximumBands; ++bands) {
+    for (int k = 0; k < 10; ++k) {
+      const SphericalHarmonics original = light.harmonics(bands);
+      const glm::dquat turn = light.turn();
+      CAPTURE(bands, k);
+      CHECK(worst_difference(rotate(original, turn), original, glm::mat3_cast(turn)) < 1e-12 * norm(original));
+    }
+  }
+}
+
+TEST_CASE("A light is where it was turned to, to 1e-13", "[sh][turn]") {
+  RandomLight light(2);
+  for (int k = 0; k < 50; ++k) {
+    const glm::dvec3 direction = light.direction();
+    const glm::dquat turn = light.turn();
+    const SphericalHarmonics found = rotate(point_light(direction, {1, 2, 3}, kMaximumBands), turn);
+    CHECK(relative_error(found, point_light(glm::normalize(turn * direction), {1, 2, 3}, kMaximumBands)) < 1e-13);
+  }
+}
+
+TEST_CASE("One turn after another is their product, and the inverse undoes", "[sh][turn]") {
+  RandomLight light(3);
+  for (const int bands : {1, 2, 3, 5, 9, 16}) {
+    const SphericalHarmonics original = light.harmonics(bands);
+    const glm::dquat first = light.turn();
+    const glm::dquat second = light.turn();
+    CHECK(relative_error(rotate(rotate(original, first), second), rotate(original, second * first)) < 1e-13);
+    CHECK(relative_error(rotate(rotate(original, first), glm::conjugate(first)), original) < 1e-13);
+    CHECK(relative_error(rotate(original, -first), rotate(original, first)) < 1e-15);
+    CHECK(same_bits(rotate(original, glm::dquat(1, 0, 0, 0)), rotate(original, glm::dquat(-3, 0, 0, 0))));
+    CHECK(relative_error(rotate(original, glm::dquat(1, 0, 0, 0)), original) < 1e-15);
+  }
+}
+
+TEST_CASE("Ten thousand small steps end where one turn does, with all their power", "[sh][turn]") {
+  for (const int bands : {3, 16}) {
+    RandomLight light(4);
+    const SphericalHarmonics original = light.harmonics(bands);
+    SphericalHarmonics walked = original;
+    glm::dquat total(1, 0, 0, 0);
+    for (int step = 0; step < 10000; ++step) {
+      const glm::dvec3 axis = light.direction();
+      const glm::dquat small = glm::angleAxis(0.01 * (1.5 + light.number()), axis);
+      walked = rotate(walked, small);
+      total = glm::normalize(small * total);
+    }
+    CAPTURE(bands);
+    CHECK(relative_error(walked, rotate(original, total)) < 1e-11);
+    for (int l = 0; l < bands; ++l) {
+      CHECK(band_power(walked, l) == Approx(band_power(original, l)).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("The same small step ten thousand times keeps power: no drift one way", "[sh][turn]") {
+  RandomLight light(5);
+  const SphericalHarmonics original = light.harmonics(3);
+  const glm::dquat step = glm::angleAxis(2.0 * 3.14159265358979323846 / 10000.0, light.direction());
+  SphericalHarmonics walked = original;
+  for (int k = 0; k < 10000; ++k) walked = rotate(walked, step);
+  CHECK(relative_error(walked, original) < 1e-10);
+  for (int l = 0; l < 3; ++l) CHECK(band_power(walked, l) == Approx(band_power(original, l)).epsilon(1e-12));
+}
+
+TEST_CASE("The 48 symmetries of the cube permute bands 0 and 1 with signs", "[sh][turn]") {
+  RandomLight light(6);
+  const SphericalHarmonics original = light.harmonics(kMaximumBands);
+  for (const glm::dmat3& map : cube_symmetries()) {
+    const SphericalHarmonics found = transform(original, map);
+    CHECK(found.at(0, 0) == original.at(0, 0));
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3 before(original.at(1, 1)[c], original.at(1, -1)[c], original.at(1, 0)[c]);
+      const glm::dvec3 after(found.at(1, 1)[c], found.at(1, -1)[c], found.at(1, 0)[c]);
+      CHECK(after == map * before);
+    }
+    CHECK(worst_difference(found, original, map) < 1e-12 * norm(original));
+  }
+}
+
+TEST_CASE("A cube face's transform is the turn from its frame, for all bands", "[sh][turn]") {
+  RandomLight light(8);
+  for (int face = 0; face < 6; ++face) {
+    const image::Frame& frame = image::face_frame(face);
+    const SphericalHarmonics local = light.harmonics(kMaximumBands);
+    const std::size_t count = local.coefficients().size();
+    std::vector<double> planes(3 * count);
+    std::vector<double> canonical(3 * count);
+    std::vector<int> place(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      place[k] = static_cast<int>(k);
+      for (std::size_t c = 0; c < 3; ++c) planes[c * count + k] = local.coefficients()[k][static_cast<int>(c)];
+    }
+    transforms::face_transform(face, kMaximumBands).add(planes.data(), place.data(), canonical.data());
+    SphericalHarmonics expected(kMaximumBands);
+    for (std::size_t k = 0; k < count; ++k) {
+      expected.coefficients()[k] = {canonical[k], canonical[count + k], canonical[2 * count + k]};
+    }
+    CHECK(relative_error(transform(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
+  }
+}
+
+TEST_CASE("A mirror is the turn by its negative with every odd band's sign changed", "[sh][turn]") {
+  RandomLight light(9);
+  for (const int bands : {2, 3, 8, 16}) {
+    const SphericalHarmonics original = light.harmonics(bands);
+    const glm::dmat3 map = glm::mat3_cast(light.turn());
+    const SphericalHarmonics mirrored = transform(original, -map);
+    SphericalHarmonics expected = transform(original, map);
+    for (int l = 1; l < bands; l += 2) {
+      for (int m = -l; m <= l; ++m) expected.at(l, m) = -expected.at(l, m);
+    }
+    CHECK(relative_error(mirrored, expected) < 1e-13);
+    CHECK(worst_difference(mirrored, original, -map) < 1e-12 * norm(original));
+  }
+}
+
+TEST_CASE("Every band's matrix is orthogonal to 1e-13", "[sh][turn]") {
+  RandomLight light(10);
+  harmonics::BandRotation matrix(glm::mat3_cast(light.turn()));
+  for (int l = 1; l < kMaximumBands; ++l) {
+    matrix.advance();
+    double worst = 0.0;
+    for (int a = -l; a <= l; ++a) {
+      for (int b = -l; b <= l; ++b) {
+        double sum = a == b ? -1.0 : 0.0;
+        for (int n = -l; n <= l; ++n) sum += matrix.at(a, n) * matrix.at(b, n);
+        worst = std::max(worst, std::abs(sum));
+      }
+    }
+    CAPTURE(l);
+    CHECK(worst < 1e-13);
+  }
+}
+
+TEST_CASE("A quaternion's length does not matter, however small or large", "[sh][turn]") {
+  RandomLight light(11);
+  const SphericalHarmonics original = light.harmonics(4);
+  const glm::dquat turn = light.turn();
+  const SphericalHarmonics expected = rotate(original, turn);
+  for (const double length : {0.5, 3.0, 1e-200, 1e-300, 1e200, 1e300}) {
+    const glm::dquat stretched(turn.w * length, turn.x * length, turn.y * length, turn.z * length);
+    CHECK(relative_error(rotate(original, stretched), expected) < 1e-14);
+  }
+}
+
+TEST_CASE("Coefficients of any size turn alike", "[sh][turn]") {
+  RandomLight light(12);
+  const SphericalHarmonics original = light.harmonics(kMaximumBands);
+  const glm::dquat turn = light.turn();
+  const SphericalHarmonics expected = rotate(original, turn);
+  for (const double size : {0x1p100, 0x1p-100}) {
+    CHECK(same_bits(rotate(scale(original, glm::dvec3(size)), turn), scale(expected, glm::dvec3(size))));
+  }
+  CHECK(norm(rotate(SphericalHarmonics(5), turn)) == 0.0);
+}
+
+TEST_CASE("A matrix slightly off is taken for the nearest turn; one far off is refused", "[sh][turn]") {
+  RandomLight light(13);
+  const SphericalHarmonics original = light.harmonics(kMaximumBands);
+  const glm::dmat3 map = glm::mat3_cast(light.turn());
+  glm::dmat3 off = map;
+  for (int k = 0; k < 3; ++k) off[k] += 2e-7 * light.colour();
+  const SphericalHarmonics found = transform(original, off);
+  CHECK(norm(found) == Approx(norm(original)).epsilon(1e-12));
+  CHECK(relative_error(found, transform(original, map)) < 2e-5);
+
+  for (const glm::dmat3& bad : {glm::dmat3(0.0), 1.001 * map, glm::dmat3(std::numeric_limits<double>::quiet_NaN()),
+                                glm::dmat3({1, 0, 0}, {0.01, 1, 0}, {0, 0, 1})}) {
+    const ThrownError error = thrown_by([&] { (void)transform(original, bad); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("not orthogonal"));
+    CHECK(error.says("1e-6"));
+  }
+}
+
+TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const glm::dquat& bad : {glm::dquat(0, 0, 0, 0), glm::dquat(nan, 0, 0, 1), glm::dquat(1, 0, nan, 0),
+                                glm::dquat(infinity, 0, 0, 0), glm::dquat(1, 0, 0, -infinity)}) {
+    const ThrownError error = thrown_by([&] { (void)rotate(SphericalHarmonics(3), bad); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("quaternion"));
+    CHECK(error.says("(1 0 0 0) turns nothing"));
+  }
+}
+
+// Promise: of a constant and a directional light the dominant light is that directional light; it turns with the light.
+
+TEST_CASE("A directional light over a constant comes back", "[sh][dominant]") {
+  RandomLight light(61);
+  for (const int bands : {2, 3, 4, 16}) {
+    for (const double strength : {1e-30, 1e-3, 1.0, 222208.0, 1e30}) {
+      const glm::dvec3 direction = light.direction();
+      const glm::dvec3 irradiance = strength * glm::dvec3(1.0, 0.7, 0.2);
+      // Ambient light ten times as strong is no hindrance: band 0 is not looked at.
+      const SphericalHarmonics radiance =
+          add(constant_radiance(strength * glm::dvec3(10, 20, 30), bands), point_light(direction, irradiance, bands));
+      const auto found = dominant_light(radiance);
+      CAPTURE(bands, strength);
+      REQUIRE(found);
+      CHECK(glm::length(found->direction - direction) < 1e-14);
+      CHECK(glm::length(found->irradiance - irradiance) < 1e-13 * glm::length(irradiance));
+    }
+  }
+}
+
+TEST_CASE("No directional light comes closer to bands 1 and 2", "[sh][dominant]") {
+  RandomLight light(62);
+  const SphericalHarmonics radiance =
+      add(point_light(light.direction(), {3, 2, 1}, 3), scale(light.harmonics(3), glm::dvec3(0.2)));
+  const auto found = dominant_light(radiance);
+  REQUIRE(found);
+  const auto distance = [&](const glm::dvec3& irradiance) {
+    SphericalHarmonics rest = add(radiance, scale(point_light(found->direction, irradiance, 3), glm::dvec3(-1.0)));
+    rest.at(0, 0) = glm::dvec3(0.0);
+    return norm(rest);
+  };
+  const double least = distance(found->irradiance);
+  for (int c = 0; c < 3; ++c) {
+    for (const double step : {-1e-3, 1e-3}) {
+      glm::dvec3 other = found->irradiance;
+      other[c] += step;
+      CHECK(distance(other) > least);
+    }
+  }
+}
+
+TEST_CASE("The dominant light turns with its environment", "[sh][dominant]") {
+  RandomLight light(63);
+  for (int k = 0; k < 20; ++k) {
+    const SphericalHarmonics radiance = add(light.harmonics(4), constant_radiance({5, 5, 5}, 4));
+    const glm::dquat turn = light.turn();
+    const auto before = dominant_light(radiance);
+    const auto after = dominant_light(rotate(radiance, turn));
+    REQUIRE(before);
+    REQUIRE(after);
+    CHECK(glm::length(after->direction - turn * before->direction) < 1e-13);
+    CHECK(glm::length(after->irradiance - before->irradiance) < 1e-13);
+    for (int c = 0; c < 3; ++c) CHECK(before->irradiance[c] >= 0.0);
+  }
+}
+
+TEST_CASE("Light without a direction has no dominant light", "[sh][dominant]") {
+  CHECK_FALSE(dominant_light(SphericalHarmonics(3)));
+  CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 3)));
+  CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 1)));
+  // What a projection's rounding leaves of a uniform sky.
+  CHECK_FALSE(dominant_light(add(constant_radiance({1, 1, 1}, 3), point_light({0, 1, 0}, glm::dvec3(1e-7), 3))));
+  SphericalHarmonics broken = point_light({0, 1, 0}, {1, 1, 1}, 3);
+  broken.at(1, 0).r = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(dominant_light(broken));
+  // Two equal lights face to face cancel in the linear band.
+  CHECK_FALSE(dominant_light(add(point_light({0, 1, 0}, {1, 1, 1}, 3), point_light({0, -1, 0}, {1, 1, 1}, 3))));
+}
+
+TEST_CASE("A colour that comes from behind is not taken below zero", "[sh][dominant]") {
+  const auto found = dominant_light(add(point_light({0, 1, 0}, {0, 5, 0}, 3), point_light({0, -1, 0}, {0, 0, 1}, 2)));
+  REQUIRE(found);
+  CHECK(found->irradiance.b == 0.0);
+  CHECK(found->irradiance.g > 0.0);
+}
+
+// Promise: a sun's coefficients are those of a uniform disc of its solid angle, from a point to the whole sphere.
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Sun sun_of(const glm::dvec3& direction, double solid_angle) {
+  Sun sun;
+  sun.direction = direction;
+  sun.radiance = {3.0, 2.0, 1.0};
+  sun.solid_angle = solid_angle;
+  sun.irradiance = solid_angle * sun.radiance;
+  return sun;
+}
+
+/// Coefficients of a cap around z: Gauss' rule over its height, exact for the Legendre polynomials.
+SphericalHarmonics integrated_cap(double solid_angle, int bands) {
+  SphericalHarmonics sum(bands);
+  const simd::GaussRule rule = math::gauss_legendre(bands);
+  std::vector<double> basis(sum.coefficients().size());
+  for (int i = 0; i < rule.order; ++i) {
+    const double away = solid_angle / (2.0 * kPi) * 0.5 * (1.0 + rule.nodes[i]);  // 1 - z
+    evaluate_basis({std::sqrt(away * (2.0 - away)), 0.0, 1.0 - away}, bands, basis);
+    for (int l = 0; l < bands; ++l) {
+      sum.at(l, 0) +=
+          glm::dvec3(3, 2, 1) * (basis[SphericalHarmonics::index(l, 0)] * rule.weights[i] * 0.5 * solid_angle);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[sh][sun]") {
+  for (const double solid_angle : {1e-12, 6.8e-5, 0.01, 1.0, 2.0 * kPi, 9.0, 4.0 * kPi}) {
+    const SphericalHarmonics found = sun_harmonics(sun_of({0, 0, 1}, solid_angle), kMaximumBands);
+    CAPTURE(solid_angle);
+    CHECK(relative_error(found, integrated_cap(solid_angle, kMaximumBands)) < 1e-13);
+    RandomLight light(71);
+    const glm::dvec3 direction = light.direction();
+    const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // half a turn about it takes z there
+    const glm::dquat turn(0.0, half.x, half.y, half.z);
+    CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), rotate(found, turn)) < 1e-13);
+  }
+}
+
+TEST_CASE("A sun without extent is a directional light", "[sh][sun]") {
+  Sun sun = sun_of(glm::normalize(glm::dvec3(1, 2, 3)), 0.0);
+  sun.irradiance = {5, 6, 7};
+  CHECK(relative_error(sun_harmonics(sun, 16), point_light(sun.direction, {5, 6, 7}, 16)) < 1e-14);
+  const auto found = dominant_light(sun_harmonics(sun, 3));
+  REQUIRE(found);
+  CHECK(glm::length(found->irradiance - sun.irradiance) < 1e-13);
+}
+
+TEST_CASE("A sun's flux is its irradiance, and what it gives to a surface facing it has a closed form", "[sh][sun]") {
+  for (const double solid_angle : {6.8e-5, 0.5, 3.0}) {
+    const Sun sun = sun_of({0, 1, 0}, solid_angle);
+    const SphericalHarmonics radiance = sun_harmonics(sun, 16);
+    CHECK(glm::length(4.0 * kPi * average_radiance(radiance) - sun.irradiance) < 1e-13 * glm::length(sun.irradiance));
+    // Int of cos over a disc: pi sin^2 a L = irradiance (1 + cos a) / 2; 16 bands give it to one percent.
+    const double c = 1.0 - solid_angle / (2.0 * kPi);
+    const glm::dvec3 facing = evaluate(irradiance_from_radiance(radiance), sun.direction);
+    CHECK(facing.x == Approx(sun.irradiance.x * 0.5 * (1.0 + c)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("A sphere full of sun is uniform light", "[sh][sun]") {
+  const SphericalHarmonics all = sun_harmonics(sun_of({1, 0, 0}, 4.0 * kPi), 8);
+  CHECK(relative_error(all, constant_radiance({3, 2, 1}, 8)) < 1e-14);
+}
+
+TEST_CASE("Suns that cannot be are refused", "[sh][sun]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double solid_angle : {-1e-9, 12.6, nan}) {
+    CHECK(thrown_by([&] { (void)sun_harmonics(sun_of({0, 1, 0}, solid_angle), 3); }).says("solid angle"));
+  }
+  CHECK(thrown_by([&] { (void)sun_harmonics(sun_of({0, 0, 0}, 0.1), 3); }).says("direction"));
+  CHECK(thrown_by([&] { (void)sun_harmonics(sun_of({0, nan, 0}, 0.1), 3); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { (void)sun_harmonics(sun_of({0, 1, 0}, 0.1), 17); }).says("1 to 16"));
+}
+
+// Promises: the coefficients of a map are those of the map without its sun plus those of a directional light of its
+// irradiance, but for what the sun's extent explains.
+
+namespace {
+
+constexpr int kBands = 6;
+
+template <class Image>
+void check_coefficients(Image image, const glm::dvec3& place, double radius) {
+  paint_disc(image, glm::normalize(place), radius, {2e5, 1.5e5, 5e4});
+  ProjectionOptions options;
+  options.bands = kBands;
+  const SphericalHarmonics before = project(image.view(), options).radiance;
+  const auto sun = take_out_sun(image);
+  REQUIRE(sun);
+  const SphericalHarmonics after = project(image.view(), options).radiance;
+  std::vector<double> basis(kBands * kBands);
+  evaluate_basis(sun->direction, kBands, basis);
+  // A uniform disc of radius r has 1 - l(l+1) r^2 / 8 of a directional light's band l; the largest that a vector of
+  // one band's functions can be is sqrt((2l + 1) / 4 pi).
+  const double r = sun->angular_radius_degrees * std::numbers::pi / 180.0;
+  for (int l = 0; l < kBands; ++l) {
+    double difference = 0.0;
+    for (int m = -l; m <= l; ++m) {
+      const std::size_t i = SphericalHarmonics::index(l, m);
+      const double missing = after.at(l, m).g + sun->irradiance.g * basis[i] - before.at(l, m).g;
+      difference += missing * missing;
+    }
+    const double light = sun->irradiance.g * std::sqrt((2 * l + 1) / (4.0 * std::numbers::pi));
+    CAPTURE(l, radius, std::sqrt(difference) / light);
+    CHECK(std::sqrt(difference) < (1.1 * l * (l + 1) * r * r / 8.0 + 1e-6) * light);
+    if (l == 2) CHECK(std::sqrt(difference) > 0.3 * l * (l + 1) * r * r / 8.0 * light);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A map's coefficients are those without the sun and those of its light", "[image][sun]") {
+  for (const glm::dvec3& place : {glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0), glm::dvec3(-3, 2, 4)}) {
+    for (const double radius : {0.8, 1.6, 2.4}) {
+      check_coefficients(grey_lat_long(512, 256, 1.0F), place, radius);
+      check_coefficients(grey_cubemap(128, 1.0F), place, radius);
+    }
+  }
+}
+
+}  // namespace welkin::test

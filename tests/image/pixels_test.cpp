@@ -1,0 +1,454 @@
+// Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, turns by whole texels.
+
+#include "image/pixels.h"
+
+#include <Imath/half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "image/geometry.h"
+#include "math/quadrature.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/exr_files.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/sun_maps.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/instruction_set.h"
+#include "welkin/mip_chain.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+namespace {
+
+/// The double nearest to 2.2 is not 2.2: at 1e-100 that makes 4e-14.
+double power_2_2(double x) { return static_cast<double>(std::pow(static_cast<long double>(x), 2.2L)); }
+
+}  // namespace
+
+TEST_CASE("Halves become the floats that Imath makes of them", "[image]") {
+  for (std::uint32_t bits = 0; bits < 0x10000U; ++bits) {
+    Imath::half half;
+    half.setBits(static_cast<std::uint16_t>(bits));
+    const float expected = half;
+    const float found = image::float_from_half(static_cast<std::uint16_t>(bits));
+    if (std::isnan(expected)) {
+      REQUIRE(std::isnan(found));
+    } else {
+      REQUIRE(found == expected);
+      REQUIRE(std::signbit(found) == std::signbit(expected));
+    }
+  }
+}
+
+TEST_CASE("Transfer functions match libm to a few roundings", "[image]") {
+  for (int k = 0; k <= 1000; ++k) {
+    const double x = k / 1000.0;
+    const double srgb = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    CHECK(image::linear_from_srgb(x) == Approx(srgb).epsilon(2e-15).margin(1e-300));
+    CHECK(image::power_2_2(x) == Approx(power_2_2(x)).epsilon(2e-15).margin(1e-300));
+  }
+  for (const double x : {1e-100, 1e-38, 1e-10, 1e-3}) {
+    CHECK(image::power_2_2(x) == Approx(power_2_2(x)).epsilon(2e-15).margin(0.0));
+  }
+}
+
+TEST_CASE("Eight-bit formats map their ends to 0 and 1", "[image]") {
+  const std::vector<std::uint8_t> texels{0, 128, 255, 7};
+  for (const PixelFormat format :
+       {PixelFormat::rgb_u8, PixelFormat::rgba_u8, PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8}) {
+    float rgb[3];
+    image::decode_texels(format, texels.data(), 1, rgb);
+    CHECK(rgb[0] == 0.0F);
+    CHECK(rgb[2] == 1.0F);
+    const bool srgb = format == PixelFormat::rgb_srgb8 || format == PixelFormat::rgba_srgb8;
+    CHECK(static_cast<double>(rgb[1]) == Approx(srgb ? 0.21586050 : 128.0 / 255.0).epsilon(1e-7));
+  }
+}
+
+// Promises: neighbours are those that touch on the sphere, over every seam, edge and corner; both ways.
+
+namespace {
+
+std::set<std::int64_t> neighbour_set(const image::TexelGrid& grid, std::int64_t texel) {
+  const auto neighbours = grid.neighbours(texel);
+  return {neighbours.begin(), neighbours.end()};
+}
+
+void check_mutual(const image::TexelGrid& grid) {
+  for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
+    for (const std::int64_t neighbour : grid.neighbours(texel)) {
+      REQUIRE(neighbour >= 0);
+      REQUIRE(neighbour < grid.texels());
+      REQUIRE(neighbour_set(grid, neighbour).count(texel) == 1);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Neighbours are mutual", "[image][sun]") {
+  for (const int size : {1, 2, 3, 7, 64}) {
+    check_mutual(image::TexelGrid::cubemap(size));
+    check_mutual(image::TexelGrid::lat_long(2 * size, size));
+  }
+  check_mutual(image::TexelGrid::lat_long(1, 1));
+  check_mutual(image::TexelGrid::lat_long(8, 1));
+}
+
+TEST_CASE("A cubemap's texel has eight neighbours, seven at a corner, and they are the nearest", "[image][sun]") {
+  for (const int size : {3, 7, 16}) {
+    const auto grid = image::TexelGrid::cubemap(size);
+    int corners = 0;
+    for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
+      const std::set<std::int64_t> found = neighbour_set(grid, texel);
+      REQUIRE(found.count(texel) == 0);
+      const auto row = static_cast<int>(texel / size) % size;
+      const auto column = static_cast<int>(texel % size);
+      const bool corner = (row == 0 || row == size - 1) && (column == 0 || column == size - 1);
+      corners += corner ? 1 : 0;
+      REQUIRE(found.size() == (corner ? 7U : 8U));
+      // Two texels touch if a corner of one is a corner of the other; centres are then within a diagonal and a half.
+      for (const std::int64_t neighbour : found) {
+        const double distance = glm::length(grid.direction(texel) - grid.direction(neighbour));
+        REQUIRE(distance < 1.5 * std::numbers::sqrt2 * 2.0 / size);
+      }
+    }
+    CHECK(corners == 24);
+  }
+}
+
+TEST_CASE("A lat-long's neighbours cross the seam and the poles", "[image][sun]") {
+  const auto grid = image::TexelGrid::lat_long(8, 4);
+  CHECK(neighbour_set(grid, 8) == std::set<std::int64_t>{0, 1, 7, 9, 15, 16, 17, 23});
+  CHECK(neighbour_set(grid, 1) == std::set<std::int64_t>{0, 2, 8, 9, 10, 4, 5, 6});
+  CHECK(neighbour_set(grid, 25) == std::set<std::int64_t>{24, 26, 16, 17, 18, 28, 29, 30});
+}
+
+TEST_CASE("Solid angles of all row classes make a sphere", "[image][sun]") {
+  std::vector<image::TexelGrid> grids;
+  for (const int size : {1, 2, 3, 7, 64, 257}) {
+    grids.push_back(image::TexelGrid::cubemap(size));
+    grids.push_back(image::TexelGrid::lat_long(2 * size + 1, size));
+  }
+  for (const auto& grid : grids) {
+    std::vector<double> steradians(static_cast<std::size_t>(grid.columns()));
+    std::vector<int> rows;
+    double sum = 0.0;
+    for (int row_class = 0; row_class < grid.row_classes(); ++row_class) {
+      grid.solid_angles(row_class, steradians);
+      for (const int row : grid.rows_of(row_class)) {
+        CHECK(grid.class_of(row) == row_class);
+        rows.push_back(row);
+        for (const double value : steradians) sum += value;
+      }
+    }
+    CHECK(sum == Approx(4.0 * std::numbers::pi).epsilon(1e-11));
+    std::sort(rows.begin(), rows.end());
+    REQUIRE(rows.size() == static_cast<std::size_t>(grid.rows()));
+    for (int row = 0; row < grid.rows(); ++row) CHECK(rows[static_cast<std::size_t>(row)] == row);
+  }
+}
+
+// Promise: a mip keeps the light of the level above it, at odd sizes too, and a uniform one stays exactly what it is.
+
+namespace {
+
+std::span<const float> face_values(const CubemapChain& chain, int level, int face) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  return {chain.face(level, face), 3 * edge * edge};
+}
+
+/// Int radiance over the sphere, texels as areas, or over a plain mean's equal ones.
+double flux(const CubemapChain& chain, int level, MipFilter filter) {
+  const int size = chain.level_size(level);
+  std::vector<double> angles(static_cast<std::size_t>(size), 1.0 / (size * size));
+  double sum = 0.0;
+  for (int row = 0; row < size; ++row) {
+    if (filter == MipFilter::solid_angle) image::cubemap_row_solid_angles(row, angles);
+    for (int face = 0; face < 6; ++face) {
+      for (int column = 0; column < size; ++column) {
+        sum += angles[static_cast<std::size_t>(column)] *
+               static_cast<double>(chain.face(level, face)[3 * (row * size + column) + 1]);
+      }
+    }
+  }
+  return sum;
+}
+
+/// A texel below by its definition: the mean of all texels over the area that it shares with each, in double.
+double value_below(const CubemapChain& chain, int level, int face, int column, int row, int channel, MipFilter filter) {
+  const int above = chain.level_size(level - 1);
+  const int size = chain.level_size(level);
+  double sum = 0.0;
+  double weights = 0.0;
+  for (int j = 0; j < above; ++j) {
+    for (int i = 0; i < above; ++i) {
+      const double left = std::max(1.0 * i / above, 1.0 * column / size);
+      const double right = std::min((i + 1.0) / above, (column + 1.0) / size);
+      const double top = std::max(1.0 * j / above, 1.0 * row / size);
+      const double bottom = std::min((j + 1.0) / above, (row + 1.0) / size);
+      if (left >= right || top >= bottom) continue;
+      double weight = (right - left) * (bottom - top);
+      if (filter == MipFilter::solid_angle) {
+        weight = math::rectangle_solid_angle(left + right - 1.0, top + bottom - 1.0, right - left, bottom - top,
+                                             math::gauss_legendre(20));
+      }
+      sum += weight * static_cast<double>(chain.face(level - 1, face)[3 * (j * above + i) + channel]);
+      weights += weight;
+    }
+  }
+  return sum / weights;
+}
+
+constexpr MipFilter kFilters[] = {MipFilter::box, MipFilter::solid_angle};
+
+}  // namespace
+
+TEST_CASE("Each mip is the mean of the one above over each texel's area", "[mips]") {
+  for (const MipFilter filter : kFilters) {
+    for (const int size : {1, 2, 3, 5, 7, 12, 26, 27, 52}) {
+      const TestCubemap map = make_cubemap(Content::random, size, 4, 3);
+      const CubemapChain chain = build_mips(map.view(), filter);
+      REQUIRE(chain.levels() == full_chain_levels(size));
+      for (int level = 1; level < chain.levels(); ++level) {
+        const int edge = chain.level_size(level);
+        double worst = 0.0;
+        for (int texel = 0; texel < 6 * edge * edge; ++texel) {
+          const int face = texel / (edge * edge);
+          const int row = texel / edge % edge;
+          const int column = texel % edge;
+          const int channel = texel % 3;
+          const float found = chain.face(level, face)[3 * (row * edge + column) + channel];
+          worst = std::max(worst, std::abs(static_cast<double>(found) -
+                                           value_below(chain, level, face, column, row, channel, filter)));
+        }
+        CAPTURE(size, level, static_cast<int>(filter));
+        CHECK(worst < 2e-7);
+      }
+    }
+  }
+}
+
+TEST_CASE("Every level has the flux of the first", "[mips]") {
+  for (const MipFilter filter : kFilters) {
+    for (const int size : {1, 2, 3, 7, 64, 257}) {
+      const TestCubemap map = make_cubemap(Content::one_texel_sun, size, 3, 8);
+      const CubemapChain chain = build_mips(map.view(), filter);
+      const double wanted = flux(chain, 0, filter);
+      for (int level = 1; level < chain.levels(); ++level) {
+        CAPTURE(size, level, static_cast<int>(filter));
+        CHECK(flux(chain, level, filter) == Approx(wanted).epsilon(4e-7));
+      }
+    }
+  }
+}
+
+TEST_CASE("A uniform cubemap's mips are exactly uniform", "[mips]") {
+  for (const MipFilter filter : kFilters) {
+    for (const int size : {1, 2, 3, 6, 7, 64, 257, 600}) {
+      const CubemapImage map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 1.0F)};
+      const CubemapChain chain = build_mips(map.view(), filter);
+      for (int level = 0; level < chain.levels(); ++level) {
+        for (int face = 0; face < 6; ++face) {
+          for (const float value : face_values(chain, level, face)) REQUIRE(value == 1.0F);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("Level 0 is the source, decoded, whichever its format", "[mips]") {
+  const TestCubemapHalf half = make_cubemap_half(Content::random, 5, 4, 3);
+  const CubemapChain chain = build_mips(half.view(), MipFilter::box, 1);
+  REQUIRE(chain.levels() == 1);
+  for (int face = 0; face < 6; ++face) {
+    for (std::size_t texel = 0; texel < 25; ++texel) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        REQUIRE(chain.face(0, face)[3 * texel + c] ==
+                static_cast<float>(half.pixels[(static_cast<std::size_t>(face) * 25 + texel) * 4 + c]));
+      }
+    }
+  }
+}
+
+TEST_CASE("Mips have the same bits everywhere, and their tiles allocate nothing", "[mips]") {
+  const InstructionSet before = active_instruction_set();
+  for (const MipFilter filter : kFilters) {
+    for (const int size : {96, 257, 300}) {
+      const TestCubemap map = make_cubemap(Content::high_range, size, 3, 4);
+      CubemapChain expected;
+      force_instruction_set(InstructionSet::sse2);
+      run_with_threads(1, [&] { expected = build_mips(map.view(), filter); });
+      for (const InstructionSet set : available_instruction_sets()) {
+        force_instruction_set(set);
+        for (const int threads : {1, 2, 7}) {
+          CAPTURE(name(set), threads, size);
+          forget_allocations_in_tiles();
+          run_with_threads(threads, [&] { CHECK(same_bits(build_mips(map.view(), filter), expected)); });
+          CHECK(allocations_in_tiles() == 0);
+        }
+      }
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
+  const TestCubemap map = make_cubemap(Content::random, 8, 3, 4);
+  CHECK(thrown_by([&] { return build_mips(map.view(), MipFilter::box, 5); }).says("8 texels has 1 to 4"));
+  CHECK(thrown_by([&] { return build_mips(map.view(), MipFilter::box, -1); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { return build_mips(CubemapView{}); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([] {
+          CubemapChain none;
+          fill_mips(none, MipFilter::box);
+          return 0;
+        }).says("no levels"));
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK(thrown_by([&] {
+          return build_mips(map.view(), MipFilter::box, 0, {stop.get_token(), {}});
+        }).code == ErrorCode::cancelled);
+  for (const int levels : {1, 4}) {
+    std::vector<double> shares;
+    (void)build_mips(map.view(), MipFilter::box, levels, {{}, [&](double share) { shares.push_back(share); }});
+    CHECK(std::is_sorted(shares.begin(), shares.end()));
+    CHECK(shares.back() == 1.0);
+  }
+}
+
+// Promise: a turn that takes texels to texels moves every texel as it is, bit for bit.
+
+namespace {
+
+std::vector<glm::dmat3> cube_symmetries() {
+  std::vector<glm::dmat3> all;
+  std::array<int, 3> axes{0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      glm::dmat3 matrix(0.0);
+      for (int i = 0; i < 3; ++i) matrix[i][axes[static_cast<std::size_t>(i)]] = (signs >> i & 1) != 0 ? -1.0 : 1.0;
+      all.push_back(matrix);
+    }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  return all;
+}
+
+CubemapImage some_cubemap(int size) { return {size, some_pixels(size, 6 * size)}; }
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+const float* nearest(const CubemapImage& map, const glm::dvec3& direction) {
+  double best = -2.0;
+  const float* found = nullptr;
+  for (int row = 0; row < 6 * map.size; ++row) {
+    for (int column = 0; column < map.size; ++column) {
+      const double cosine =
+          glm::dot(direction, image::face_direction(map.size, row / map.size, column + 0.5, row % map.size + 0.5));
+      if (cosine <= best) continue;
+      best = cosine;
+      found = map.pixels.data() + 3 * (row * map.size + column);
+    }
+  }
+  return best > 1.0 - 1e-12 ? found : nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("All 48 symmetries of a cube move texels to where they turn directions", "[resampling]") {
+  REQUIRE(cube_symmetries().size() == 48);
+  for (const int size : {1, 2, 3}) {
+    const CubemapImage map = some_cubemap(size);
+    for (const glm::dmat3& turn : cube_symmetries()) {
+      const CubemapImage turned = to_cubemap(map.view(), size, turn);
+      for (int row = 0; row < 6 * size; ++row) {
+        for (int column = 0; column < size; ++column) {
+          const glm::dvec3 from = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
+          const float* place = nearest(turned, turn * from);
+          REQUIRE(place != nullptr);
+          REQUIRE(std::equal(place, place + 3, map.pixels.data() + 3 * (row * size + column)));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("A turn of a cube and its inverse give the same bits back", "[resampling]") {
+  for (const int size : {1, 2, 3, 7, 64}) {
+    CubemapImage map = some_cubemap(size);
+    map.pixels[1] = NAN;
+    map.pixels[2] = -INFINITY;
+    for (const glm::dmat3& turn : cube_symmetries()) {
+      const CubemapImage there = to_cubemap(map.view(), size, turn);
+      REQUIRE(same_bits(to_cubemap(there.view(), size, glm::transpose(turn)).pixels, map.pixels));
+    }
+  }
+}
+
+TEST_CASE("A quarter turn that came through a quaternion is exact too", "[resampling]") {
+  const CubemapImage map = some_cubemap(7);
+  const glm::dmat3 rounded = glm::mat3_cast(glm::normalize(glm::dquat(0.7071068, 0.0, 0.7071068, 0.0)));
+  CHECK(same_bits(to_cubemap(map.view(), 7, rounded).pixels, to_cubemap(map.view(), 7, turn_about_y(90.0)).pixels));
+}
+
+TEST_CASE("Lat-longs turn about y by whole texels, and mirror, without a changed bit", "[resampling]") {
+  for (const auto& [width, height] : {std::pair{8, 4}, {7, 4}, {64, 33}, {257, 128}, {1, 1}}) {
+    const LatLongImage map{width, height, some_pixels(width, height)};
+    CAPTURE(width, height);
+    CHECK(same_bits(to_lat_long(map.view(), width, height).pixels, map.pixels));
+    for (int shift : {0, 1, 2, width - 1}) {
+      for (int mirrors = 0; mirrors < 4; ++mirrors) {
+        glm::dmat3 mirror(1.0);
+        if ((mirrors & 1) != 0) mirror[0][0] = -1.0;
+        if ((mirrors & 2) != 0) mirror[1][1] = -1.0;
+        const glm::dmat3 turn = turn_about_y(360.0 * shift / width) * mirror;
+        const LatLongImage turned = to_lat_long(map.view(), width, height, turn);
+        int wrong = 0;
+        for (int row = 0; row < height; ++row) {
+          for (int column = 0; column < width; ++column) {
+            // Mirrored in x, then moved to the left by `shift`.
+            const int mirrored = (mirrors & 1) != 0 ? width - 1 - column : column;
+            const int to_column = ((mirrored - shift) % width + width) % width;
+            const int to_row = (mirrors & 2) != 0 ? height - 1 - row : row;
+            const float* from = map.pixels.data() + 3 * (row * width + column);
+            if (!std::equal(from, from + 3, turned.pixels.data() + 3 * (to_row * width + to_column))) ++wrong;
+          }
+        }
+        CHECK(wrong == 0);
+        REQUIRE(same_bits(to_lat_long(turned.view(), width, height, glm::transpose(turn)).pixels, map.pixels));
+      }
+    }
+  }
+}
+
+TEST_CASE("Exact turns read every pixel format, and rows from the bottom up", "[resampling]") {
+  const TestCubemapHalf half = make_cubemap_half(Content::random, 5, 4, 3);
+  const TestCubemap whole = make_cubemap(Content::random, 5, 3, 3);
+  const CubemapImage of_half = to_cubemap(half.view(), 5, turn_about_y(90.0));
+  const CubemapImage of_float = to_cubemap(whole.view(), 5, turn_about_y(90.0));
+  for (std::size_t i = 0; i < of_half.pixels.size(); ++i) REQUIRE(of_half.pixels[i] == as_half(of_float.pixels[i]));
+
+  LatLongImage map{6, 4, some_pixels(6, 4)};
+  LatLongView upside_down = map.view();
+  upside_down.pixels = map.pixels.data() + 3 * 6 * 3;
+  upside_down.row_stride_bytes = -6 * 12;
+  glm::dmat3 flip(1.0);
+  flip[1][1] = -1.0;
+  CHECK(same_bits(to_lat_long(upside_down, 6, 4).pixels, to_lat_long(map.view(), 6, 4, flip).pixels));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,388 @@
+// Grids over the sphere: borders that wrap, splines through the samples, and the faces made of them.
+
+#include "image/sphere_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/glm.hpp>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "image/geometry.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "transform/direct_transform.h"
+#include "transform/spectrum.h"
+#include "welkin/image.h"
+#include "welkin/instruction_set.h"
+
+namespace welkin::test {
+
+// A grid's border holds what lies there on the sphere; its spline takes the function's values.
+
+namespace {
+
+using image::GridContent;
+using image::SphereGrid;
+
+/// The uniform cubic B-spline's weights at the knots and half way between: 1/6 4/6 1/6 and 1/48 23/48 23/48 1/48.
+double spline_at(const SphereGrid& grid, int column, int ring, bool half_column, bool half_ring, int channel) {
+  const double knot[4] = {0.0, 1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
+  const double middle[4] = {1.0 / 48.0, 23.0 / 48.0, 23.0 / 48.0, 1.0 / 48.0};
+  double sum = 0.0;
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      const double weight = (half_column ? middle : knot)[i] * (half_ring ? middle : knot)[j];
+      if (weight == 0.0) continue;
+      // Half a texel on, texels -1, 0, 1, 2 meet; at a texel's centre -1, 0, 1 (weights 1 to 3).
+      const int x = column + (half_column ? i - 1 : i - 2);
+      const int y = ring + (half_ring ? j - 1 : j - 2);
+      sum += weight * static_cast<double>(grid.texel(x, y)[channel]);
+    }
+  }
+  return sum;
+}
+
+transforms::Spectrum spectrum_of_noise(int bands) {
+  const TestLatLong noise = make_lat_long(Content::random, 96, 48, 11);
+  return transforms::analyse(noise.view(), bands, {});
+}
+
+}  // namespace
+
+TEST_CASE("A grid's border continues it over seam and poles", "[specular][transform][grid]") {
+  for (const auto& [rings, columns] :
+       {std::pair{1, 2}, std::pair{2, 2}, std::pair{3, 6}, std::pair{7, 10}, std::pair{64, 128}}) {
+    CAPTURE(rings, columns);
+    SphereGrid grid(rings, columns, GridContent::samples);
+    for (int ring = 0; ring < rings; ++ring) {
+      for (int column = 0; column < columns; ++column) {
+        for (int c = 0; c < 4; ++c) grid.texel(column, ring)[c] = static_cast<float>(1000 * ring + 4 * column + c);
+      }
+    }
+    grid.fill_sides(0, rings);
+    grid.fill_poles();
+    int wrong = 0;
+    for (int ring = -SphereGrid::kBorder; ring < rings + SphereGrid::kBorder; ++ring) {
+      for (int column = -SphereGrid::kBorder; column < columns + SphereGrid::kBorder; ++column) {
+        // Along the circle through both poles: south on the near side, north on the far one.
+        const int along = ((ring % (2 * rings)) + 2 * rings) % (2 * rings);
+        const bool far_side = along >= rings;
+        const int true_ring = far_side ? 2 * rings - 1 - along : along;
+        const int true_column = (column + (far_side ? columns / 2 : 0) + 8 * columns) % columns;
+        for (int c = 0; c < 4; ++c) {
+          wrong += grid.texel(column, ring)[c] != static_cast<float>(1000 * true_ring + 4 * true_column + c) ? 1 : 0;
+        }
+      }
+    }
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("Spline coefficients give back the samples", "[specular][transform][grid]") {
+  const transforms::Spectrum spectrum = spectrum_of_noise(24);
+  for (const int bands : {1, 2, 13, 24}) {
+    const std::vector<double> zonal(static_cast<std::size_t>(bands), 1.0);
+    for (const auto& [rings, columns] : {std::pair{1, 48}, std::pair{2, 50}, std::pair{5, 48}, std::pair{31, 64},
+                                         std::pair{32, 64}, std::pair{33, 96}, std::pair{80, 160}}) {
+      CAPTURE(bands, rings, columns);
+      SphereGrid samples(rings, columns, GridContent::samples);
+      SphereGrid spline(rings, columns, GridContent::spline_coefficients);
+      transforms::synthesise(spectrum, zonal, samples, {});
+      transforms::synthesise(spectrum, zonal, spline, {});
+      double most = 0.0;
+      double error = 0.0;
+      for (int ring = 0; ring < rings; ++ring) {
+        for (int column = 0; column < columns; ++column) {
+          for (int c = 0; c < 3; ++c) {
+            const double sample = samples.texel(column, ring)[c];
+            most = std::max(most, std::abs(sample));
+            error = std::max(error, std::abs(spline_at(spline, column, ring, false, false, c) - sample));
+          }
+        }
+      }
+      CHECK(error < 1e-6 * most);
+    }
+  }
+}
+
+TEST_CASE("Between its texels the spline is as near as it is said to be", "[specular][transform][grid]") {
+  // One degree alone, half way between four texels: the worst places.
+  const int bands = 48;
+  const transforms::Spectrum spectrum = spectrum_of_noise(bands);
+  const transforms::GridSize size = transforms::grid_for_bands(bands);
+  CHECK(size == transforms::GridSize{64, 128});
+  const auto [degree, bound] =
+      GENERATE(std::pair{8, 5e-5}, std::pair{16, 1.5e-3}, std::pair{32, 3e-2}, std::pair{47, 0.15});
+  std::vector<double> zonal(static_cast<std::size_t>(bands), 0.0);
+  zonal[static_cast<std::size_t>(degree)] = 1.0;
+  SphereGrid spline(size.rings, size.columns, GridContent::spline_coefficients);
+  transforms::synthesise(spectrum, zonal, spline, {});
+  const Coefficients c = coefficients_of(spectrum);
+  double squares = 0.0;
+  double errors = 0.0;
+  for (int ring = -1; ring < size.rings; ring += 7) {
+    for (int column = -1; column < size.columns; column += 11) {
+      const double theta = std::numbers::pi * (ring + 1.0) / size.rings;
+      const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * (column + 1.0) / size.columns;
+      const double truth = direct_value(c, zonal, 0, theta, longitude);
+      const double error = spline_at(spline, column, ring, true, true, 0) - truth;
+      squares += truth * truth;
+      errors += error * error;
+    }
+  }
+  CAPTURE(degree);
+  CHECK(std::sqrt(errors / squares) < bound);
+}
+
+// Promise: faces hold a grid's function at their texels' centres, whichever the grid and the size, without seams and
+// with the same bits everywhere.
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+using Radiance = std::function<glm::dvec3(const glm::dvec3&)>;
+
+SphereGrid grid_of(int rings, int columns, GridContent content, const Radiance& radiance) {
+  SphereGrid grid(rings, columns, content);
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int column = 0; column < columns; ++column) {
+      const glm::dvec3 value = radiance(image::lat_long_direction(columns, rings, column + 0.5, ring + 0.5));
+      for (int c = 0; c < 3; ++c) grid.texel(column, ring)[c] = static_cast<float>(value[c]);
+      grid.texel(column, ring)[3] = 1e30F;  // never looked at
+    }
+  }
+  grid.fill_sides(0, rings);
+  grid.fill_poles();
+  return grid;
+}
+
+SphereGrid noise_grid(int rings, int columns, GridContent content, std::uint32_t seed) {
+  std::mt19937 generator(seed);
+  const auto next = [&] { return static_cast<double>(generator() % 4096U) / 2048.0 - 1.0; };
+  return grid_of(rings, columns, content, [&](const glm::dvec3&) {
+    const double red = next();
+    const double green = next();
+    return glm::dvec3(red, green, next());
+  });
+}
+
+std::array<float*, 6> faces_of(CubemapImage& map) {
+  std::array<float*, 6> faces{};
+  for (std::size_t face = 0; face < 6; ++face) {
+    faces[face] = map.pixels.data() + face * map.pixels.size() / 6;
+  }
+  return faces;
+}
+
+CubemapImage sampled(const SphereGrid& grid, int size, const image::GridSampling& sampling = {},
+                     const Control& control = {}) {
+  CubemapImage map{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), NAN)};
+  image::sample_faces(grid, size, faces_of(map), sampling, control);
+  return map;
+}
+
+glm::dvec3 texel_of(const CubemapImage& map, int face, int column, int row) {
+  const float* rgb = map.pixels.data() + 3 * ((face * map.size + row) * map.size + column);
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+void for_each_texel(int size, const std::function<void(int face, int column, int row)>& visit) {
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) visit(face, column, row);
+    }
+  }
+}
+
+double cubic_weight(double distance) {
+  const double x = std::abs(distance);
+  if (x >= 2.0) return 0.0;
+  return x >= 1.0 ? (2 - x) * (2 - x) * (2 - x) / 6 : (4 - 6 * x * x + 3 * x * x * x) / 6;
+}
+
+/// The spline, or the bilinear interpolation, at a direction: libm's angles, all in double, without the border.
+glm::dvec3 value_at(const SphereGrid& grid, const glm::dvec3& to) {
+  const bool cubic = grid.content() == GridContent::spline_coefficients;
+  const int columns = grid.columns();
+  const int rings = grid.rings();
+  const double x = (0.5 - std::atan2(to.x, to.z) / (2.0 * kPi)) * columns - 0.5;
+  const double y = std::atan2(std::hypot(to.x, to.z), to.y) / kPi * rings - 0.5;
+  glm::dvec3 sum(0.0);
+  for (int ring = static_cast<int>(std::floor(y)) - 1; ring <= std::floor(y) + 2; ++ring) {
+    for (int column = static_cast<int>(std::floor(x)) - 1; column <= std::floor(x) + 2; ++column) {
+      const auto weight = [&](double distance) {
+        return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
+      };
+      // Over the poles, half a turn on; with two rings over both.
+      int at_ring = ring;
+      int at_column = column;
+      while (at_ring < 0 || at_ring >= rings) {
+        at_ring = at_ring < 0 ? -1 - at_ring : 2 * rings - 1 - at_ring;
+        at_column += columns / 2;
+      }
+      at_column = (at_column % columns + columns) % columns;
+      const float* texel = grid.texel(at_column, at_ring);
+      sum += weight(x - column) * weight(y - ring) * glm::dvec3(texel[0], texel[1], texel[2]);
+    }
+  }
+  return sum;
+}
+
+double worst_component(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+}  // namespace
+
+TEST_CASE("Faces hold the grid's function at their texels' centres", "[faces]") {
+  struct Shape {
+    int rings, columns;
+  };
+  for (const GridContent content : {GridContent::spline_coefficients, GridContent::samples}) {
+    for (const auto& [rings, columns] : {Shape{1, 2}, {2, 2}, {3, 6}, {8, 16}, {33, 70}, {200, 402}}) {
+      const SphereGrid grid = noise_grid(rings, columns, content, 5);
+      for (const int size : {1, 2, 3, 7, 64, 257}) {
+        if (size == 257 && rings < 200) continue;
+        CAPTURE(rings, columns, size);
+        const CubemapImage map = sampled(grid, size);
+        double worst = 0.0;
+        for_each_texel(size, [&](int face, int column, int row) {
+          const glm::dvec3 wanted = value_at(grid, image::face_direction(size, face, column + 0.5, row + 0.5));
+          worst = std::max(worst, worst_component(texel_of(map, face, column, row) - wanted));
+        });
+        CHECK(worst < 4e-7);
+      }
+    }
+  }
+}
+
+TEST_CASE("What lies in a direction lies there on the faces too", "[faces]") {
+  // Each channel grows along an axis of its own: a swapped, mirrored or turned face shows.
+  const SphereGrid grid = grid_of(256, 512, GridContent::samples, [](const glm::dvec3& d) { return d; });
+  const CubemapImage map = sampled(grid, 16);
+  for_each_texel(16, [&](int face, int column, int row) {
+    const glm::dvec3 to = image::face_direction(16, face, column + 0.5, row + 0.5);
+    REQUIRE(worst_component(texel_of(map, face, column, row) - to) < 1e-3);
+  });
+}
+
+TEST_CASE("Equal texels give equal faces, to four units in the last place", "[faces]") {
+  for (const GridContent content : {GridContent::spline_coefficients, GridContent::samples}) {
+    const SphereGrid grid = grid_of(30, 62, content, [](const glm::dvec3&) { return glm::dvec3(1.0, 0.1, 60000.0); });
+    for (const int size : {1, 3, 64, 129}) {
+      const CubemapImage map = sampled(grid, size);
+      for_each_texel(size, [&](int face, int column, int row) {
+        const glm::dvec3 value = texel_of(map, face, column, row);
+        REQUIRE(std::abs(value.x - 1.0) < 3e-7);
+        REQUIRE(std::abs(value.y / static_cast<double>(0.1F) - 1.0) < 3e-7);
+        REQUIRE(std::abs(value.z / 60000.0 - 1.0) < 3e-7);
+      });
+    }
+  }
+}
+
+TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
+  for (const int size : {1, 2, 7, 12}) {
+    const SphereGrid grid = noise_grid(40, 80, GridContent::spline_coefficients, 7);
+    SphereGrid turned(40, 80, GridContent::spline_coefficients);
+    for (int ring = 0; ring < 40; ++ring) {
+      for (int column = 0; column < 80; ++column) {
+        std::copy_n(grid.texel((column + 20) % 80, ring), 4, turned.texel(column, ring));
+      }
+    }
+    turned.fill_sides(0, 40);
+    turned.fill_poles();
+    const CubemapImage before = sampled(grid, size);
+    const CubemapImage after = sampled(turned, size);
+    const auto find = [&](const glm::dvec3& to, int& face, int& column, int& row) {
+      double best = -2.0;
+      for_each_texel(size, [&](int f, int c, int r) {
+        const double cosine = glm::dot(to, image::face_direction(size, f, c + 0.5, r + 0.5));
+        if (cosine > best) {
+          best = cosine;
+          face = f;
+          column = c;
+          row = r;
+        }
+      });
+    };
+    for_each_texel(size, [&](int face, int column, int row) {
+      const glm::dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
+      if (std::abs(to.y) == 1.0) return;  // the pole itself has no longitude
+      int from_face = 0;
+      int from_column = 0;
+      int from_row = 0;
+      // The texel at column + 20 has a longitude that is less by a quarter turn.
+      find({-to.z, to.y, to.x}, from_face, from_column, from_row);
+      REQUIRE(texel_of(after, face, column, row) == texel_of(before, from_face, from_column, from_row));
+    });
+  }
+}
+
+TEST_CASE("Neighbours across a face's edge agree as those inside one do", "[faces]") {
+  const Radiance smooth = [](const glm::dvec3& d) { return glm::dvec3(1.0 + d.x * d.y, d.z + d.y * d.z, d.x - d.y); };
+  const SphereGrid grid = grid_of(64, 128, GridContent::samples, smooth);
+  const int size = 64;
+  const CubemapImage map = sampled(grid, size);
+  for_each_texel(size, [&](int face, int column, int row) {
+    const bool edge = column == 0 || row == 0 || column == size - 1 || row == size - 1;
+    if (!edge) return;
+    // Any texel within 1.5 texels of this one, whichever face it lies on.
+    const glm::dvec3 to = image::face_direction(size, face, column + 0.5, row + 0.5);
+    for_each_texel(size, [&](int f, int c, int r) {
+      if (f == face || (c != 0 && r != 0 && c != size - 1 && r != size - 1)) return;
+      const glm::dvec3 other = image::face_direction(size, f, c + 0.5, r + 0.5);
+      const double distance = glm::length(to - other);
+      if (distance > 3.0 / size) return;
+      const double step = worst_component(texel_of(map, face, column, row) - texel_of(map, f, c, r));
+      REQUIRE(step < 2.1 * distance + 2e-3);
+    });
+  });
+}
+
+TEST_CASE("Values below zero are kept, or made zero if asked", "[faces]") {
+  const SphereGrid grid = noise_grid(20, 40, GridContent::spline_coefficients, 9);
+  const CubemapImage kept = sampled(grid, 33);
+  CubemapImage clamped = sampled(grid, 33, {.not_negative = true});
+  int negative = 0;
+  for (std::size_t i = 0; i < kept.pixels.size(); ++i) {
+    negative += kept.pixels[i] < 0.0F ? 1 : 0;
+    REQUIRE(clamped.pixels[i] == std::max(0.0F, kept.pixels[i]));
+  }
+  CHECK(negative > 100);
+}
+
+TEST_CASE("Sampling a grid gives the same bits everywhere and allocates nothing in its tiles", "[faces]") {
+  const InstructionSet before = active_instruction_set();
+  const SphereGrid grid = noise_grid(101, 202, GridContent::spline_coefficients, 3);
+  for (const int size : {3, 61, 130}) {
+    CubemapImage expected;
+    force_instruction_set(InstructionSet::sse2);
+    run_with_threads(1, [&] { expected = sampled(grid, size); });
+    for (const InstructionSet set : available_instruction_sets()) {
+      force_instruction_set(set);
+      for (const int threads : {1, 2, 7}) {
+        CAPTURE(name(set), threads, size);
+        forget_allocations_in_tiles();
+        run_with_threads(threads, [&] { CHECK(same_bits(sampled(grid, size), expected)); });
+        CHECK(allocations_in_tiles() == 0);
+      }
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("Sampling a grid can be stopped", "[faces]") {
+  const SphereGrid grid = noise_grid(8, 16, GridContent::samples, 1);
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK(thrown_by([&] { return sampled(grid, 8, {}, {stop.get_token(), {}}); }).code == ErrorCode::cancelled);
+}
+
+}  // namespace welkin::test

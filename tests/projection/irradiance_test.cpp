@@ -1,0 +1,476 @@
+// Irradiance: cubemaps from harmonics, integration over the texels, and how few bands come near to it.
+
+#include "welkin/irradiance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "image/geometry.h"
+#include "places.h"
+#include "support/catch.h"
+#include "support/coefficients.h"
+#include "support/heap.h"
+#include "support/lat_long_of.h"
+#include "support/random_harmonics.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/instruction_set.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/projection.h"
+#include "welkin/windowing.h"
+
+namespace welkin::test {
+
+// Promise: an irradiance cubemap holds what its harmonics say at each texel's centre, and the direct one what cosine
+// integration says.
+
+namespace {
+
+SphericalHarmonics some_harmonics(int bands) {
+  SphericalHarmonics harmonics(bands);
+  double value = 0.3;
+  for (glm::dvec3& coefficient : harmonics.coefficients()) {
+    for (int c = 0; c < 3; ++c) {
+      value = std::fmod(value * 7.13 + 0.71, 2.0);
+      coefficient[c] = value - 1.0;
+    }
+  }
+  return harmonics;
+}
+
+}  // namespace
+
+TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre", "[irradiance_cubemap]") {
+  for (const int bands : {1, 2, 3, 4, 9, 16}) {
+    const SphericalHarmonics harmonics = some_harmonics(bands);
+    for (const int size : {1, 2, 3, 7, 33}) {
+      const CubemapImage map = irradiance_cubemap(harmonics, size);
+      REQUIRE(map.size == size);
+      for (int row = 0; row < 6 * size; ++row) {
+        for (int column = 0; column < size; ++column) {
+          const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
+          const glm::dvec3 wanted = evaluate(harmonics, to);
+          const float* const found = map.pixels.data() + 3 * (row * size + column);
+          for (int c = 0; c < 3; ++c)
+            REQUIRE(std::abs(wanted[c] - static_cast<double>(found[c])) < 1e-7 * bands * bands);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("A uniform environment's irradiance is pi times it, everywhere the same", "[irradiance_cubemap]") {
+  const CubemapImage map = irradiance_cubemap(irradiance_from_radiance(constant_radiance({1.0, 2.0, 0.5}, 3)), 64);
+  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+    const double radiance = i % 3 == 0 ? 1.0 : i % 3 == 1 ? 2.0 : 0.5;
+    REQUIRE(map.pixels[i] == static_cast<float>(std::numbers::pi * radiance));
+  }
+}
+
+TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cubemap]") {
+  const TestCubemap source = make_cubemap(Content::high_range, 16, 3, 2);
+  const CubemapImage direct = direct_irradiance_cubemap(source.view(), 5);
+  std::vector<glm::dvec3> normals;
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 5; ++column) {
+      normals.push_back(image::face_direction(5, row / 5, column + 0.5, row % 5 + 0.5));
+    }
+  }
+  const std::vector<glm::dvec3> wanted = direct_irradiance(source.view(), normals);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      REQUIRE(direct.pixels[3 * i + c] == static_cast<float>(wanted[i][static_cast<glm::length_t>(c)]));
+    }
+  }
+  const TestLatLong lat_long = make_lat_long(Content::smooth, 32, 16, 2);
+  const SphericalHarmonics radiance = project(lat_long.view()).radiance;
+  const CubemapImage by_bands = irradiance_cubemap(irradiance_from_radiance(radiance), 6);
+  const CubemapImage reference = direct_irradiance_cubemap(lat_long.view(), 6);
+  for (std::size_t i = 0; i < reference.pixels.size(); ++i) {
+    REQUIRE(by_bands.pixels[i] == Approx(reference.pixels[i]).epsilon(0.02));
+  }
+}
+
+TEST_CASE("Irradiance cubemaps have the same bits everywhere, and their tiles allocate nothing",
+          "[irradiance_cubemap]") {
+  const InstructionSet before = active_instruction_set();
+  const SphericalHarmonics harmonics = some_harmonics(5);
+  force_instruction_set(InstructionSet::sse2);
+  CubemapImage expected;
+  run_with_threads(1, [&] { expected = irradiance_cubemap(harmonics, 67); });
+  for (const InstructionSet set : available_instruction_sets()) {
+    force_instruction_set(set);
+    for (const int threads : {1, 2, 7}) {
+      CAPTURE(name(set), threads);
+      forget_allocations_in_tiles();
+      run_with_threads(threads, [&] { CHECK(same_bits(irradiance_cubemap(harmonics, 67), expected)); });
+      CHECK(allocations_in_tiles() == 0);
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("Irradiance cubemaps are refused, stopped and reported upon", "[irradiance_cubemap]") {
+  const SphericalHarmonics harmonics = some_harmonics(3);
+  CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 0); }).says("from 1 to 4096"));
+  CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 4097); }).code == ErrorCode::invalid_argument);
+  const TestCubemap source = make_cubemap(Content::random, 4, 3, 2);
+  CHECK(thrown_by([&] { return direct_irradiance_cubemap(source.view(), 5000); }).code == ErrorCode::invalid_argument);
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK(thrown_by([&] {
+          return irradiance_cubemap(harmonics, 64, {stop.get_token(), {}});
+        }).code == ErrorCode::cancelled);
+  CHECK(thrown_by([&] {
+          return direct_irradiance_cubemap(source.view(), 4, {stop.get_token(), {}});
+        }).code == ErrorCode::cancelled);
+  std::vector<double> shares;
+  (void)direct_irradiance_cubemap(source.view(), 3, {{}, [&](double share) { shares.push_back(share); }});
+  CHECK(shares.back() == 1.0);
+}
+
+// Promise: direct irradiance is the cosine integral over texels as areas, at every size, on any number of threads.
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<glm::dvec3> some_normals(int count) {
+  RandomLight light(51);
+  std::vector<glm::dvec3> normals{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+  while (normals.size() < static_cast<std::size_t>(count)) normals.push_back(light.direction());
+  return normals;
+}
+
+double worst_length(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, glm::length(a[k] - b[k]));
+  return worst;
+}
+
+/// A dense midpoint rule over a lat-long's texels, each cut into cells x cells.
+glm::dvec3 brute_force(const LatLongImage& image, const glm::dvec3& normal, int cells) {
+  glm::dvec3 sum(0.0);
+  const double du = 2.0 * kPi / image.width / cells;
+  const double dv = kPi / image.height / cells;
+  for (int row = 0; row < image.height * cells; ++row) {
+    const double v = kPi / 2.0 - (row + 0.5) * dv;
+    for (int column = 0; column < image.width * cells; ++column) {
+      const double u = kPi - (column + 0.5) * du;
+      const glm::dvec3 d(std::sin(u) * std::cos(v), std::sin(v), std::cos(u) * std::cos(v));
+      const float* const rgb = image.pixels.data() + 3 * ((row / cells) * image.width + column / cells);
+      sum += std::max(0.0, glm::dot(normal, d)) * std::cos(v) * du * dv * glm::dvec3(rgb[0], rgb[1], rgb[2]);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("A uniform sky gives pi times its radiance, at every size", "[sh][irradiance]") {
+  const std::vector<glm::dvec3> normals = some_normals(12);
+  const std::vector<glm::dvec3> expected(normals.size(), kPi * glm::dvec3(0.5, 1.0, 2.0));
+  const double bound = 1e-5 * glm::length(expected[0]);
+  for (const int size : {1, 2, 3, 7, 64}) {
+    CAPTURE(size);
+    const TestCubemap cubemap = make_cubemap(Content::uniform, size, 3, 0);
+    CHECK(worst_length(direct_irradiance(cubemap.view(), normals), expected) < bound);
+  }
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 5}, {7, 64}, {64, 3}, {257, 64}, {512, 256}}) {
+    CAPTURE(width, height);
+    const TestLatLong image = make_lat_long(Content::uniform, width, height, 0);
+    CHECK(worst_length(direct_irradiance(image.view(), normals), expected) < bound);
+  }
+}
+
+TEST_CASE("Maps of a usual size give a uniform sky to 1e-6", "[sh][irradiance]") {
+  const std::vector<glm::dvec3> normals = some_normals(8);
+  const std::vector<glm::dvec3> expected(normals.size(), kPi * glm::dvec3(0.5, 1.0, 2.0));
+  const double bound = 1e-6 * glm::length(expected[0]);
+  const TestLatLong image = make_lat_long(Content::uniform, 512, 256, 0);
+  CHECK(worst_length(direct_irradiance(image.view(), normals), expected) < bound);
+  CHECK(worst_length(direct_irradiance(make_cubemap(Content::uniform, 256, 3, 0).view(), normals), expected) < bound);
+}
+
+TEST_CASE("Noise on few texels agrees with a dense integral", "[sh][irradiance]") {
+  RandomLight light(52);
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {3, 2}, {4, 7}, {16, 8}}) {
+    const LatLongImage image =
+        lat_long_of(width, height, [&](const glm::dvec3&) { return glm::dvec3(1.0) + light.colour(); });
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 normal = light.direction();
+      CAPTURE(width, height, k);
+      const glm::dvec3 truth = brute_force(image, normal, 1 + 600 / std::max(width, height));
+      CHECK(glm::length(reference_irradiance(image.view(), normal) - truth) < 5e-5);
+    }
+  }
+}
+
+TEST_CASE("A lone texel away from the horizon is integrated exactly", "[sh][irradiance]") {
+  // Its first moment has a closed form; the normals below see all of it.
+  LatLongImage image{32, 16, std::vector<float>(32 * 16 * 3)};
+  const int row = 5;
+  const int column = 9;
+  for (int c = 0; c < 3; ++c)
+    image.pixels[3 * (row * 32 + column) + static_cast<std::size_t>(c)] = 1.0F + static_cast<float>(c);
+  const double u1 = kPi - 2.0 * kPi * column / 32;
+  const double u0 = u1 - 2.0 * kPi / 32;
+  const double v1 = kPi / 2.0 - kPi * row / 16;
+  const double v0 = v1 - kPi / 16;
+  const double ring = 0.5 * (v1 - v0) + 0.25 * (std::sin(2.0 * v1) - std::sin(2.0 * v0));
+  const glm::dvec3 moment((std::cos(u0) - std::cos(u1)) * ring,
+                          (u1 - u0) * 0.5 * (std::sin(v1) * std::sin(v1) - std::sin(v0) * std::sin(v0)),
+                          (std::sin(u1) - std::sin(u0)) * ring);
+  const glm::dvec3 towards = glm::normalize(moment);
+  RandomLight light(53);
+  for (int k = 0; k < 10; ++k) {
+    const glm::dvec3 normal = glm::normalize(towards + 0.5 * light.direction());
+    const glm::dvec3 found = reference_irradiance(image.view(), normal);
+    CHECK(glm::length(found - glm::dot(normal, moment) * glm::dvec3(1, 2, 3)) < 1e-15);
+    CHECK(reference_irradiance(image.view(), -normal) == glm::dvec3(0.0));
+  }
+}
+
+TEST_CASE("Linear light through the horizon has a closed form", "[sh][irradiance]") {
+  // L = 1 + a . d: E(n) = pi + 2 pi / 3 a . n.
+  const glm::dvec3 a(0.3, -0.5, 0.2);
+  const LatLongImage image =
+      lat_long_of(512, 256, [&](const glm::dvec3& d) { return glm::dvec3(1.0 + glm::dot(a, d)); });
+  const std::vector<glm::dvec3> normals = some_normals(20);
+  const std::vector<glm::dvec3> found = direct_irradiance(image.view(), normals);
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    CHECK(std::abs(found[k].x - (kPi + 2.0 * kPi / 3.0 * glm::dot(a, normals[k]))) < 1e-4);  // texels are constant
+  }
+}
+
+TEST_CASE("All six faces face the way that CubemapView says", "[sh][irradiance]") {
+  for (int face = 0; face < 6; ++face) {
+    TestCubemap cubemap{4, 3, std::vector<float>(6 * 4 * 4 * 3)};
+    const std::size_t lit = static_cast<std::size_t>(face * 16 + 1 * 4 + 3) * 3;  // row 1, column 3
+    cubemap.pixels[lit] = cubemap.pixels[lit + 1] = cubemap.pixels[lit + 2] = 1.0F;
+    const glm::dvec3 towards = image::face_direction(4, face, 3.5, 1.5);
+    const double facing = reference_irradiance(cubemap.view(), towards).x;
+    double solid_angles[4];
+    image::cubemap_row_solid_angles(1, solid_angles);
+    CHECK(facing == Approx(solid_angles[3]).epsilon(0.02));
+    CHECK(reference_irradiance(cubemap.view(), -towards).x == 0.0);
+  }
+}
+
+TEST_CASE("The number of threads and the other normals do not change a bit", "[sh][irradiance]") {
+  const TestLatLong image = make_lat_long(Content::high_range, 130, 65, 3);
+  const TestCubemap cubemap = make_cubemap(Content::sun_disc, 33, 3, 3);
+  const std::vector<glm::dvec3> normals = some_normals(40);
+  std::vector<glm::dvec3> first;
+  std::vector<glm::dvec3> second;
+  run_with_threads(1, [&] { first = direct_irradiance(image.view(), normals); });
+  run_with_threads(1, [&] { second = direct_irradiance(cubemap.view(), normals); });
+  for (const int threads : {2, 5}) {
+    run_with_threads(threads, [&] {
+      CHECK(direct_irradiance(image.view(), normals) == first);
+      CHECK(direct_irradiance(cubemap.view(), normals) == second);
+    });
+  }
+  CHECK(reference_irradiance(image.view(), normals[17]) == first[17]);
+  CHECK(reference_irradiance(image.view(), 7.0 * normals[1]) == first[1]);
+}
+
+TEST_CASE("Many normals are worked on in batches, with progress from 0 to 1", "[sh][irradiance]") {
+  const TestLatLong image = make_lat_long(Content::random, 16, 8, 4);
+  const std::vector<glm::dvec3> normals = some_normals(1100);
+  double last = 0.0;
+  bool falls = false;
+  Control control;
+  control.progress = [&](double share) {
+    falls = falls || share < last;
+    last = share;
+  };
+  const std::vector<glm::dvec3> found = direct_irradiance(image.view(), normals, {}, control);
+  REQUIRE(found.size() == normals.size());
+  CHECK(last == 1.0);
+  CHECK_FALSE(falls);
+  for (const std::size_t k : {0, 511, 512, 1023, 1024, 1099}) {
+    CHECK(found[k] == reference_irradiance(image.view(), normals[k]));
+  }
+}
+
+TEST_CASE("Formats, strides and pixel policies are those of project", "[sh][irradiance]") {
+  const glm::dvec3 up(0, 1, 0);
+  TestLatLong image = make_lat_long(Content::uniform, 8, 4, 0, 4);
+  image.pixels[0] = std::numeric_limits<float>::quiet_NaN();
+  image.pixels[1] = 5000.0F;
+  const glm::dvec3 found = reference_irradiance(image.view(), up);
+  CHECK(found.x < kPi * 0.5 - 0.01);  // the NaN counts as 0
+  ProjectionOptions clamped;
+  clamped.clamp = RadianceClamp{1.0F, false};
+  CHECK(direct_irradiance(image.view(), {&up, 1}, clamped).front().y == Approx(kPi).epsilon(1e-4));
+  ProjectionOptions strict;
+  strict.nan = NonFinitePolicy::reject;
+  CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {&up, 1}, strict); }).code == ErrorCode::rejected_pixel);
+
+  LatLongView upside_down = image.view();
+  const std::ptrdiff_t row = 8 * 16;
+  upside_down.pixels = static_cast<const std::byte*>(upside_down.pixels) + 3 * row;
+  upside_down.row_stride_bytes = -row;
+  CHECK(glm::length(reference_irradiance(upside_down, -up) - found) < 1e-12);
+}
+
+TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[sh][irradiance]") {
+  const TestLatLong image = make_lat_long(Content::uniform, 8, 4, 0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const glm::dvec3& bad : {glm::dvec3(0.0), glm::dvec3(nan, 0, 0), glm::dvec3(1e308, 1e308, 1e308)}) {
+    const ThrownError error = thrown_by([&] { (void)reference_irradiance(image.view(), bad); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("normal 0"));
+  }
+  CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {}); }).says("1 to 100000"));
+  std::stop_source stop;
+  stop.request_stop();
+  const Control control{stop.get_token(), {}};
+  const glm::dvec3 up(0, 1, 0);
+  CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {&up, 1}, {}, control); }).code == ErrorCode::cancelled);
+}
+
+// Promise: the irradiance of n bands is off by what docs/irradiance.md says, on real environments and synthetic ones.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// E of a lone light in all bands minus that in the first ones, root mean square over normals: what is left out has
+/// the power sum over l of A_l^2 (2l + 1) / 4 pi, spread over the sphere; all of it is that of the clipped cosine, 1/6.
+double share_left_out(int bands) {
+  double kept = 0.0;
+  for (int l = 0; l < bands; ++l) kept += cosine_lobe(l) * cosine_lobe(l) * (2.0 * l + 1.0) / (16.0 * kPi * kPi);
+  return std::sqrt((1.0 / 6.0 - kept) * 6.0);
+}
+
+}  // namespace
+
+TEST_CASE("A lone small sun is off by what the cosine lobe's spectrum leaves out", "[sh][irradiance]") {
+  LatLongImage image{128, 64, std::vector<float>(128 * 64 * 3)};
+  for (std::size_t c = 0; c < 3; ++c) image.pixels[3 * (20 * 128 + 45) + c] = 1e6F;
+  const SphericalHarmonics radiance = project(image.view(), {.bands = 9}).radiance;
+  const auto errors = irradiance_errors(image.view(), radiance, 2000);
+  REQUIRE(errors.size() == 9);
+  for (const IrradianceError& error : errors) {
+    CAPTURE(error.bands);
+    CHECK(error.rms == Approx(share_left_out(error.bands)).epsilon(0.02));
+    CHECK(error.maximum >= error.rms);
+    // Behind the sun nothing is received and the harmonics give something.
+    CHECK(error.relative == std::numeric_limits<double>::infinity());
+  }
+  // Ramamoorthi and Hanrahan's 99 %: nine coefficients keep all but 0.8 % of the lobe's energy.
+  CHECK(share_left_out(3) * share_left_out(3) == Approx(0.0078).epsilon(0.02));
+}
+
+TEST_CASE("Light that three bands hold has no error in three bands", "[sh][irradiance]") {
+  const LatLongImage image = lat_long_of(512, 256, [](const glm::dvec3& d) {
+    return glm::dvec3(2.0 + d.x, 1.0 + 0.5 * d.y * d.z, 3.0 + d.z * d.z - d.y);
+  });
+  const auto errors = irradiance_errors(image.view(), project(image.view(), {.bands = 5}).radiance, 100);
+  CHECK(errors[0].rms > 0.05);
+  CHECK(errors[1].rms > 0.01);
+  for (std::size_t bands = 2; bands < 5; ++bands) {
+    CHECK(errors[bands].rms < 1e-5);
+    CHECK(errors[bands].relative < 3e-5);
+  }
+}
+
+TEST_CASE("A cubemap's errors are those of the lat-long of the same scene", "[sh][irradiance]") {
+  const TestCubemap cubemap = make_cubemap(Content::sun_disc, 64, 3, 5);
+  const auto errors = irradiance_errors(cubemap.view(), project(cubemap.view(), {.bands = 7}).radiance, 200);
+  for (std::size_t k = 1; k < errors.size(); ++k) CHECK(errors[k].rms <= errors[k - 1].rms * (1.0 + 1e-9));
+  CHECK(errors[2].rms > 0.01);
+  CHECK(errors[6].rms < errors[2].rms / 3.0);
+  CHECK(errors[3].rms == Approx(errors[2].rms).epsilon(1e-6));  // A_3 = 0
+  CHECK(glm::length(errors[2].worst_normal) == Approx(1.0));
+}
+
+TEST_CASE("Errors of darkness, of too many normals, on any number of threads", "[sh][irradiance]") {
+  const LatLongImage dark{8, 4, std::vector<float>(8 * 4 * 3)};
+  for (const IrradianceError& error : irradiance_errors(dark.view(), SphericalHarmonics(3), 10)) {
+    CHECK(error.rms == 0.0);
+    CHECK(error.maximum == 0.0);
+    CHECK(error.relative == 0.0);
+  }
+  CHECK(std::isinf(irradiance_errors(dark.view(), constant_radiance({1, 1, 1}), 10)[0].rms));
+  for (const int normals : {-1, 0, 100001}) {
+    CHECK(thrown_by([&] { (void)irradiance_errors(dark.view(), SphericalHarmonics(3), normals); }).says("normals"));
+  }
+  const TestLatLong image = make_lat_long(Content::high_range, 64, 32, 1);
+  const SphericalHarmonics radiance = project(image.view()).radiance;
+  double rms[2];
+  run_with_threads(1, [&] { rms[0] = irradiance_errors(image.view(), radiance)[2].rms; });
+  run_with_threads(4, [&] { rms[1] = irradiance_errors(image.view(), radiance)[2].rms; });
+  CHECK(rms[0] == rms[1]);
+}
+
+// Promise: on the real environments of ../shared the bands' errors stay within what docs/irradiance.md says.
+
+namespace fs = std::filesystem;
+
+TEST_CASE("Bands of real environments are off by no more than the docs say", "[sh][irradiance][shared]") {
+  const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
+  if (!fs::exists(folder)) {
+    WARN("no real environments: " << folder << " is not there");
+    return;
+  }
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".exr") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  double worst_of_three = 0.0;
+  for (const fs::path& file : files) {
+    const Environment environment = read_environment(file);
+    if (environment.info.layout != Layout::lat_long) continue;
+    const SphericalHarmonics radiance = project(environment.lat_long(), {.bands = 7}).radiance;
+    const auto errors = irradiance_errors(environment.lat_long(), radiance, 40);  // few, for the time they take
+    CAPTURE(file.filename().string());
+    CHECK(errors[0].rms < 0.75);
+    CHECK(errors[1].rms < 0.38);
+    CHECK(errors[2].rms < 0.085);
+    CHECK(errors[2].maximum < 0.22);
+    CHECK(errors[3].rms < errors[2].rms * 1.0001);
+    CHECK(errors[4].rms < 0.045);
+    CHECK(errors[6].rms < 0.03);
+    CHECK(errors[6].rms < 0.5 * errors[2].rms);
+    worst_of_three = std::max(worst_of_three, errors[2].rms);
+  }
+  CHECK(worst_of_three > 0.06);
+}
+
+TEST_CASE("The least window repairs the real environments that ring, and leaves the others alone",
+          "[sh][window][shared]") {
+  const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
+  if (!fs::exists(folder)) return;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".exr") continue;
+    if (inspect_environment(entry.path()).layout != Layout::lat_long) continue;
+    const SphericalHarmonics radiance = project_file(entry.path()).radiance;
+    const Windowed windowed = apply_window(radiance, Window::least);
+    const glm::dvec3 mean = std::numbers::pi * average_radiance(radiance);
+    CAPTURE(entry.path().filename().string(), windowed.parameter);
+    double before = 1.0;
+    for (int c = 0; c < 3; ++c) {
+      CHECK(windowed.minimum_after[c] >= -1e-9 * mean[c]);
+      before = std::min(before, windowed.minimum_before[c] / mean[c]);
+    }
+    CHECK((windowed.parameter > 0.0) == (before < -1e-9));
+    CHECK(before > -0.06);
+    CHECK(windowed.parameter < 0.01);
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,308 @@
+// Before the projection: arguments, and what is done to pixels that are no light.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "reference/reference_projection.h"
+#include "support/catch.h"
+#include "support/coefficients.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/projection.h"
+
+namespace welkin::test {
+namespace {
+
+void require_refused(const CubemapView& view, const ProjectionOptions& options, const std::string& words) {
+  const ThrownError error = thrown_by([&] { static_cast<void>(project(view, options)); });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  CAPTURE(error.message);
+  CHECK(error.says(words));
+}
+
+}  // namespace
+
+TEST_CASE("Views that cannot be read are refused", "[sh]") {
+  const TestCubemap cubemap = make_cubemap(Content::uniform, 8, 3, 1);
+  CubemapView view = cubemap.view();
+  view.size = 0;
+  require_refused(view, {}, "the cubemap's size is 0; it must be from 1 to 16384");
+  view.size = 16385;
+  require_refused(view, {}, "is 16385");
+  view = cubemap.view();
+  view.faces[3] = nullptr;
+  require_refused(view, {}, "face 3 of the cubemap has no pixels");
+  view = cubemap.view();
+  view.faces[1] = reinterpret_cast<const std::byte*>(view.faces[1]) + 1;
+  require_refused(view, {}, "face 1 of the cubemap is not aligned");
+  view = cubemap.view();
+  view.row_stride_bytes = 95;
+  require_refused(view, {}, "row_stride_bytes is 95, less than a row of 96 bytes");
+  view.row_stride_bytes = 98;
+  require_refused(view, {}, "leaves rows unaligned");
+  LatLongView lat_long{cubemap.pixels.data(), 8, 0, 0, PixelFormat::rgb_f32};
+  CHECK(thrown_by([&] { static_cast<void>(project(lat_long)); }).says("the lat-long's height is 0"));
+  lat_long.height = 4;
+  lat_long.pixels = nullptr;
+  CHECK(thrown_by([&] { static_cast<void>(project(lat_long)); }).says("the lat-long has no pixels"));
+}
+
+TEST_CASE("Options out of range are refused", "[sh]") {
+  const TestCubemap cubemap = make_cubemap(Content::uniform, 8, 3, 1);
+  ProjectionOptions options;
+  options.bands = 0;
+  require_refused(cubemap.view(), options, "bands is 0; it must be from 1 to 16");
+  options.bands = 17;
+  require_refused(cubemap.view(), options, "bands is 17");
+  options = {};
+  options.target_size = -1;
+  require_refused(cubemap.view(), options, "target_size is -1");
+  for (const float maximum :
+       {0.0F, -1.0F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    options = {};
+    options.clamp = RadianceClamp{maximum, false};
+    require_refused(cubemap.view(), options, "the clamp's maximum is");
+  }
+}
+
+TEST_CASE("A stop request cancels a projection, and the next one works", "[sh]") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 300, 3, 1);
+  std::stop_source source;
+  source.request_stop();
+  Control control;
+  control.stop = source.get_token();
+  CHECK(thrown_by([&] { static_cast<void>(project(cubemap.view(), {}, control)); }).code == ErrorCode::cancelled);
+  CHECK(project(cubemap.view()).diagnostics.texels == 6 * 300 * 300);
+}
+
+// What is done about NaN, infinities, negatives, gamma and too bright texels, and what is said of it.
+
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// The cubemap's channel at a place.
+float& channel(TestCubemap& cubemap, int face, int row, int column, int c) {
+  const int texel = (face * cubemap.size + row) * cubemap.size + column;
+  return cubemap.pixels[static_cast<std::size_t>(texel * cubemap.channels + c)];
+}
+
+const int kSizes[] = {1, 7, 64, 200};
+
+}  // namespace
+
+TEST_CASE("A replaced NaN counts as black", "[sh][policy]") {
+  for (const int size : kSizes) {
+    for (const int channels : {3, 4}) {
+      TestCubemap cubemap = make_cubemap(Content::random, size, channels, 1);
+      TestCubemap black = cubemap;
+      int count = 0;
+      for (const int face : {0, 3, 5}) {
+        for (int row = 0; row < size; row += 13, ++count) {
+          channel(cubemap, face, row, size - 1 - row / 2, 1) = kNan;
+          channel(black, face, row, size - 1 - row / 2, 1) = 0.0F;
+        }
+      }
+      const Projection found = project(cubemap.view());
+      CHECK(found.diagnostics.nans_replaced == static_cast<std::uint64_t>(count));
+      CHECK(relative_error(found.radiance, project(black.view()).radiance) < 3e-7);
+    }
+  }
+}
+
+TEST_CASE("A replaced infinity counts as the clamp's maximum, or the largest half", "[sh][policy]") {
+  for (const int size : kSizes) {
+    for (const bool clamped : {false, true}) {
+      TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
+      TestCubemap finite = cubemap;
+      channel(cubemap, 2, size / 2, 0, 0) = kInfinity;
+      channel(finite, 2, size / 2, 0, 0) = clamped ? 100.0F : 65504.0F;
+      channel(cubemap, 4, 0, size / 2, 2) = -kInfinity;
+      channel(finite, 4, 0, size / 2, 2) = 0.0F;
+      ProjectionOptions options;
+      if (clamped) options.clamp = RadianceClamp{100.0F, false};
+      const Projection found = project(cubemap.view(), options);
+      CHECK(found.diagnostics.infinities_replaced == 2);
+      CHECK(found.diagnostics.nans_replaced == 0);
+      CHECK(relative_error(found.radiance, project(finite.view(), options).radiance) < 3e-7);
+    }
+  }
+}
+
+TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy]") {
+  for (const int size : kSizes) {
+    TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
+    TestCubemap lifted = cubemap;
+    channel(cubemap, 1, 0, size - 1, 1) = -3.0F;
+    channel(lifted, 1, 0, size - 1, 1) = 0.0F;
+    ProjectionOptions options;
+    const Projection kept = project(cubemap.view(), options);
+    CHECK(kept.diagnostics.negatives_replaced == 0);
+    CHECK(relative_error(kept.radiance, reference_projection(cubemap.view())) < 5e-7);
+    options.negative = NegativePolicy::replace;
+    const Projection replaced = project(cubemap.view(), options);
+    CHECK(replaced.diagnostics.negatives_replaced == 1);
+    CHECK(relative_error(replaced.radiance, project(lifted.view()).radiance) < 3e-7);
+    options.negative = NegativePolicy::reject;
+    const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
+    CHECK(error.code == ErrorCode::rejected_pixel);
+    CHECK(error.says("face -X, row 0, column " + std::to_string(size - 1) + " is negative"));
+  }
+}
+
+TEST_CASE("Of several rejected texels the first by face, row and column is named", "[sh][policy]") {
+  TestCubemap cubemap = make_cubemap(Content::random, 200, 3, 1);
+  channel(cubemap, 5, 0, 0, 0) = kNan;
+  channel(cubemap, 3, 150, 20, 0) = kNan;
+  channel(cubemap, 3, 149, 190, 2) = kNan;
+  channel(cubemap, 3, 149, 191, 2) = kNan;
+  ProjectionOptions options;
+  options.nan = NonFinitePolicy::reject;
+  const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
+  CHECK(error.code == ErrorCode::rejected_pixel);
+  CHECK(error.says("face +Y") == false);
+  CHECK(error.says("face -Y, row 149, column 190 is NaN"));
+
+  TestLatLong lat_long = make_lat_long(Content::random, 300, 150, 1);
+  lat_long.pixels[(100 * 300 + 7) * 3] = kInfinity;
+  lat_long.pixels[(99 * 300 + 250) * 3 + 2] = kInfinity;
+  ProjectionOptions strict;
+  strict.infinity = NonFinitePolicy::reject;
+  const ThrownError infinite = thrown_by([&] { static_cast<void>(project(lat_long.view(), strict)); });
+  CHECK(infinite.says("row 99, column 250 is infinite"));
+}
+
+TEST_CASE("A NaN in alpha matters to nobody", "[sh][policy]") {
+  for (const int size : kSizes) {
+    TestCubemap cubemap = make_cubemap(Content::random, size, 4, 1);
+    const SphericalHarmonics expected = project(cubemap.view()).radiance;
+    for (std::size_t k = 3; k < cubemap.pixels.size(); k += 4) cubemap.pixels[k] = kNan;
+    const Projection found = project(cubemap.view());
+    CHECK(found.diagnostics.nans_replaced == 0);
+    CHECK(same_bits(found.radiance, expected));
+  }
+}
+
+TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
+  for (const bool preserve : {false, true}) {
+    for (const int size : kSizes) {
+      const TestCubemap cubemap = make_cubemap(Content::clamped, size, 3, 1);
+      ProjectionOptions options;
+      options.clamp = RadianceClamp{4096.0F, preserve};
+      const Projection found = project(cubemap.view(), options);
+      const Projection unclamped = project(cubemap.view());
+      CHECK(found.diagnostics.texels_clamped > 0);
+      for (int c = 0; c < 3; ++c) {
+        CHECK(found.diagnostics.flux[c] < found.diagnostics.flux_before_clamp[c]);
+        CHECK(found.diagnostics.flux_before_clamp[c] == Approx(unclamped.diagnostics.flux[c]).epsilon(1e-6));
+      }
+      CHECK(relative_error(found.radiance, reference_projection(cubemap.view(), options)) < 5e-7);
+    }
+    const TestLatLong lat_long = make_lat_long(Content::clamped, 301, 150, 1);
+    ProjectionOptions options;
+    options.clamp = RadianceClamp{4096.0F, preserve};
+    const Projection found = project(lat_long.view(), options);
+    CHECK(found.diagnostics.flux_before_clamp.x == Approx(project(lat_long.view()).diagnostics.flux.x).epsilon(1e-6));
+    CHECK(relative_error(found.radiance, reference_projection(lat_long.view(), options)) < 5e-7);
+  }
+}
+
+TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy]") {
+  TestCubemap cubemap{1, 3, {}};
+  for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
+  ProjectionOptions options;
+  options.clamp = RadianceClamp{100.0F, true};
+  const glm::dvec3 average = average_radiance(project(cubemap.view(), options).radiance);
+  CHECK(average.x == Approx(100.0).epsilon(1e-6));
+  CHECK(average.y == Approx(50.0).epsilon(1e-6));
+  CHECK(average.z == Approx(25.0).epsilon(1e-6));
+}
+
+TEST_CASE("Gamma input is linearised texel by texel", "[sh][policy]") {
+  for (const int size : kSizes) {
+    const TestCubemap cubemap = make_cubemap(Content::gamma_encoded, size, 3, 1);
+    ProjectionOptions options;
+    options.gamma = true;
+    CHECK(relative_error(project(cubemap.view(), options).radiance, reference_projection(cubemap.view(), options)) <
+          5e-7);
+  }
+}
+
+TEST_CASE("Values near the largest float do not overflow", "[sh][policy][extreme]") {
+  for (const int size : {1, 2, 33, 64, 160}) {
+    TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
+    for (float& value : cubemap.pixels) value = (value < 0.5F ? 0.5F : 1.0F) * 3.0e38F;
+    const Projection found = project(cubemap.view());
+    CHECK(found.diagnostics.infinities_replaced == 0);
+    CHECK(std::isfinite(norm(found.radiance)));
+    CHECK(relative_error(found.radiance, reference_projection(cubemap.view())) < 5e-7);
+  }
+  TestLatLong lat_long = make_lat_long(Content::random, 65, 33, 1);
+  for (float& value : lat_long.pixels) value = (value < 0.5F ? 0.5F : 1.0F) * 3.0e38F;
+  CHECK(relative_error(project(lat_long.view()).radiance, reference_projection(lat_long.view())) < 5e-7);
+}
+
+TEST_CASE("Denormal radiance survives, whatever the caller's thread flushes", "[sh][policy][extreme]") {
+  TestCubemap cubemap = make_cubemap(Content::random, 64, 3, 1);
+  for (float& value : cubemap.pixels) value = std::ldexp(std::floor(value * 64.0F), -140);
+  const SphericalHarmonics found = project(cubemap.view()).radiance;
+  // A product with a weight of 1e-4 is itself denormal: all that float leaves are its last few bits.
+  CHECK(average_radiance(found).x > std::ldexp(10.0, -140));
+  CHECK(average_radiance(found).x < std::ldexp(60.0, -140));
+}
+
+TEST_CASE("An environment of zeros has zero light and no NaN", "[sh][policy]") {
+  TestCubemap cubemap{65, 3, std::vector<float>(6 * 65 * 65 * 3)};
+  const Projection found = project(cubemap.view());
+  CHECK(norm(found.radiance) == 0.0);
+  CHECK(found.diagnostics.error_estimate == 0.0);
+}
+
+// Promises: a colour-preserving clamp takes texels above its maximum down to it, with the ratios of their channels; it
+// leaves all others alone, and says how much light it took from which channel.
+
+TEST_CASE("A colour-preserving clamp scales texels and reports what it took", "[sh][policy]") {
+  std::mt19937 generator(11);
+  for (const int size : {1, 3, 7, 64}) {
+    for (const float maximum : {0.3F, 10.0F, 4096.0F}) {
+      TestCubemap cubemap{size, 3, std::vector<float>(static_cast<std::size_t>(18 * size * size))};
+      TestCubemap scaled = cubemap;
+      std::uint64_t above = 0;
+      for (std::size_t i = 0; i < cubemap.pixels.size(); i += 3) {
+        const float scale = static_cast<float>(generator() % 1000) * maximum / 300.0F;
+        float brightest = 0.0F;
+        for (std::size_t c = i; c < i + 3; ++c) {
+          cubemap.pixels[c] = scale * (static_cast<float>(generator() % 1000) / 1000.0F - 0.05F);
+          brightest = std::max(brightest, cubemap.pixels[c]);
+        }
+        above += brightest > maximum ? 1 : 0;
+        const double factor = std::min(1.0, static_cast<double>(maximum) / std::max(1e-30F, brightest));
+        for (std::size_t c = i; c < i + 3; ++c) {
+          scaled.pixels[c] = static_cast<float>(factor * static_cast<double>(cubemap.pixels[c]));
+        }
+      }
+      ProjectionOptions options;
+      options.clamp = RadianceClamp{maximum, true};
+      const Projection found = project(cubemap.view(), options);
+      const Projection expected = project(scaled.view());
+      const Projection whole = project(cubemap.view());
+      CAPTURE(size, maximum);
+      CHECK(found.diagnostics.texels_clamped == above);
+      CHECK(relative_error(found.radiance, expected.radiance) < 1e-6);
+      for (int c = 0; c < 3; ++c) {
+        CHECK(found.diagnostics.flux[c] == Approx(expected.diagnostics.flux[c]).epsilon(1e-6));
+        CHECK(found.diagnostics.flux_before_clamp[c] == Approx(whole.diagnostics.flux[c]).epsilon(1e-6));
+      }
+    }
+  }
+}
+
+}  // namespace welkin::test

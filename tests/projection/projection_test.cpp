@@ -1,0 +1,561 @@
+// Projections: their symmetries and accuracy, faces one by one, and the same bits everywhere.
+
+#include "welkin/projection.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "image/geometry.h"
+#include "transform/frame_transform.h"
+#include "reference/reference_projection.h"
+#include "support/catch.h"
+#include "support/coefficients.h"
+#include "support/golden.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/face_harmonics.h"
+#include "welkin/instruction_set.h"
+
+namespace welkin::test {
+
+// Exact quadrature against the readable double-precision twin: 5e-7 of the coefficient vector.
+
+namespace {
+
+constexpr double kBound = 5e-7;
+
+void require_exact(const CubemapView& view, const ProjectionOptions& options) {
+  const double error = relative_error(project(view, options).radiance, reference_projection(view, options));
+  CAPTURE(view.size, options.bands, error);
+  CHECK(error <= kBound);
+}
+
+void require_exact(const LatLongView& view, const ProjectionOptions& options) {
+  const double error = relative_error(project(view, options).radiance, reference_projection(view, options));
+  CAPTURE(view.width, view.height, options.bands, error);
+  CHECK(error <= kBound);
+}
+
+}  // namespace
+
+TEST_CASE("Cubemaps of any size and content project to double precision's result", "[sh][projection]") {
+  for (const Content content :
+       {Content::random, Content::smooth, Content::blocks, Content::high_range, Content::one_texel_sun}) {
+    for (const int size : {1, 2, 3, 4, 5, 7, 16, 31, 32, 33, 64, 100, 128, 129, 200}) {
+      CAPTURE(name(content));
+      require_exact(make_cubemap(content, size, 3, 7).view(), {});
+    }
+  }
+}
+
+TEST_CASE("Large cubemaps project to double precision's result", "[sh][projection]") {
+  for (const int size : {257, 512}) {
+    require_exact(make_cubemap(Content::one_texel_sun, size, 3, 11).view(), {});
+  }
+  require_exact(make_cubemap(Content::random, 257, 4, 11).view(), {});
+  require_exact(make_cubemap(Content::blocks, 512, 3, 11).view(), {});
+}
+
+TEST_CASE("Every number of bands is as exact as three", "[sh][projection]") {
+  for (int bands = 1; bands <= kMaximumBands; ++bands) {
+    ProjectionOptions options;
+    options.bands = bands;
+    for (const int size : {1, 2, 7, 33}) require_exact(make_cubemap(Content::random, size, 3, 5).view(), options);
+    require_exact(make_lat_long(Content::random, 32, 16, 5).view(), options);
+  }
+  ProjectionOptions ten;
+  ten.bands = 10;
+  require_exact(make_cubemap(Content::one_texel_sun, 150, 3, 5).view(), ten);
+}
+
+TEST_CASE("The midpoint rule is its textbook loop", "[sh][projection]") {
+  for (const int bands : {1, 3, 6}) {
+    ProjectionOptions options;
+    options.bands = bands;
+    options.quadrature = Quadrature::midpoint;
+    for (const int size : {1, 2, 3, 7, 64, 129, 257}) {
+      require_exact(make_cubemap(Content::random, size, 3, 3).view(), options);
+    }
+    require_exact(make_lat_long(Content::random, 65, 31, 3).view(), options);
+    require_exact(make_lat_long(Content::random, 64, 32, 3).view(), options);
+  }
+}
+
+TEST_CASE("Lat-longs of any shape project to double precision's result", "[sh][projection]") {
+  const int shapes[][2] = {{1, 1},   {2, 1},   {1, 2},    {3, 2},     {7, 5},     {16, 8},
+                           {31, 17}, {64, 32}, {257, 64}, {520, 260}, {1024, 512}};
+  for (const auto& shape : shapes) {
+    for (const Content content : {Content::random, Content::one_texel_sun}) {
+      require_exact(make_lat_long(content, shape[0], shape[1], 9).view(), {});
+    }
+  }
+}
+
+TEST_CASE("Every pixel format gives what its values give", "[sh][projection]") {
+  for (const int channels : {3, 4}) {
+    for (const int size : {1, 7, 64, 65}) {
+      require_exact(make_cubemap(Content::random, size, channels, 1).view(), {});
+      const TestCubemapHalf half = make_cubemap_half(Content::random, size, channels, 1);
+      require_exact(half.view(), {});
+      TestCubemapBytes bytes = make_cubemap_bytes(Content::random, size, channels, 1);
+      CubemapView view = bytes.view();
+      require_exact(view, {});
+      view.format = channels == 3 ? PixelFormat::rgb_srgb8 : PixelFormat::rgba_srgb8;
+      require_exact(view, {});
+    }
+    require_exact(make_lat_long(Content::random, 66, 33, 1, channels).view(), {});
+    require_exact(make_lat_long_half(Content::random, 66, 33, 1, channels).view(), {});
+    require_exact(make_lat_long_bytes(Content::random, 66, 33, 1, channels).view(), {});
+  }
+}
+
+TEST_CASE("Rows may be padded or stored bottom-up", "[sh][projection]") {
+  const int size = 37;
+  const TestCubemap packed = make_cubemap(Content::random, size, 3, 2);
+  const SphericalHarmonics expected = project(packed.view()).radiance;
+
+  constexpr int padding = 5;  // floats
+  const std::size_t row_floats = static_cast<std::size_t>(3 * size);
+  std::vector<float> padded(6 * static_cast<std::size_t>(size) * (row_floats + padding), -1e30F);
+  std::vector<float> flipped(packed.pixels.size());
+  for (std::size_t row = 0; row < static_cast<std::size_t>(6 * size); ++row) {
+    const std::size_t face = row / static_cast<std::size_t>(size);
+    const std::size_t mirrored = face * static_cast<std::size_t>(size) + static_cast<std::size_t>(size) - 1 -
+                                 row % static_cast<std::size_t>(size);
+    for (std::size_t k = 0; k < row_floats; ++k) {
+      padded[row * (row_floats + padding) + k] = packed.pixels[row * row_floats + k];
+      flipped[mirrored * row_floats + k] = packed.pixels[row * row_floats + k];
+    }
+  }
+  CubemapView padded_view = packed.view();
+  CubemapView flipped_view = packed.view();
+  padded_view.row_stride_bytes = static_cast<std::ptrdiff_t>((row_floats + padding) * sizeof(float));
+  flipped_view.row_stride_bytes = -static_cast<std::ptrdiff_t>(row_floats * sizeof(float));
+  for (std::size_t face = 0; face < 6; ++face) {
+    padded_view.faces[face] = padded.data() + face * static_cast<std::size_t>(size) * (row_floats + padding);
+    flipped_view.faces[face] = flipped.data() + ((face + 1) * static_cast<std::size_t>(size) - 1) * row_floats;
+  }
+  CHECK(same_bits(project(padded_view).radiance, expected));
+  CHECK(same_bits(project(flipped_view).radiance, expected));
+}
+
+TEST_CASE("A uniform environment has nothing above band 0", "[sh][projection]") {
+  for (const int bands : {3, 10}) {
+    ProjectionOptions options;
+    options.bands = bands;
+    for (const int size : {1, 2, 3, 7, 64, 129, 257, 512}) {
+      const SphericalHarmonics c = project(make_cubemap(Content::uniform, size, 3, 0).view(), options).radiance;
+      for (std::size_t k = 1; k < c.coefficients().size(); ++k) {
+        for (int channel = 0; channel < 3; ++channel) {
+          CAPTURE(size, k, channel);
+          CHECK(std::abs(c.coefficients()[k][channel]) <= 1e-7 * c.coefficients()[0][channel]);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, for the twin too", "[sh][projection]") {
+  ProjectionOptions options;
+  options.bands = kMaximumBands;
+  for (const int height : {1, 2, 7}) {
+    const TestLatLong image = make_lat_long(Content::uniform, 1, height, 0);
+    for (const SphericalHarmonics& c :
+         {project(image.view(), options).radiance, reference_projection(image.view(), options)}) {
+      for (std::size_t k = 1; k < c.coefficients().size(); ++k) {
+        CAPTURE(height, k);
+        CHECK(std::abs(c.coefficients()[k].x) <= 1e-9 * c.coefficients()[0].x);
+      }
+    }
+  }
+}
+
+// What must hold of any projection: linearity, rotations, mirror images, energy.
+
+namespace {
+
+using Radiance = std::function<glm::dvec3(const glm::dvec3&)>;
+
+glm::dvec3 texel_direction(int face, int row, int column, int size) {
+  const image::Frame& frame = image::face_frame(face);
+  const double u = (2.0 * column + 1.0) / size - 1.0;
+  const double v = (2.0 * row + 1.0) / size - 1.0;
+  return glm::normalize(u * frame.u + v * frame.v + frame.normal);
+}
+
+/// A cubemap whose texels hold the radiance at their centres.
+TestCubemap sample(int size, const Radiance& radiance) {
+  TestCubemap cubemap{size, 3, {}};
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const glm::dvec3 value = radiance(texel_direction(face, row, column, size));
+        for (int c = 0; c < 3; ++c) cubemap.pixels.push_back(static_cast<float>(value[c]));
+      }
+    }
+  }
+  return cubemap;
+}
+
+/// The texel of `cubemap` that a direction falls into.
+glm::dvec3 lookup(const TestCubemap& cubemap, const glm::dvec3& direction) {
+  for (int face = 0; face < 6; ++face) {
+    const image::Frame& frame = image::face_frame(face);
+    const double depth = glm::dot(direction, frame.normal);
+    if (depth < std::abs(glm::dot(direction, frame.u)) || depth < std::abs(glm::dot(direction, frame.v))) continue;
+    const auto index = [&](const glm::dvec3& axis) {
+      const double position = (glm::dot(direction, axis) / depth + 1.0) * 0.5 * cubemap.size;
+      return std::min(cubemap.size - 1, static_cast<int>(position));
+    };
+    const auto at = 3 * (static_cast<std::size_t>((face * cubemap.size + index(frame.v)) * cubemap.size) +
+                         static_cast<std::size_t>(index(frame.u)));
+    return {cubemap.pixels[at], cubemap.pixels[at + 1], cubemap.pixels[at + 2]};
+  }
+  return {};
+}
+
+double smooth_function(const glm::dvec3& d) { return 1.0 + 0.5 * d.x + 0.25 * d.y * d.z + std::exp(4.0 * (d.z - 1.0)); }
+
+}  // namespace
+
+TEST_CASE("Projection is linear", "[sh][property]") {
+  for (const int size : {1, 3, 64, 130}) {
+    const TestCubemap a = make_cubemap(Content::random, size, 3, 1);
+    const TestCubemap b = make_cubemap(Content::high_range, size, 3, 2);
+    TestCubemap sum = a;
+    for (std::size_t k = 0; k < sum.pixels.size(); ++k) sum.pixels[k] = 2.0F * a.pixels[k] + b.pixels[k];
+    const SphericalHarmonics pa = project(a.view()).radiance;
+    const SphericalHarmonics pb = project(b.view()).radiance;
+    SphericalHarmonics expected(3);
+    for (std::size_t k = 0; k < 9; ++k) {
+      expected.coefficients()[k] = 2.0 * pa.coefficients()[k] + pb.coefficients()[k];
+    }
+    CHECK(relative_error(project(sum.view()).radiance, expected) < 5e-7);
+  }
+}
+
+TEST_CASE("Scaling by a power of two scales every bit", "[sh][property]") {
+  const TestCubemap a = make_cubemap(Content::random, 65, 3, 4);
+  TestCubemap scaled = a;
+  for (float& value : scaled.pixels) value *= 1024.0F;
+  SphericalHarmonics expected = project(a.view()).radiance;
+  for (glm::dvec3& value : expected.coefficients()) value *= 1024.0;
+  CHECK(same_bits(project(scaled.view()).radiance, expected));
+}
+
+TEST_CASE("Turning a cubemap by 90 degrees permutes coefficients", "[sh][property]") {
+  // About y: (x, y, z) -> (z, y, -x); about x: (x, z, -y); about z: (y, -x, z). Band 1 is (y, z, x).
+  const glm::dmat3 turns[] = {
+      {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}, {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}};
+  for (const int size : {1, 2, 7, 64}) {
+    const TestCubemap original = make_cubemap(Content::random, size, 3, 6);
+    const SphericalHarmonics before = project(original.view()).radiance;
+    for (const glm::dmat3& turn : turns) {
+      // The turned environment seen along d is the original one seen along the inverse turn of d.
+      const TestCubemap turned =
+          sample(size, [&](const glm::dvec3& d) { return lookup(original, glm::transpose(turn) * d); });
+      const SphericalHarmonics after = project(turned.view()).radiance;
+      for (int channel = 0; channel < 3; ++channel) {
+        const glm::dvec3 b(before.at(1, 1)[channel], before.at(1, -1)[channel], before.at(1, 0)[channel]);
+        const glm::dvec3 a(after.at(1, 1)[channel], after.at(1, -1)[channel], after.at(1, 0)[channel]);
+        CHECK(glm::length(a - turn * b) < 5e-7 * norm(before));
+        CHECK(std::abs(after.at(0, 0)[channel] - before.at(0, 0)[channel]) < 5e-7 * norm(before));
+        // xy, yz and zx change places up to signs.
+        double before_products = 0.0;
+        double after_products = 0.0;
+        for (const int m : {-2, -1, 1}) {
+          before_products += before.at(2, m)[channel] * before.at(2, m)[channel];
+          after_products += after.at(2, m)[channel] * after.at(2, m)[channel];
+        }
+        CHECK(std::abs(after_products - before_products) < 1e-6 * norm(before) * norm(before));
+      }
+    }
+  }
+}
+
+TEST_CASE("Turning by any angle turns the coefficients within the texels' error", "[sh][property]") {
+  const glm::dquat turn = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, -0.5)));
+  double error_before = 1.0;
+  for (const int size : {16, 32, 64, 128}) {
+    const SphericalHarmonics before =
+        project(sample(size, [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d)); }).view()).radiance;
+    const SphericalHarmonics after =
+        project(sample(size, [&](const glm::dvec3& d) { return glm::dvec3(smooth_function(glm::inverse(turn) * d)); })
+                    .view())
+            .radiance;
+    double worst = 0.0;
+    for (int k = 0; k < 50; ++k) {
+      const glm::dvec3 d = glm::normalize(glm::dvec3(std::sin(k * 1.3), std::cos(k * 2.1), std::sin(k * 0.7 + 1.0)));
+      worst = std::max(worst, std::abs(evaluate(after, turn * d).x - evaluate(before, d).x));
+    }
+    CAPTURE(size, worst);
+    CHECK(worst < 4.0 / (size * size));
+    CHECK(worst < 0.5 * error_before);
+    error_before = worst;
+  }
+}
+
+TEST_CASE("A mirror image flips the signs of odd coefficients", "[sh][property]") {
+  const int size = 33;
+  const TestCubemap original = make_cubemap(Content::random, size, 3, 8);
+  const TestCubemap mirrored = sample(size, [&](const glm::dvec3& d) { return lookup(original, {-d.x, d.y, d.z}); });
+  const SphericalHarmonics a = project(original.view()).radiance;
+  const SphericalHarmonics b = project(mirrored.view()).radiance;
+  // Odd in x: x, xy, xz.
+  const double signs[9] = {1, 1, 1, -1, -1, 1, 1, -1, 1};
+  for (std::size_t k = 0; k < 9; ++k) {
+    CHECK(glm::length(b.coefficients()[k] - signs[k] * a.coefficients()[k]) < 5e-7 * norm(a));
+  }
+}
+
+TEST_CASE("The flux is the sum of radiance times solid angle", "[sh][property]") {
+  const TestCubemap uniform = make_cubemap(Content::uniform, 50, 3, 0);
+  const ProjectionDiagnostics diagnostics = project(uniform.view()).diagnostics;
+  CHECK(diagnostics.flux.x == Approx(0.5 * 4.0 * std::numbers::pi).epsilon(1e-7));
+  CHECK(diagnostics.flux.z == Approx(2.0 * 4.0 * std::numbers::pi).epsilon(1e-7));
+  CHECK(diagnostics.flux_before_clamp == diagnostics.flux);
+}
+
+TEST_CASE("Low-order radiance comes back from its own projection", "[sh][property]") {
+  const auto radiance = [](const glm::dvec3& d) {
+    return glm::dvec3(1.0 + d.x, 2.0 + d.y * d.z, 1.5 + 3.0 * d.z * d.z - d.x * d.y);
+  };
+  const SphericalHarmonics c = project(sample(256, radiance).view()).radiance;
+  for (int k = 0; k < 100; ++k) {
+    const glm::dvec3 d = glm::normalize(glm::dvec3(std::sin(k * 1.7), std::cos(k * 0.9), std::sin(k * 0.37 + 0.5)));
+    CHECK(glm::length(evaluate(c, d) - radiance(d)) < 1e-4);
+  }
+}
+
+TEST_CASE("A cubemap and the lat-long of the same scene agree", "[sh][property]") {
+  const auto radiance = [](const glm::dvec3& d) { return glm::dvec3(smooth_function(d), 1.0 + d.x * d.z, 2.0 - d.y); };
+  const int height = 512;
+  TestLatLong lat_long{2 * height, height, 3, {}};
+  for (int row = 0; row < height; ++row) {
+    const double latitude = std::numbers::pi * (0.5 - (row + 0.5) / height);
+    for (int column = 0; column < 2 * height; ++column) {
+      const double longitude = std::numbers::pi * (1.0 - (column + 0.5) / height);
+      const glm::dvec3 value = radiance(
+          {std::sin(longitude) * std::cos(latitude), std::sin(latitude), std::cos(longitude) * std::cos(latitude)});
+      for (int c = 0; c < 3; ++c) lat_long.pixels.push_back(static_cast<float>(value[c]));
+    }
+  }
+  CHECK(relative_error(project(lat_long.view()).radiance, project(sample(256, radiance).view()).radiance) < 3e-5);
+}
+
+// Sums of faces that are kept give the bits of a whole projection, and a changed face is all that is read.
+
+namespace {
+
+std::vector<ProjectionOptions> some_options() {
+  ProjectionOptions clamped;
+  clamped.clamp = RadianceClamp{50.0F, true};
+  ProjectionOptions midpoint{.bands = 5, .quadrature = Quadrature::midpoint};
+  midpoint.negative = NegativePolicy::replace;
+  return {{}, {.bands = 1}, {.bands = 9, .target_size = 16}, clamped, midpoint, {.gamma = true}};
+}
+
+TEST_CASE("faces: their total is the whole projection, bit for bit") {
+  for (const ProjectionOptions& options : some_options()) {
+    for (const int size : {1, 2, 33, 100, 200}) {
+      for (const Content content : {Content::high_range, Content::special_values}) {
+        const TestCubemap cubemap = make_cubemap(content, size, 3, 11);
+        INFO(size << " bands " << options.bands);
+        CHECK(same_bits(total(project_faces(cubemap.view(), options)), project(cubemap.view(), options)));
+      }
+    }
+  }
+}
+
+TEST_CASE("faces: of a changed cubemap only the changed faces are read") {
+  for (const ProjectionOptions& options : some_options()) {
+    TestCubemap cubemap = make_cubemap(Content::high_range, 80, 3, 5);
+    FaceHarmonics kept = project_faces(cubemap.view(), options);
+    const std::size_t face_values = cubemap.pixels.size() / 6;
+    for (const int face : {0, 3, 5}) {
+      for (std::size_t k = 0; k < face_values; ++k) {
+        cubemap.pixels[static_cast<std::size_t>(face) * face_values + k] *= 0.5F + static_cast<float>(k % 3);
+      }
+    }
+    const Projection whole = project(cubemap.view(), options);
+    CubemapView only = cubemap.view();
+    const std::vector<float> poison(face_values, std::numeric_limits<float>::quiet_NaN());
+    for (const std::size_t face : {1U, 2U, 4U}) only.faces[face] = poison.data();
+    update_faces(kept, only, std::array{5, 0}, {});
+    CHECK_FALSE(same_bits(total(kept), whole));
+    update_faces(kept, only, std::array{3}, {});
+    CHECK(same_bits(total(kept), whole));
+  }
+}
+
+TEST_CASE("faces: the same pixels have the same sums on any face") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 40, 4, 2);
+  CubemapView swapped = cubemap.view();
+  std::swap(swapped.faces[0], swapped.faces[3]);
+  const FaceHarmonics kept = project_faces(cubemap.view());
+  FaceHarmonics moved = kept;
+  moved.set_face(0, kept.face(3));
+  moved.set_face(3, kept.face(0));
+  CHECK(same_bits(total(moved), project(swapped)));
+}
+
+TEST_CASE("faces: what cannot be is refused, and leaves the sums as they were") {
+  const TestCubemap cubemap = make_cubemap(Content::smooth, 8, 3, 2);
+  const auto code_of = [](const auto& call) { return thrown_by(call).code; };
+  FaceHarmonics kept = project_faces(cubemap.view());
+  const Projection before = total(kept);
+  CHECK(code_of([&] { update_faces(kept, cubemap.view(), std::array{6}); }) == ErrorCode::invalid_argument);
+  for (const ProjectionOptions& options : {ProjectionOptions{.bands = 0}, ProjectionOptions{.bands = 17},
+                                           ProjectionOptions{.quadrature = Quadrature::midpoint, .target_size = 2}}) {
+    FaceHarmonics own(cubemap.size, options);  // whose options nobody has looked at
+    CHECK(code_of([&] { update_faces(own, cubemap.view(), std::array{2}); }) == ErrorCode::invalid_argument);
+  }
+  CHECK(code_of([&] { update_faces(kept, cubemap.view(), std::array{2, 2}); }) == ErrorCode::invalid_argument);
+  const TestCubemap other = make_cubemap(Content::smooth, 9, 3, 2);
+  CHECK(code_of([&] { update_faces(kept, other.view(), std::array{2}); }) == ErrorCode::invalid_argument);
+  CHECK(code_of([&] { static_cast<void>(total(FaceHarmonics{})); }) == ErrorCode::invalid_argument);
+  CHECK(code_of([&] {
+          static_cast<void>(project_faces(cubemap.view(), {.quadrature = Quadrature::midpoint, .target_size = 4}));
+        }) == ErrorCode::invalid_argument);
+  TestCubemap broken = cubemap;
+  broken.pixels.back() = std::numeric_limits<float>::quiet_NaN();
+  FaceHarmonics strict = project_faces(cubemap.view(), {.nan = NonFinitePolicy::reject});
+  CHECK(code_of([&] { update_faces(strict, broken.view(), std::array{1, 5}); }) == ErrorCode::rejected_pixel);
+  CHECK(same_bits(total(strict), project(cubemap.view(), {.nan = NonFinitePolicy::reject})));
+  FaceHarmonics mixed = kept;
+  mixed.set_face(1, project_faces(cubemap.view(), {.bands = 4}).face(1));
+  CHECK(code_of([&] { static_cast<void>(total(mixed)); }) == ErrorCode::invalid_argument);
+  CHECK(same_bits(total(kept), before));
+}
+
+}  // namespace
+
+// Same input, same options: same bits, on any number of threads, in any arena, under load, on every
+// instruction set, today and tomorrow.
+
+namespace {
+
+/// Sizes on both sides of the inline threshold and of every table's, formats with kernels of their own.
+struct Cases {
+  TestCubemap small = make_cubemap(Content::high_range, 64, 3, 21);
+  TestCubemap odd = make_cubemap(Content::random, 201, 4, 22);
+  TestCubemap large = make_cubemap(Content::one_texel_sun, 320, 3, 23);
+  TestCubemapHalf half = make_cubemap_half(Content::random, 160, 4, 24);
+  TestCubemap special = make_cubemap(Content::special_values, 200, 3, 25);
+  TestLatLong lat_long = make_lat_long(Content::high_range, 640, 320, 26);
+  TestLatLong odd_lat_long = make_lat_long(Content::special_values, 333, 301, 27);
+
+  [[nodiscard]] std::vector<SphericalHarmonics> project_all() const {
+    ProjectionOptions ten;
+    ten.bands = 10;
+    ProjectionOptions babylon;
+    babylon.quadrature = Quadrature::midpoint;
+    babylon.clamp = RadianceClamp{};
+    babylon.target_size = 64;
+    ProjectionOptions reduced;
+    reduced.target_size = 48;
+    ProjectionOptions gamma;
+    gamma.gamma = true;
+    return {project(small.view()).radiance,
+            project(odd.view()).radiance,
+            project(large.view()).radiance,
+            project(half.view()).radiance,
+            project(special.view()).radiance,
+            project(lat_long.view()).radiance,
+            project(odd_lat_long.view()).radiance,
+            project(odd.view(), ten).radiance,
+            project(large.view(), babylon).radiance,
+            project(large.view(), reduced).radiance,
+            project(lat_long.view(), reduced).radiance,
+            project(odd.view(), gamma).radiance};
+  }
+};
+
+const Cases& cases() {
+  static const Cases all;
+  return all;
+}
+
+void require_same(const std::vector<SphericalHarmonics>& a, const std::vector<SphericalHarmonics>& b) {
+  REQUIRE(a.size() == b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    CAPTURE(k);
+    CHECK(same_bits(a[k], b[k]));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Any number of threads gives the same bits", "[sh][determinism]") {
+  std::vector<SphericalHarmonics> expected;
+  run_with_threads(1, [&] { expected = cases().project_all(); });
+  for (const int threads : {2, 3, 5, 8, 16}) {
+    CAPTURE(threads);
+    run_with_threads(threads, [&] { require_same(cases().project_all(), expected); });
+  }
+}
+
+TEST_CASE("A hundred repetitions under load in a foreign arena give the same bits", "[sh][determinism]") {
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 256, 3, 31);
+  const SphericalHarmonics expected = project(cubemap.view()).radiance;
+  std::atomic<bool> done{false};
+  std::vector<std::thread> load;
+  for (int k = 0; k < 3; ++k) {
+    load.emplace_back([&] {
+      while (!done) tbb::parallel_for(0, 1000, [](int) { std::this_thread::yield(); });
+    });
+  }
+  const tbb::global_control allowance(tbb::global_control::max_allowed_parallelism, 8);
+  tbb::task_arena foreign(3);
+  int different = 0;
+  for (int repetition = 0; repetition < 100; ++repetition) {
+    SphericalHarmonics result;
+    foreign.execute([&] { result = project(cubemap.view()).radiance; });
+    different += same_bits(result, expected) ? 0 : 1;
+  }
+  done = true;
+  for (std::thread& thread : load) thread.join();
+  CHECK(different == 0);
+}
+
+TEST_CASE("Several threads that project at the same time get the same bits", "[sh][determinism]") {
+  const std::vector<SphericalHarmonics> expected = cases().project_all();
+  std::vector<std::vector<SphericalHarmonics>> results(4);
+  std::vector<std::thread> threads;
+  for (auto& result : results) threads.emplace_back([&result] { result = cases().project_all(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& result : results) require_same(result, expected);
+}
+
+TEST_CASE("Every instruction set gives the same bits", "[sh][determinism]") {
+  const InstructionSet before = active_instruction_set();
+  force_instruction_set(InstructionSet::sse2);
+  const std::vector<SphericalHarmonics> expected = cases().project_all();
+  for (const InstructionSet set : available_instruction_sets()) {
+    CAPTURE(name(set));
+    force_instruction_set(set);
+    require_same(cases().project_all(), expected);
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("The coefficients are those on record", "[sh][determinism][golden]") {
+  require_golden("projection", cases().project_all());
+}
+
+}  // namespace welkin::test

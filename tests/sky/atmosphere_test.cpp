@@ -1,0 +1,397 @@
+// Atmospheres: what is refused, densities, phase functions, spectra.
+
+#include "welkin/atmosphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sky/air.h"
+#include "sky/phase.h"
+#include "support/catch.h"
+#include "support/random_atmospheres.h"
+#include "support/thrown_error.h"
+
+namespace welkin::test {
+
+// Every parameter of an atmosphere is checked, by its name; what the presets and the random ones are passes.
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Parameter {
+  std::string name;
+  std::function<double&(Atmosphere&)> of;
+  bool may_be_negative = false;
+};
+
+std::vector<Parameter> parameters() {
+  return {
+      {"wavelengths_nm[1]", [](Atmosphere& a) -> double& { return a.wavelengths_nm[1]; }},
+      {"bottom_radius_m", [](Atmosphere& a) -> double& { return a.bottom_radius_m; }},
+      {"top_radius_m", [](Atmosphere& a) -> double& { return a.top_radius_m; }},
+      {"rayleigh.scattering_per_m[2]", [](Atmosphere& a) -> double& { return a.rayleigh.scattering_per_m[2]; }},
+      {"aerosol.scattering_per_m[0]", [](Atmosphere& a) -> double& { return a.aerosol.scattering_per_m[0]; }},
+      {"aerosol.absorption_per_m[1]", [](Atmosphere& a) -> double& { return a.aerosol.absorption_per_m[1]; }},
+      {"absorbers[0].absorption_per_m[1]", [](Atmosphere& a) -> double& { return a.absorbers[0].absorption_per_m[1]; }},
+      {"aerosol_asymmetry", [](Atmosphere& a) -> double& { return a.aerosol_asymmetry; }, true},
+      {"ground_albedo[2]", [](Atmosphere& a) -> double& { return a.ground_albedo[2]; }},
+      {"solar_irradiance[0]", [](Atmosphere& a) -> double& { return a.solar_irradiance[0]; }},
+      {"sun_angular_radius_degrees", [](Atmosphere& a) -> double& { return a.sun_angular_radius_degrees; }},
+      {"absorbers[0].density[0].thickness_m",
+       [](Atmosphere& a) -> double& { return a.absorbers[0].density[0].thickness_m; }},
+      {"rayleigh.density[0].exponential_term",
+       [](Atmosphere& a) -> double& { return a.rayleigh.density[0].exponential_term; }, true},
+      {"rayleigh.density[0].exponential_scale_per_m",
+       [](Atmosphere& a) -> double& { return a.rayleigh.density[0].exponential_scale_per_m; }, true},
+      {"absorbers[0].density[1].linear_term_per_m",
+       [](Atmosphere& a) -> double& { return a.absorbers[0].density[1].linear_term_per_m; }, true},
+      {"aerosol.density[0].constant_term", [](Atmosphere& a) -> double& { return a.aerosol.density[0].constant_term; },
+       true},
+  };
+}
+
+void must_be_refused(const Atmosphere& air, const std::string& words) {
+  INFO(words);
+  const ThrownError error = thrown_by([&] { check(air); });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  INFO(error.message);
+  CHECK(error.says(words));
+}
+
+}  // namespace
+
+TEST_CASE("sky: every parameter of an atmosphere is refused by its name if it is no number or negative", "[sky][air]") {
+  for (const Parameter& parameter : parameters()) {
+    for (const double wrong : {kNan, kInfinity, -kInfinity, -0.25}) {
+      Atmosphere air = earth();
+      if (wrong == -0.25 && parameter.may_be_negative) {
+        parameter.of(air) = wrong;
+        CHECK_NOTHROW(check(air));
+        continue;
+      }
+      parameter.of(air) = wrong;
+      must_be_refused(air, parameter.name);
+    }
+  }
+}
+
+TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
+  const auto changed = [](const std::function<void(Atmosphere&)>& change) {
+    Atmosphere air = earth();
+    change(air);
+    return air;
+  };
+  must_be_refused(changed([](Atmosphere& a) { a.bottom_radius_m = 0.99; }), "bottom_radius_m is 0.99");
+  must_be_refused(changed([](Atmosphere& a) { a.bottom_radius_m = 1.01e9; }), "bottom_radius_m");
+  must_be_refused(changed([](Atmosphere& a) { a.top_radius_m = a.bottom_radius_m; }), "must be above it");
+  must_be_refused(changed([](Atmosphere& a) { a.top_radius_m = 11.1 * a.bottom_radius_m; }), "top_radius_m");
+  must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = 0.9991; }), "0.9991");
+  must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -1.0; }), "-0.999 to 0.999");
+  must_be_refused(changed([](Atmosphere& a) { a.ground_albedo[1] = 1.01; }), "ground_albedo[1] is 1.01");
+  must_be_refused(changed([](Atmosphere& a) { a.sun_angular_radius_degrees = 10.1; }), "10.1");
+  must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm = {680.0, 550.0}; }), "2 wavelengths");
+  must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm = {680.0, 550.0, 550.0}; }), "all rise or all fall");
+  must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm = {440.0, 550.0, 500.0}; }), "all rise or all fall");
+  must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm.assign(97, 1.0); }), "97 wavelengths");
+  must_be_refused(changed([](Atmosphere& a) { a.solar_irradiance.pop_back(); }), "solar_irradiance has 2 values");
+  must_be_refused(changed([](Atmosphere& a) { a.solar_irradiance.clear(); }), "solar_irradiance");
+  must_be_refused(changed([](Atmosphere& a) { a.ground_albedo.push_back(0.5); }), "ground_albedo has 4 values");
+  must_be_refused(changed([](Atmosphere& a) { a.rayleigh.scattering_per_m.resize(1); }), "1 values for 3");
+  must_be_refused(changed([](Atmosphere& a) { a.rayleigh.scattering_per_m[0] = 1.1e6; }), "1100000");
+  must_be_refused(changed([](Atmosphere& a) { a.aerosol.density.resize(9); }), "9 layers");
+  must_be_refused(changed([](Atmosphere& a) { a.absorbers.resize(5); }), "5 absorbers");
+  must_be_refused(changed([](Atmosphere& a) { a.absorbers[0].scattering_per_m.assign(3, 0.1); }), "does not scatter");
+  CHECK_NOTHROW(check(changed([](Atmosphere& a) { a.ground_albedo.clear(); })));
+  CHECK_NOTHROW(check(changed([](Atmosphere& a) { a.rayleigh = {}; })));
+  CHECK_NOTHROW(check(changed([](Atmosphere& a) { a.top_radius_m = 11.0 * a.bottom_radius_m; })));
+}
+
+TEST_CASE("sky: presets and random atmospheres pass the check", "[sky][air]") {
+  for (const Atmosphere& air : {earth(), earth_hillaire(), mars(), without_aerosol(earth()),
+                                with_ground_albedo(mars(), 1.0), earth({360.0, 365.0, 830.0})}) {
+    INFO(air.name);
+    CHECK_NOTHROW(check(air));
+    CHECK_FALSE(air.name.empty());
+  }
+  RandomAtmospheres random(7);
+  for (int i = 0; i < 5000; ++i) {
+    const Atmosphere air = random.next(random.whole(3, 96));
+    REQUIRE_NOTHROW(check(air));
+  }
+}
+
+TEST_CASE("sky: the Earth has Bruneton's constants", "[sky][air]") {
+  const Atmosphere air = earth();
+  // Of his web demo's shader, which has them folded for 680, 550 and 440 nm (Rayleigh, ozone: 1/km).
+  CHECK(air.rayleigh.scattering_per_m[0] == Approx(5.802339e-6).epsilon(1e-6));
+  CHECK(air.rayleigh.scattering_per_m[1] == Approx(1.3557762e-5).epsilon(1e-6));
+  CHECK(air.rayleigh.scattering_per_m[2] == Approx(3.3100e-5).epsilon(1e-4));
+  CHECK(air.aerosol.scattering_per_m[1] == Approx(3.996e-6).epsilon(1e-12));
+  CHECK(air.absorbers[0].absorption_per_m[0] == Approx(6.497166e-7).epsilon(1e-6));
+  CHECK(air.absorbers[0].absorption_per_m[1] == Approx(1.8809e-6).epsilon(1e-4));
+  CHECK(air.solar_irradiance == std::vector<double>{1.474, 1.8504, 1.91198});
+  const Atmosphere between = earth({365.0, 550.0, 830.0});
+  CHECK(between.solar_irradiance[0] == Approx(0.5 * (1.11776 + 1.14259)).epsilon(1e-12));
+  CHECK(between.solar_irradiance[2] == 1.04992);
+  CHECK(thrown_by([] { return earth({359.0, 550.0, 600.0}); }).says("359"));
+  CHECK(thrown_by([] { return earth({kNan, 550.0, 600.0}); }).says("360 to 830"));
+}
+
+TEST_CASE("sky: Mars has red dust, a paler sun and little air", "[sky][air]") {
+  const Atmosphere air = mars();
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    CHECK((air.aerosol.scattering_per_m[at] + air.aerosol.absorption_per_m[at]) * 11'100.0 == Approx(0.5));
+    CHECK(air.rayleigh.scattering_per_m[at] < 0.03 * air.aerosol.scattering_per_m[at]);
+    CHECK(air.solar_irradiance[at] == Approx(0.4307 * earth().solar_irradiance[at]).epsilon(1e-3));
+  }
+  CHECK(air.aerosol.absorption_per_m[2] > 3.0 * air.aerosol.absorption_per_m[0]);
+  CHECK(air.rayleigh.scattering_per_m[1] == Approx(2.55e-7).epsilon(0.02));
+}
+
+TEST_CASE("sky: profiles and variants refuse what is no number", "[sky][air]") {
+  CHECK(thrown_by([] { return exponential_profile(0.0); }).says("scale height"));
+  CHECK(thrown_by([] { return exponential_profile(kNan); }).says("scale height"));
+  CHECK(thrown_by([] { return tent_profile(-1.0, 1.0); }).says("centre"));
+  CHECK(thrown_by([] { return tent_profile(1.0, kInfinity); }).says("half width"));
+  CHECK(thrown_by([] { return with_ground_albedo(earth(), 1.5); }).says("1.5"));
+  CHECK(without_aerosol(earth()).aerosol == Constituent{});
+  CHECK(with_ground_albedo(earth(), 0.25).ground_albedo == std::vector<double>(3, 0.25));
+}
+
+TEST_CASE("sky: the sun stands where its angles say", "[sky][air]") {
+  const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-15; };
+  CHECK(near(sun_direction(90.0, 123.0), {0.0, 1.0, 0.0}));
+  CHECK(near(sun_direction(0.0, 0.0), {0.0, 0.0, 1.0}));
+  CHECK(near(sun_direction(0.0, 90.0), {1.0, 0.0, 0.0}));
+  CHECK(near(sun_direction(-30.0, 180.0), {0.0, -0.5, -std::sqrt(0.75)}));
+  CHECK(near(sun_direction(20.0, -90.0), sun_direction(20.0, 270.0)));
+  CHECK(thrown_by([] { return sun_direction(90.1, 0.0); }).says("elevation"));
+  CHECK(thrown_by([] { return sun_direction(kNan, 0.0); }).says("elevation"));
+  CHECK(thrown_by([] { return sun_direction(0.0, kInfinity); }).says("azimuth"));
+}
+
+// Densities are their layers' formulas, from 0 to 1 whatever the formulas do, and every kink is known.
+
+TEST_CASE("sky: densities are their formulas, layer by layer", "[sky][air]") {
+  const std::vector<DensityLayer> exponential = exponential_profile(8000.0);
+  CHECK(sky::density(exponential, 0.0) == 1.0);
+  CHECK(sky::density(exponential, -5.0) == 1.0);
+  CHECK(sky::density(exponential, 16'000.0) == Approx(std::exp(-2.0)).epsilon(1e-14));
+  const std::vector<DensityLayer> tent = tent_profile(25'000.0, 15'000.0);
+  for (double h = 0.0; h < 60'000.0; h += 500.0) {
+    CHECK(sky::density(tent, h) == Approx(std::max(0.0, 1.0 - std::abs(h - 25'000.0) / 15'000.0)).margin(1e-14));
+  }
+  const std::vector<DensityLayer> slabs{{.thickness_m = 100.0, .constant_term = 0.25},
+                                        {.thickness_m = 0.0, .constant_term = 0.5},
+                                        {.thickness_m = 50.0, .constant_term = 7.0},
+                                        {.constant_term = -1.0}};
+  CHECK(sky::density(slabs, 99.999) == 0.25);
+  CHECK(sky::density(slabs, 100.0) == 1.0);
+  CHECK(sky::density(slabs, 150.0) == 0.0);
+  CHECK(sky::density({}, 10.0) == 0.0);
+}
+
+TEST_CASE("sky: formulas that overflow are clamped like others", "[sky][air]") {
+  CHECK(sky::density(std::vector<DensityLayer>{{.exponential_term = 1.0, .exponential_scale_per_m = 1.0}}, 1e6) == 1.0);
+  CHECK(sky::density(std::vector<DensityLayer>{{.exponential_term = -1.0, .exponential_scale_per_m = 1.0}}, 1e6) ==
+        0.0);
+  CHECK(sky::density(std::vector<DensityLayer>{{.exponential_scale_per_m = 1.0, .constant_term = 0.5}}, 1e6) == 0.5);
+}
+
+TEST_CASE("sky: between its breaks a density is smooth", "[sky][air]") {
+  CHECK(sky::density_breaks(exponential_profile(8000.0), 60'000.0).empty());
+  const std::vector<double> tent = sky::density_breaks(tent_profile(25'000.0, 15'000.0), 60'000.0);
+  REQUIRE(tent.size() == 3);
+  CHECK(tent[0] == Approx(10'000.0));
+  CHECK(tent[1] == 25'000.0);
+  CHECK(tent[2] == Approx(40'000.0));
+
+  // Two thirds of an interval's ends differ from their chord by no more than curvature explains: a hidden kink would.
+  RandomAtmospheres random(11);
+  int kinks = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Atmosphere air = random.next();
+    const double thickness = air.top_radius_m - air.bottom_radius_m;
+    std::vector<double> ends = sky::density_breaks(air.rayleigh.density, thickness);
+    kinks += static_cast<int>(ends.size());
+    ends.insert(ends.begin(), 0.0);
+    ends.push_back(thickness);
+    for (std::size_t k = 1; k < ends.size(); ++k) {
+      REQUIRE(ends[k] > ends[k - 1]);
+      // Inside, it is all 0, all 1 or neither.
+      const double width = ends[k] - ends[k - 1];
+      int kind[3] = {0, 0, 0};
+      for (int p = 1; p < 100; ++p) {
+        const double value = sky::density(air.rayleigh.density, ends[k - 1] + width * p / 100.0);
+        ++kind[value == 0.0 ? 0 : value == 1.0 ? 1 : 2];
+      }
+      // (An exponential may round to 0 or 1 far from its kink.)
+      const bool one_kind = (kind[0] > 0) + (kind[1] > 0) + (kind[2] > 0) == 1;
+      const double first = sky::density(air.rayleigh.density, ends[k - 1] + 0.01 * width);
+      const double last = sky::density(air.rayleigh.density, ends[k - 1] + 0.99 * width);
+      const bool rounded = first < 1e-300 || last < 1e-300 || first > 1.0 - 1e-12 || last > 1.0 - 1e-12;
+      REQUIRE((one_kind || rounded));
+    }
+  }
+  CHECK(kinks > 500);
+}
+
+// Phase functions keep all light: their integral over the sphere is 1, for the sharpest lobes too.
+
+namespace {
+
+/// Integral over the sphere of phase(c) c^power. The lobe's width in 1 - |c| is w = (1 - |g|)^2: places are even in the
+/// logarithm of 1 - |c| + w.
+template <class Phase>
+double integral(double g, int power, const Phase& phase) {
+  const double width = (1.0 - std::abs(g)) * (1.0 - std::abs(g));
+  const double low = std::log(width);
+  const double high = std::log(2.0 + width);
+  constexpr int points = 20000;
+  double sum = 0.0;
+  for (int i = 0; i < points; ++i) {
+    const double t = std::exp(low + (high - low) * (i + 0.5) / points);
+    const double along = 1.0 - (t - width);
+    const double cosine = g < 0.0 ? -along : along;
+    sum += phase(cosine) * std::pow(cosine, power) * t;
+  }
+  return 2.0 * std::numbers::pi * sum * (high - low) / points;
+}
+
+}  // namespace
+
+TEST_CASE("sky: phase functions integrate to 1 and have their mean cosine", "[sky][air]") {
+  for (const double g : {-0.999, -0.9, -0.5, -1e-3, 0.0, 1e-3, 0.3, 0.8, 0.99, 0.999}) {
+    INFO("g = " << g);
+    const auto henyey = [g](double c) { return sky::henyey_greenstein_phase(g, c); };
+    const auto cornette = [g](double c) { return sky::cornette_shanks_phase(g, c); };
+    CHECK(integral(g, 0, henyey) == Approx(1.0).epsilon(1e-5));
+    CHECK(integral(g, 1, henyey) == Approx(g).epsilon(1e-5).margin(1e-7));
+    CHECK(integral(g, 0, cornette) == Approx(1.0).epsilon(1e-5));
+    CHECK(integral(g, 1, cornette) ==
+          Approx(3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g))).epsilon(1e-5).margin(1e-7));
+  }
+  CHECK(integral(0.0, 0, [](double c) { return sky::rayleigh_phase(c); }) == Approx(1.0).epsilon(1e-5));
+}
+
+TEST_CASE("sky: phase functions are mirror images for opposite g, and Rayleigh's is Cornette and Shanks's for 0",
+          "[sky][air]") {
+  for (int i = 0; i <= 200; ++i) {
+    const double c = i / 100.0 - 1.0;
+    CHECK(sky::cornette_shanks_phase(0.0, c) == Approx(sky::rayleigh_phase(c)).epsilon(1e-14));
+    for (const double g : {0.2, 0.76, 0.999}) {
+      CHECK(sky::cornette_shanks_phase(-g, -c) == sky::cornette_shanks_phase(g, c));
+      CHECK(sky::henyey_greenstein_phase(-g, -c) == sky::henyey_greenstein_phase(g, c));
+      const auto direct = static_cast<double>(
+          (1.0L - static_cast<long double>(g) * g) / (4.0L * std::numbers::pi_v<long double>) /
+          std::pow(1.0L + static_cast<long double>(g) * g - 2.0L * static_cast<long double>(g) * c, 1.5L));
+      CHECK(sky::henyey_greenstein_phase(g, c) == Approx(direct).epsilon(1e-12));
+      CHECK(sky::aerosol_phase(AerosolPhase::henyey_greenstein, g, c) == sky::henyey_greenstein_phase(g, c));
+      CHECK(sky::aerosol_phase(AerosolPhase::cornette_shanks, g, c) == sky::cornette_shanks_phase(g, c));
+    }
+  }
+  // Rounding may carry a cosine past 1.
+  CHECK(std::isfinite(sky::henyey_greenstein_phase(0.999, 1.0 + 1e-15)));
+  CHECK(std::isfinite(sky::henyey_greenstein_phase(-0.999, -1.0 - 1e-15)));
+}
+
+// Spectra become linear sRGB luminances as the CIE's observer sees them.
+
+namespace {
+
+std::vector<double> spread(double low, double high, int count) {
+  std::vector<double> result;
+  for (int i = 0; i < count; ++i) result.push_back(low + (high - low) * i / (count - 1));
+  return result;
+}
+
+template <class Spectrum>
+glm::dvec3 folded(const std::vector<double>& wavelengths, const Spectrum& spectrum) {
+  const std::vector<glm::dvec3> weights = srgb_weights(wavelengths);
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * spectrum(wavelengths[i]);
+  return sum;
+}
+
+double luminance(const glm::dvec3& rgb) {
+  return 0.2126390058715103 * rgb.r + 0.7151686787677559 * rgb.g + 0.0721923153607337 * rgb.b;
+}
+
+/// Planck's law at 6500 K, scaled: a smooth white.
+double hot(double nm) {
+  const double m = nm * 1e-9;
+  return 1e-31 / (m * m * m * m * m) / (std::exp(0.014387769 / (m * 6500.0)) - 1.0);
+}
+
+}  // namespace
+
+TEST_CASE("sky: an even spectrum is the equal-energy white", "[sky][air]") {
+  // Chromaticity (1/3, 1/3): sRGB in proportion 1.205 : 0.948 : 0.909; luminance 683 times the integral of y,
+  // 106.857.
+  const glm::dvec3 even = folded({360.0, 600.0, 830.0}, [](double) { return 1.0; });
+  CHECK(luminance(even) == Approx(683.0 * 106.857).epsilon(1e-5));
+  CHECK(even.r / luminance(even) == Approx(1.205).epsilon(5e-4));
+  CHECK(even.g / luminance(even) == Approx(0.9483).epsilon(5e-4));
+  CHECK(even.b / luminance(even) == Approx(0.909).epsilon(5e-4));
+  // However many wavelengths, wherever they are, and in both orders.
+  for (const auto& wavelengths : {spread(440.0, 680.0, 3), spread(680.0, 440.0, 7), spread(200.0, 1200.0, 96),
+                                  spread(900.0, 1000.0, 5), std::vector<double>{549.0, 550.0, 551.0}}) {
+    const glm::dvec3 same = folded(wavelengths, [](double) { return 1.0; });
+    for (int c = 0; c < 3; ++c) CHECK(same[c] == Approx(even[c]).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("sky: a line has the colour of its wavelength", "[sky][air]") {
+  // One nanometre's triangle of 1 W/m2/sr/nm about 555 nm, where y is 1: 683 cd/m2 and no red's or blue's excess.
+  const std::vector<glm::dvec3> weights = srgb_weights({100.0, 554.999, 555.0, 555.001, 1000.0});
+  const glm::dvec3 line = weights[2] / 0.001;
+  CHECK(luminance(line) == Approx(683.0).epsilon(1e-4));
+  // x 0.51205, y 1, z 0.00575 through the matrix.
+  CHECK(line.r == Approx(683.0 * (3.24097 * 0.51205 - 1.53738 - 0.49861 * 0.00575)).epsilon(1e-3));
+  CHECK(line.g == Approx(683.0 * (-0.96924 * 0.51205 + 1.87597 + 0.04156 * 0.00575)).epsilon(1e-3));
+  CHECK(line.b == Approx(683.0 * (0.05563 * 0.51205 - 0.20398 + 1.05697 * 0.00575)).epsilon(1e-3));
+  // The observer sees nothing beyond its table.
+  const std::vector<glm::dvec3> dark = srgb_weights({100.0, 200.0, 359.0, 831.0, 900.0});
+  CHECK(dark[0] == glm::dvec3(0.0));
+  CHECK(dark[4] == glm::dvec3(0.0));
+}
+
+TEST_CASE("sky: weights follow their wavelengths, rising or falling", "[sky][air]") {
+  const std::vector<glm::dvec3> rising = srgb_weights({440.0, 550.0, 680.0});
+  const std::vector<glm::dvec3> falling = srgb_weights({680.0, 550.0, 440.0});
+  CHECK(rising[0].b > rising[0].g);
+  CHECK(rising[2].r > rising[2].g);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(falling[i] == rising[2 - i]);
+}
+
+TEST_CASE("sky: more wavelengths come closer to the whole spectrum", "[sky][air]") {
+  const glm::dvec3 truth = folded(spread(360.0, 830.0, 95), hot);
+  double before = 1.0;
+  for (const int count : {3, 6, 12, 24, 48}) {
+    const double error = glm::length(folded(spread(380.0, 740.0, count), hot) - truth) / glm::length(truth);
+    INFO(count << " wavelengths: " << error);
+    CHECK(error < 0.6 * before);
+    before = error;
+  }
+  CHECK(before < 1e-3);
+  // A black body of 6500 K is (255, 249, 253) in sRGB bytes (Charity, "What color is a blackbody").
+  CHECK(truth.r / truth.g == Approx(1.055).margin(0.015));
+  CHECK(truth.b / truth.g == Approx(1.04).margin(0.015));
+}
+
+TEST_CASE("sky: weights refuse what is no list of wavelengths", "[sky][air]") {
+  CHECK(thrown_by([] { return srgb_weights({550.0}); }).says("1 wavelengths"));
+  CHECK(thrown_by([] { return srgb_weights({440.0, 550.0, 550.0}); }).says("all rise or all fall"));
+  CHECK(thrown_by([] { return srgb_weights({440.0, NAN, 550.0}); }).says("wavelengths_nm[1]"));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,584 @@
+// The references that skies are held to: a path tracer and closed forms.
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <vector>
+
+#include "reference/path_sampling.h"
+#include "reference/path_shells.h"
+#include "reference/path_tracer.h"
+#include "reference/reference_air.h"
+#include "reference/sky_reference.h"
+#include "sky/air.h"
+#include "sky/phase.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/random_atmospheres.h"
+#include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+
+// The path tracer estimates what the other references say, and neither makes light nor loses it.
+
+namespace {
+
+constexpr int kBands = 3;
+constexpr std::size_t kCoefficients = 9;
+
+/// The singly scattered sky by quadrature: the trapezoid over azimuths and over u, where sin(elevation) = sin^2(pi u /
+/// 2) has no slope at the horizon nor the zenith.
+std::vector<std::array<double, kCoefficients>> quadrature(const Atmosphere& air, const glm::dvec3& sun) {
+  constexpr int zeniths = 20;
+  constexpr int azimuths = 16;
+  std::vector<std::array<double, kCoefficients>> result(air.wavelengths_nm.size());
+  for (int half = 0; half < 2; ++half) {
+    for (int i = 0; i < zeniths; ++i) {
+      const double u = (i + 0.5) / zeniths;
+      const double y = std::pow(std::sin(0.5 * std::numbers::pi * u), 2);
+      const double dy = 0.5 * std::numbers::pi * std::sin(std::numbers::pi * u) / zeniths;
+      for (int k = 0; k < azimuths; ++k) {
+        const double azimuth = 2.0 * std::numbers::pi * (k + 0.5) / azimuths;
+        const double level = std::sqrt(1.0 - y * y);
+        const glm::dvec3 direction(level * std::sin(azimuth), half == 0 ? y : -y, level * std::cos(azimuth));
+        const std::vector<double> light = reference_sky_radiance(air, 0.0, direction, sun, {.relative_error = 1e-3});
+        std::array<double, kCoefficients> basis;
+        evaluate_basis(direction, kBands, basis);
+        for (std::size_t w = 0; w < light.size(); ++w) {
+          for (std::size_t c = 0; c < kCoefficients; ++c) {
+            result[w][c] += basis[c] * light[w] * dy * 2.0 * std::numbers::pi / azimuths;
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("sky paths: first orders are the quadrature of the single-scattering truth", "[sky][air]") {
+  Atmosphere hazy = mars();
+  hazy.aerosol_phase = AerosolPhase::cornette_shanks;
+  hazy.aerosol_asymmetry = -0.4;
+  Atmosphere tiny = earth();
+  tiny.bottom_radius_m = 100.0;
+  tiny.top_radius_m = 190.0;
+  tiny.rayleigh = {exponential_profile(20.0), {0.01, 0.02, 0.05}, {}};
+  tiny.aerosol = {tent_profile(30.0, 20.0), {0.02, 0.01, 0.005}, {0.0, 0.01, 0.02}};
+  tiny.absorbers.clear();
+  for (const Atmosphere& air : {with_ground_albedo(earth(), 0.5), hazy, tiny}) {
+    for (const double elevation : {35.0, -2.0}) {
+      INFO(air.name << ", sun at " << elevation);
+      const glm::dvec3 sun = sun_direction(elevation, 30.0);
+      const auto truth = quadrature(air, sun);
+      const TracedHarmonics traced =
+          trace_sky_harmonics(air, 0.0, sun, kBands, {.lowest_order = 1, .highest_order = 1, .paths = 100'000});
+      for (std::size_t w = 0; w < truth.size(); ++w) {
+        for (std::size_t c = 0; c < kCoefficients; ++c) {
+          INFO("wavelength " << w << ", coefficient " << c << ", error " << traced.standard_error[w][c]);
+          CHECK(traced.standard_error[w][c] > 0.0);
+          CHECK(std::abs(traced.radiance[w][c] - truth[w][c]) <
+                4.5 * traced.standard_error[w][c] + 2e-3 * std::abs(truth[w][0]));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("sky paths: air and ground that absorb nothing lose nothing", "[sky][air]") {
+  // Light from everywhere alike, L, stays alike inside: what is scattered into a ray makes up for what is scattered out
+  // of it. Light from all suns alike is such light: the mean over suns of scattered radiance is L (1 - transmittance to
+  // space), with L = E / (4 pi).
+  Atmosphere air;
+  air.bottom_radius_m = 1000.0;
+  air.top_radius_m = 1300.0;
+  air.rayleigh = {exponential_profile(60.0), {0.001, 0.005, 0.02}, {}};
+  air.aerosol = {tent_profile(50.0, 40.0), {0.01, 0.0, 0.005}, {}};
+  air.aerosol_asymmetry = 0.6;
+  air.ground_albedo = {1.0, 1.0, 1.0};
+  air.solar_irradiance = {4.0, 4.0, 4.0};
+  air.sun_angular_radius_degrees = 0.0;
+  constexpr int suns = 48;
+  std::array<double, 3> mean{};
+  std::array<double, 3> variance{};
+  for (int i = 0; i < suns; ++i) {
+    const double sine = -1.0 + 2.0 * (i + 0.5) / suns;
+    const TracedHarmonics traced = trace_sky_harmonics(
+        air, 20.0, glm::dvec3(0.0, sine, std::sqrt(1.0 - sine * sine)), 1,
+        {.lowest_order = 1, .highest_order = 64, .paths = 8000, .seed = static_cast<std::uint64_t>(i)});
+    for (std::size_t w = 0; w < 3; ++w) {
+      mean[w] += traced.radiance[w][0] * std::sqrt(4.0 * std::numbers::pi) / suns;
+      variance[w] += std::pow(traced.standard_error[w][0] * std::sqrt(4.0 * std::numbers::pi) / suns, 2);
+    }
+  }
+  for (std::size_t w = 0; w < 3; ++w) {
+    double clear = 0.0;  // integral over directions of the transmittance to space
+    constexpr int steps = 2000;
+    for (int i = 0; i < steps; ++i) {
+      clear +=
+          2.0 * std::numbers::pi * 2.0 / steps * reference_transmittance(air, 20.0, -1.0 + 2.0 * (i + 0.5) / steps)[w];
+    }
+    const double expected = 4.0 / (4.0 * std::numbers::pi) * (4.0 * std::numbers::pi - clear);
+    INFO("wavelength " << w << ": " << mean[w] << " of " << expected << ", error " << std::sqrt(variance[w]));
+    CHECK(std::abs(mean[w] - expected) < 4.0 * std::sqrt(variance[w]) + 2e-3 * expected);
+    CHECK(std::sqrt(variance[w]) < 0.01 * expected);
+  }
+}
+
+TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][air]") {
+  const glm::dvec3 sun = sun_direction(25.0, 0.0);
+  const auto light = [&](int lowest, int highest) {
+    return trace_sky_harmonics(earth(), 0.0, sun, 1,
+                               {.lowest_order = lowest, .highest_order = highest, .paths = 60'000});
+  };
+  const TracedHarmonics all = light(1, 5);
+  double sum = 0.0;
+  double variance = std::pow(all.standard_error[2][0], 2);
+  double before = 0.0;
+  for (int order = 1; order <= 5; ++order) {
+    const TracedHarmonics one = light(order, order);
+    sum += one.radiance[2][0];
+    variance += std::pow(one.standard_error[2][0], 2);
+    if (order > 1) CHECK(one.radiance[2][0] < before);
+    CHECK(one.radiance[2][0] > 0.0);
+    before = one.radiance[2][0];
+  }
+  CHECK(std::abs(sum - all.radiance[2][0]) < 4.0 * std::sqrt(variance));
+}
+
+TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air]") {
+  std::vector<double> values;
+  double claimed = 0.0;
+  constexpr int repetitions = 60;
+  for (int i = 0; i < repetitions; ++i) {
+    const TracedHarmonics traced = trace_sky_harmonics(earth(), 0.0, sun_direction(20.0, 0.0), 1,
+                                                       {.paths = 4000, .seed = static_cast<std::uint64_t>(1000 + i)});
+    values.push_back(traced.radiance[1][0]);
+    claimed += traced.standard_error[1][0] * traced.standard_error[1][0] / repetitions;
+  }
+  double mean = 0.0;
+  for (const double value : values) mean += value / repetitions;
+  double variance = 0.0;
+  for (const double value : values) variance += (value - mean) * (value - mean) / (repetitions - 1);
+  CHECK(std::sqrt(claimed / variance) == Approx(1.0).margin(0.35));
+}
+
+TEST_CASE("sky paths: the same bits on any number of threads, without allocation, and others for another seed",
+          "[sky][air]") {
+  TracedHarmonics one;
+  TracedHarmonics many;
+  const auto trace = [](std::uint64_t seed) {
+    return trace_sky_harmonics(mars(), 50.0, sun_direction(5.0, 12.0), 4,
+                               {.lowest_order = 1, .highest_order = 6, .paths = 20'001, .seed = seed});
+  };
+  forget_allocations_in_tiles();
+  run_with_threads(1, [&] { one = trace(3); });
+  run_with_threads(5, [&] { many = trace(3); });
+  CHECK(allocations_in_tiles() == 0);
+  CHECK(one.radiance == many.radiance);
+  CHECK(one.standard_error == many.standard_error);
+  CHECK(trace(4).radiance != one.radiance);
+}
+
+TEST_CASE("sky paths: shells hold what they say, and their sums are the quadrature's", "[sky][air]") {
+  RandomAtmospheres random(23);
+  for (int i = 0; i < trials(60); ++i) {
+    const sky::ReferenceAir air(random.next());
+    const sky::PathShells shells(air);
+    INFO("atmosphere " << i << ", " << shells.count() << " shells");
+    for (std::size_t s = 0; s < shells.count(); ++s) {
+      for (int p = 0; p <= 20; ++p) {
+        const double square = shells.square(s) + (shells.square(s + 1) - shells.square(s)) * (p + 0.01) / 21.0;
+        sky::PathShells::Columns densities{};
+        shells.densities(s, square, densities);
+        for (std::size_t w = 0; w < 3; ++w) REQUIRE(air.optical_depth(densities, w) <= shells.majorant(s));
+      }
+    }
+    for (int k = 0; k < 10; ++k) {
+      const double altitude = air.thickness() * random.number() * random.number();
+      const double square = air.square_of(altitude);
+      const double slope = (air.radius() + altitude) * random.between(-0.2, 1.0);
+      const sky::AirRay ray = air.sun_ray(square, slope);
+      const auto by_shells = shells.columns(ray);
+      const auto by_quadrature = air.columns(ray, 1e-9);
+      for (std::size_t w = 0; w < 3; ++w) {
+        const double depth = air.optical_depth(by_quadrature, w);
+        CHECK(air.optical_depth(by_shells, w) == Approx(depth).epsilon(1e-5).margin(1e-5));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky paths: a density that turns inside of its layer is bounded at its top", "[sky][air]") {
+  // 0.05 + h / 200 m - 0.05 exp(h / 100 m): 0 on the ground, 0.70 at 230 m, 0.55 at 300 m.
+  Atmosphere air = earth();
+  air.top_radius_m = air.bottom_radius_m + 300.0;
+  air.rayleigh.density = {
+      {.exponential_term = -0.05, .exponential_scale_per_m = 0.01, .linear_term_per_m = 0.005, .constant_term = 0.05}};
+  air.rayleigh.scattering_per_m = {0.01, 0.01, 0.01};
+  air.aerosol = {};
+  air.absorbers.clear();
+  const sky::ReferenceAir truth(air);
+  const sky::PathShells shells(truth);
+  const double top = truth.square_of(100.0 * std::log(10.0));
+  sky::PathShells::Columns densities{};
+  shells.densities(shells.find(top), top, densities);
+  CHECK(densities[0] == Approx(0.05 + 0.5 * std::log(10.0) - 0.5).epsilon(1e-9));
+  for (const double square : {0.9999 * top, top, 1.0001 * top}) {
+    shells.densities(shells.find(square), square, densities);
+    CHECK(truth.optical_depth(densities, 0) <= shells.majorant(shells.find(square)));
+  }
+}
+
+TEST_CASE("sky paths: drawn angles have their distributions", "[sky][air]") {
+  sky::PathRandom random(1, 2);
+  constexpr int draws = 200'000;
+  const auto mean_of = [&](const auto& draw) {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (int i = 0; i < draws; ++i) {
+      const double c = draw();
+      sum += c / draws;
+      squares += c * c / draws;
+    }
+    return std::array<double, 2>{sum, squares};
+  };
+  const auto rayleigh = mean_of([&] { return sky::draw_rayleigh(random); });
+  CHECK(rayleigh[0] == Approx(0.0).margin(0.006));
+  CHECK(rayleigh[1] == Approx(0.4).epsilon(0.01));
+  for (const double g : {-0.7, 0.0, 0.3, 0.8, 0.99}) {
+    INFO("g = " << g);
+    const auto henyey = mean_of([&] { return sky::draw_aerosol(AerosolPhase::henyey_greenstein, g, random); });
+    CHECK(henyey[0] == Approx(g).margin(0.006));
+    CHECK(henyey[1] == Approx((1.0 + 2.0 * g * g) / 3.0).margin(0.006));
+    const auto cornette = mean_of([&] { return sky::draw_aerosol(AerosolPhase::cornette_shanks, g, random); });
+    CHECK(cornette[0] == Approx(3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g))).margin(0.006));
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 axis = sun_direction(180.0 * random.number() - 90.0, 360.0 * random.number());
+    const double cosine = 2.0 * random.number() - 1.0;
+    const glm::dvec3 turned = sky::turned(axis, cosine, random);
+    REQUIRE(glm::length(turned) == Approx(1.0).epsilon(1e-14));
+    REQUIRE(glm::dot(turned, axis) == Approx(cosine).margin(1e-14));
+  }
+}
+
+TEST_CASE("sky paths: random atmospheres give finite light that is not negative", "[sky][air]") {
+  RandomAtmospheres random(29);
+  for (int i = 0; i < trials(120); ++i) {
+    const Atmosphere air = random.next(random.chance(0.1) ? 96 : 3);
+    const double altitude =
+        std::min(1e9, random.chance(0.3) ? 0.0 : random.between(0.0, 1.3) * (air.top_radius_m - air.bottom_radius_m));
+    const TracedHarmonics traced = trace_sky_harmonics(air, altitude, sun_direction(random.between(-20.0, 90.0), 0.0),
+                                                       2, {.lowest_order = 1, .highest_order = 8, .paths = 400});
+    INFO("atmosphere " << i << ", altitude " << altitude);
+    for (std::size_t w = 0; w < traced.radiance.size(); ++w) {
+      CHECK(traced.radiance[w][0] >= 0.0);
+      for (std::size_t k = 0; k < 4; ++k) {
+        CHECK(std::isfinite(traced.radiance[w][k]));
+        CHECK((std::isfinite(traced.standard_error[w][k]) && traced.standard_error[w][k] >= 0.0));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky paths: what is asked for is checked, and the call stops and tells how far it is", "[sky][air]") {
+  const glm::dvec3 up(0.0, 1.0, 0.0);
+  const auto refused = [&](int bands, const PathTracingOptions& options, const std::string& words) {
+    const ThrownError error = thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, up, bands, options); });
+    INFO(error.message);
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says(words));
+  };
+  refused(0, {}, "bands is 0");
+  refused(17, {}, "bands is 17");
+  refused(3, {.lowest_order = 0}, "lowest order is 0");
+  refused(3, {.lowest_order = 3, .highest_order = 2}, "highest order is 2");
+  refused(3, {.highest_order = 65}, "65");
+  refused(3, {.paths = 1}, "paths is 1");
+  CHECK(thrown_by([&] { return trace_sky_harmonics(earth(), -1.0, up, 3); }).says("altitude"));
+  CHECK(thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, 3.0 * up, 3); }).says("sun"));
+  std::stop_source stop;
+  double told = 0.0;
+  const Control control{.stop = stop.get_token(), .progress = [&](double share) {
+                          told = share;
+                          if (share > 0.05) stop.request_stop();
+                        }};
+  const ThrownError error =
+      thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, up, 1, {.paths = 4'000'000}, control); });
+  CHECK(error.code == ErrorCode::cancelled);
+  CHECK(told < 0.5);
+}
+
+// The truth about single scattering is what can be written down, where it can.
+
+namespace {
+
+/// Homogeneous air that scatters evenly, over a ground so large that it is flat.
+Atmosphere slab(double thickness, std::vector<double> scattering, std::vector<double> absorption) {
+  Atmosphere air;
+  air.bottom_radius_m = 1e9;
+  air.top_radius_m = 1e9 + thickness;
+  air.aerosol = {{{.constant_term = 1.0}}, std::move(scattering), std::move(absorption)};
+  air.aerosol_phase = AerosolPhase::henyey_greenstein;
+  air.aerosol_asymmetry = 0.0;
+  air.ground_albedo = {0.1, 0.5, 1.0};
+  air.solar_irradiance = {1.0, 2.0, 3.0};
+  air.sun_angular_radius_degrees = 0.0;
+  return air;
+}
+
+}  // namespace
+
+TEST_CASE("sky reference: without air all is black but the ground and the sun", "[sky][air]") {
+  Atmosphere nothing = earth();
+  nothing.rayleigh = {};
+  nothing.aerosol = {};
+  nothing.absorbers.clear();
+  for (const double altitude : {0.0, 1000.0, 1e7}) {
+    for (const glm::dvec3& up : {glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.6, 0.8, 0.0)}) {
+      CHECK(reference_sky_radiance(nothing, altitude, up, sun_direction(30.0, 0.0)) == std::vector<double>(3, 0.0));
+    }
+    const glm::dvec3 down(0.0, -1.0, 0.0);
+    const std::vector<double> ground = reference_sky_radiance(nothing, altitude, down, sun_direction(30.0, 0.0));
+    CHECK(reference_sky_radiance(nothing, altitude, down, sun_direction(30.0, 0.0), {.ground = false})[0] == 0.0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(ground[i] == Approx(0.1 / std::numbers::pi * 0.5 * nothing.solar_irradiance[i]).epsilon(1e-12));
+    }
+    CHECK(reference_transmittance(nothing, altitude, 0.3) == std::vector<double>(3, 1.0));
+    CHECK(reference_transmittance(nothing, altitude, -1.0) == std::vector<double>(3, 0.0));
+    CHECK(reference_sun_irradiance(nothing, altitude, sun_direction(30.0, 7.0)) == nothing.solar_irradiance);
+  }
+}
+
+TEST_CASE("sky reference: a homogeneous slab is the integral of its exponentials", "[sky][air]") {
+  constexpr double thickness = 10.0;
+  const std::vector<double> scattering{1e-5, 0.02, 0.3};
+  const std::vector<double> absorption{0.0, 0.01, 0.2};
+  const Atmosphere air = slab(thickness, scattering, absorption);
+  for (const double sun_elevation : {90.0, 50.0, 12.0}) {
+    for (const double view_elevation : {85.0, 40.0, 11.0}) {
+      INFO("sun " << sun_elevation << ", view " << view_elevation);
+      const double mu_s = std::sin(sun_elevation * std::numbers::pi / 180.0);
+      const double mu = std::sin(view_elevation * std::numbers::pi / 180.0);
+      const std::vector<double> up =
+          reference_sky_radiance(air, 0.0, sun_direction(view_elevation, 77.0), sun_direction(sun_elevation, 0.0));
+      const std::vector<double> down = reference_sky_radiance(air, thickness, -sun_direction(view_elevation, 77.0),
+                                                              sun_direction(sun_elevation, 0.0));
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double extinction = scattering[i] + absorption[i];
+        const double depth = extinction * thickness;
+        const double source = air.solar_irradiance[i] / (4.0 * std::numbers::pi) * scattering[i] / extinction;
+        const double slope = 1.0 / mu - 1.0 / mu_s;
+        // (The ground's curvature bends the lowest rays by 1e-6.)
+        CHECK(up[i] == Approx(source / mu * std::exp(-depth / mu) * std::expm1(depth * slope) / slope).epsilon(3e-6));
+        const double both = 1.0 / mu + 1.0 / mu_s;
+        const double ground = air.ground_albedo[i] / std::numbers::pi * mu_s * air.solar_irradiance[i];
+        CHECK(down[i] ==
+              Approx(-source / mu * std::expm1(-depth * both) / both + ground * std::exp(-depth * both)).epsilon(1e-6));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky reference: light goes both ways alike", "[sky][air]") {
+  // Over flat ground, radiance over the sine of the sun's elevation is the same with eye and sun exchanged.
+  Atmosphere air = earth();
+  air.bottom_radius_m = 1e9;
+  air.top_radius_m = 1e9 + 60.0;
+  air.rayleigh.density = exponential_profile(8.0);
+  air.aerosol.density = exponential_profile(1.2);
+  air.absorbers[0].density = tent_profile(25.0, 15.0);
+  for (Constituent* matter : {&air.rayleigh, &air.aerosol, &air.absorbers[0]}) {
+    for (double& value : matter->scattering_per_m) value *= 1000.0;
+    for (double& value : matter->absorption_per_m) value *= 1000.0;
+  }
+  for (const double a : {80.0, 40.0, 10.0}) {
+    for (const double b : {60.0, 25.0, 12.0}) {
+      const glm::dvec3 first = sun_direction(a, 20.0);
+      const glm::dvec3 second = sun_direction(b, 110.0);
+      const std::vector<double> there = reference_sky_radiance(air, 60.0, -first, second);
+      const std::vector<double> back = reference_sky_radiance(air, 60.0, -second, first);
+      for (std::size_t i = 0; i < 3; ++i) CHECK(there[i] / second.y == Approx(back[i] / first.y).epsilon(1e-5));
+    }
+  }
+}
+
+TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
+  // Exponential air over a ball of 20 scale heights, thick enough that its end does not count: along the horizon
+  // R exp(x) K1(x), x = R / H (Chapman 1931); upwards H.
+  Atmosphere air = earth();
+  air.bottom_radius_m = 1000.0;
+  air.top_radius_m = 11'000.0;
+  constexpr double scale_height = 50.0;
+  air.rayleigh = {exponential_profile(scale_height), {1e-5, 1e-3, 1e-2}, {}};
+  air.aerosol = {};
+  air.absorbers.clear();
+  const double x = 1000.0 / scale_height;
+  const double across = 1000.0 * std::exp(x) * std::cyl_bessel_k(1.0, x);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double coefficient = air.rayleigh.scattering_per_m[i];
+    CHECK(-std::log(reference_transmittance(air, 0.0, 0.0)[i]) == Approx(coefficient * across).epsilon(2e-9));
+    CHECK(-std::log(reference_transmittance(air, 0.0, 1.0)[i]) == Approx(coefficient * scale_height).epsilon(2e-9));
+    CHECK(-std::log(reference_transmittance(air, 100.0, 1.0)[i]) ==
+          Approx(coefficient * scale_height * std::exp(-2.0)).epsilon(2e-9));
+  }
+  // A ray down to its lowest point and up again, from inside and from space.
+  const double radius = 1500.0;
+  const double cosine = -std::sqrt(1.0 - 1000.0 * 1000.0 / (radius * radius)) * (1.0 - 1e-9);
+  const double inward = -std::log(reference_transmittance(air, 500.0, cosine)[2]);
+  const double outward = -std::log(reference_transmittance(air, 500.0, -cosine)[2]);
+  CHECK(inward + outward == Approx(1e-2 * 2.0 * across).epsilon(1e-6));
+  const double far = 50'000.0;
+  const double far_cosine = -std::sqrt(1.0 - 1000.0 * 1000.0 / (far * far)) * (1.0 - 1e-12);
+  CHECK(-std::log(reference_transmittance(air, far - 1000.0, far_cosine)[2]) ==
+        Approx(1e-2 * 2.0 * across).epsilon(1e-4));
+}
+
+TEST_CASE("sky reference: a thin shell of scale height 10 m is not missed in ten radii of air", "[sky][air]") {
+  Atmosphere air = without_aerosol(earth());
+  air.bottom_radius_m = 1e9;
+  air.top_radius_m = 1.1e10;
+  air.absorbers.clear();
+  for (const double scale_height : {10.0, 1e5}) {
+    air.rayleigh.density = exponential_profile(scale_height);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double expected = scale_height * air.rayleigh.scattering_per_m[i];
+      CHECK(-std::log(reference_transmittance(air, 0.0, 1.0)[i]) == Approx(expected).epsilon(1e-9));
+      const double across = expected * std::sqrt(0.5 * std::numbers::pi * 1e9 / scale_height);
+      CHECK(-std::log(reference_transmittance(air, 0.0, 0.0)[i]) == Approx(across).epsilon(1e-4));
+    }
+  }
+}
+
+TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air]") {
+  for (const Atmosphere& air : {earth(), mars()}) {
+    for (const double sun_elevation : {40.0, 1.0, -4.0}) {
+      for (const double view_elevation : {90.0, 20.0, 2.0}) {
+        INFO(air.name << ", sun " << sun_elevation << ", view " << view_elevation);
+        const glm::dvec3 sun = sun_direction(sun_elevation, 0.0);
+        const glm::dvec3 view = sun_direction(view_elevation, 50.0);
+        const double radius = air.bottom_radius_m;
+        const double top = air.top_radius_m;
+        const double length =
+            std::sqrt(radius * radius * view.y * view.y + top * top - radius * radius) - radius * view.y;
+        const double nu = glm::dot(view, sun);
+        constexpr int steps = 4000;
+        std::vector<double> sum(3);
+        std::vector<double> depth(3);
+        for (int k = 0; k < steps; ++k) {
+          // Steps grow with the distance: s = length u^2.
+          const double u = (k + 0.5) / steps;
+          const double s = length * u * u;
+          const double step = 2.0 * length * u / steps;
+          const glm::dvec3 place = glm::dvec3(0.0, radius, 0.0) + s * view;
+          const double r = glm::length(place);
+          const double h = r - radius;
+          const glm::dvec3 up = place / r;
+          const double elevation_of_sun = std::asin(glm::dot(up, sun)) * 180.0 / std::numbers::pi;
+          const glm::dvec3 local = sun_direction(elevation_of_sun, 0.0);
+          const std::vector<double> light = reference_sun_irradiance(air, std::max(h, 0.0), local);
+          const double phase_r = sky::rayleigh_phase(nu);
+          const double phase_m = sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, nu);
+          const double density_r = sky::density(air.rayleigh.density, h);
+          const double density_m = sky::density(air.aerosol.density, h);
+          for (std::size_t i = 0; i < 3; ++i) {
+            double extinction = density_r * air.rayleigh.scattering_per_m[i] +
+                                density_m * (air.aerosol.scattering_per_m[i] + air.aerosol.absorption_per_m[i]);
+            for (const Constituent& c : air.absorbers) extinction += sky::density(c.density, h) * c.absorption_per_m[i];
+            depth[i] += 0.5 * step * extinction;
+            sum[i] += step * std::exp(-depth[i]) * light[i] *
+                      (phase_r * density_r * air.rayleigh.scattering_per_m[i] +
+                       phase_m * density_m * air.aerosol.scattering_per_m[i]);
+            depth[i] += 0.5 * step * extinction;
+          }
+        }
+        const std::vector<double> truth = reference_sky_radiance(air, 0.0, view, sun);
+        for (std::size_t i = 0; i < 3; ++i) CHECK(truth[i] == Approx(sum[i]).epsilon(3e-4));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky reference: refining changes it by no more than was asked", "[sky][air]") {
+  const Atmosphere air = earth();
+  for (const double altitude : {0.0, 8000.0, 500'000.0}) {
+    for (const double elevation : {-75.0, -8.0, -1.0, 0.0, 0.05, 30.0}) {
+      for (const double sun : {60.0, 0.1, -3.0, -12.0}) {
+        INFO("altitude " << altitude << ", view " << elevation << ", sun " << sun);
+        const auto at = [&](double error) {
+          return reference_sky_radiance(air, altitude, sun_direction(elevation, 5.0), sun_direction(sun, 0.0),
+                                        {.relative_error = error});
+        };
+        const std::vector<double> fine = at(1e-9);
+        const std::vector<double> rough = at(1e-4);
+        for (std::size_t i = 0; i < 3; ++i) CHECK(rough[i] == Approx(fine[i]).epsilon(1e-4).margin(1e-200));
+      }
+    }
+  }
+}
+
+TEST_CASE("sky reference: the sun sets softly, and at once if it is a point", "[sky][air]") {
+  const Atmosphere air = earth();
+  const double radius = air.sun_angular_radius_degrees;
+  const auto level = reference_transmittance(air, 0.0, 0.0);
+  const auto light = [&](const Atmosphere& a, double elevation) {
+    return reference_sun_irradiance(a, 0.0, sun_direction(elevation, 0.0))[0];
+  };
+  CHECK(light(air, 0.0) == Approx(0.5 * level[0] * air.solar_irradiance[0]).epsilon(1e-9));
+  CHECK(light(air, -1.01 * radius) == 0.0);
+  CHECK(light(air, -0.5 * radius) == Approx(level[0] * 0.15625 * air.solar_irradiance[0]).epsilon(1e-4));
+  CHECK(light(air, 3.0 * radius) ==
+        Approx(reference_transmittance(air, 0.0, sun_direction(3.0 * radius, 0.0).y)[0] * air.solar_irradiance[0]));
+  Atmosphere point = air;
+  point.sun_angular_radius_degrees = 0.0;
+  CHECK(light(point, 1e-9) == Approx(level[0] * air.solar_irradiance[0]).epsilon(1e-6));
+  CHECK(light(point, -1e-9) == 0.0);
+  // From space: past the air whole, behind the planet dark.
+  CHECK(reference_sun_irradiance(air, 1e7, sun_direction(-40.0, 0.0)) == air.solar_irradiance);
+  CHECK(reference_sun_irradiance(air, 1e7, sun_direction(-80.0, 0.0))[1] == 0.0);
+}
+
+TEST_CASE("sky reference: what is asked for is checked", "[sky][air]") {
+  const glm::dvec3 up(0.0, 1.0, 0.0);
+  Atmosphere wrong = earth();
+  wrong.aerosol_asymmetry = 2.0;
+  CHECK(thrown_by([&] { return reference_sky_radiance(wrong, 0.0, up, up); }).says("aerosol_asymmetry"));
+  CHECK(thrown_by([&] { return reference_transmittance(wrong, 0.0, 1.0); }).says("aerosol_asymmetry"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), -1.0, up, up); }).says("altitude is -1"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), NAN, up, up); }).says("altitude"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), 0.0, 2.0 * up, up); }).says("direction"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), 0.0, up, {NAN, 0, 0}); }).says("sun"));
+  CHECK(thrown_by([&] {
+          return reference_sky_radiance(earth(), 0.0, up, up, {.relative_error = 0.0});
+        }).says("relative error"));
+  CHECK(thrown_by([&] { return reference_transmittance(earth(), 0.0, 1.1); }).says("zenith cosine"));
+  CHECK(thrown_by([&] { return reference_sun_irradiance(earth(), 2e9, up); }).says("altitude"));
+}
+
+TEST_CASE("sky reference: random atmospheres give finite light that is not negative", "[sky][air]") {
+  RandomAtmospheres random(3);
+  for (int i = 0; i < trials(150); ++i) {
+    const Atmosphere air = random.next();
+    const double thickness = air.top_radius_m - air.bottom_radius_m;
+    const double altitude = std::min(1e9, random.chance(0.3) ? 0.0 : random.between(0.0, 1.3) * thickness);
+    const glm::dvec3 view =
+        sun_direction(random.chance(0.3) ? 0.0 : random.between(-90.0, 90.0), random.between(0.0, 360.0));
+    const glm::dvec3 sun = sun_direction(random.between(-30.0, 90.0), 0.0);
+    INFO("atmosphere " << i << ", altitude " << altitude << " of " << thickness);
+    const std::vector<double> light = reference_sky_radiance(air, altitude, view, sun, {.relative_error = 1e-3});
+    const std::vector<double> transmittance = reference_transmittance(air, altitude, view.y);
+    const std::vector<double> direct = reference_sun_irradiance(air, altitude, sun);
+    for (std::size_t k = 0; k < light.size(); ++k) {
+      CHECK((std::isfinite(light[k]) && light[k] >= 0.0));
+      CHECK((transmittance[k] >= 0.0 && transmittance[k] <= 1.0));
+      CHECK((direct[k] >= 0.0 && direct[k] <= air.solar_irradiance[k]));
+    }
+  }
+}
+
+}  // namespace welkin::test

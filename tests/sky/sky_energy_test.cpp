@@ -1,0 +1,393 @@
+// Skies neither make light nor lose it.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "math/quadrature.h"
+#include "reference/sky_reference.h"
+#include "sky/phase.h"
+#include "sky/sky_geometry.h"
+#include "sky/table_mapping.h"
+#include "support/catch.h"
+#include "support/random_atmospheres.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
+
+namespace welkin::test {
+
+// Promise: light is neither made nor lost: no air is black, twice the sun is twice the light, and what does not absorb
+// sends back all that came in.
+
+namespace {
+
+using std::numbers::pi;
+
+SkyTableOptions small_options(int orders) {
+  return {.heights = 8,
+          .view_zeniths = 16,
+          .sun_zeniths = 16,
+          .sun_angles = 4,
+          .transmittance_heights = 8,
+          .transmittance_zeniths = 32,
+          .irradiance_heights = 4,
+          .irradiance_sun_zeniths = 16,
+          .orders = orders};
+}
+
+/// Without absorption, over a ground that reflects all.
+Atmosphere conservative(double depth, double asymmetry) {
+  Atmosphere air;
+  air.rayleigh.density = exponential_profile(8000.0);
+  air.rayleigh.scattering_per_m.assign(3, 0.5 * depth / 8000.0);
+  air.aerosol.density = exponential_profile(4000.0);
+  air.aerosol.scattering_per_m.assign(3, 0.5 * depth / 4000.0);
+  air.aerosol_asymmetry = asymmetry;
+  air.solar_irradiance = {1.0, 1.0, 1.0};
+  return with_ground_albedo(air, 1.0);
+}
+
+/// What leaves the top of an atmosphere, from its tables.
+class Leaving {
+ public:
+  explicit Leaving(const SkyTables& tables)
+      : tables_(tables),
+        options_(tables.options),
+        mapping_(tables.atmosphere.bottom_radius_m, tables.atmosphere.top_radius_m, -0.5) {
+    for (int k = 0; k <= kGround; ++k) {
+      const double mu = -0.02 + 1.02 * k / kGround;
+      ground_sun_.push_back(std::max(0.0, mu) *
+                            reference_sun_irradiance(tables.atmosphere, 0.0, {0.0, mu, sine(mu)})[0]);
+    }
+  }
+
+  static double sine(double cosine) { return std::sqrt(std::max(0.0, 1.0 - cosine * cosine)); }
+
+  /// W/m2 through the top where the sun's zenith cosine is that of a node.
+  [[nodiscard]] double flux(int sun) const {
+    const double mu_s = mapping_.sun_zenith_cosine(static_cast<double>(sun) / (options_.sun_zeniths - 1));
+    const int half = options_.view_zeniths / 2;
+    return side(sun, mu_s, 0, half - 1) + side(sun, mu_s, half, options_.view_zeniths - 1);
+  }
+
+ private:
+  static constexpr int kGround = 400;
+
+  /// Rays between two nodes, in steps between nodes as tables are interpolated.
+  [[nodiscard]] double side(int sun, double mu_s, int from, int to) const {
+    constexpr int azimuths = 24;
+    constexpr int steps = 4;
+    double sum = 0.0;
+    for (int step = 0; step < steps * (to - from); ++step) {
+      const double low = from + static_cast<double>(step) / steps;
+      const double high = low + 1.0 / steps;
+      const sky::ViewRay ray = mapping_.view_ray(mapping_.thickness(), 0.5 * (low + high), options_.view_zeniths);
+      const double mu = ray.zenith_cosine;
+      if (mu >= 0.0) continue;
+      const double first = mapping_.view_ray(mapping_.thickness(), low, options_.view_zeniths).zenith_cosine;
+      const double last = mapping_.view_ray(mapping_.thickness(), high, options_.view_zeniths).zenith_cosine;
+      const double share = 0.5 * std::abs(first * first - last * last);  // of the integral of mu dmu
+      double through = 0.0;
+      if (ray.ground) through = transmittance_to_ground(mu, ray.distance);
+      for (int k = 0; k < azimuths; ++k) {
+        const double cos_phi = std::cos((k + 0.5) * pi / azimuths);
+        const double nu = mu * mu_s + sine(mu) * sine(mu_s) * cos_phi;
+        double light = scattered(sun, 0.5 * (low + high), cos_phi, nu);
+        if (ray.ground) {
+          const double radius = tables_.atmosphere.top_radius_m;
+          light += through / pi * ground((radius * mu_s + ray.distance * nu) / tables_.atmosphere.bottom_radius_m);
+        }
+        sum += light * share * 2.0 * pi / azimuths;
+      }
+    }
+    return sum;
+  }
+
+  [[nodiscard]] double scattered(int sun, double view, double cos_phi, double nu) const {
+    const double angle = 0.5 * (1.0 + cos_phi) * (options_.sun_angles - 1);
+    double value = 0.0;
+    for (int corner = 0; corner < 4; ++corner) {
+      const int v = std::min(static_cast<int>(view) + corner / 2, options_.view_zeniths - 1);
+      const int a = std::min(static_cast<int>(angle) + corner % 2, options_.sun_angles - 1);
+      const double weight = (1.0 - std::min(1.0, std::abs(view - v))) * (1.0 - std::min(1.0, std::abs(angle - a)));
+      const auto at = static_cast<std::size_t>(
+          (((options_.heights - 1) * options_.view_zeniths + v) * options_.sun_angles + a) * options_.sun_zeniths +
+          sun);
+      const Atmosphere& air = tables_.atmosphere;
+      const bool has_mie = !tables_.single_mie.empty();
+      value += weight * (static_cast<double>(tables_.scattering[4 * at]) * sky::rayleigh_phase(nu) +
+                         (has_mie ? static_cast<double>(tables_.single_mie[4 * at]) : 0.0) *
+                             sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, nu));
+    }
+    return value;
+  }
+
+  [[nodiscard]] double ground(double mu_s) const {
+    const double place = mapping_.sun_coordinate(mu_s) * (options_.irradiance_sun_zeniths - 1);
+    const auto node =
+        std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(options_.irradiance_sun_zeniths - 2));
+    const double low = static_cast<double>(tables_.irradiance[3 * node]);
+    const double high = static_cast<double>(tables_.irradiance[3 * node + 3]);
+    const double sky = low + (place - static_cast<double>(node)) * (high - low);
+    const double k = std::clamp((mu_s + 0.02) / 1.02, 0.0, 1.0) * kGround;
+    const auto below = std::min(static_cast<std::size_t>(k), static_cast<std::size_t>(kGround - 1));
+    return sky + ground_sun_[below] + (k - static_cast<double>(below)) * (ground_sun_[below + 1] - ground_sun_[below]);
+  }
+
+  [[nodiscard]] double transmittance_to_ground(double mu, double distance) const {
+    double depth = 0.0;
+    constexpr int steps = 400;
+    const Atmosphere& air = tables_.atmosphere;
+    for (int i = 0; i < steps; ++i) {
+      const double h = sky::altitude_along(air.bottom_radius_m, mapping_.thickness(), mu, distance * (i + 0.5) / steps);
+      depth += distance / steps *
+               (air.rayleigh.scattering_per_m[0] * std::exp(-h / 8000.0) +
+                air.aerosol.scattering_per_m[0] * std::exp(-h / 4000.0));
+    }
+    return std::exp(-depth);
+  }
+
+  const SkyTables& tables_;
+  const SkyTableOptions& options_;
+  sky::TableMapping mapping_;
+  std::vector<double> ground_sun_;
+};
+
+}  // namespace
+
+TEST_CASE("No air and a black ground are black", "[sky][tables]") {
+  Atmosphere air;
+  air.solar_irradiance = {1.5, 1.8, 1.9};
+  const SkyTables tables = precompute_sky(air, small_options(4));
+  const auto none = [](const std::vector<float>& values) {
+    return std::all_of(values.begin(), values.end(), [](float value) { return value == 0.0F; });
+  };
+  CHECK(none(tables.scattering));
+  CHECK(none(tables.single_mie));
+  CHECK(none(tables.irradiance));
+  CHECK(std::all_of(tables.transmittance.begin(), tables.transmittance.end(), [](float t) { return t == 1.0F; }));
+}
+
+TEST_CASE("Four times the sun is four times the light", "[sky][tables]") {
+  Atmosphere air = earth();
+  const SkyTables once = precompute_sky(air, small_options(3));
+  for (double& value : air.solar_irradiance) value *= 4.0;
+  const SkyTables four = precompute_sky(air, small_options(3));
+  CHECK(once.transmittance == four.transmittance);
+  const auto times_four = [](const std::vector<float>& one, const std::vector<float>& other) {
+    return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](float a, float b) {
+      return 4.0F * a == b || std::abs(4.0F * a - b) < 1e-30F;  // where a float loses digits, near its smallest
+    });
+  };
+  CHECK(times_four(once.scattering, four.scattering));
+  CHECK(times_four(once.single_mie, four.single_mie));
+  CHECK(times_four(once.irradiance, four.irradiance));
+}
+
+TEST_CASE("More orders never take light away, and each adds less", "[sky][tables]") {
+  double before = 1e300;
+  std::vector<float> last;
+  for (int orders = 1; orders <= 5; ++orders) {
+    const SkyTables tables = precompute_sky(earth(), small_options(orders));
+    CHECK(tables.orders == orders);
+    if (orders > 1) {
+      CHECK(tables.last_change < before);
+      CHECK(tables.last_change > 0.0);
+      for (std::size_t i = 0; i < last.size(); ++i) REQUIRE(tables.irradiance[i] >= last[i]);
+    }
+    before = tables.last_change;
+    last = tables.irradiance;
+  }
+}
+
+// All that falls on the top, pi r^2, leaves it again: scattered and reflected, over all places of the planet, or having
+// passed by the ground without being scattered. Multiple scattering to so many orders that the rest is below 1e-6.
+TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[sky][tables]") {
+  for (const double depth : {0.1, 0.5}) {
+    const Atmosphere air = conservative(depth, 0.6);
+    SkyTableOptions options;
+    options.heights = 16;
+    options.orders = 64;
+    options.until_change = 1e-6;
+    const SkyTables tables = precompute_sky(air, options);
+    const Leaving leaving(tables);
+    const sky::TableMapping mapping(air.bottom_radius_m, air.top_radius_m, -0.5);
+    double scattered = 0.0;  // over the sun's zenith cosine: a quarter of the sphere's area times four
+    double before = 0.0;
+    for (int sun = 0; sun < options.sun_zeniths; ++sun) {
+      const double flux = leaving.flux(sun);
+      if (sun > 0) {
+        scattered += 0.5 * (flux + before) *
+                     (mapping.sun_zenith_cosine(sun / (options.sun_zeniths - 1.0)) -
+                      mapping.sun_zenith_cosine((sun - 1) / (options.sun_zeniths - 1.0)));
+      }
+      before = flux;
+    }
+    // 2 pi r^2 scattered + straight = pi r^2
+    double straight = 0.0;
+    const double r = air.top_radius_m;
+    constexpr int steps = 200;
+    for (int k = 0; k < steps; ++k) {
+      const double h = 6e4 * (k + 0.5) / steps;  // nearest to the ground
+      const double through = reference_transmittance(air, h, 0.0)[0];
+      straight += 2.0 * (air.bottom_radius_m + h) * 6e4 / steps * through * through / (r * r);
+    }
+    CAPTURE(depth, tables.orders, scattered, straight);
+    CHECK(std::abs(2.0 * scattered + straight - 1.0) < 0.01);
+  }
+}
+
+// Narrower than the directions lie apart over which orders are summed: light that an aerosol turns by a degree or two
+// reaches the ground as if there were none. Lobes of twenty bands are wider and send some back; none makes light.
+TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tables]") {
+  SkyTableOptions options = small_options(32);
+  options.until_change = 1e-4;
+  const auto irradiance = [&](const Atmosphere& air) {
+    const SkyTables tables = precompute_sky(air, options);
+    const sky::TableMapping mapping(air.bottom_radius_m, air.top_radius_m, -0.5);
+    std::vector<double> all;
+    for (int sun = 0; sun < options.irradiance_sun_zeniths; ++sun) {
+      const double mu = mapping.sun_zenith_cosine(sun / (options.irradiance_sun_zeniths - 1.0));
+      if (mu < 0.1) continue;
+      all.push_back(static_cast<double>(tables.irradiance[3 * static_cast<std::size_t>(sun)]) +
+                    mu * reference_sun_irradiance(air, 0.0, {0.0, mu, Leaving::sine(mu)})[0]);
+    }
+    return all;
+  };
+  Atmosphere clear = with_ground_albedo(conservative(0.5, 0.0), 0.0);
+  Atmosphere hazy = clear;
+  clear.aerosol = {};
+  const std::vector<double> without = irradiance(clear);
+  for (const double asymmetry : {0.95, 0.99, 0.999}) {
+    hazy.aerosol_asymmetry = asymmetry;
+    const std::vector<double> with = irradiance(hazy);
+    REQUIRE(with.size() == without.size());
+    for (std::size_t i = 0; i < with.size(); ++i) {
+      CAPTURE(asymmetry, i, with[i] / without[i]);
+      CHECK(with[i] < 1.001 * without[i]);
+      CHECK(with[i] > 0.88 * without[i]);
+    }
+  }
+}
+
+// Promise: a shell of air that is thin against its planet does not make light, whatever the sun's elevation.
+
+namespace {
+
+/// Molecules that absorb nothing, evenly through a shell of 1 km, over ground that reflects all.
+Atmosphere shell(double radius_m, double depth) {
+  constexpr double thickness_m = 1000.0;
+  Atmosphere air;
+  air.bottom_radius_m = radius_m;
+  air.top_radius_m = radius_m + thickness_m;
+  air.rayleigh.density = {{.constant_term = 1.0}};
+  air.rayleigh.scattering_per_m.assign(3, depth / thickness_m);
+  air.solar_irradiance = {1.0, 1.0, 1.0};
+  return with_ground_albedo(air, 1.0);
+}
+
+/// W/m2 that go up through the top.
+double flux_up(const SkyView& top, const glm::dvec3& sun) {
+  constexpr int azimuths = 24;
+  const simd::GaussRule rule = math::gauss_legendre(16);
+  double flux = 0.0;
+  for (int i = 0; i < 16; ++i) {
+    const double cosine = 0.5 + 0.5 * rule.nodes[i];
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    for (int k = 0; k < azimuths; ++k) {
+      const double azimuth = 2.0 * pi * (k + 0.5) / azimuths;
+      const glm::dvec3 down(sine * std::sin(azimuth), -cosine, sine * std::cos(azimuth));
+      flux += 0.5 * rule.weights[i] * cosine * 2.0 * pi / azimuths * top.radiance(down, sun)[1];
+    }
+  }
+  return flux;
+}
+
+}  // namespace
+
+TEST_CASE("A thin shell over white ground sends back what comes in to 2 %", "[sky][tables][view]") {
+  SkyTableOptions options;
+  options.heights = 8;
+  options.orders = 8;
+  for (const double radius_m : {6.36e6, 6.36e7}) {
+    const auto tables = std::make_shared<const SkyTables>(precompute_sky(shell(radius_m, 0.1), options));
+    const SkyView top(tables, 1000.0);
+    for (const double elevation : {90.0, 60.0, 45.0, 25.0, 10.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      CAPTURE(radius_m, elevation);
+      CHECK(std::abs(flux_up(top, sun) / sun.y - 1.0) < 0.02);
+    }
+  }
+}
+
+// Of a shell of 1/60000 of the radius the whole day would lie in one of 63 intervals.
+TEST_CASE("Suns of a day are spread over nodes however thin the air is", "[sky][mapping]") {
+  for (const double thickness : {0.06, 1.0, 1000.0, 60'000.0, 6e6}) {
+    const sky::TableMapping mapping(6.36e6, 6.36e6 + thickness, -0.5);
+    CAPTURE(thickness);
+    CHECK(mapping.sun_coordinate(0.5) < 0.95);
+    CHECK(mapping.sun_coordinate(0.1) < 0.75);
+    for (const double cosine : {1.0, 0.5, 0.1, 0.0, -0.2}) {
+      CHECK(std::abs(mapping.sun_zenith_cosine(mapping.sun_coordinate(cosine)) - cosine) < 1e-9);
+    }
+  }
+}
+
+// Promise: no atmosphere that is accepted gives tables with a negative value or one that is no number, nor more light
+// on the ground than the sun sends.
+
+namespace {
+
+bool sound(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float value) { return value >= 0.0F && std::isfinite(value); });
+}
+
+/// Of what the sun sends.
+constexpr double kMostOnGround = 1.1;
+constexpr SkyTableOptions kUsable{.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 4};
+
+double most_on_ground(const SkyTables& tables) {
+  double most = 0.0;
+  for (std::size_t k = 0; k < tables.irradiance.size(); ++k) {
+    most = std::max(most, static_cast<double>(tables.irradiance[k]) / tables.atmosphere.solar_irradiance[k % 3]);
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("Tables of random atmospheres are finite, not negative and hold no more light than comes", "[sky][random]") {
+  RandomAtmospheres atmospheres(2026);
+  for (int i = 0; i < trials(600); ++i) {
+    const int wavelengths = i % 5 == 4 ? 7 : 3;
+    const Atmosphere air = atmospheres.next(wavelengths);
+    const SkyTableOptions options{
+        .layout = i % 3 == 0 ? ScatteringLayout::compact : ScatteringLayout::full,
+        .heights = atmospheres.whole(2, 5),
+        .view_zeniths = 2 * atmospheres.whole(2, 5),
+        .sun_zeniths = atmospheres.whole(4, 8),
+        .sun_angles = atmospheres.whole(2, 4),
+        .transmittance_heights = atmospheres.whole(2, 8),
+        .transmittance_zeniths = atmospheres.whole(2, 16),
+        .irradiance_heights = atmospheres.whole(2, 4),
+        .irradiance_sun_zeniths = atmospheres.whole(2, 9),
+        .lowest_sun_degrees = atmospheres.between(-90.0, 0.0),
+        .orders = atmospheres.whole(1, 4),
+        .colour = wavelengths > 3 ? SkyColour::linear_srgb : SkyColour::spectral,
+    };
+    const SkyTables tables = precompute_sky(air, options);
+    CAPTURE(i, air.bottom_radius_m, air.top_radius_m, air.aerosol_asymmetry, options.orders);
+    REQUIRE(sound(tables.transmittance));
+    REQUIRE(sound(tables.scattering));
+    REQUIRE(sound(tables.single_mie));
+    REQUIRE(sound(tables.irradiance));
+    CHECK(*std::max_element(tables.transmittance.begin(), tables.transmittance.end()) <= 1.0F);
+    if (wavelengths > 3) continue;
+    REQUIRE(most_on_ground(tables) <= kMostOnGround);
+    if (i % 200 == 0) REQUIRE(most_on_ground(precompute_sky(air, kUsable)) <= kMostOnGround);
+  }
+}
+
+}  // namespace welkin::test

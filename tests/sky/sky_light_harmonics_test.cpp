@@ -1,0 +1,577 @@
+// Harmonics of skies, for one sun and along a curve of suns.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "perf/report/error_norms.h"
+#include "reference/sky_reference.h"
+#include "sky/sky_curve.h"
+#include "sky/sky_projection.h"
+#include "sky/sky_quadrature.h"
+#include "sky/vertical_harmonics.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/random_atmospheres.h"
+#include "support/same_bits.h"
+#include "support/small_skies.h"
+#include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/instruction_set.h"
+#include "welkin/resampling.h"
+#include "welkin/sky_harmonics.h"
+
+namespace welkin::test {
+
+// Promise: a view's harmonics are the integral of what it shows, for any sun and height.
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr std::array<double, 10> kElevations{90.0, 60.0, 30.0, 10.0, 5.0, 2.0, 0.0, -2.0, -4.0, -6.0};
+
+double difference(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  return relative_difference(a.coefficients(), b.coefficients());
+}
+
+/// Puts the instruction set back.
+class WithInstructionSet {
+ public:
+  explicit WithInstructionSet(InstructionSet set) { force_instruction_set(set); }
+  ~WithInstructionSet() { force_instruction_set(before_); }
+  WithInstructionSet(const WithInstructionSet&) = delete;
+  WithInstructionSet& operator=(const WithInstructionSet&) = delete;
+
+ private:
+  InstructionSet before_ = active_instruction_set();
+};
+
+}  // namespace
+
+TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 degrees", "[sky][harmonics]") {
+  const SkyView view(small_earth(), 0.0);
+  const SkyProjector converged(view, {3, SkyQuadrature::gauss_split, 128, 128});
+  const SkyProjector split(view);
+  const SkyProjector plain(view, {3, SkyQuadrature::gauss, 16, 16});
+  const SkyProjector article(view, {3, SkyQuadrature::article, 16, 16});
+  const SkyProjector plainly_converged(view, {3, SkyQuadrature::gauss, 128, 256});
+  for (const double elevation : kElevations) {
+    CAPTURE(elevation);
+    const glm::dvec3 sun = sun_direction(elevation, 40.0);
+    const SphericalHarmonics truth = converged.project(sun);
+    CHECK(difference(plainly_converged.project(sun), truth) < 2e-4);  // the lobe's closed form is no other integral
+    CHECK(difference(split.project(sun), truth) < 2e-3);
+    CHECK(difference(plain.project(sun), truth) < 5e-3);
+    CHECK(difference(article.project(sun), truth) > 5e-3);  // why it is not the default
+    CHECK(difference(article.project(sun), truth) < 0.3);
+  }
+}
+
+TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics]") {
+  for (const double altitude : {0.0, 1.8, 1000.0, 12'000.0, 59'000.0}) {
+    for (const SkyHarmonicsOptions& options :
+         {SkyHarmonicsOptions{}, SkyHarmonicsOptions{16, SkyQuadrature::gauss, 5, 7},
+          SkyHarmonicsOptions{4, SkyQuadrature::article, 17, 33},
+          SkyHarmonicsOptions{1, SkyQuadrature::gauss_split, 2, 2}}) {
+      const SkyProjector projector(SkyView(small_earth(), altitude), options);
+      const sky::SkyProjection& projection = SkyProjectorAccess::projection(projector);
+      const std::size_t terms = sky::even_count(options.bands);
+      double by_day = 0.0;
+      for (const double elevation : {90.0, 31.0, 3.0, 0.1, -1.0, -5.0, -12.0, -29.9, -31.0, -60.0}) {
+        CAPTURE(altitude, elevation, options.bands);
+        const sky::SunAngles sun = sky::sun_angles(sun_direction(elevation, 0.0));
+        std::vector<glm::dvec3> fast(terms);
+        std::vector<glm::dvec3> plain(terms);
+        projection.project(sun, fast);
+        projection.project_plainly(sun, plain);
+        if (elevation == 90.0) by_day = glm::length(plain[0]);
+        // By night the view keeps its cubics within reach of the nodes between which they run; a projection sums
+        // plainly.
+        if (elevation >= -1.0) {
+          CHECK(relative_difference(fast, plain) < 3e-5);
+        } else {
+          for (std::size_t i = 0; i < terms; ++i) {
+            CHECK(glm::length(fast[i] - plain[i]) < 1e-2 * glm::length(plain[0]) + 1e-6 * by_day);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in closed form", "[sky][harmonics]") {
+  Atmosphere air = earth();
+  air.rayleigh = {};
+  air.aerosol = {};
+  air.absorbers.clear();
+  air.ground_albedo = {0.25, 0.5, 1.0};
+  air.solar_irradiance = {1.0, 2.0, 4.0};
+  const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
+  const SkyProjector projector(SkyView(tables, 0.0), {.bands = 5});
+  for (const double elevation : {90.0, 40.0, 3.0}) {
+    CAPTURE(elevation);
+    const SphericalHarmonics light = projector.project(sun_direction(elevation, 77.0));
+    const double lit = std::sin(elevation * pi / 180.0) / pi;
+    // Integral over y < 0 of Y(l, 0) about y: 2 pi sqrt((2l + 1) / 4 pi) Int P_l from -1 to 0.
+    SphericalHarmonics about_z(5);
+    const std::array<double, 5> integrals{1.0, -0.5, 0.0, 0.125, 0.0};
+    for (int l = 0; l < 5; ++l) {
+      const double value = 2.0 * pi * std::sqrt((2.0 * l + 1.0) / (4.0 * pi)) * integrals[static_cast<std::size_t>(l)];
+      about_z.at(l, 0) = lit * value * glm::dvec3(0.25, 1.0, 4.0);
+    }
+    const glm::dmat3 z_to_y(glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0));
+    CHECK(difference(light, transform(about_z, z_to_y)) < 2e-4);  // a view's ground is a table of suns
+  }
+}
+
+TEST_CASE("sky harmonics are linear in light", "[sky][harmonics]") {
+  SkyTables twice = *small_earth();
+  for (double& irradiance : twice.atmosphere.solar_irradiance) irradiance *= 2.0;
+  for (std::vector<float>* table : {&twice.scattering, &twice.single_mie, &twice.irradiance}) {
+    for (float& value : *table) value *= 2.0F;
+  }
+  const SkyProjector one(SkyView(small_earth(), 300.0));
+  const SkyProjector two(SkyView(std::make_shared<const SkyTables>(twice), 300.0));
+  for (const double elevation : kElevations) {
+    CAPTURE(elevation);
+    const glm::dvec3 sun = sun_direction(elevation, 11.0);
+    CHECK(difference(two.project(sun), scale(one.project(sun), glm::dvec3(2.0))) < 1e-6);
+  }
+}
+
+TEST_CASE("a sky is the same on both sides of the sun, and turns with it", "[sky][harmonics]") {
+  const SkyProjector projector(SkyView(small_earth(), 0.0), {.bands = 6});
+  for (const double elevation : kElevations) {
+    CAPTURE(elevation);
+    const SphericalHarmonics ahead = projector.project(sun_direction(elevation, 0.0));
+    glm::dmat3 mirror(1.0);
+    mirror[0][0] = -1.0;  // x
+    CHECK(difference(transform(ahead, mirror), ahead) < 1e-14);
+    for (const double azimuth : {30.0, 90.0, -123.0, 180.0, 359.0}) {
+      const double half = 0.5 * azimuth * pi / 180.0;
+      const glm::dquat turn(std::cos(half), 0.0, std::sin(half), 0.0);  // +z towards +x
+      const double bound = elevation == 90.0 ? 1e-4 : 1e-12;  // there the nodes' azimuths lean with the sun's rounding
+      CHECK(difference(projector.project(sun_direction(elevation, azimuth)), rotate(ahead, turn)) < bound);
+    }
+  }
+}
+
+TEST_CASE("all instruction sets give the same sky harmonics", "[sky][harmonics][determinism]") {
+  const SkyView view(small_earth(), 2.0);
+  std::vector<SphericalHarmonics> expected;
+  for (const InstructionSet set : available_instruction_sets()) {
+    const WithInstructionSet scope(set);
+    CAPTURE(name(set));
+    std::vector<SphericalHarmonics> results;
+    for (const SkyQuadrature quadrature : {SkyQuadrature::article, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
+      const SkyProjector projector(view, {5, quadrature, 19, 21});
+      for (const double elevation : kElevations) results.push_back(projector.project(sun_direction(elevation, 33.0)));
+    }
+    if (expected.empty()) expected = results;
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      CHECK(same_bytes(std::span<const glm::dvec3>(results[k].coefficients()),
+                       std::span<const glm::dvec3>(expected[k].coefficients())));
+    }
+  }
+}
+
+TEST_CASE("an update allocates nothing", "[sky][harmonics]") {
+  for (const double altitude : {0.0, 5000.0, 1e6}) {
+    const SkyProjector projector(SkyView(small_earth(), altitude));
+    SphericalHarmonics light(3);
+    projector.project(sun_direction(20.0, 0.0), light.coefficients());  // tables of sizes are there now
+    const FailingHeap heap(Heap::this_thread, 1, true);
+    projector.project(glm::dvec3(0.3, 0.5, -0.2), light.coefficients());
+    CHECK_FALSE(heap.failed());
+  }
+}
+
+TEST_CASE("from space the planet's light is the integral too", "[sky][harmonics]") {
+  for (const double altitude : {1e5, 1e6, 6e7}) {
+    const SkyView view(small_earth(), altitude);
+    const SkyProjector usual(view);
+    const SkyProjector fine(view, {3, SkyQuadrature::gauss_split, 64, 64});
+    for (const double elevation : {80.0, 20.0, -10.0, -60.0}) {
+      CAPTURE(altitude, elevation);
+      const glm::dvec3 sun = sun_direction(elevation, 5.0);
+      const SphericalHarmonics light = usual.project(sun);
+      // By a sun far behind it a planet is a thin crescent, and its light little.
+      CHECK(difference(light, fine.project(sun)) < (elevation < -30.0 ? 1e-1 : 2e-2));
+      for (int c = 0; c < 3; ++c) CHECK(light.at(0, 0)[c] >= 0.0);
+    }
+  }
+}
+
+TEST_CASE("no atmosphere gives harmonics that are negative in band 0 or not finite", "[sky][harmonics]") {
+  RandomAtmospheres random(606);
+  for (int trial = 0; trial < trials(200); ++trial) {
+    const Atmosphere air = random.next();
+    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
+    const double thickness = air.top_radius_m - air.bottom_radius_m;
+    for (const double altitude : {0.0, 0.3 * thickness, 2.0 * thickness}) {
+      const SkyProjector projector(SkyView(tables, std::min(altitude, 1e9)), {3, SkyQuadrature::gauss_split, 6, 6});
+      for (const double elevation : {90.0, 12.0, 0.0, -3.0, -29.0, -90.0}) {
+        CAPTURE(trial, altitude, elevation);
+        const SphericalHarmonics light = projector.project(sun_direction(elevation, random.between(-180.0, 180.0)));
+        for (const glm::dvec3& value : light.coefficients()) {
+          REQUIRE(std::isfinite(value.x + value.y + value.z));
+        }
+        for (int c = 0; c < 3; ++c) REQUIRE(light.at(0, 0)[c] >= 0.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics]") {
+  const SkyProjector projector(SkyView(small_earth(), 0.0));
+  std::vector<glm::dvec3> eight(8);
+  const ThrownError room = thrown_by([&] { projector.project(glm::dvec3(0, 1, 0), eight); });
+  CHECK(room.code == ErrorCode::invalid_argument);
+  CHECK(room.says("room for 8"));
+  for (const glm::dvec3& sun : {glm::dvec3(0.0), glm::dvec3(NAN, 0, 1), glm::dvec3(0, INFINITY, 0)}) {
+    CHECK(thrown_by([&] { (void)projector.project(sun); }).code == ErrorCode::invalid_argument);
+  }
+  CHECK(difference(projector.project(glm::dvec3(0, 3e200, 4e200)), projector.project(glm::dvec3(0, 0.6, 0.8))) < 1e-12);
+  CHECK(projector.directions() == 2 * 16 * 16);
+}
+
+// Promise: with nothing but defaults a sky's nine coefficients are within 0.5 % of the truth, tables, view and
+// quadrature or curve together, for suns from the zenith to 6 degrees below the horizon.
+
+namespace {
+
+/// Ray by ray, in double, on the ground: below the horizon there is black ground alone.
+SphericalHarmonics truth(const Atmosphere& air, const glm::dvec3& sun) {
+  const sky::SkyRule rule = sky::sky_rule({.zeniths = 20, .azimuths = 12}, 0.0, 1.0, air.aerosol_asymmetry);
+  SphericalHarmonics sum(3);
+  std::array<double, 9> basis{};
+  for (std::size_t k = 0; k < rule.above.cosines.size(); ++k) {
+    for (std::size_t i = 0; i < rule.azimuths.cosines.size(); ++i) {
+      const double across = rule.above.sines[k] * std::sqrt(rule.azimuths.from_sun[i] * rule.azimuths.from_opposite[i]);
+      const double ahead = rule.above.sines[k] * rule.azimuths.cosines[i];
+      const std::vector<double> light =
+          reference_sky_radiance(air, 0.0, {across, rule.above.cosines[k], ahead}, sun, {.relative_error = 1e-4});
+      for (const double side : {1.0, -1.0}) {
+        evaluate_basis({side * across, rule.above.cosines[k], ahead}, 3, basis);
+        const double weight = 0.5 * rule.above.weights[k] * rule.azimuths.weights[i];
+        for (std::size_t c = 0; c < 9; ++c) {
+          sum.coefficients()[c] += weight * basis[c] * glm::dvec3(light[0], light[1], light[2]);
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
+  const Atmosphere air = with_ground_albedo(earth(), 0.0);
+  SkyTableOptions options;
+  options.orders = 1;
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const SkyProjector projector(view);
+  const SkyCurve curve(view);
+  for (const double elevation : {90.0, 45.0, 10.0, 2.0, 0.0, -2.0, -4.0, -6.0}) {
+    CAPTURE(elevation);
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    const SphericalHarmonics expected = truth(air, sun);
+    CHECK(relative_difference(projector.project(sun).coefficients(), expected.coefficients()) < 5e-3);
+    CHECK(relative_difference(curve.at(sun).coefficients(), expected.coefficients()) < 5e-3);
+  }
+}
+
+// The truth of sky harmonics: it turns with the sun, converges, and is what a fine projector sees.
+
+using report::relative_error;
+
+namespace {
+
+/// Coarse, so that it is quick under sanitizers too.
+ReferenceHarmonicsOptions coarse(int places = 4) {
+  ReferenceHarmonicsOptions options;
+  options.zeniths = options.azimuths = places;
+  options.radiance.relative_error = 1e-4;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("reference sky harmonics turn with the sun", "[sky]") {
+  const SphericalHarmonics ahead = reference_sky_harmonics(earth(), 0.0, sun_direction(20.0, 0.0), coarse());
+  const SphericalHarmonics turned = reference_sky_harmonics(earth(), 0.0, sun_direction(20.0, 75.0), coarse());
+  CHECK(relative_error(transform(ahead, turn_about_y(75.0)), turned) < 1e-9);
+  CHECK(relative_error(ahead, turned) > 0.05);
+}
+
+TEST_CASE("reference sky harmonics are symmetric about the sun's plane", "[sky]") {
+  const SphericalHarmonics light = reference_sky_harmonics(earth(), 0.0, sun_direction(10.0, 0.0), coarse());
+  // x is across the plane: what is odd in it vanishes.
+  for (const int index : {3, 4, 7})
+    CHECK(glm::length(light.coefficients()[static_cast<std::size_t>(index)]) < 1e-12 * light.at(0, 0).r);
+  CHECK(glm::length(light.at(1, 0)) > 0.05 * light.at(0, 0).r);
+}
+
+TEST_CASE("reference sky harmonics converge", "[sky]") {
+  const glm::dvec3 sun = sun_direction(30.0, 0.0);
+  const SphericalHarmonics fine = reference_sky_harmonics(earth(), 0.0, sun, coarse(12));
+  const double six = relative_error(reference_sky_harmonics(earth(), 0.0, sun, coarse(6)), fine);
+  const double four = relative_error(reference_sky_harmonics(earth(), 0.0, sun, coarse(4)), fine);
+  CHECK(four < 0.1);
+  CHECK(six < 0.03);
+  CHECK(six < four);
+}
+
+TEST_CASE("reference sky harmonics: a sun in the zenith, and one seen from space", "[sky]") {
+  // A sky that is the same all around: what is left is the azimuths' rule for a cosine.
+  ReferenceHarmonicsOptions even = coarse();
+  even.azimuths = 16;
+  const SphericalHarmonics zenith = reference_sky_harmonics(earth(), 0.0, {0.0, 1.0, 0.0}, even);
+  CHECK(glm::length(zenith.at(1, 0)) < 1e-9 * zenith.at(0, 0).r);
+  CHECK(zenith.at(1, -1).r < 0.0);  // red: the lit ground is brighter than the sky
+  even.radiance.ground = false;
+  CHECK(reference_sky_harmonics(earth(), 0.0, {0.0, 1.0, 0.0}, even).at(1, -1).r > 0.0);  // light from above alone
+  const SphericalHarmonics space = reference_sky_harmonics(earth(), 4e5, sun_direction(40.0, 0.0), coarse());
+  CHECK(space.at(1, -1).r < 0.0);  // and from below
+}
+
+TEST_CASE("reference sky harmonics refuse what cannot be", "[sky]") {
+  const glm::dvec3 sun = sun_direction(30.0, 0.0);
+  const auto refused = [&](const Atmosphere& air, double altitude, const glm::dvec3& towards,
+                           ReferenceHarmonicsOptions options) {
+    return thrown_by([&] { (void)reference_sky_harmonics(air, altitude, towards, options); }).code ==
+           ErrorCode::invalid_argument;
+  };
+  CHECK(refused(earth({500.0, 600.0}), 0.0, sun, {}));
+  CHECK(refused(earth(), -1.0, sun, {}));
+  CHECK(refused(earth(), 0.0, {0.0, 2.0, 0.0}, {}));
+  CHECK(refused(earth(), 0.0, sun, {.zeniths = 1}));
+  CHECK(refused(earth(), 0.0, sun, {.azimuths = 1000}));
+  CHECK(refused(earth(), 0.0, sun, {.bands = 0}));
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK(thrown_by([&] {
+          (void)reference_sky_harmonics(earth(), 0.0, sun, coarse(), {stop.get_token(), {}});
+        }).code == ErrorCode::cancelled);
+}
+
+// Promise: a curve over the sun's elevation gives what the projection gives, for a fraction of it.
+
+namespace {
+
+/// The worst of many suns with elevations between two.
+double worst(const SkyCurve& curve, const SkyProjector& projector, double low, double high) {
+  std::mt19937 random(static_cast<unsigned>(1000.0 + high));
+  double result = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    const double elevation = low + (high - low) * static_cast<double>(random()) * 0x1p-32;
+    const glm::dvec3 sun = sun_direction(elevation, static_cast<double>(random()) * 0x1p-32 * 360.0);
+    result = std::max(result, difference(curve.at(sun), projector.project(sun)));
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a curve gives the projection at any elevation", "[sky][curve]") {
+  const SkyView view(small_earth(), 0.0);
+  for (const int bands : {1, 3, 9}) {
+    CAPTURE(bands);
+    SkyCurveOptions options;
+    options.bands = bands;
+    const SkyCurve curve(view, options);
+    SkyHarmonicsOptions projection = options.projection;
+    projection.bands = bands;
+    const SkyProjector projector(view, projection);
+    CHECK(curve.bands() == bands);
+    CHECK(worst(curve, projector, 10.0, 90.0) < 5e-4);
+    CHECK(worst(curve, projector, -6.0, 10.0) < 1e-3);
+    CHECK(worst(curve, projector, -12.0, -6.0) < 5e-2);
+  }
+}
+
+TEST_CASE("more nodes make a better curve", "[sky][curve]") {
+  const SkyView view(small_earth(), 0.0);
+  const SkyProjector projector(view, SkyCurveOptions{}.projection);
+  SkyCurveOptions options;
+  options.nodes = 16;
+  const double coarse = worst(SkyCurve(view, options), projector, -6.0, 90.0);
+  options.nodes = 512;
+  CHECK(worst(SkyCurve(view, options), projector, -6.0, 90.0) < 0.2 * coarse);
+}
+
+TEST_CASE("curves hold aloft and in space", "[sky][curve]") {
+  for (const double altitude : {1.8, 3000.0, 40'000.0, 4e5, 6e7}) {
+    CAPTURE(altitude);
+    const SkyView view(small_earth(), altitude);
+    SkyCurveOptions options;
+    options.projection.zeniths = 12;
+    options.projection.azimuths = 12;
+    const SkyCurve curve(view, options);
+    const SkyProjector projector(view, options.projection);
+    double brightest = 0.0;
+    double most = 0.0;
+    for (double elevation = -90.0; elevation <= 90.0; elevation += 7.3) {
+      const glm::dvec3 sun = sun_direction(elevation, 3.0);
+      const SphericalHarmonics truth = projector.project(sun);
+      const SphericalHarmonics light = curve.at(sun);
+      for (std::size_t k = 0; k < 9; ++k) {
+        for (int c = 0; c < 3; ++c)
+          most = std::max(most, std::abs(light.coefficients()[k][c] - truth.coefficients()[k][c]));
+      }
+      brightest = std::max(brightest, truth.at(0, 0).y);
+    }
+    CHECK(most < 1e-2 * brightest);
+  }
+}
+
+TEST_CASE("a curve's band 0 and sun are never negative", "[sky][curve]") {
+  const SkyView view(small_earth(), 0.0);
+  for (const int nodes : {8, 9, 64}) {
+    SkyCurveOptions options;
+    options.nodes = nodes;
+    const SkyCurve curve(view, options);
+    for (double elevation = -90.0; elevation <= 90.0; elevation += 0.037) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      const SphericalHarmonics light = curve.at(sun);
+      const glm::dvec3 direct = curve.sun_irradiance(sun);
+      for (int c = 0; c < 3; ++c) {
+        REQUIRE(light.at(0, 0)[c] >= 0.0);
+        REQUIRE(direct[c] >= 0.0);
+      }
+    }
+    CHECK(curve.sun_irradiance(sun_direction(-50.0, 0.0)) == glm::dvec3(0.0));
+  }
+}
+
+TEST_CASE("a curve's sun is the view's", "[sky][curve]") {
+  for (const double altitude : {0.0, 9000.0}) {
+    const SkyView view(small_earth(), altitude);
+    const SkyCurve curve(view);
+    const double full = view.sun(sun_direction(90.0, 0.0)).irradiance.y;
+    for (double elevation = -4.0; elevation <= 90.0; elevation += 0.21) {
+      CAPTURE(altitude, elevation);
+      const glm::dvec3 sun = sun_direction(elevation, 12.0);
+      const glm::dvec3 expected = view.sun(sun).irradiance;
+      for (int c = 0; c < 3; ++c) {
+        CHECK(std::abs(curve.sun_irradiance(sun)[c] - expected[c]) < 2e-3 * expected[c] + 2e-4 * full);
+      }
+    }
+  }
+}
+
+TEST_CASE("near the zenith nothing depends on which way the sun leans", "[sky][curve]") {
+  const SkyCurve curve(SkyView(small_earth(), 0.0), {.bands = 8});
+  const SphericalHarmonics zenith = curve.at(glm::dvec3(0, 1, 0));
+  for (const double lean : {1e-3, 1e-8, 1e-16, 1e-300}) {
+    for (const glm::dvec3& sun : {glm::dvec3(lean, 1, 0), glm::dvec3(0, 1, -lean), glm::dvec3(-lean, 1, lean)}) {
+      CHECK(difference(curve.at(sun), zenith) < 5.0 * lean + 1e-12);
+    }
+  }
+}
+
+TEST_CASE("a curve turns with the sun", "[sky][curve]") {
+  const SkyCurve curve(SkyView(small_earth(), 0.0), {.bands = 16});
+  const SphericalHarmonics ahead = curve.at(sun_direction(23.0, 0.0));
+  for (const double azimuth : {17.0, 90.0, -145.0, 180.0}) {
+    const double half = 0.5 * azimuth * std::numbers::pi / 180.0;
+    const glm::dquat turn(std::cos(half), 0.0, std::sin(half), 0.0);
+    CHECK(difference(curve.at(sun_direction(23.0, azimuth)), rotate(ahead, turn)) < 1e-12);
+  }
+}
+
+TEST_CASE("a curve is the same bits on any number of threads and instruction set", "[sky][curve][determinism]") {
+  const SkyView view(small_earth(), 120.0);
+  const auto sample = [&] {
+    SkyCurveOptions options;
+    options.nodes = 33;
+    options.projection.zeniths = 9;
+    options.projection.azimuths = 10;
+    const SkyCurve curve(view, options);
+    std::vector<glm::dvec3> all;
+    for (double elevation = -40.0; elevation <= 90.0; elevation += 3.3) {
+      const SphericalHarmonics light = curve.at(sun_direction(elevation, 20.0));
+      all.insert(all.end(), light.coefficients().begin(), light.coefficients().end());
+      all.push_back(curve.sun_irradiance(sun_direction(elevation, 20.0)));
+    }
+    return all;
+  };
+  std::vector<glm::dvec3> expected;
+  run_with_threads(1, [&] { expected = sample(); });
+  const auto check = [&] {
+    const std::vector<glm::dvec3> now = sample();
+    CHECK(same_bytes(std::span<const glm::dvec3>(now), std::span<const glm::dvec3>(expected)));
+  };
+  for (const int threads : {2, 5}) run_with_threads(threads, check);
+  const InstructionSet before = active_instruction_set();
+  for (const InstructionSet set : available_instruction_sets()) {
+    force_instruction_set(set);
+    check();
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("asking a curve allocates nothing, nor does a tile of its bake", "[sky][curve]") {
+  const SkyView view(small_earth(), 0.0);
+  forget_allocations_in_tiles();
+  const SkyCurve curve(view);
+  CHECK(allocations_in_tiles() == 0);
+  SphericalHarmonics light(3);
+  const FailingHeap heap(Heap::this_thread, 1, true);
+  curve.at(glm::dvec3(0.1, 0.2, 0.3), light.coefficients());
+  (void)curve.sun_irradiance(glm::dvec3(0.1, 0.2, 0.3));
+  CHECK_FALSE(heap.failed());
+}
+
+TEST_CASE("a curve's bake is cancelled, tells its progress, and refuses nonsense", "[sky][curve]") {
+  const SkyView view(small_earth(), 0.0);
+  std::stop_source source;
+  source.request_stop();
+  CHECK(thrown_by([&] { SkyCurve(view, {}, {.stop = source.get_token()}); }).code == ErrorCode::cancelled);
+  double last = 0.0;
+  const SkyCurve curve(view, {}, {.progress = [&](double share) {
+                         CHECK(share >= last);
+                         last = share;
+                       }});
+  CHECK(last == 1.0);
+  for (const int nodes : {7, 4097, -1}) {
+    CHECK(thrown_by([&] { SkyCurve(view, {.nodes = nodes}); }).says(std::to_string(nodes) + " nodes"));
+  }
+  CHECK(thrown_by([&] { SkyCurve(view, {.bands = 17}); }).says("bands"));
+  std::vector<glm::dvec3> eight(8);
+  CHECK(thrown_by([&] { curve.at(glm::dvec3(0, 1, 0), eight); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { (void)curve.sun_irradiance(glm::dvec3(0.0)); }).code == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("a curve's axis goes there and back, and is finest at the horizon", "[sky][curve]") {
+  for (const double horizon : {0.0, -0.05, -0.9}) {
+    for (const double lowest : {-1.0, -0.95}) {
+      const sky::CurveAxis axis(101, lowest, horizon);
+      CHECK(axis.sine(0) == Approx(lowest));
+      CHECK(axis.sine(100) == 1.0);
+      double finest = 2.0;
+      double where = 0.0;
+      for (int node = 0; node < 100; ++node) {
+        const double step = axis.sine(node + 1) - axis.sine(node);
+        CHECK(step > 0.0);
+        if (step < finest) {
+          finest = step;
+          where = axis.sine(node);
+        }
+        const auto place = axis.place(0.5 * (axis.sine(node) + axis.sine(node + 1)));
+        CHECK(place.interval == node);
+      }
+      CHECK(std::abs(where - horizon) < 0.02);
+      CHECK(axis.place(-2.0).interval == 0);
+    }
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,346 @@
+// Pictures of skies, small skies for reflections, and skies that keep an environment.
+#include "sky/sky_pictures.h"
+
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <stop_token>
+#include <vector>
+
+#include "image/geometry.h"
+#include "reference/path_tracer.h"
+#include "reference/sky_reference.h"
+#include "sky/sky_tables_for_tests.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/small_skies.h"
+#include "support/thrown_error.h"
+#include "welkin/control.h"
+#include "welkin/environment_file.h"
+#include "welkin/instruction_set.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_specular.h"
+#include "welkin/sky_view.h"
+#include "welkin/specular.h"
+
+namespace welkin::test {
+
+// Pictures of skies: their texels are the view's radiance, the sun's disc in them is the directional light.
+
+namespace {
+
+const SkyView& view_at(double altitude) {
+  static const SkyView ground(small_view_tables(), 0.0);
+  static const SkyView hill(small_view_tables(), 900.0);
+  static const SkyView space(small_view_tables(), 400'000.0);
+  return altitude > 1e5 ? space : altitude > 0.0 ? hill : ground;
+}
+
+/// Integral over the sphere, and what its sun adds to that without it.
+glm::dvec3 flux_of(const image::TexelGrid& grid, const std::vector<float>& pixels) {
+  std::vector<std::int64_t> texels;
+  for (std::int64_t i = 0; i < grid.texels(); ++i) texels.push_back(i);
+  const std::vector<double> areas = image::solid_angles_of(grid, texels);
+  glm::dvec3 sum{};
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    for (int c = 0; c < 3; ++c) sum[c] += areas[i] * static_cast<double>(pixels[3 * i + static_cast<std::size_t>(c)]);
+  }
+  return sum;
+}
+
+void check_disc_flux(const glm::dvec3& with, const glm::dvec3& without, const glm::dvec3& irradiance) {
+  for (int c = 0; c < 3; ++c) {
+    CAPTURE(c, with[c], without[c], irradiance[c]);
+    CHECK(std::abs(with[c] - without[c] - irradiance[c]) <= 1e-5 * (irradiance[c] + without[c]));
+  }
+}
+
+bool all_sound(const std::vector<float>& pixels) {
+  return std::all_of(pixels.begin(), pixels.end(), [](float value) { return value >= 0.0F && std::isfinite(value); });
+}
+
+}  // namespace
+
+TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pictures]") {
+  const glm::dvec3 sun = sun_direction(12.0, 33.0);
+  for (const double altitude : {0.0, 900.0, 400'000.0}) {
+    const SkyView& view = view_at(altitude);
+    for (const int size : {1, 2, 3, 7, 64}) {
+      CAPTURE(altitude, size);
+      const CubemapImage cube = sky_cubemap(view, sun, size);
+      REQUIRE(cube.size == size);
+      const image::TexelGrid grid = image::TexelGrid::cubemap(size);
+      REQUIRE(cube.pixels.size() == 3 * static_cast<std::size_t>(grid.texels()));
+      const LatLongImage map = sky_lat_long(view, sun, size);
+      REQUIRE(map.width == 2 * size);
+      const image::TexelGrid flat = image::TexelGrid::lat_long(map.width, map.height);
+      double worst = 0.0;
+      double brightest = 0.0;
+      const auto compare = [&](const image::TexelGrid& texels, const std::vector<float>& pixels) {
+        for (std::int64_t i = 0; i < texels.texels(); i += 1 + texels.texels() / 200) {
+          const glm::dvec3 expected = view.radiance(texels.direction(i), sun);
+          for (int c = 0; c < 3; ++c) {
+            const auto found = static_cast<double>(pixels[static_cast<std::size_t>(3 * i + c)]);
+            worst = std::max(worst, std::abs(found - expected[c]));
+            brightest = std::max(brightest, expected[c]);
+          }
+        }
+      };
+      compare(grid, cube.pixels);
+      compare(flat, map.pixels);
+      CHECK(worst <= 1e-6 * brightest);
+    }
+  }
+}
+
+TEST_CASE("sky pictures: the same bits on any threads and instruction set", "[sky][view][pictures][determinism]") {
+  const InstructionSet before = active_instruction_set();
+  const SkyView& view = view_at(900.0);
+  const glm::dvec3 sun = sun_direction(1.0, 10.0);
+  force_instruction_set(InstructionSet::sse2);
+  CubemapImage cube;
+  LatLongImage map;
+  run_with_threads(1, [&] {
+    cube = sky_cubemap(view, sun, 65, {.sun_disc = true});
+    map = sky_lat_long(view, sun, 129, {.sun_disc = true});
+  });
+  for (const InstructionSet set : available_instruction_sets()) {
+    force_instruction_set(set);
+    for (const int threads : {1, 2, 3, 8}) {
+      CAPTURE(name(set), threads);
+      run_with_threads(threads, [&] {
+        CHECK(same_bits(sky_cubemap(view, sun, 65, {.sun_disc = true}), cube));
+        CHECK(same_bits(sky_lat_long(view, sun, 129, {.sun_disc = true}), map));
+      });
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("sky pictures: the disc's flux is the directional light's", "[sky][view][pictures]") {
+  for (const double altitude : {0.0, 900.0, 400'000.0}) {
+    const SkyView& view = view_at(altitude);
+    // High, low, half set, a sliver, below the horizon of the ground but not of the hill, straight up, gone.
+    for (const double elevation : {90.0, 47.0, 0.0, -0.2, -0.26, -0.9, -1.2, -20.0, -60.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 77.0);
+      const glm::dvec3 irradiance = view.sun(sun).irradiance;
+      for (const int size : {1, 2, 3, 7, 64}) {
+        CAPTURE(altitude, elevation, size);
+        const CubemapImage with = sky_cubemap(view, sun, size, {.sun_disc = true});
+        const image::TexelGrid cube = image::TexelGrid::cubemap(size);
+        CHECK(all_sound(with.pixels));
+        check_disc_flux(flux_of(cube, with.pixels), flux_of(cube, sky_cubemap(view, sun, size).pixels), irradiance);
+        if (size > 7) continue;
+        const LatLongImage map = sky_lat_long(view, sun, size, {.sun_disc = true});
+        const image::TexelGrid grid = image::TexelGrid::lat_long(2 * size, size);
+        CHECK(all_sound(map.pixels));
+        check_disc_flux(flux_of(grid, map.pixels), flux_of(grid, sky_lat_long(view, sun, size).pixels), irradiance);
+      }
+    }
+  }
+}
+
+TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]") {
+  const double radius = 0.2678;
+  const double turn = radius * 3.14159265358979324 / 180.0;
+  const double whole = 2.0 * 3.14159265358979324 * (1.0 - std::cos(turn));
+  const auto sum = [](const std::vector<sky::CoveredTexel>& texels) {
+    double all = 0.0;
+    for (const sky::CoveredTexel& texel : texels) all += texel.steradians;
+    return all;
+  };
+  sky::VisibleDisc disc{{}, std::sin(turn), std::cos(turn), -1.0};
+  // On a face's middle, on an edge, at a corner, at the pole, at a lat-long's seam.
+  for (const glm::dvec3& centre : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 1), glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0),
+                                   glm::dvec3(1e-4, 0.3, -1), glm::dvec3(0.3, 0.4, 0.5)}) {
+    disc.centre = glm::normalize(centre);
+    for (const int size : {1, 2, 3, 64, 257, 2048, 16384}) {
+      CAPTURE(centre.x, centre.y, centre.z, size);
+      const std::vector<sky::CoveredTexel> cube = sky::covered_cubemap_texels(disc, size);
+      CHECK(std::abs(sum(cube) / whole - 1.0) < 2e-3);
+      for (std::size_t i = 1; i < cube.size(); ++i) REQUIRE(cube[i - 1].texel < cube[i].texel);
+      const std::vector<sky::CoveredTexel> map = sky::covered_lat_long_texels(disc, 2 * size, size);
+      CHECK(std::abs(sum(map) / whole - 1.0) < 2e-3);
+      for (std::size_t i = 1; i < map.size(); ++i) REQUIRE(map[i - 1].texel < map[i].texel);
+    }
+  }
+  // Cut by the horizon through its centre: half of it; a quarter of the diameter: the segment's area.
+  disc.centre = glm::normalize(glm::dvec3(0.3, 0.0, 1.0));
+  disc.horizon_cosine = 0.0;
+  CHECK(std::abs(sum(sky::covered_cubemap_texels(disc, 512)) / whole - 0.5) < 2e-3);
+  CHECK(std::abs(sum(sky::covered_lat_long_texels(disc, 1024, 512)) / whole - 0.5) < 2e-3);
+  disc.horizon_cosine = std::sin(0.5 * turn);
+  CHECK(std::abs(sum(sky::covered_cubemap_texels(disc, 100)) / whole - 0.195501) < 2e-3);
+}
+
+TEST_CASE("sky pictures: the sun is the light of its table", "[sky][view][pictures]") {
+  const SkyView& ground = view_at(0.0);
+  const Sun high = ground.sun(sun_direction(50.0, 20.0));
+  CHECK(glm::length(high.direction - sun_direction(50.0, 20.0)) < 1e-12);
+  CHECK(high.angular_radius_degrees == 0.2678);
+  CHECK(high.solid_angle == Approx(6.863e-5).epsilon(1e-3));
+  for (int c = 0; c < 3; ++c) CHECK(high.radiance[c] * high.solid_angle == Approx(high.irradiance[c]));
+  CHECK(high.irradiance.r > high.irradiance.b * 0.5);
+  CHECK(ground.sun(sun_direction(-0.3, 0.0)).irradiance == glm::dvec3(0.0));
+  CHECK(ground.sun(sun_direction(0.0, 0.0)).irradiance.r > 0.0);
+  CHECK(ground.sun(sun_direction(0.0, 0.0)).irradiance.r < 0.6 * ground.sun(sun_direction(0.3, 0.0)).irradiance.r);
+  // In space there is all of it, behind the planet none.
+  const std::vector<double>& whole = small_view_tables()->atmosphere.solar_irradiance;
+  for (int c = 0; c < 3; ++c) {
+    CHECK(view_at(4e5).sun(sun_direction(10.0, 0.0)).irradiance[c] == Approx(whole[static_cast<std::size_t>(c)]));
+  }
+  CHECK(view_at(4e5).sun(sun_direction(-60.0, 0.0)).irradiance == glm::dvec3(0.0));
+}
+
+TEST_CASE("sky pictures: the sky's irradiance is its integral", "[sky][view][pictures]") {
+  // Tables of two orders: radiance holds both, irradiance the light of the first, and on; so not less than the first.
+  const glm::dvec3 sun = sun_direction(40.0, 0.0);
+  const SkyView& view = view_at(0.0);
+  const int height = 64;
+  const LatLongImage map = sky_lat_long(view, sun, height);
+  const image::TexelGrid grid = image::TexelGrid::lat_long(2 * height, height);
+  std::vector<std::int64_t> texels;
+  for (std::int64_t i = 0; i < grid.texels() / 2; ++i) texels.push_back(i);
+  const std::vector<double> areas = image::solid_angles_of(grid, texels);
+  glm::dvec3 sum{};
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double cosine = grid.direction(static_cast<std::int64_t>(i)).y;
+    for (int c = 0; c < 3; ++c) {
+      sum[c] += areas[i] * cosine * static_cast<double>(map.pixels[3 * i + static_cast<std::size_t>(c)]);
+    }
+  }
+  const glm::dvec3 irradiance = view.irradiance(sun);
+  for (int c = 0; c < 3; ++c) CHECK(irradiance[c] == Approx(sum[c]).epsilon(0.03));
+  CHECK(view_at(4e5).irradiance(sun) == glm::dvec3(0.0));
+}
+
+TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky][view][pictures][errors]") {
+  const SkyView& view = view_at(0.0);
+  const glm::dvec3 sun(0.0, 1.0, 0.0);
+  for (const int size : {0, -1, 16385}) {
+    CHECK(thrown_by([&] { static_cast<void>(sky_cubemap(view, sun, size)); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(sky_lat_long(view, sun, size)); }).says("height"));
+  }
+  std::stop_source source;
+  std::atomic<int> calls{0};
+  Control control{source.get_token(), [&](double) {
+                    if (++calls == 3) source.request_stop();
+                  }};
+  CHECK(thrown_by([&] { static_cast<void>(sky_lat_long(view, sun, 512, {}, control)); }).code == ErrorCode::cancelled);
+  double last = 0.0;
+  bool rising = true;
+  const Control watched{{}, [&](double share) {
+                          rising = rising && share >= last;
+                          last = share;
+                        }};
+  static_cast<void>(sky_cubemap(view, sun, 40, {}, watched));
+  CHECK(rising);
+  CHECK(last == 1.0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  forget_allocations_in_tiles();
+  static_cast<void>(sky_lat_long(view, sun, 256));
+  CHECK(allocations_in_tiles() == 0);
+#endif
+}
+
+// A small sky for reflections.
+
+TEST_CASE("sky specular: it is the sky's cubemap, prefiltered", "[sky][view][specular]") {
+  const SkyView view(small_view_tables(), 0.0);
+  const glm::dvec3 sun = sun_direction(25.0, 40.0);
+  PrefilterOptions options;
+  options.size = 16;
+  for (const bool disc : {false, true}) {
+    const PrefilteredSpecular found = sky_specular(view, sun, options, {.sun_disc = disc});
+    const CubemapImage sky = sky_cubemap(view, sun, 16, {.sun_disc = disc});
+    const PrefilteredSpecular expected = prefilter_specular(sky.view(), options);
+    REQUIRE(found.cubemap.levels() == expected.cubemap.levels());
+    bool same = true;
+    bool sound = true;
+    for (int level = 0; level < found.cubemap.levels(); ++level) {
+      const auto count =
+          static_cast<std::size_t>(3 * found.cubemap.level_size(level) * found.cubemap.level_size(level));
+      for (int face = 0; face < 6; ++face) {
+        for (std::size_t i = 0; i < count; ++i) {
+          const float value = found.cubemap.face(level, face)[i];
+          same = same && value == expected.cubemap.face(level, face)[i];
+          sound = sound && std::isfinite(value) && value >= 0.0F;
+        }
+      }
+    }
+    CHECK(same);
+    CHECK(sound);
+  }
+  options.size = 0;
+  CHECK(thrown_by([&] { static_cast<void>(sky_specular(view, sun, options)); }).code == ErrorCode::invalid_argument);
+}
+
+// Promise: what an engine does to its threads' floating-point environment changes no bit of a sky, and raises nothing.
+
+namespace {
+
+constexpr unsigned kUsual = 0x1F80;
+constexpr unsigned kFlushing = kUsual | 0x8040;                     // denormals are zero
+constexpr unsigned kUpwards = kUsual | 0x4000;                      // rounding
+constexpr unsigned kRaising = kUsual & ~(0x80U | 0x200U | 0x400U);  // invalid, by zero, overflow
+
+class Environment {
+ public:
+  explicit Environment(unsigned csr) : saved_(_mm_getcsr()) { _mm_setcsr(csr); }
+  ~Environment() { _mm_setcsr(saved_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+using Values = std::vector<glm::dvec3>;
+
+Values coefficients(const SphericalHarmonics& harmonics) {
+  return {harmonics.coefficients().begin(), harmonics.coefficients().end()};
+}
+
+}  // namespace
+
+TEST_CASE("Skies are the same bits under any floating-point environment", "[sky][view][harmonics]") {
+  const Atmosphere air = earth();
+  const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
+  const glm::dvec3 sun = sun_direction(3.0, 40.0);
+  const glm::dvec3 up = sun_direction(70.0, 10.0);
+  const auto of = [](const std::vector<double>& rgb) { return Values{{rgb[0], rgb[1], rgb[2]}}; };
+  const std::vector<std::function<Values()>> calls{
+      [&] { return Values{SkyView(tables, 7.0).radiance(up, sun)}; },
+      [&] {
+        return Values{SkyView(tables, 1e6).sun(sun).irradiance, SkyView(tables, 7.0).irradiance(sun)};
+      },
+      [&] { return coefficients(SkyProjector(SkyView(tables, 7.0)).project(sun)); },
+      [&] { return coefficients(SkyProjector(SkyView(tables, 1e6)).project(sun)); },
+      [&] { return coefficients(SkyCurve(SkyView(tables, 7.0), {.nodes = 16}).at(sun)); },
+      [&] { return Values{SkyCurve(SkyView(tables, 7.0), {.nodes = 16}).sun_irradiance(sun)}; },
+      [&] { return of(reference_transmittance(air, 7.0, 0.1)); },
+      [&] { return of(reference_sky_radiance(air, 7.0, up, sun)); },
+      [&] { return of(reference_sun_irradiance(air, 7.0, sun)); },
+      [&] { return of(trace_sky_harmonics(air, 7.0, sun, 2, {.paths = 500}).radiance[1]); },
+  };
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    const Values expected = calls[k]();
+    for (const unsigned csr : {kFlushing, kUpwards, kRaising}) {
+      Values found;
+      {
+        const Environment environment(csr);
+        found = calls[k]();
+      }
+      CAPTURE(k, csr);
+      CHECK(same_bytes<glm::dvec3>(found, expected));
+    }
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,459 @@
+// Sky tables: how texels stand for states, quadratures, and what the calls that make them promise.
+#include "welkin/sky_tables.h"
+
+#include <xmmintrin.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "math/quadrature.h"
+#include "sky/phase.h"
+#include "sky/sky_geometry.h"
+#include "sky/sky_quadrature.h"
+#include "sky/table_mapping.h"
+#include "sky/vertical_harmonics.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/thrown_error.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/instruction_set.h"
+#include "welkin/sky_harmonics.h"
+
+namespace welkin::test {
+
+// Promise: texels of sky tables stand for states that map back to them, on planets of any size.
+
+namespace {
+
+struct Planet {
+  double radius, thickness;
+};
+
+const std::vector<Planet> kPlanets{{6.36e6, 6e4}, {3.39e6, 1e5}, {1.0, 1.0},   {1.0, 10.0},   {1e9, 1.0},
+                                   {1e9, 1e10},   {1e9, 1e4},    {100.0, 1.0}, {6.36e6, 1e2}, {1234.5, 777.0}};
+
+sky::TableMapping mapping_of(const Planet& planet) { return {planet.radius, planet.radius + planet.thickness, -0.5}; }
+
+}  // namespace
+
+TEST_CASE("Altitudes map back from their coordinates", "[sky][mapping]") {
+  for (const Planet& planet : kPlanets) {
+    const sky::TableMapping mapping = mapping_of(planet);
+    CAPTURE(planet.radius, planet.thickness);
+    CHECK(mapping.altitude(0.0) == 0.0);
+    CHECK(mapping.altitude(1.0) == mapping.thickness());
+    for (int k = 0; k <= 1000; ++k) {
+      const double x = k / 1000.0;
+      const double altitude = mapping.altitude(x);
+      CHECK(altitude >= 0.0);
+      CHECK(altitude <= mapping.thickness());
+      CHECK(std::abs(mapping.height_coordinate(altitude) - x) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("Rays map back from their positions, at every height and on both sides of the horizon", "[sky][mapping]") {
+  for (const Planet& planet : kPlanets) {
+    const sky::TableMapping mapping = mapping_of(planet);
+    for (const int zeniths : {4, 6, 64, 258}) {
+      for (int height = 0; height <= 16; ++height) {
+        const double altitude = mapping.altitude(height / 16.0);
+        CAPTURE(planet.radius, planet.thickness, zeniths, altitude);
+        double worst = 0.0;
+        double worst_distance = 0.0;
+        double last = -2.0;
+        bool rising = true;
+        for (int node = 0; node < zeniths; ++node) {
+          const sky::ViewRay ray = mapping.view_ray(altitude, node, zeniths);
+          REQUIRE(std::abs(ray.zenith_cosine) <= 1.0);
+          REQUIRE(ray.ground == (node < zeniths / 2));
+          const double back = mapping.view_position(altitude, ray.zenith_cosine, ray.ground, zeniths);
+          // At the ground all rays down are one texel's, and at the top all rays up.
+          const bool one_texel = ray.ground && height == 0;
+          if (!one_texel) worst = std::max(worst, std::abs(back - node));
+          const double along =
+              ray.ground ? sky::distance_to_ground(planet.radius, altitude, ray.zenith_cosine)
+                         : sky::distance_to_top(planet.radius, mapping.thickness(), altitude, ray.zenith_cosine);
+          worst_distance =
+              std::max(worst_distance, std::abs(along - ray.distance) / (ray.distance + planet.thickness * 1e-9));
+          // From the nadir to the horizon and from there to the zenith: cosines of both halves rise towards
+          // the horizon's node of the ground, and fall to the horizon's of the sky
+          if (ray.ground && node > 0) rising = rising && ray.zenith_cosine <= last + 1e-15;
+          last = ray.zenith_cosine;
+        }
+        CHECK(rising);
+        CHECK(worst < 1e-5 * zeniths);
+        CHECK(worst_distance < 1e-5);
+      }
+    }
+  }
+}
+
+TEST_CASE("Suns map back from their coordinates, the lowest and the zenith are ends", "[sky][mapping]") {
+  for (const Planet& planet : kPlanets) {
+    for (const double lowest : {-1.0, -0.5, -0.1, 0.0}) {
+      const sky::TableMapping mapping(planet.radius, planet.radius + planet.thickness, lowest);
+      CAPTURE(planet.radius, planet.thickness, lowest);
+      CHECK(std::abs(mapping.sun_zenith_cosine(0.0) - lowest) < 1e-7);
+      CHECK(mapping.sun_zenith_cosine(1.0) == 1.0);
+      CHECK(mapping.sun_coordinate(1.0) == 1.0);
+      CHECK(mapping.sun_coordinate(-1.0) < 1e-12);
+      double last = -2.0;
+      for (int k = 0; k <= 500; ++k) {
+        const double cosine = mapping.sun_zenith_cosine(k / 500.0);
+        CHECK(cosine > last);
+        CHECK(std::abs(mapping.sun_coordinate(cosine) - k / 500.0) < 1e-7);
+        last = cosine;
+      }
+    }
+  }
+}
+
+TEST_CASE("Altitudes along rays agree with long double", "[sky][mapping]") {
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const Planet& planet : kPlanets) {
+    const sky::TableMapping mapping = mapping_of(planet);
+    for (int i = 0; i < 2000; ++i) {
+      const double altitude = mapping.altitude(unit(generator));
+      const double mu = 2.0 * unit(generator) - 1.0;
+      const bool ground = sky::meets_ground(planet.radius, altitude, mu);
+      const double whole = ground ? sky::distance_to_ground(planet.radius, altitude, mu)
+                                  : sky::distance_to_top(planet.radius, planet.thickness, altitude, mu);
+      const double s = whole * unit(generator);
+      const long double r = static_cast<long double>(planet.radius) + altitude;
+      const long double wanted = std::sqrt(r * r + s * (2.0L * r * mu + s)) - planet.radius;
+      const double found = sky::altitude_along(planet.radius, altitude, mu, s);
+      // the last term is what the truth itself rounds
+      CHECK(std::abs(found - static_cast<double>(wanted)) < 1e-14 * (altitude + s) + 1e-18 * planet.radius);
+      const double end = sky::altitude_along(planet.radius, altitude, mu, whole);
+      CHECK(std::abs(end - (ground ? 0.0 : planet.thickness)) < 1e-9 * (planet.thickness + std::abs(mu) * whole));
+    }
+  }
+}
+
+TEST_CASE("Azimuths between view and sun map back, and cosines that none gives count as the nearest",
+          "[sky][mapping]") {
+  using sky::TableMapping;
+  CHECK(TableMapping::angle_coordinate(1.0, 0.3, 0.3) == 0.5);
+  CHECK(TableMapping::angle_cosine(1.0, 0.3, 0.9) == 0.3);
+  CHECK(TableMapping::angle_cosine(0.6, 0.8, 1.0) == Approx(0.96).epsilon(1e-12));
+  CHECK(TableMapping::angle_cosine(0.6, 0.8, 0.0) == Approx(0.0).margin(1e-12));
+  CHECK(TableMapping::angle_coordinate(0.6, 0.8, 1.0) == 1.0);
+  CHECK(TableMapping::angle_coordinate(0.6, 0.8, -1.0) == 0.0);
+  for (const double mu : {-0.9, -0.1, 0.0, 0.5, 0.999}) {
+    for (const double mu_s : {-0.3, 0.0, 0.7}) {
+      for (int k = 0; k <= 10; ++k) {
+        const double nu = TableMapping::angle_cosine(mu, mu_s, k / 10.0);
+        CHECK(TableMapping::angle_coordinate(mu, mu_s, nu) == Approx(k / 10.0).margin(1e-13));
+      }
+    }
+  }
+}
+
+// Promise: directions and weights integrate what they should, and what is in closed form is what integrals give.
+
+namespace {
+
+using std::numbers::pi;
+
+double sum(const std::vector<double>& values) {
+  double total = 0.0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+}  // namespace
+
+TEST_CASE("weights of a sky's quadratures add up to the sphere", "[sky][harmonics]") {
+  for (const double horizon : {0.0, -0.02, -0.136, -0.9}) {
+    for (const int zeniths : {2, 3, 7, 16, 33, 128}) {
+      CAPTURE(horizon, zeniths);
+      for (const SkyQuadrature quadrature : {SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
+        const sky::SkyRule rule = sky::sky_rule({3, quadrature, zeniths, 16}, horizon, 1.0, 0.8);
+        CHECK(sum(rule.above.weights) == Approx(1.0 - horizon).epsilon(1e-13));
+        CHECK(sum(rule.below.weights) == Approx(1.0 + horizon).epsilon(1e-13));
+        for (const double cosine : rule.above.cosines) CHECK(cosine >= horizon);
+        for (const double cosine : rule.below.cosines) CHECK(cosine <= horizon);
+      }
+      const sky::SkyRule article = sky::sky_rule({3, SkyQuadrature::article, zeniths, 16}, horizon, 1.0, 0.8);
+      const double midpoint = pi / (2.0 * zeniths) / std::sin(pi / (2.0 * zeniths)) * 2.0;
+      CHECK(sum(article.above.weights) + sum(article.below.weights) == Approx(midpoint).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("clustered azimuths integrate harmonics, for any lobe and number", "[sky][harmonics]") {
+  for (const double g : {0.0, 0.5, 0.8, 0.95, 0.999, -0.8, -0.999}) {
+    for (const int azimuths : {16, 17, 64, 256}) {
+      CAPTURE(g, azimuths);
+      const sky::AzimuthRule rule = sky::sky_rule({3, SkyQuadrature::gauss_split, 4, azimuths}, 0.0, 1.0, g).azimuths;
+      CHECK(sum(rule.weights) == Approx(2.0 * pi).epsilon(2e-3));
+      for (const int order : {1, 2, 4}) {
+        double integral = 0.0;
+        for (std::size_t i = 0; i < rule.cosines.size(); ++i) {
+          CHECK(rule.from_sun[i] == Approx(1.0 - rule.cosines[i]).margin(1e-14));
+          CHECK(rule.from_opposite[i] == Approx(1.0 + rule.cosines[i]).margin(1e-14));
+          integral += rule.weights[i] * std::cos(order * std::acos(rule.cosines[i]));
+        }
+        CHECK(std::abs(integral) < 5e-2);
+      }
+    }
+  }
+  // At Earth's g, to what the default promises.
+  const sky::AzimuthRule rule = sky::sky_rule({}, 0.0, 1.0, 0.8).azimuths;
+  double integral = 0.0;
+  for (std::size_t i = 0; i < rule.cosines.size(); ++i) integral += rule.weights[i] * rule.cosines[i] * rule.cosines[i];
+  CHECK(integral == Approx(pi).epsilon(1e-6));
+}
+
+TEST_CASE("Gauss' rules of any order are exact for their degree", "[sky][tables]") {
+  for (const int order : {1, 2, 3, 33, 64, 128, 257}) {
+    const math::GaussNodes rule = math::gauss_nodes(order);
+    for (const int degree : {0, order / 2 * 2, 2 * order - 2}) {
+      CAPTURE(order, degree);
+      double integral = 0.0;
+      for (std::size_t k = 0; k < rule.nodes.size(); ++k) integral += rule.weights[k] * std::pow(rule.nodes[k], degree);
+      CHECK(integral == Approx(2.0 / (degree + 1)).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][harmonics]") {
+  const math::GaussNodes rule = math::gauss_nodes(128);
+  for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
+    for (const double g : {0.0, 0.3, 0.8, -0.6, 0.95, 0.999}) {
+      Atmosphere air = earth();
+      air.aerosol_phase = phase;
+      air.aerosol_asymmetry = g;
+      const auto spectrum = sky::aerosol_moments(air, kMaximumBands);
+      for (const int l : {0, 1, 2, 7, 15}) {
+        double integral = 0.0;
+        double high = 2.0;
+        for (int panel = 0; panel < 30; ++panel) {  // towards the lobe, in 1 - nu or 1 + nu
+          const double low = panel == 29 ? 0.0 : 0.4 * high;
+          for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+            const double gap = low + 0.5 * (high - low) * (1.0 + rule.nodes[k]);
+            const double nu = g < 0.0 ? gap - 1.0 : 1.0 - gap;
+            integral += pi * (high - low) * rule.weights[k] * sky::aerosol_phase(phase, g, nu) *
+                        std::legendre(static_cast<unsigned>(l), nu);
+          }
+          high = low;
+        }
+        CAPTURE(static_cast<int>(phase), g, l);
+        CHECK(spectrum[static_cast<std::size_t>(l)] == Approx(integral).epsilon(1e-7).margin(1e-9));
+      }
+    }
+  }
+}
+
+TEST_CASE("harmonics about the vertical are Welkin's, turned", "[sky][harmonics]") {
+  constexpr int bands = kMaximumBands;
+  std::vector<double> basis(sky::even_count(bands));
+  std::vector<glm::dvec3> even(sky::even_count(bands));
+  for (const double elevation : {90.0, 71.0, 20.0, 0.0, -33.0, -90.0}) {
+    for (const double azimuth : {0.0, 45.0, 133.0, -90.0, 180.0}) {
+      CAPTURE(elevation, azimuth);
+      // The light of one direction in the sun's vertical plane, but for what is odd about it: nothing.
+      const glm::dvec3 direction = sun_direction(elevation, azimuth);
+      const sky::SunAngles angles = sky::sun_angles(direction);
+      sky::even_basis(angles.zenith_cosine, angles.zenith_sine, bands, basis);
+      for (std::size_t k = 0; k < basis.size(); ++k) even[k] = glm::dvec3(basis[k]);
+      std::vector<glm::dvec3> turned(bands * bands);
+      sky::turn_even(even, bands, angles, turned);
+      std::vector<double> expected(bands * bands);
+      evaluate_basis(direction, bands, expected);
+      for (std::size_t k = 0; k < expected.size(); ++k) CHECK(turned[k].x == Approx(expected[k]).margin(1e-12));
+    }
+  }
+}
+
+TEST_CASE("sky quadratures out of range are refused by name", "[sky][harmonics]") {
+  const auto refused = [](SkyHarmonicsOptions options) {
+    const ThrownError error = thrown_by([&] { (void)sky::sky_rule(options, 0.0, 1.0, 0.8); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    return error.message;
+  };
+  CHECK(refused({.bands = 0}).find("bands") != std::string::npos);
+  CHECK(refused({.bands = 17}).find("1 to 16") != std::string::npos);
+  CHECK(refused({.zeniths = 1}).find("zeniths") != std::string::npos);
+  CHECK(refused({.zeniths = 129}).find("129") != std::string::npos);
+  CHECK(refused({.azimuths = 1}).find("azimuths") != std::string::npos);
+  CHECK(refused({.azimuths = 257}).find("257") != std::string::npos);
+  CHECK(refused({.quadrature = static_cast<SkyQuadrature>(7)}).find("quadrature 7") != std::string::npos);
+}
+
+// Promise: precomputing a sky can be stopped and watched, keeps its memory limit, allocates nothing inside tiles, names
+// what is wrong with its arguments, and gives the same bits on any number of threads and any instruction set.
+
+namespace {
+
+SkyTableOptions small_options() {
+  return {.heights = 4,
+          .view_zeniths = 6,
+          .sun_zeniths = 7,
+          .sun_angles = 3,
+          .transmittance_heights = 7,
+          .transmittance_zeniths = 9,
+          .irradiance_heights = 3,
+          .irradiance_sun_zeniths = 5,
+          .orders = 3};
+}
+
+bool same_tables(const SkyTables& a, const SkyTables& b) {
+  return a.transmittance == b.transmittance && a.scattering == b.scattering && a.single_mie == b.single_mie &&
+         a.irradiance == b.irradiance && a.orders == b.orders && a.last_change == b.last_change;
+}
+
+/// FNV-1a of all bits.
+std::uint64_t hash(const SkyTables& tables) {
+  std::uint64_t value = 0xcbf29ce484222325U;
+  for (const std::vector<float>* table :
+       {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(table->data());
+    for (std::size_t i = 0; i < table->size() * sizeof(float); ++i) value = (value ^ bytes[i]) * 0x100000001b3U;
+  }
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("Sky tables are the same bits on any number of threads and instruction set", "[sky][tables][same_bits]") {
+  for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
+    SkyTableOptions options = small_options();
+    options.layout = layout;
+    const SkyTables wanted = precompute_sky(earth(), options);
+    for (const int threads : {1, 2, 3, 7}) {
+      SkyTables found;
+      run_with_threads(threads, [&] { found = precompute_sky(earth(), options); });
+      CHECK(same_tables(found, wanted));
+    }
+    const InstructionSet before = active_instruction_set();
+    for (const InstructionSet set : available_instruction_sets()) {
+      force_instruction_set(set);
+      CAPTURE(name(set));
+      CHECK(same_tables(precompute_sky(earth(), options), wanted));
+    }
+    force_instruction_set(before);
+  }
+}
+
+TEST_CASE("A caller's own floating-point environment changes no bit of sky tables", "[sky][tables][same_bits]") {
+  const SkyTables wanted = precompute_sky(earth(), small_options());
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040U | 0x6000U);  // denormals are flushed, rounding is towards 0
+  const SkyTables found = precompute_sky(earth(), small_options());
+  _mm_setcsr(before);
+  CHECK(same_tables(found, wanted));
+}
+
+TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
+  CHECK(hash(precompute_sky(earth(), small_options())) == 0x199a8baf7c97a704U);
+  CHECK(hash(precompute_sky(mars(), small_options())) == 0x26667325f6818f5cU);
+}
+
+TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {
+  forget_allocations_in_tiles();
+  static_cast<void>(precompute_sky(earth(), small_options()));
+  CHECK(allocations_in_tiles() == 0);
+}
+
+TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any point of it", "[sky][tables]") {
+  double last = 0.0;
+  int calls = 0;
+  bool rising = true;
+  Control control;
+  control.progress = [&](double done) {
+    rising = rising && done >= last && done <= 1.0;
+    last = done;
+    ++calls;
+  };
+  static_cast<void>(precompute_sky(earth(), small_options(), control));
+  CHECK(rising);
+  CHECK(last == 1.0);
+  CHECK(calls > 50);
+  for (const double when : {0.0, 0.01, 0.04, 0.2, 0.5, 0.9}) {
+    std::stop_source source;
+    control.stop = source.get_token();
+    control.progress = [&](double done) {
+      if (done >= when) source.request_stop();
+    };
+    if (when == 0.0) source.request_stop();
+    CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth(), small_options(), control)); }).code ==
+          ErrorCode::cancelled);
+  }
+}
+
+TEST_CASE("Orders stop when one changes too little", "[sky][tables]") {
+  SkyTableOptions options = small_options();
+  options.orders = 64;
+  options.until_change = 0.02;
+  const SkyTables tables = precompute_sky(earth(), options);
+  CHECK(tables.orders > 2);
+  CHECK(tables.orders < 10);
+  CHECK(tables.last_change < 0.02);
+  options.orders = tables.orders;
+  options.until_change = 0.0;
+  CHECK(precompute_sky(earth(), options).scattering == tables.scattering);
+}
+
+TEST_CASE("Sky tables keep their memory limit and predict what they take", "[sky][tables]") {
+  SkyTableOptions options = small_options();
+  options.memory_limit_bytes = 1000;
+  const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); });
+  CHECK(error.code == ErrorCode::limit_exceeded);
+  CHECK(error.says("1000"));
+  options = {.heights = 128, .view_zeniths = 1024, .sun_zeniths = 256, .sun_angles = 128};
+  CHECK(sky_table_bytes(earth(), options) > std::uint64_t{128} * 1024 * 256 * 128 * 32);
+  CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); }).code == ErrorCode::limit_exceeded);
+  for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
+    SkyTableOptions usual;
+    usual.layout = layout;
+    usual.heights = 12;
+    usual.orders = 2;
+    const HeapWatch watch;
+    const SkyTables tables = precompute_sky(earth(), usual);
+    CHECK(watch.peak_bytes() <= static_cast<long>(sky_table_bytes(earth(), usual)));
+    CHECK(tables.bytes() < sky_table_bytes(earth(), usual));
+  }
+}
+
+TEST_CASE("Options that make no sense are named", "[sky][tables]") {
+  const auto refused = [](const char* what, auto change) {
+    SkyTableOptions options = small_options();
+    change(options);
+    const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); });
+    CAPTURE(what, error.message);
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says(what));
+  };
+  refused("heights", [](SkyTableOptions& o) { o.heights = 1; });
+  refused("heights", [](SkyTableOptions& o) { o.heights = 129; });
+  refused("view_zeniths", [](SkyTableOptions& o) { o.view_zeniths = 7; });
+  refused("view_zeniths", [](SkyTableOptions& o) { o.view_zeniths = 2; });
+  refused("sun_zeniths", [](SkyTableOptions& o) { o.sun_zeniths = 3; });
+  refused("sun_angles", [](SkyTableOptions& o) { o.sun_angles = -1; });
+  refused("transmittance_heights", [](SkyTableOptions& o) { o.transmittance_heights = 1; });
+  refused("transmittance_zeniths", [](SkyTableOptions& o) { o.transmittance_zeniths = 1 << 30; });
+  refused("irradiance_heights", [](SkyTableOptions& o) { o.irradiance_heights = 0; });
+  refused("irradiance_sun_zeniths", [](SkyTableOptions& o) { o.irradiance_sun_zeniths = 1; });
+  refused("lowest_sun_degrees", [](SkyTableOptions& o) { o.lowest_sun_degrees = 1.0; });
+  refused("lowest_sun_degrees", [](SkyTableOptions& o) { o.lowest_sun_degrees = std::nan(""); });
+  refused("orders", [](SkyTableOptions& o) { o.orders = 0; });
+  refused("orders", [](SkyTableOptions& o) { o.orders = 65; });
+  refused("until_change", [](SkyTableOptions& o) { o.until_change = -1.0; });
+  refused("until_change", [](SkyTableOptions& o) { o.until_change = std::numeric_limits<double>::infinity(); });
+  const ThrownError error = thrown_by([] {
+    static_cast<void>(precompute_sky(earth({400.0, 500.0, 600.0, 700.0}), small_options()));
+  });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  CHECK(error.says("linear_srgb"));
+}
+
+}  // namespace welkin::test

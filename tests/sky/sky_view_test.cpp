@@ -1,0 +1,533 @@
+// What a view of a sky gives, at every height and under every sun.
+#include "welkin/sky_view.h"
+
+#include <immintrin.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "jobs/tiles.h"
+#include "reference/sky_reference.h"
+#include "sky/phase.h"
+#include "sky/sky_geometry.h"
+#include "sky/sky_slice.h"
+#include "sky/sky_tables_for_tests.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/random_atmospheres.h"
+#include "support/thrown_error.h"
+#include "welkin/instruction_set.h"
+
+namespace welkin::test {
+
+// What a view gives: the same from every call and on every machine, symmetric, continuous, never negative.
+
+namespace {
+
+constexpr double kSpace = 500'000.0;
+constexpr std::array<double, 5> kAltitudes{0.0, 1.7, 7000.0, 60'000.0, kSpace};
+
+/// Directions all over, among them the axes, the sun, its opposite, the horizon, and lengths that are not 1.
+std::vector<glm::vec3> some_directions(const glm::dvec3& sun, int count) {
+  std::vector<glm::vec3> result{{0, 1, 0},     {0, -1, 0},     {1, 0, 0},         {0, 0, -1},          {0, 0, 0},
+                                {0, 1e-8F, 1}, {0, -1e-8F, 1}, {3e37F, 1e37F, 0}, {1e-30F, 2e-30F, 0}, {0, 5, 3}};
+  result.emplace_back(sun);
+  result.emplace_back(-sun);
+  std::mt19937 engine(7);
+  const auto number = [&engine] { return static_cast<float>(engine()) * 0x1p-31F - 1.0F; };
+  while (result.size() < static_cast<std::size_t>(count)) result.emplace_back(number(), 0.5F * number(), number());
+  result.resize(static_cast<std::size_t>(count));
+  return result;
+}
+
+std::vector<glm::dvec3> some_suns() {
+  return {sun_direction(90.0, 0.0), sun_direction(35.0, 200.0),  sun_direction(0.0, 10.0),
+          sun_direction(-5.0, 0.0), sun_direction(-31.0, 100.0), sun_direction(-90.0, 0.0)};
+}
+
+std::vector<glm::vec3> batch(const SkyView& view, const std::vector<glm::vec3>& directions, const glm::dvec3& sun) {
+  std::vector<glm::vec3> rgb(directions.size());
+  view.radiance(directions, sun, rgb);
+  return rgb;
+}
+
+bool same(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("sky view: one direction and many give the same bits", "[sky][view][determinism]") {
+  for (const double altitude : kAltitudes) {
+    const SkyView view(small_view_tables(), altitude);
+    for (const glm::dvec3& sun : some_suns()) {
+      // 1 to 3: few directions; 257: so many that the slice is reduced to the sun first
+      for (const int count : {0, 1, 2, 3, 15, 16, 17, 64, 65, 257}) {
+        const std::vector<glm::vec3> directions = some_directions(sun, count);
+        const std::vector<glm::vec3> many = batch(view, directions, sun);
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+          const glm::dvec3 one = view.radiance(glm::dvec3(directions[i]), sun);
+          CAPTURE(altitude, count, i);
+          REQUIRE(std::memcmp(&many[i], std::array{glm::vec3(one)}.data(), sizeof(glm::vec3)) == 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("sky view: every instruction set gives the same bits", "[sky][view][determinism]") {
+  const InstructionSet before = active_instruction_set();
+  for (const double altitude : kAltitudes) {
+    const SkyView view(small_view_tables(), altitude);
+    for (const glm::dvec3& sun : some_suns()) {
+      const std::vector<glm::vec3> directions = some_directions(sun, 200);
+      force_instruction_set(InstructionSet::sse2);
+      const std::vector<glm::vec3> expected = batch(view, directions, sun);
+      for (const InstructionSet set : available_instruction_sets()) {
+        CAPTURE(name(set), altitude);
+        force_instruction_set(set);
+        CHECK(same(batch(view, directions, sun), expected));
+      }
+    }
+  }
+  force_instruction_set(before);
+}
+
+TEST_CASE("sky view: a thread that flushes denormals gets the same bits", "[sky][view][determinism]") {
+  const glm::dvec3 sun = sun_direction(-9.0, 0.0);
+  const std::vector<glm::vec3> directions = some_directions(sun, 100);
+  const SkyView view(small_view_tables(), 50.0);
+  const std::vector<glm::vec3> expected = batch(view, directions, sun);
+  const CubemapImage picture = sky_cubemap(view, sun, 5, {.sun_disc = true});
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040U);
+  const SkyView other(small_view_tables(), 50.0);
+  const std::vector<glm::vec3> found = batch(other, directions, sun);
+  const CubemapImage again = sky_cubemap(other, sun, 5, {.sun_disc = true});
+  _mm_setcsr(before);
+  CHECK(same(found, expected));
+  CHECK(again.pixels == picture.pixels);
+}
+
+// The readable twin: the same lookup by the slice's own functions, one direction at a time.
+
+namespace {
+
+glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun) {
+  const sky::SkySlice& slice = SkyViewAccess::slice(view);
+  const double bottom = slice.mapping().bottom_radius();
+  const double r = bottom + slice.inside();
+  direction /= glm::length(direction);
+  const double nu = std::clamp(glm::dot(direction, sun), -1.0, 1.0);
+  double mu = direction.y;
+  double mu_s = sun.y;
+  if (slice.outside()) {
+    const double viewer = bottom + slice.altitude();
+    const double nearest = viewer * std::sqrt(1.0 - mu * mu);
+    if (mu >= 0.0 || nearest >= r) return {};
+    const double root = std::sqrt(r * r - nearest * nearest);
+    mu_s = (viewer * mu_s + (-viewer * mu - root) * nu) / r;
+    mu = -root / r;
+  }
+  const sky::ViewPlace place = slice.view_place(mu);
+  const sky::SunPlace under = slice.sun_place(mu_s);
+  const double sines = std::sqrt((1.0 - mu * mu) * (1.0 - mu_s * mu_s));
+  const sky::Taps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0);
+  // Along each axis the weighted sum, within a tenth of the range of the two nodes in the middle.
+  const auto cubic = [](const double(&values)[4], const sky::Taps& taps, int between) {
+    double sum = 0.0;
+    for (int i = 0; i < 4; ++i) sum += static_cast<double>(taps.weights[i]) * values[i];
+    const double a = values[between];
+    const double b = values[between + 1];
+    return std::clamp(sum, 0.9 * std::min(a, b), 1.1 * std::max(a, b));
+  };
+  // Which of the four nodes is next below: told by the signs of the weights, or by the end's being alone.
+  const auto between = [](const sky::Taps& taps) {
+    if (taps.weights[2] < 0.0F || taps.weights[0] == 1.0F) return 0;
+    return taps.weights[1] < 0.0F || taps.weights[3] == 1.0F ? 2 : 1;
+  };
+  double row[sky::kSliceRow]{};
+  for (int k = 0; k < sky::kSliceRow; ++k) {
+    double views[4];
+    for (int a = 0; a < 4; ++a) {
+      double azimuths[4];
+      for (int b = 0; b < 4; ++b) {
+        double suns[4];
+        for (int c = 0; c < 4; ++c) {
+          const int index =
+              ((place.taps.first + a) * slice.azimuths() + azimuth.first + b) * slice.suns() + under.taps.first + c;
+          suns[c] = static_cast<double>(slice.values()[sky::kSliceRow * index + k]);
+        }
+        azimuths[b] = cubic(suns, under.taps, between(under.taps));
+      }
+      views[a] = cubic(azimuths, azimuth, between(azimuth));
+    }
+    row[k] = cubic(views, place.taps, between(place.taps));
+  }
+  glm::dvec3 rgb;
+  const glm::dvec3 ground = slice.ground_radiance((r * mu_s + place.distance * nu) / bottom);
+  for (int k = 0; k < 3; ++k) {
+    rgb[k] = static_cast<double>(under.fade) *
+             (std::max(row[k], 0.0) * sky::rayleigh_phase(nu) + std::max(row[4 + k], 0.0) * slice.aerosol_phase(nu));
+    if (place.ground) rgb[k] += static_cast<double>(place.transmittance[k]) * ground[k];
+  }
+  return rgb;
+}
+
+}  // namespace
+
+TEST_CASE("sky view: the kernel is its twin in double", "[sky][view]") {
+  for (const double altitude : kAltitudes) {
+    const SkyView view(small_view_tables(), altitude);
+    const double horizon = sky::horizon_cosine(6'360'000.0, altitude);
+    for (const glm::dvec3& sun : some_suns()) {
+      double brightest = 0.0;
+      double worst = 0.0;
+      for (const glm::vec3& towards : some_directions(sun, 300)) {
+        const glm::dvec3 direction(towards);
+        // (of the horizon's own direction rounding decides what it meets)
+        if (!(glm::length(direction) > 1e-20)) continue;
+        if (std::abs(direction.y / glm::length(direction) - horizon) < 1e-6) continue;
+        const glm::dvec3 found = view.radiance(direction, sun);
+        const glm::dvec3 expected = twin(view, direction, sun);
+        for (int c = 0; c < 3; ++c) {
+          brightest = std::max(brightest, expected[c]);
+          worst = std::max(worst, std::abs(found[c] - expected[c]));
+        }
+      }
+      CAPTURE(altitude, sun.y);
+      CHECK(worst <= 1e-5 * brightest);
+    }
+  }
+}
+
+TEST_CASE("sky view: the two sides of the sun's plane are mirror images", "[sky][view]") {
+  for (const double altitude : kAltitudes) {
+    const SkyView view(small_view_tables(), altitude);
+    for (const double elevation : {60.0, 3.0, -4.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      for (const glm::vec3& towards : some_directions(sun, 200)) {
+        const glm::dvec3 here = view.radiance(glm::dvec3(towards), sun);
+        const glm::dvec3 there = view.radiance(glm::dvec3(-towards.x, towards.y, towards.z), sun);
+        CHECK(here == there);
+      }
+    }
+  }
+}
+
+TEST_CASE("sky view: a sun that goes round takes its sky along", "[sky][view]") {
+  const auto turned = [](const glm::dvec3& v, double degrees) {
+    const glm::dvec3 along = sun_direction(0.0, degrees);  // (sin, 0, cos)
+    return glm::dvec3(v.x * along.z + v.z * along.x, v.y, v.z * along.z - v.x * along.x);
+  };
+  for (const double altitude : {0.0, 7000.0, kSpace}) {
+    const SkyView view(small_view_tables(), altitude);
+    for (const double elevation : {60.0, 3.0, -4.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      double brightest = 0.0;
+      double worst = 0.0;
+      for (const glm::vec3& towards : some_directions(sun, 200)) {
+        const glm::dvec3 direction(towards);
+        const glm::dvec3 here = view.radiance(direction, sun);
+        const glm::dvec3 there = view.radiance(turned(direction, 123.4), turned(sun, 123.4));
+        brightest = std::max({brightest, here.r, here.g, here.b});
+        for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(here[c] - there[c]));
+      }
+      CHECK(worst < 2e-5 * brightest);
+    }
+  }
+}
+
+TEST_CASE("sky view: there are no seams", "[sky][view]") {
+  // A step of 2e-7 radians in any direction changes the sky by next to nothing, but for the horizon.
+  const auto step = [](const SkyView& view, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& sun) {
+    const glm::dvec3 here = view.radiance(a, sun);
+    const glm::dvec3 there = view.radiance(b, sun);
+    return glm::length(here - there) / (glm::length(here) + glm::length(there) + 1e-12);
+  };
+  for (const double altitude : {0.0, 1.7, 7000.0, 60'000.0}) {
+    const SkyView view(small_view_tables(), altitude);
+    const double horizon = sky::horizon_cosine(6'360'000.0, altitude);
+    for (const double elevation : {70.0, 8.0, 0.0, -3.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      for (int i = 0; i <= 400; ++i) {
+        const double mu = -1.0 + 2.0 * i / 400.0;
+        if (std::abs(mu - horizon) < 1e-3) continue;
+        const auto at = [&](double cosine, double azimuth) {
+          const glm::dvec3 level = sun_direction(0.0, azimuth);
+          return std::sqrt(1.0 - cosine * cosine) * level + glm::dvec3(0.0, cosine, 0.0);
+        };
+        CAPTURE(altitude, elevation, mu);
+        const double higher = std::min(1.0, mu + 2e-7);
+        CHECK(step(view, at(mu, 40.0), at(higher, 40.0), sun) < 1e-4);
+        CHECK(step(view, at(mu, 0.0), at(mu, 1e-5), sun) < 1e-4);
+        CHECK(step(view, at(mu, 180.0), at(mu, 180.00001), sun) < 1e-4);
+      }
+    }
+  }
+}
+
+TEST_CASE("sky view: the sky does not jump as the sun sinks or the viewer climbs", "[sky][view]") {
+  const std::vector<glm::vec3> directions = some_directions(sun_direction(5.0, 0.0), 60);
+  const auto sum = [&](const SkyView& view, double elevation) {
+    double all = 0.0;
+    for (const glm::vec3& rgb : batch(view, directions, sun_direction(elevation, 0.0))) {
+      all += static_cast<double>(rgb.x + rgb.y + rgb.z);
+    }
+    return all;
+  };
+  const SkyView ground(small_view_tables(), 0.0);
+  const double noon = sum(ground, 90.0);
+  for (double elevation = 90.0; elevation > -89.9; elevation -= 0.25) {
+    CAPTURE(elevation);
+    CHECK(std::abs(sum(ground, elevation) - sum(ground, elevation - 1e-5)) < 1e-4 * noon);
+  }
+  // At the top, where rays that come from space take over.
+  const SkyView below(small_view_tables(), 60'000.0 - 1e-4);
+  const SkyView top(small_view_tables(), 60'000.0);
+  const SkyView above(small_view_tables(), 60'000.0 + 1e-4);
+  const std::vector<glm::vec3> down{{0, -1, 0}, {0, -0.5F, 0.8F}, {0.3F, -0.3F, -0.7F}, {0, -0.15F, 1.0F}};
+  for (const double elevation : {50.0, 2.0, -3.0}) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    for (std::size_t i = 0; i < down.size(); ++i) {
+      const glm::vec3 here = batch(top, down, sun)[i];
+      CAPTURE(elevation, i);
+      CHECK(glm::length(batch(below, down, sun)[i] - here) <= 1e-4F * glm::length(here) + 1e-9F);
+      CHECK(glm::length(batch(above, down, sun)[i] - here) <= 1e-4F * glm::length(here) + 1e-9F);
+    }
+  }
+}
+
+TEST_CASE("sky view: the shadow's rim has no notches", "[sky][view]") {
+  // Along the horizon light falls from the sun's side to the other, at most into the shadow once.
+  for (const double altitude : {0.0, 10'000.0}) {
+    const SkyView view(single_tables(), altitude);
+    for (const double elevation : {-8.0, -10.0, -12.4, -14.0, -16.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      for (const double height : {0.3, 1.0, 3.0, 8.0}) {
+        std::vector<double> around;
+        for (int i = 0; i <= 180; ++i) around.push_back(view.radiance(sun_direction(height, i), sun).b);
+        const double brightest = *std::max_element(around.begin(), around.end());
+        for (std::size_t i = 4; i + 4 < around.size(); ++i) {
+          CAPTURE(altitude, elevation, height, i);
+          CHECK(around[i] >= 0.5 * std::min(around[i - 4], around[i + 4]) - 1e-6 * brightest);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("sky view: finite directions of any length do no harm", "[sky][view]") {
+  const std::vector<double> lengths{1e-310, 1e-200, 1.0, 1e200, 1e308};
+  for (const double altitude : kAltitudes) {
+    const SkyView view(small_view_tables(), altitude);
+    for (const double a : lengths) {
+      for (const double b : lengths) {
+        const glm::dvec3 rgb = view.radiance(a * glm::dvec3(0.1, -0.7, 0.7), b * glm::dvec3(0.0, 0.3, 0.9));
+        for (int c = 0; c < 3; ++c) CHECK((std::isfinite(rgb[c]) && rgb[c] >= 0.0));
+      }
+    }
+    const glm::dvec3 sun(0.0, 0.6, 0.8);
+    CHECK(view.radiance(glm::dvec3(0.0), sun) == view.radiance(glm::dvec3(0.0, 1.0, 0.0), sun));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const glm::dvec3 rgb = view.radiance(glm::dvec3(nan, 0.3, -nan), sun);
+    for (int c = 0; c < 3; ++c) CHECK((std::isfinite(rgb[c]) && rgb[c] >= 0.0));
+  }
+}
+
+TEST_CASE("sky view: a ground that is not shown leaves the air before it", "[sky][view]") {
+  const SkyView with(small_view_tables(), 3000.0);
+  const SkyView without(small_view_tables(), 3000.0, {.ground = false});
+  const glm::dvec3 sun = sun_direction(40.0, 0.0);
+  for (const glm::vec3& towards : some_directions(sun, 100)) {
+    const glm::dvec3 a = with.radiance(glm::dvec3(towards), sun);
+    const glm::dvec3 b = without.radiance(glm::dvec3(towards), sun);
+    if (towards.y < -0.1F * std::hypot(towards.x, towards.z)) {
+      CHECK(a.g > b.g);
+    } else if (towards.y > 0.0F) {
+      CHECK(a == b);
+    }
+  }
+  CHECK(SkyView(small_view_tables(), 0.0, {.ground = false}).radiance({0.0, -1.0, 0.0}, sun) == glm::dvec3(0.0));
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("sky view: looking up allocates nothing", "[sky][view][allocation]") {
+  const SkyView view(small_view_tables(), 100.0);
+  const SkyView space(small_view_tables(), kSpace);
+  const glm::dvec3 sun = sun_direction(10.0, 0.0);
+  const std::vector<glm::vec3> directions = some_directions(sun, 1000);
+  std::vector<glm::vec3> rgb(directions.size());
+  double sum = 0.0;
+  forget_allocations_in_tiles();
+  jobs::run_tiles(1, jobs::Placement::calling_thread, 1, {}, [&](std::size_t, std::size_t) {
+    for (const SkyView* const each : {&view, &space}) {
+      sum += each->radiance(glm::dvec3(0.0, 0.5, 0.5), sun).r + each->sun(sun).irradiance.r + each->irradiance(sun).r;
+      each->radiance(directions, sun, rgb);
+      each->radiance(std::span(directions).first(20), sun, rgb);
+    }
+  });
+  CHECK(allocations_in_tiles() == 0);
+  CHECK(sum > 0.0);
+}
+#endif
+
+TEST_CASE("sky view: what cannot be looked up is refused", "[sky][view][errors]") {
+  const auto refused = [](const std::shared_ptr<const SkyTables>& tables, double altitude) {
+    return thrown_by([&] { static_cast<void>(SkyView(tables, altitude)); });
+  };
+  CHECK(refused(nullptr, 0.0).says("no tables"));
+  for (const double altitude : {-1.0, 1.1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    const ThrownError error = refused(small_view_tables(), altitude);
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("altitude"));
+  }
+  const auto broken = [&](auto change) {
+    SkyTables tables = *small_view_tables();
+    change(tables);
+    return refused(std::make_shared<const SkyTables>(std::move(tables)), 0.0);
+  };
+  CHECK(broken([](SkyTables& t) { t.scattering.pop_back(); }).says("scattering"));
+  CHECK(broken([](SkyTables& t) { t.single_mie.clear(); }).says("single_mie"));
+  CHECK(broken([](SkyTables& t) { t.transmittance.push_back(0.0F); }).says("transmittance"));
+  CHECK(broken([](SkyTables& t) { t.irradiance.clear(); }).says("irradiance"));
+  CHECK(broken([](SkyTables& t) { t.options.heights = 1 << 20; }).says("heights"));
+  CHECK(broken([](SkyTables& t) { t.options.lowest_sun_degrees = 5.0; }).says("lowest_sun_degrees"));
+  CHECK(broken([](SkyTables& t) { t.atmosphere.bottom_radius_m = -1.0; }).code == ErrorCode::invalid_argument);
+  const SkyView view(small_view_tables(), 0.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const glm::dvec3& sun : {glm::dvec3(0.0), glm::dvec3(0.0, nan, 1.0), glm::dvec3(infinity, 0.0, 0.0)}) {
+    std::vector<glm::vec3> one(1);
+    CHECK(thrown_by([&] { static_cast<void>(view.radiance({0.0, 1.0, 0.0}, sun)); }).says("sun's direction"));
+    CHECK(thrown_by([&] { view.radiance(one, sun, one); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(view.sun(sun)); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(view.irradiance(sun)); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(sky_cubemap(view, sun, 2)); }).code == ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(sky_lat_long(view, sun, 2)); }).code == ErrorCode::invalid_argument);
+  }
+  std::vector<glm::vec3> directions(3);
+  std::vector<glm::vec3> rgb(2);
+  CHECK(thrown_by([&] { view.radiance(directions, {0.0, 1.0, 0.0}, rgb); }).says("room for 2"));
+}
+
+// Nothing that is not finite, nothing below zero: any planet, any height, any sun.
+
+namespace {
+
+bool sound(const glm::dvec3& rgb) {
+  bool result = true;
+  for (int c = 0; c < 3; ++c) result = result && std::isfinite(rgb[c]) && rgb[c] >= 0.0;
+  return result;
+}
+
+/// Smallest tables with anything in them, some with fewer nodes than a cubic takes.
+SkyTableOptions tiny(RandomAtmospheres& random) {
+  SkyTableOptions options;
+  options.layout = random.chance(0.3) ? ScatteringLayout::compact : ScatteringLayout::full;
+  options.heights = random.whole(2, 5);
+  options.view_zeniths = 2 * random.whole(2, 5);
+  options.sun_zeniths = random.whole(4, 8);
+  options.sun_angles = random.whole(2, 5);
+  options.transmittance_heights = random.whole(2, 6);
+  options.transmittance_zeniths = random.whole(4, 16);
+  options.irradiance_heights = random.whole(2, 4);
+  options.irradiance_sun_zeniths = random.whole(4, 8);
+  options.orders = 1;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][view][random]") {
+  RandomAtmospheres random(20'261'121);
+  for (int i = 0; i < trials(400); ++i) {
+    const Atmosphere air = random.next();
+    const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny(random)));
+    const double thickness = air.top_radius_m - air.bottom_radius_m;
+    for (const double altitude :
+         {0.0, std::min(1e9, 1e-9 * thickness), std::min(1e9, random.number() * thickness), std::min(1e9, thickness),
+          std::min(1e9, thickness * (1.0 + 1e-12)), std::min(1e9, 10.0 * air.bottom_radius_m)}) {
+      CAPTURE(i, altitude, air.bottom_radius_m, thickness);
+      const SkyView view(tables, altitude);
+      bool all = true;
+      for (int k = 0; k < 60; ++k) {
+        const double elevation = k < 10 ? 90.0 - 20.0 * k : random.between(-90.0, 90.0);
+        const glm::dvec3 sun = sun_direction(elevation, random.between(0.0, 360.0));
+        const glm::dvec3 towards =
+            k % 7 == 0   ? sun
+            : k % 7 == 1 ? -sun
+                         : sun_direction(random.chance(0.3) ? random.between(-1e-6, 1e-6) : random.between(-90.0, 90.0),
+                                         random.between(0.0, 360.0));
+        all = all && sound(view.radiance(towards, sun)) && sound(view.sun(sun).irradiance) &&
+              sound(view.sun(sun).radiance) && sound(view.irradiance(sun));
+      }
+      CHECK(all);
+    }
+  }
+}
+
+TEST_CASE("sky view: the compact table looks much like the full one", "[sky][view]") {
+  const glm::dvec3 sun = sun_direction(30.0, 0.0);
+  const SkyView full(small_view_tables(), 0.0);
+  const SkyView compact(small_tables(earth(), ScatteringLayout::compact), 0.0);
+  for (const glm::dvec3& towards : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, 0.5, 0.3), glm::dvec3(-0.5, 0.2, 0.1)}) {
+    const glm::dvec3 a = full.radiance(towards, sun);
+    const glm::dvec3 b = compact.radiance(towards, sun);
+    for (int c = 0; c < 3; ++c) CHECK(b[c] == Approx(a[c]).epsilon(0.06));
+  }
+}
+
+TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
+  const Atmosphere air = earth({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
+  SkyTableOptions options;
+  options.heights = 4;
+  options.view_zeniths = 32;
+  options.sun_zeniths = 32;
+  options.orders = 1;
+  options.colour = SkyColour::linear_srgb;
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  const std::vector<glm::dvec3> weights = srgb_weights(air.wavelengths_nm);
+  const auto folded = [&](const std::vector<double>& values) {
+    glm::dvec3 sum{};
+    for (std::size_t i = 0; i < values.size(); ++i) sum += weights[i] * values[i];
+    return sum;
+  };
+  for (const double elevation : {60.0, 10.0}) {
+    const glm::dvec3 sun = sun_direction(elevation, 0.0);
+    for (const glm::dvec3& towards :
+         {glm::dvec3(0, 1, 0), glm::dvec3(0.6, 0.529, 0.6), glm::dvec3(-0.8, 0.2, -0.565)}) {
+      const glm::dvec3 unit = glm::normalize(towards);
+      const glm::dvec3 truth = folded(reference_sky_radiance(air, 0.0, unit, sun, {1e-6, true}));
+      const glm::dvec3 found = view.radiance(unit, sun);
+      for (int c = 0; c < 3; ++c) CHECK(found[c] == Approx(std::max(truth[c], 0.0)).epsilon(0.005));
+    }
+    const glm::dvec3 light = folded(reference_sun_irradiance(air, 0.0, sun));
+    for (int c = 0; c < 3; ++c) CHECK(view.sun(sun).irradiance[c] == Approx(light[c]).epsilon(0.002));
+  }
+}
+
+TEST_CASE("sky view: the sun comes through the air as in the reference", "[sky][view][truth]") {
+  for (const double altitude : {0.0, 5000.0, 70'000.0, 400'000.0}) {
+    const SkyView view(single_tables(), altitude);
+    for (const double elevation : {90.0, 30.0, 5.0, 1.0, -2.0, -12.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      const std::vector<double> truth = reference_sun_irradiance(earth(), altitude, sun);
+      for (int c = 0; c < 3; ++c) {
+        CAPTURE(altitude, elevation, c);
+        CHECK(view.sun(sun).irradiance[c] == Approx(truth[static_cast<std::size_t>(c)]).epsilon(0.003).margin(1e-6));
+      }
+    }
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,500 @@
+// The fast transform between grids and hundreds of bands, and the Fourier transforms of its rings.
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <stop_token>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "math/quadrature.h"
+#include "reference/reference_projection.h"
+#include "simd/kernels.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "transform/direct_transform.h"
+#include "transform/ring_fft.h"
+#include "transform/spectrum.h"
+#include "welkin/control.h"
+#include "welkin/image.h"
+#include "welkin/instruction_set.h"
+#include "welkin/projection.h"
+
+namespace welkin::test {
+
+// Fourier transforms of rings, against the definition in double.
+
+namespace {
+
+/// The largest error over all lanes of noise, relative to the signal's root mean square times sqrt(length).
+double error_of(int length, const simd::Kernels& kernels) {
+  const auto fourier = transforms::RingFourier::get(length);
+  const auto floats = static_cast<std::size_t>(length) * simd::kComplexFloats;
+  platform::AlignedBuffer<float> values(floats);
+  platform::AlignedBuffer<float> scratch(fourier->scratch_floats());
+  std::uint32_t state = static_cast<std::uint32_t>(length);
+  for (std::size_t k = 0; k < floats; ++k) {
+    state = state * 1664525U + 1013904223U;
+    values.data()[k] = static_cast<float>(state >> 8U) * 0x1p-23F - 1.0F;
+  }
+  const std::vector<float> signal(values.data(), values.data() + floats);
+  const float* const result = fourier->transform(kernels, values.data(), scratch.data());
+  double error = 0.0;
+  const int lanes = length > 300 ? 1 : simd::kRingLanes;  // which lane, by the length
+  for (int lane = length % simd::kRingLanes, n = 0; n < lanes; ++n, lane = (lane + 1) % simd::kRingLanes) {
+    for (int k = 0; k < length; k += 1 + length / 500) {
+      std::complex<double> sum = 0.0;
+      for (int i = 0; i < length; ++i) {
+        const auto at = static_cast<std::size_t>(i * simd::kComplexFloats + lane);
+        const double turn = static_cast<double>(std::int64_t{i} * k % length) / length;
+        sum += std::complex<double>(signal[at], signal[at + simd::kRingLanes]) *
+               std::polar(1.0, -2.0 * std::numbers::pi * turn);
+      }
+      const auto at = static_cast<std::size_t>(k * simd::kComplexFloats + lane);
+      error = std::max(error, std::abs(sum - std::complex<double>(result[at], result[at + simd::kRingLanes])));
+    }
+  }
+  return error / std::sqrt(length * 2.0 / 3.0);
+}
+
+}  // namespace
+
+TEST_CASE("Rings of any length are transformed", "[tables][transform][fourier]") {
+  for (int length = 1; length <= 70; ++length) {
+    CAPTURE(length);
+    CHECK(error_of(length, simd::active_kernels()) < 2e-6);
+  }
+  // Powers, products, primes by convolution.
+  for (const int length :
+       {81, 125, 257, 343, 360, 509, 512, 720, 961, 1000, 1024, 1439, 1440, 2048, 2187, 4093, 4096, 6000, 8191}) {
+    CAPTURE(length);
+    CHECK(error_of(length, simd::active_kernels()) < 3e-6);
+  }
+}
+
+TEST_CASE("Rings are transformed on every instruction set", "[tables][transform][fourier]") {
+  for (const InstructionSet set : available_instruction_sets()) {
+    for (const int length : {16, 30, 64, 77, 101, 240}) {
+      CAPTURE(name(set), length);
+      CHECK(error_of(length, simd::kernels(set)) < 3e-6);
+    }
+  }
+}
+
+TEST_CASE("Fast lengths are even and have small factors only", "[tables][transform][fourier]") {
+  CHECK(transforms::fast_even_length(1) == 2);
+  CHECK(transforms::fast_even_length(7) == 8);
+  CHECK(transforms::fast_even_length(13) == 16);
+  CHECK(transforms::fast_even_length(1023) == 1024);
+  CHECK(transforms::fast_even_length(1025) == 1080);
+}
+
+// The fast transform gives what the definition gives, in double, at any size and number of bands.
+
+namespace {
+
+LatLongImage image_of(Content content, int width, int height, std::uint32_t seed) {
+  const TestLatLong made = make_lat_long(content, width, height, seed);
+  return {width, height, made.pixels};
+}
+
+}  // namespace
+
+TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][transform]") {
+  // More bands than texels, fewer, even, odd, prime; rows of any ratio.
+  const std::pair<int, int> sizes[] = {{1, 1},  {2, 1},  {1, 2},   {3, 2},    {2, 3},   {7, 7},    {1, 64},
+                                       {64, 1}, {64, 3}, {7, 257}, {257, 64}, {64, 32}, {128, 64}, {257, 2}};
+  for (const auto& [width, height] : sizes) {
+    for (const int bands : {1, 2, 3, 33, 64}) {
+      CAPTURE(width, height, bands);
+      const LatLongImage image = image_of(Content::random, width, height, 5);
+      const Coefficients truth = direct_analysis(image, bands);
+      const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
+      REQUIRE(spectrum.bands() == bands);
+      CHECK(largest_difference(coefficients_of(spectrum), truth) < 3e-7 * largest(truth));
+    }
+  }
+}
+
+TEST_CASE("The first bands are those of the reference projection", "[specular][transform]") {
+  for (const auto& [width, height] : {std::pair{64, 32}, std::pair{33, 17}, std::pair{2, 1}, std::pair{512, 256}}) {
+    for (const int bands : {1, 3, 16}) {
+      CAPTURE(width, height, bands);
+      const LatLongImage image = image_of(Content::high_range, width, height, 6);
+      ProjectionOptions options;
+      options.bands = bands;
+      const SphericalHarmonics truth = reference_projection(image.view(), options);
+      const SphericalHarmonics found = transforms::analyse(image.view(), bands + 5, {}).harmonics(bands);
+      double most = 0.0;
+      double error = 0.0;
+      for (std::size_t k = 0; k < truth.coefficients().size(); ++k) {
+        most = std::max(most, glm::length(truth.coefficients()[k]));
+        error = std::max(error, glm::length(found.coefficients()[k] - truth.coefficients()[k]));
+      }
+      CHECK(error < 1e-6 * most);
+    }
+  }
+}
+
+TEST_CASE("Synthesis gives the sum over the harmonics", "[specular][transform]") {
+  for (const int bands : {1, 2, 7, 33, 64}) {
+    const LatLongImage image = image_of(Content::random, 64, 33, 7);
+    const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands + 1, {});
+    const Coefficients c = coefficients_of(spectrum);
+    std::vector<double> zonal;
+    for (int l = 0; l < bands; ++l) zonal.push_back(1.0 / (1.0 + 0.03 * l * l));
+    for (const auto& [rings, columns] : {std::pair{1, 128}, std::pair{2, 130}, std::pair{7, 134}, std::pair{33, 162},
+                                         std::pair{64, 128}, std::pair{129, 254}}) {
+      CAPTURE(bands, rings, columns);
+      image::SphereGrid grid(rings, columns, image::GridContent::samples);
+      transforms::synthesise(spectrum, zonal, grid, {});
+      double most = 0.0;
+      double error = 0.0;
+      for (int ring = 0; ring < rings; ring += 1 + rings / 9) {
+        for (int column = 0; column < columns; column += 1 + columns / 7) {
+          const double theta = std::numbers::pi * (ring + 0.5) / rings;
+          const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * (column + 0.5) / columns;
+          for (int channel = 0; channel < 3; ++channel) {
+            const double truth = direct_value(c, zonal, channel, theta, longitude);
+            most = std::max(most, std::abs(truth));
+            error = std::max(error, std::abs(truth - static_cast<double>(grid.texel(column, ring)[channel])));
+          }
+          CHECK(grid.texel(column, ring)[3] == 0.0F);
+        }
+      }
+      CHECK(error < 1e-6 * most);
+    }
+  }
+}
+
+// What the transform must keep at hundreds of bands: energy, symmetry, dark skies beside a sun.
+
+namespace {
+
+using image::GridContent;
+using image::SphereGrid;
+
+/// P(l, m) of one angle for all l < bands: the unscaled recurrence, upwards in l, in double.
+std::vector<double> legendre_column(int m, int bands, double theta) {
+  std::vector<double> column(static_cast<std::size_t>(bands), 0.0);
+  double here = std::sqrt(0.25 / std::numbers::pi);
+  for (int k = 1; k <= m; ++k) here *= std::sin(theta) * std::sqrt((2.0 * k + 1.0) / (2.0 * k));
+  double before = 0.0;
+  const double square = static_cast<double>(m) * m;
+  for (int l = m; l < bands; ++l) {
+    column[static_cast<std::size_t>(l)] = here;
+    const double next_square = (l + 1.0) * (l + 1.0);
+    const double a = std::sqrt((4.0 * next_square - 1.0) / (next_square - square));
+    const double b = l > m ? std::sqrt((2.0 * l + 3.0) * (static_cast<double>(l) * l - square) /
+                                       ((2.0 * l - 1.0) * (next_square - square)))
+                           : 0.0;
+    const double next = a * std::cos(theta) * here - b * before;
+    before = here;
+    here = next;
+  }
+  return column;
+}
+
+LatLongImage uniform(int width, int height, float value) {
+  return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), value)};
+}
+
+}  // namespace
+
+TEST_CASE("A uniform environment has its mean and nothing else", "[specular][transform]") {
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{9, 4}, std::pair{256, 129}, std::pair{1024, 512}}) {
+    CAPTURE(width, height);
+    const transforms::Spectrum spectrum = transforms::analyse(uniform(width, height, 0.7F).view(), 100, {});
+    const double mean = static_cast<double>(0.7F) * std::sqrt(4.0 * std::numbers::pi);
+    CHECK(std::abs(spectrum.value(0, 0, 0) - mean) < 2e-7 * mean);
+    double rest = 0.0;
+    for (int m = 0; m < 100; ++m) {
+      for (int l = std::max(1, m); l < 100; ++l) rest = std::max(rest, std::abs(spectrum.value(l, m, 1)));
+    }
+    CHECK(rest < 2e-7 * mean);
+  }
+}
+
+TEST_CASE("Turning the source by whole texels turns the phases", "[specular][transform]") {
+  const int width = 48;
+  const int height = 31;
+  const int bands = 40;
+  const int shift = 5;
+  const TestLatLong source = make_lat_long(Content::random, width, height, 51);
+  TestLatLong turned = source;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      for (int c = 0; c < 3; ++c) {
+        turned.pixels[static_cast<std::size_t>(3 * (row * width + (column + shift) % width) + c)] =
+            source.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)];
+      }
+    }
+  }
+  const transforms::Spectrum a = transforms::analyse(source.view(), bands, {});
+  const transforms::Spectrum b = transforms::analyse(turned.view(), bands, {});
+  double error = 0.0;
+  for (int m = 0; m < bands; ++m) {
+    // Columns run against longitude: e^(-i m phi) gains e^(+i m 2 pi shift / width).
+    const std::complex<double> phase = std::polar(1.0, 2.0 * std::numbers::pi * m * shift / width);
+    for (int l = m; l < bands; ++l) {
+      for (int c = 0; c < 3; ++c) error = std::max(error, std::abs(b.value(l, m, c) - phase * a.value(l, m, c)));
+    }
+  }
+  CHECK(error < 3e-7 * largest(coefficients_of(a)));
+}
+
+TEST_CASE("A band-limited field goes there and back", "[specular][transform]") {
+  // Rings fine enough that texels of the samples' values are nearly the field: what is lost is texels' own blur.
+  const int bands = 12;
+  const TestLatLong noise = make_lat_long(Content::random, 40, 20, 52);
+  const transforms::Spectrum first = transforms::analyse(noise.view(), bands, {});
+  const std::vector<double> flat(static_cast<std::size_t>(bands), 1.0);
+  double last = 0.0;
+  for (const int rings : {128, 256}) {
+    SphereGrid grid(rings, 2 * rings, GridContent::samples);
+    transforms::synthesise(first, flat, grid, {});
+    LatLongImage image{2 * rings, rings, {}};
+    for (int ring = 0; ring < rings; ++ring) {
+      for (int column = 0; column < 2 * rings; ++column) {
+        const float* const texel = grid.texel(column, ring);
+        image.pixels.insert(image.pixels.end(), texel, texel + 3);
+      }
+    }
+    const transforms::Spectrum second = transforms::analyse(image.view(), bands, {});
+    const double error =
+        largest_difference(coefficients_of(first), coefficients_of(second)) / largest(coefficients_of(first));
+    CHECK(error < 0.3 * bands * bands / (rings * rings));
+    if (rings == 256) CHECK(error < 0.3 * last);  // second order
+    last = error;
+  }
+}
+
+TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][transform]") {
+  // One texel over a background of 1. Its coefficients come from its own integrals, in double.
+  const int width = 1024;
+  const int height = 512;
+  const int bands = 384;
+  const int column = 300;
+  const double radiance = 1e6;
+  for (const int row : {0, 60, 255, 400}) {
+    CAPTURE(row);
+    LatLongImage image = uniform(width, height, 1.0F);
+    for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)] = 1e6F;
+    const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
+    const simd::GaussRule rule = math::gauss_legendre(6);
+    const double longitude = std::numbers::pi * (1.0 - 2.0 * (column + 0.5) / width);
+    double squares = 0.0;  // of the errors of a field through a lobe of roughness 0.111
+    double largest_error = 0.0;
+    const double alpha = 0.111 * 0.111;
+    for (int m = 0; m < bands; ++m) {
+      std::vector<double> integrals(static_cast<std::size_t>(bands), 0.0);
+      for (int k = 0; k < rule.order; ++k) {
+        const double theta = std::numbers::pi * (row + 0.5 + 0.5 * rule.nodes[k]) / height;
+        const std::vector<double> functions = legendre_column(m, bands, theta);
+        const double weight = rule.weights[k] * 0.5 * std::numbers::pi / height * std::sin(theta);
+        for (int l = m; l < bands; ++l) {
+          integrals[static_cast<std::size_t>(l)] += weight * functions[static_cast<std::size_t>(l)];
+        }
+      }
+      const double extent = m > 0 ? 2.0 * std::sin(m * std::numbers::pi / width) / m : 2.0 * std::numbers::pi / width;
+      for (int l = m; l < bands; ++l) {
+        std::complex<double> truth =
+            (radiance - 1.0) * integrals[static_cast<std::size_t>(l)] * std::polar(extent, -m * longitude);
+        if (l == 0) truth += std::sqrt(4.0 * std::numbers::pi);
+        const double error = std::abs(truth - spectrum.value(l, m, 0));
+        largest_error = std::max(largest_error, error);
+        squares += (m > 0 ? 2.0 : 1.0) * error * error * std::exp(-4.0 * alpha * l);
+      }
+    }
+    CHECK(largest_error < 5e-4);                                  // coefficients go up to 40
+    CHECK(std::sqrt(squares / (4.0 * std::numbers::pi)) < 6e-4);  // of the background, which is 1
+
+    // And back: far from the sun and near it, against the sum in double of the very same coefficients.
+    std::vector<double> lobe;
+    for (int l = 0; l < bands; ++l) lobe.push_back(std::exp(-2.0 * alpha * l));
+    SphereGrid grid(height, width, GridContent::samples);
+    transforms::synthesise(spectrum, lobe, grid, {});
+    double error = 0.0;
+    for (const int ring : {1, 61, 254, 301, 510}) {
+      const double theta = std::numbers::pi * (ring + 0.5) / height;
+      std::vector<std::complex<double>> orders;
+      for (int m = 0; m < bands; ++m) {
+        const std::vector<double> functions = legendre_column(m, bands, theta);
+        std::complex<double> sum = 0.0;
+        for (int l = m; l < bands; ++l) {
+          const auto degree = static_cast<std::size_t>(l);
+          sum += lobe[degree] * functions[degree] * spectrum.value(l, m, 2);
+        }
+        orders.push_back(m > 0 ? 2.0 * sum : sum);
+      }
+      for (int place = 7; place < width; place += 97) {
+        const double angle = std::numbers::pi * (1.0 - 2.0 * (place + 0.5) / width);
+        double truth = 0.0;
+        for (int m = 0; m < bands; ++m) {
+          truth += (orders[static_cast<std::size_t>(m)] * std::polar(1.0, m * angle)).real();
+        }
+        const double difference = std::abs(truth - static_cast<double>(grid.texel(place, ring)[2]));
+        error = std::max(error, difference / std::max(1.0, std::abs(truth)));
+      }
+    }
+    CHECK(error < 1e-3);  // relative; the lobe's peak is near 500
+  }
+}
+
+TEST_CASE("Many bands begin where they should", "[specular][transform]") {
+  // 1536 bands, the most there are, on few rings: every function that matters is there, however small it begins.
+  const int bands = 1536;
+  transforms::Spectrum spectrum(bands);
+  const int degree = bands - 1;
+  const int order = GENERATE(0, 1, 40, 300, 1000, 1500, 1535);
+  spectrum.order(order)[8 * (degree - order)] = 1.0F;
+  std::vector<double> zonal(static_cast<std::size_t>(bands), 0.0);
+  zonal.back() = 1.0;
+  const int rings = 24;
+  SphereGrid grid(rings, 2 * bands, GridContent::samples);
+  transforms::synthesise(spectrum, zonal, grid, {});
+  const int column = 11;
+  const double longitude = std::numbers::pi * (1.0 - (column + 0.5) / bands);
+  double error = 0.0;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double theta = std::numbers::pi * (ring + 0.5) / rings;
+    const double truth =
+        (order > 0 ? 2.0 : 1.0) * legendre_column(order, bands, theta).back() * std::cos(order * longitude);
+    error = std::max(error, std::abs(truth - static_cast<double>(grid.texel(column, ring)[0])));
+  }
+  CHECK(error < 2e-5);  // values are of order 1
+}
+
+// The transform's bits do not depend on threads or instruction set, its tiles allocate nothing, and it stops when told.
+
+namespace {
+
+/// There and back at several shapes, every number in a row.
+std::vector<float> transform_all() {
+  std::vector<float> numbers;
+  for (const auto& [width, height, bands] : {std::tuple{1, 1, 9}, std::tuple{7, 5, 20}, std::tuple{37, 41, 30},
+                                             std::tuple{360, 181, 96}, std::tuple{512, 600, 100}}) {
+    const TestLatLong source = make_lat_long(Content::high_range, width, height, 41);
+    const transforms::Spectrum spectrum = transforms::analyse(source.view(), bands, {});
+    for (int m = 0; m < bands; ++m) {
+      for (int l = m; l < bands; ++l) {
+        for (int k = 0; k < 6; ++k) numbers.push_back(spectrum.order(m)[8 * (l - m) + k]);
+      }
+    }
+    const std::vector<double> zonal(static_cast<std::size_t>(bands), 0.9);
+    for (const GridContent content : {GridContent::samples, GridContent::spline_coefficients}) {
+      SphereGrid grid(bands + 3, 2 * bands + 2, content);
+      transforms::synthesise(spectrum, zonal, grid, {});
+      for (int ring = -SphereGrid::kBorder; ring < grid.rings() + SphereGrid::kBorder; ++ring) {
+        const float* const row = grid.texel(-SphereGrid::kBorder, ring);
+        numbers.insert(numbers.end(), row, row + grid.stride());
+      }
+    }
+  }
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("The transform's bits do not depend on the number of threads", "[specular][transform][determinism]") {
+  std::vector<float> expected;
+  run_with_threads(1, [&] { expected = transform_all(); });
+  for (const int threads : {2, 3, 8}) {
+    CAPTURE(threads);
+    run_with_threads(threads, [&] { CHECK(same_bytes<float>(transform_all(), expected)); });
+  }
+}
+
+TEST_CASE("The transform's bits do not depend on the instruction set", "[specular][transform][determinism]") {
+  const InstructionSet before = active_instruction_set();
+  force_instruction_set(InstructionSet::sse2);
+  const std::vector<float> expected = transform_all();
+  for (const InstructionSet set : available_instruction_sets()) {
+    CAPTURE(name(set));
+    force_instruction_set(set);
+    CHECK(same_bytes<float>(transform_all(), expected));
+  }
+  force_instruction_set(before);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("The transform's tiles allocate nothing", "[specular][transform][allocation]") {
+  for (const int width : {512, 509}) {  // the second one prime: a convolution
+    const TestLatLong source = make_lat_long(Content::random, width, 256, 42);
+    for (const int threads : {1, 3}) {
+      run_with_threads(threads, [&] {
+        forget_allocations_in_tiles();
+        const transforms::Spectrum spectrum = transforms::analyse(source.view(), 120, {});
+        SphereGrid grid(160, 320, GridContent::spline_coefficients);
+        transforms::synthesise(spectrum, std::vector<double>(120, 1.0), grid, {});
+        CHECK(allocations_in_tiles() == 0);
+      });
+    }
+  }
+}
+#endif
+
+TEST_CASE("The transform can be stopped and says how far it is", "[specular][transform][cancellation]") {
+  const TestLatLong source = make_lat_long(Content::random, 512, 256, 43);
+  const std::vector<double> zonal(100, 1.0);
+  std::vector<double> done;
+  const Control watching{{}, [&](double part) { done.push_back(part); }};
+  const transforms::Spectrum spectrum = transforms::analyse(source.view(), 100, watching);
+  REQUIRE(done.size() > 10);
+  CHECK(std::is_sorted(done.begin(), done.end()));
+  CHECK(done.back() == 1.0);
+  done.clear();
+  SphereGrid grid(128, 256, GridContent::samples);
+  transforms::synthesise(spectrum, zonal, grid, watching);
+  REQUIRE(done.size() > 10);
+  CHECK(std::is_sorted(done.begin(), done.end()));
+  CHECK(done.back() == 1.0);
+  for (const double moment : {0.0, 0.1, 0.3, 0.7}) {
+    CAPTURE(moment);
+    std::stop_source stop;
+    if (moment == 0.0) stop.request_stop();
+    const Control stopping{stop.get_token(), [&](double part) {
+                             if (part >= moment) stop.request_stop();
+                           }};
+    CHECK(thrown_by([&] { static_cast<void>(transforms::analyse(source.view(), 100, stopping)); }).code ==
+          ErrorCode::cancelled);
+    std::stop_source stop_back;
+    if (moment == 0.0) stop_back.request_stop();
+    const Control stopping_back{stop_back.get_token(), [&](double part) {
+                                  if (part >= moment) stop_back.request_stop();
+                                }};
+    CHECK(thrown_by([&] { transforms::synthesise(spectrum, zonal, grid, stopping_back); }).code ==
+          ErrorCode::cancelled);
+  }
+}
+
+TEST_CASE("The transform refuses what it cannot do", "[specular][transform]") {
+  const TestLatLong source = make_lat_long(Content::random, 8, 4, 44);
+  const TestLatLong with_alpha = make_lat_long(Content::random, 8, 4, 44, 4);
+  const auto refused = [](const auto& work) { return thrown_by(work).code == ErrorCode::invalid_argument; };
+  CHECK(refused([&] { static_cast<void>(transforms::analyse(source.view(), 0, {})); }));
+  CHECK(refused([&] { static_cast<void>(transforms::analyse(source.view(), 1537, {})); }));
+  CHECK(refused([&] { static_cast<void>(transforms::analyse(with_alpha.view(), 4, {})); }));
+  CHECK(refused([&] { static_cast<void>(transforms::analyse({}, 4, {})); }));
+  const transforms::Spectrum spectrum = transforms::analyse(source.view(), 4, {});
+  const std::vector<double> zonal(5, 1.0);
+  SphereGrid narrow(4, 6, GridContent::samples);
+  SphereGrid odd(4, 9, GridContent::samples);
+  SphereGrid good(4, 8, GridContent::samples);
+  const std::span<const double> four(zonal.data(), 4);
+  CHECK(refused([&] { transforms::synthesise(spectrum, four, narrow, {}); }));
+  CHECK(refused([&] { transforms::synthesise(spectrum, four, odd, {}); }));
+  CHECK(refused([&] { transforms::synthesise(spectrum, zonal, good, {}); }));
+  CHECK(refused([&] { transforms::synthesise(spectrum, {}, good, {}); }));
+  CHECK_NOTHROW(transforms::synthesise(spectrum, four, good, {}));
+}
+
+}  // namespace welkin::test

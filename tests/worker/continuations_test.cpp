@@ -1,0 +1,445 @@
+// What comes after a job: callbacks in `drain()`, continuations in the worker.
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/gate.h"
+#include "support/outcome.h"
+#include "support/process_threads.h"
+#include "support/test_environments.h"
+#include "welkin/babylon.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: callbacks run inside `drain()`, nowhere else, in the order in which jobs finished and within the budget.
+
+namespace {
+
+/// Posts a job and has its callback note a number.
+void note(Worker& worker, std::vector<int>& notes, int number, Priority priority = Priority::normal) {
+  worker.post([number](const Control&) { return number; }, {.priority = priority})
+      .on_drain([&notes](std::future<int> future) { notes.push_back(future.get()); });
+}
+
+void spend(std::chrono::microseconds time) {
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (std::chrono::steady_clock::now() < end) {
+  }
+}
+
+}  // namespace
+
+TEST_CASE("callbacks run on the thread that drains, inside the call", "[worker]") {
+  Worker worker(options_with(2));
+  std::atomic<bool> inside_drain{false};
+  std::atomic<int> astray{0};
+  std::atomic<int> called{0};
+  for (int k = 0; k < 50; ++k) {
+    worker.post([k](const Control&) { return k; })
+        .on_drain([&, thread = std::this_thread::get_id()](std::future<int> future) {
+          if (!inside_drain || std::this_thread::get_id() != thread) ++astray;
+          if (future.wait_for(std::chrono::seconds(0)) != std::future_status::ready) ++astray;
+          ++called;
+        });
+  }
+  worker.wait_until_idle();
+  CHECK(called == 0);
+  CHECK(worker.load().undrained == 50);
+  inside_drain = true;
+  CHECK(worker.drain() == 50);
+  inside_drain = false;
+  CHECK(called == 50);
+  CHECK(astray == 0);
+  CHECK(worker.load().undrained == 0);
+  CHECK(worker.drain() == 0);
+}
+
+TEST_CASE("callbacks come in the order in which their jobs finished", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<int> notes;
+  {
+    Hold hold(worker);
+    note(worker, notes, 4, Priority::low);
+    note(worker, notes, 2, Priority::normal);
+    note(worker, notes, 3, Priority::normal);
+    note(worker, notes, 1, Priority::high);
+    auto given_up = worker.post([](const Control&) { return 0; });
+    const JobHandle handle = given_up;
+    std::move(given_up).on_drain([&](std::future<int> future) {
+      CHECK(outcome(std::move(future)) == "cancelled");
+      notes.push_back(0);
+    });
+    CHECK(handle.cancel());
+  }
+  worker.wait_until_idle();
+  CHECK(worker.drain() == 5);
+  CHECK(notes == std::vector<int>{0, 1, 2, 3, 4});
+}
+
+TEST_CASE("a callback on a job that is ready is called by the next drain", "[worker]") {
+  Worker worker(options_with(1));
+  auto job = worker.post([](const Control&) { return 3; });
+  CHECK(eventually([&] { return job.ready(); }));
+  int got = 0;
+  std::move(job).on_drain([&](std::future<int> future) { got = future.get(); });
+  CHECK(got == 0);
+  CHECK(worker.load().undrained == 1);
+  CHECK(worker.drain() == 1);
+  CHECK(got == 3);
+}
+
+TEST_CASE("a budget of nothing runs one callback", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<int> notes;
+  for (int k = 0; k < 5; ++k) note(worker, notes, k);
+  worker.wait_until_idle();
+  for (std::size_t k = 1; k <= 5; ++k) {
+    CHECK(worker.drain(std::chrono::nanoseconds(0)) == 1);
+    CHECK(notes.size() == k);
+  }
+  CHECK(worker.drain(std::chrono::nanoseconds(0)) == 0);
+  CHECK(notes == std::vector<int>{0, 1, 2, 3, 4});
+}
+
+TEST_CASE("draining ends when its budget is spent", "[worker]") {
+  Worker worker(options_with(1));
+  for (int k = 0; k < 20; ++k) {
+    worker.post([](const Control&) {}).on_drain([](std::future<void>) { spend(std::chrono::milliseconds(2)); });
+  }
+  worker.wait_until_idle();
+  // Each callback takes 2 ms or more: the third starts after 4 ms at least.
+  const std::size_t called = worker.drain(std::chrono::milliseconds(3));
+  CHECK(called >= 1);
+  CHECK(called <= 2);
+  CHECK(worker.drain(std::chrono::microseconds(1)) == 1);
+  CHECK(worker.drain() == 20 - 1 - called);
+}
+
+TEST_CASE("what a callback throws comes out, and the others wait", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<int> notes;
+  note(worker, notes, 1);
+  worker.post([](const Control&) {}).on_drain([](std::future<void>) { throw std::runtime_error("callback"); });
+  worker.post([](const Control&) { throw std::runtime_error("request"); }).on_drain([](std::future<void> future) {
+    future.get();
+  });
+  note(worker, notes, 2);
+  worker.wait_until_idle();
+  CHECK(outcome_of([&] { worker.drain(); }) == "callback");
+  CHECK(notes == std::vector<int>{1});
+  CHECK(outcome_of([&] { worker.drain(); }) == "request");
+  CHECK(notes == std::vector<int>{1});
+  CHECK(worker.drain() == 1);
+  CHECK(notes == std::vector<int>{1, 2});
+}
+
+TEST_CASE("a callback may drain", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<int> notes;
+  std::size_t inner = 0;
+  worker.post([](const Control&) {}).on_drain([&](std::future<void>) {
+    inner = worker.drain();
+    notes.push_back(0);
+  });
+  for (int k = 1; k <= 3; ++k) note(worker, notes, k);
+  worker.wait_until_idle();
+  CHECK(worker.drain() + inner >= 4);
+  CHECK(inner == 3);
+  CHECK(notes == std::vector<int>{1, 2, 3, 0});
+}
+
+TEST_CASE("threads that drain at once call every callback once", "[worker]") {
+  Worker worker(options_with(2));
+  constexpr int kJobs = 400;
+  std::vector<std::atomic<int>> calls(kJobs);
+  std::atomic<bool> posted{false};
+  std::atomic<std::size_t> drained{0};
+  std::vector<std::thread> drainers;
+  for (int t = 0; t < 3; ++t) {
+    drainers.emplace_back([&] {
+      while (!posted || drained < kJobs) {
+        drained += worker.drain(std::chrono::microseconds(20));
+        std::this_thread::yield();
+      }
+    });
+  }
+  for (int k = 0; k < kJobs; ++k) {
+    worker.post([k](const Control&) { return k; }).on_drain([&](std::future<int> future) {
+      ++calls[static_cast<std::size_t>(future.get())];
+    });
+  }
+  posted = true;
+  for (std::thread& drainer : drainers) drainer.join();
+  CHECK(drained == kJobs);
+  for (const auto& called : calls) CHECK(called == 1);
+}
+
+TEST_CASE("a callback may post, follow and give up", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<int> notes;
+  Hold hold(worker);
+  auto victim = worker.post([](const Control&) { return 1; });
+  auto first = worker.post([](const Control&) { return 2; });
+  first.cancel();
+  std::move(first).on_drain([&](std::future<int>) {
+    CHECK(victim.cancel());
+    note(worker, notes, 3);
+    worker.post([](const Control&) { return 4; }).then([](int value) { return value; }).on_drain([&](auto future) {
+      notes.push_back(future.get());
+    });
+  });
+  CHECK(worker.drain() == 1);
+  CHECK(outcome(victim) == "cancelled");
+  hold.let_go();
+  worker.wait_until_idle();
+  CHECK(worker.drain() == 2);
+  CHECK(notes == std::vector<int>{3, 4});
+}
+
+TEST_CASE("a callback may wait for another job", "[worker]") {
+  Worker worker(options_with(1));
+  int got = 0;
+  worker.post([](const Control&) {}).on_drain([&](std::future<void>) {
+    got = worker.post([held = 5](const Control&) { return held; }).get();
+  });
+  CHECK(eventually([&] { return worker.drain() == 1; }));
+  CHECK(got == 5);
+}
+
+TEST_CASE("callbacks can be drained after terminate", "[worker]") {
+  Worker worker(options_with(1));
+  std::vector<std::string> ends;
+  const auto note_end = [&](std::future<int> future) { ends.push_back(outcome(std::move(future))); };
+  worker.post([held = 1](const Control&) { return held; }).on_drain(note_end);
+  worker.wait_until_idle();
+  auto gate = std::make_shared<Gate>();
+  auto held = worker.post([gate](const Control& control) {
+    gate->pass();
+    while (!control.stop.stop_requested()) std::this_thread::yield();
+    return 0;
+  });
+  gate->wait_for_arrivals(1);
+  std::move(held).on_drain(note_end);
+  worker.post([held = 2](const Control&) { return held; }).on_drain(note_end);
+  gate->open();
+  worker.terminate();
+  worker.post([held = 3](const Control&) { return held; }).on_drain(note_end);
+  CHECK(ends.empty());
+  CHECK(worker.drain() == 4);
+  CHECK(std::count(ends.begin(), ends.end(), "result") == 1);
+  CHECK(ends.front() == "result");
+  CHECK(std::count(ends.begin(), ends.end(), "stopped") == 3);
+  CHECK(worker.load().jobs == 0);
+}
+
+TEST_CASE("callbacks that were not drained are dropped with their worker", "[worker]") {
+  const auto token = std::make_shared<int>(0);
+  bool called = false;
+  {
+    Worker worker(options_with(1));
+    for (int k = 0; k < 3; ++k) {
+      worker.post([](const Control&) {}).on_drain([&called, token](std::future<void>) { called = true; });
+    }
+    worker.wait_until_idle();
+    Hold hold(worker);
+    worker.post([](const Control&) {}).on_drain([&called, token](std::future<void>) { called = true; });
+  }
+  CHECK_FALSE(called);
+  CHECK(eventually([&] { return token.use_count() == 1; }));
+}
+
+TEST_CASE("a callback is freed once it was called", "[worker]") {
+  Worker worker(options_with(1));
+  const auto token = std::make_shared<int>(0);
+  auto job = worker.post([](const Control&) {});
+  const JobHandle handle = job;
+  std::move(job).on_drain([token](std::future<void>) {});
+  CHECK(eventually([&] { return worker.drain() == 1; }));
+  CHECK(token.use_count() == 1);
+  CHECK(handle.ready());
+}
+
+// Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
+
+namespace {
+
+Job<int> post(Worker& worker, int value) {
+  return worker.post([value](const Control&) { return value; });
+}
+
+}  // namespace
+
+TEST_CASE("continuations are chained, and run on the worker's threads", "[worker]") {
+  WorkerOptions options = options_with(2);
+  options.name = "chain";
+  Worker worker(options);
+  auto job = post(worker, 2).then([](int value) { return value + 0.5; }).then([](double value) {
+    return std::to_string(value) + " on " + this_threads_name();
+  });
+  const std::string end = job.get();
+  CHECK(end.rfind("2.500000 on chain", 0) == 0);
+}
+
+TEST_CASE("a projection can be followed to an engine's form", "[worker]") {
+  Worker worker(options_with(1));
+  const TestCubemap cubemap = make_cubemap(Content::smooth, 32, 3, 1);
+  auto job = worker.post(ProjectCubemap{CubemapImage{32, cubemap.pixels}}).then([](const Projection& light) {
+    return irradiance_from_radiance(light.radiance);
+  });
+  const SphericalHarmonics expected = irradiance_from_radiance(project(cubemap.view()).radiance);
+  CHECK(job.get().at(1, 0) == expected.at(1, 0));
+}
+
+TEST_CASE("nothing can be followed by nothing", "[worker]") {
+  Worker worker(options_with(1));
+  std::atomic<int> steps{0};
+  worker.post([&](const Control&) { ++steps; })
+      .then([&] { ++steps; })
+      .then([&](const Control&) { ++steps; })
+      .then([&] { return ++steps; })
+      .then([&](int so_far) { steps = so_far + 10; })
+      .get();
+  CHECK(steps == 14);
+}
+
+TEST_CASE("a continuation may look at its own control", "[worker]") {
+  Worker worker(options_with(1));
+  Gate gate;
+  auto job = post(worker, 2).then([&](int value, const Control& control) {
+    control.progress(0.5);
+    gate.pass();
+    return control.stop.stop_possible() ? value : -1;
+  });
+  gate.wait_for_arrivals(1);
+  CHECK(job.progress() == 0.5);
+  CHECK_FALSE(job.ready());
+  gate.open();
+  CHECK(job.get() == 2);
+}
+
+TEST_CASE("an error skips what follows", "[worker]") {
+  Worker worker(options_with(1));
+  int called = 0;
+  auto job = post(worker, 2)
+                 .then([](int) -> int { throw Error(ErrorCode::unsupported_file, "not this one"); })
+                 .then([&](int value) {
+                   ++called;
+                   return value;
+                 })
+                 .then([&](int) { ++called; });
+  CHECK(outcome(job) == "unsupported_file");
+  CHECK(called == 0);
+}
+
+TEST_CASE("a job that is ready can be followed", "[worker]") {
+  Worker worker(options_with(1));
+  auto job = post(worker, 2);
+  CHECK(eventually([&] { return job.ready(); }));
+  CHECK(std::move(job).then([](int value) { return value + 1; }).get() == 3);
+
+  auto failed = worker.post([](const Control&) { throw std::runtime_error("enough"); });
+  CHECK(eventually([&] { return failed.ready(); }));
+  CHECK(outcome(std::move(failed).then([] { return 1; })) == "enough");
+}
+
+TEST_CASE("after terminate what follows is stopped", "[worker]") {
+  Worker worker(options_with(1));
+  auto ready = post(worker, 2);
+  CHECK(eventually([&] { return ready.ready(); }));
+  worker.terminate();
+  bool called = false;
+  auto follower = std::move(ready).then([&](int) { called = true; });
+  CHECK(follower.ready());
+  CHECK(outcome(follower) == "stopped");
+  CHECK(outcome(post(worker, 2).then([&](int) { called = true; })) == "stopped");
+  CHECK_FALSE(called);
+}
+
+TEST_CASE("terminate stops whole chains", "[worker]") {
+  Worker worker(options_with(1));
+  auto gate = std::make_shared<Gate>();
+  bool called = false;
+  auto job = worker
+                 .post([gate](const Control& control) {
+                   gate->pass();
+                   while (!control.stop.stop_requested()) std::this_thread::yield();
+                 })
+                 .then([&] { called = true; })
+                 .then([&] { called = true; });
+  gate->wait_for_arrivals(1);
+  gate->open();
+  worker.terminate();
+  CHECK(job.ready());
+  CHECK(outcome(job) == "stopped");
+  CHECK_FALSE(called);
+}
+
+TEST_CASE("what follows is freed, called or not", "[worker]") {
+  Worker worker(options_with(1));
+  const auto token = std::make_shared<int>(0);
+  auto job = post(worker, 2).then([token](int) {});
+  CHECK(outcome(job) == "result");
+  CHECK(eventually([&] { return token.use_count() == 1; }));
+  auto failed = worker.post([](const Control&) { throw std::runtime_error("enough"); }).then([token] {});
+  CHECK(outcome(failed) == "enough");
+  CHECK(eventually([&] { return token.use_count() == 1; }));
+  {
+    Hold hold(worker);
+    auto given_up = post(worker, 2).then([token](int) {});
+    CHECK(given_up.cancel());
+    hold.let_go();
+    CHECK(outcome(given_up) == "cancelled");
+    CHECK(eventually([&] { return token.use_count() == 1; }));
+  }
+}
+
+TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
+  Worker worker(options_with(2));
+  auto job = post(worker, 0);
+  for (int k = 0; k < 5000; ++k) {
+    job = std::move(job).then([k](int value) { return value == k ? value + 1 : -1000000; });
+  }
+  CHECK(take(job.future()) == 5000);
+
+  // Nor one that is given up at its end, or fails at its beginning.
+  for (const bool cancels : {true, false}) {
+    Hold hold(worker, 2);
+    job = worker.post([](const Control&) -> int { throw std::runtime_error("enough"); });
+    for (int k = 0; k < 5000; ++k) job = std::move(job).then([](int value) { return value; });
+    if (cancels) CHECK(job.cancel());
+    hold.let_go();
+    CHECK(outcome(job) == (cancels ? "cancelled" : "enough"));
+  }
+}
+
+TEST_CASE("a very long chain ends with its worker", "[worker]") {
+  auto gate = std::make_shared<Gate>();
+  Worker worker(options_with(1));
+  auto job = worker.post([gate](const Control& control) {
+    gate->pass();
+    while (!control.stop.stop_requested()) std::this_thread::yield();
+    return 0;
+  });
+  gate->wait_for_arrivals(1);
+  auto waiting = post(worker, 0);
+  for (int k = 0; k < 100'000; ++k) {
+    job = std::move(job).then([](int value) { return value; });
+    waiting = std::move(waiting).then([](int value) { return value; });
+  }
+  gate->open();
+  worker.terminate();
+  CHECK(outcome(job) == "stopped");
+  CHECK(outcome(waiting) == "stopped");
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,343 @@
+// Whatever goes wrong in a job arrives as its error, a lack of memory as well.
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/detached.h"
+#include "support/gate.h"
+#include "support/heap.h"
+#include "support/outcome.h"
+#include "support/same_bits.h"
+#include "support/sanitized.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/file_requests.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: whatever goes wrong in a request arrives through its future, and the worker goes on.
+
+TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
+  Worker worker(options_with(2));
+  TestCubemap cubemap = make_cubemap(Content::random, 16, 3, 1);
+  cubemap.pixels[(2 * 16 * 16 + 5 * 16 + 3) * 3] = std::numeric_limits<float>::quiet_NaN();
+  ProjectionOptions options;
+  options.nan = NonFinitePolicy::reject;
+  const ThrownError expected = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
+  const ThrownError got = thrown_by([&] {
+    static_cast<void>(take(worker.post(ProjectCubemap{CubemapImage{16, cubemap.pixels}, options}).future()));
+  });
+  CHECK(got.code == ErrorCode::rejected_pixel);
+  CHECK(got.message == expected.message);
+
+  CHECK(outcome(worker.post(ProjectFile{"no-such-file.exr"})) == "file_access");
+  CHECK(outcome(worker.post(ReadFile{"no-such-file.exr"})) == "file_access");
+  CHECK(outcome(worker.post(MeasureFile{"no-such-file.exr"})) == "file_access");
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("empty.exr"), {'a', 'b', 'c', 'd', 'e'});
+  CHECK(outcome(worker.post(ProjectFile{directory.file("empty.exr")})) == "unsupported_file");
+
+  CHECK(outcome(worker.post(CubemapToCubemap{CubemapImage{16, cubemap.pixels}, -1})) == "invalid_argument");
+  CHECK(outcome(worker.post(CubemapToLatLong{CubemapImage{16, cubemap.pixels}, 0, 1})) == "invalid_argument");
+  const CubemapView no_view{};
+  CHECK(outcome(worker.post(ProjectCubemap{CubemapSource(no_view, nullptr)})) == "invalid_argument");
+}
+
+TEST_CASE("anything that a request throws arrives", "[worker]") {
+  Worker worker(options_with(1));
+  CHECK(outcome(worker.post([](const Control&) { throw std::runtime_error("a thunderstorm"); })) == "a thunderstorm");
+  CHECK(outcome(worker.post([](const Control&) { throw std::bad_alloc(); })) == "bad_alloc");
+  auto job = worker.post([](const Control&) -> std::string { throw 42; });
+  try {
+    take(job.future());
+    FAIL("nothing was thrown");
+  } catch (const int thrown) {
+    CHECK(thrown == 42);
+  }
+  CHECK(outcome(worker.post([](const Control&) { throw "a pointer"; })) == "something");
+  CHECK(outcome(worker.post([](const Control&) { throw Error(ErrorCode::cancelled, "by the request itself"); })) ==
+        "cancelled");
+  CHECK(worker.post([](const Control&) { return 5; }).get() == 5);
+  CHECK(worker.load().jobs == 0);
+}
+
+// GCC 12's thread sanitizer never ends a std::call_once whose function throws, and a promise is set within one.
+#if !defined(__SANITIZE_THREAD__)
+TEST_CASE("a result that cannot be moved out arrives as an error", "[worker]") {
+  struct Stuck {
+    Stuck() = default;
+    Stuck(const Stuck&) { throw std::runtime_error("stuck"); }
+    Stuck& operator=(const Stuck&) = delete;
+    ~Stuck() = default;
+  };
+  Worker worker(options_with(1));
+  CHECK(outcome(worker.post([](const Control&) { return Stuck(); })) == "stuck");
+  CHECK(worker.post([](const Control&) { return 5; }).get() == 5);
+}
+#endif
+
+TEST_CASE("what moving a request throws comes out of post, and nothing is posted", "[worker]") {
+  struct Immovable {
+    explicit Immovable(int moves) : moves_left(moves) {}
+    Immovable(const Immovable&) = delete;
+    Immovable(Immovable&& other) : moves_left(other.moves_left - 1) {
+      if (moves_left < 0) throw std::runtime_error("does not move");
+    }
+    Immovable& operator=(const Immovable&) = delete;
+    Immovable& operator=(Immovable&&) = delete;
+    ~Immovable() = default;
+    int operator()(const Control&) const { return 1; }
+    int moves_left;
+  };
+  Worker worker(options_with(1));
+  std::string end;
+  for (int moves = 0; end != "result"; ++moves) {
+    REQUIRE(moves < 20);
+    end = outcome_of([&] {
+      auto job = worker.post(Immovable(moves));
+      CHECK(outcome(job) == "result");
+    });
+    CHECK((end == "result" || end == "does not move"));
+    CHECK(worker.load().jobs == 0);
+  }
+}
+
+TEST_CASE("an exception of TBB's own making arrives", "[worker]") {
+  Worker worker(options_with(2));
+  auto job = worker.post([](const Control& control) {
+    control.progress(0.5);
+    throw std::out_of_range("inside");
+  });
+  CHECK(outcome(job) == "inside");
+}
+
+// Promise: wherever memory runs out while a job is done, its future says so, and the worker goes on. Where it runs out
+// in `post`, nothing is posted; giving up needs no memory.
+
+namespace {
+
+/// A result, bad_alloc, or one of the library's errors: some libraries below say of a file that it is damaged when they
+/// have no memory for it.
+bool is_clean(const std::string& end) {
+  return end == "result" || end == "bad_alloc" || end == "corrupt_file" || end == "unsupported_file" ||
+         end == "file_access" || end == "limit_exceeded";
+}
+
+/// Lets the n-th allocation of the worker's threads fail, for n = 1, 2, 3, ..., until the request does without.
+template <class MakeRequest, class Result>
+void fail_everywhere(int threads, const MakeRequest& make_request, const Result& expected) {
+  Worker worker(options_with(threads));
+  for (const bool for_good : {false, true}) {
+    bool failed = true;
+    for (long number = 1; failed; number += kSanitized ? 7 : 1) {
+      INFO("allocation " << number << (for_good ? " and all after it" : "") << ", " << threads << " threads");
+      REQUIRE(number < 100'000);
+      auto request = make_request();
+      std::string end;
+      {
+        const FailingHeap heap(Heap::other_threads, number, for_good);
+        auto job = worker.post(std::move(request));
+        auto future = job.future();
+        if (future.wait_for(kPatience) != std::future_status::ready) give_up("a job without memory");
+        failed = heap.failed();
+        end = outcome_of([&] { end = same_bits(future.get(), expected) ? "right" : "wrong"; });
+      }
+      if (!is_clean(end)) CHECK(end == "bad_alloc");
+      if (!failed) CHECK(end == "result");
+      if (worker.post([number](const Control&) { return number; }).get() != number) FAIL("the worker is of no use");
+      worker.wait_until_idle();
+      if (worker.load().bytes != 0 || worker.load().jobs != 0) FAIL("jobs or bytes are left");
+    }
+  }
+}
+
+template <class MakeRequest, class Result>
+void fail_everywhere(const MakeRequest& make_request, const Result& expected) {
+  for (const int threads : {1, 2}) fail_everywhere(threads, make_request, expected);
+}
+
+}  // namespace
+
+TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
+  // Sizes of which no table is there yet; small ones that stay on one thread, and ones that spread.
+  for (const int size : {37, 151}) {
+    const TestCubemap cubemap = make_cubemap(Content::special_values, size, 3, 1);
+    fail_everywhere([&] { return ProjectCubemap{CubemapImage{size, cubemap.pixels}}; }, project(cubemap.view()));
+    const TestLatLong lat_long = make_lat_long(Content::special_values, 4 * size, 2 * size, 1);
+    fail_everywhere(
+        [&] {
+          return ProjectLatLong{LatLongImage{4 * size, 2 * size, lat_long.pixels}};
+        },
+        project(lat_long.view()));
+  }
+}
+
+TEST_CASE("resampling runs out of memory cleanly", "[worker]") {
+  const auto lat_long =
+      std::make_shared<const LatLongImage>(LatLongImage{64, 32, make_lat_long(Content::smooth, 64, 32, 1).pixels});
+  fail_everywhere([&] { return LatLongToCubemap{lat_long, 33}; }, to_cubemap(lat_long->view(), 33));
+}
+
+TEST_CASE("files run out of memory cleanly", "[worker]") {
+  const TemporaryDirectory directory;
+  for (const char* extension : {".exr", ".hdr", ".pfm", ".png"}) {
+    INFO(extension);
+    // OpenEXR 3.1 loses the copy of an attribute when there is no memory to list it: a leak, but not ours.
+    if (kAddressSanitized && std::string(extension) == ".exr") continue;
+    const auto path = directory.file(std::string("sky") + extension);
+    write_environment(path, make_lat_long(Content::smooth, 90, 45, 1).view());
+    fail_everywhere([&] { return ProjectFile{path}; }, project_file(path));
+    fail_everywhere([&] { return ReadFile{path}; }, read_environment(path));
+    fail_everywhere([&] { return MeasureFile{path}; }, measure_environment(path));
+  }
+}
+
+TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "[worker]") {
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  const std::string key = "a key that is too long to be kept inside a string";
+  for (const bool replaces : {true, false}) {  // or else drops
+    WorkerOptions worker_options = options_with(1);
+    worker_options.when_full = WhenFull::drop_oldest;
+    worker_options.most_jobs = 2;
+    Worker worker(worker_options);
+    Hold hold(worker);
+    const PostOptions options{.key = replaces ? std::string_view(key) : std::string_view()};
+    auto old = worker.post([key](const Control&) { return key.size(); }, options);
+    bool failed = true;
+    bool posted = false;
+    Job<Projection> job;
+    for (long number = 1; !posted; ++number) {
+      INFO("allocation " << number);
+      REQUIRE(number < 1000);
+      ProjectCubemap request{CubemapImage{8, cubemap.pixels}};
+      const WorkerLoad before = worker.load();
+      {
+        const FailingHeap heap(Heap::this_thread, number, false);
+        try {
+          job = worker.post(std::move(request), options);
+          posted = true;
+        } catch (const std::bad_alloc&) {
+        }
+        failed = heap.failed();
+      }
+      CHECK((posted || failed));
+      CHECK(old.ready() == posted);
+      CHECK(worker.load().jobs == before.jobs);  // one came and one went, or neither
+      if (!posted) {
+        CHECK(worker.load().bytes == before.bytes);
+        CHECK(worker.load().waiting == before.waiting);
+      }
+    }
+    // What is left to do then may lack the memory for an error's words, and no more.
+    const std::string end = outcome(old);
+    CHECK((end == (replaces ? "replaced" : "queue_full") || end == "bad_alloc"));
+    hold.let_go();
+    CHECK(outcome(job) == "result");
+  }
+}
+
+namespace {
+
+Detached await_quietly(Job<int> job, std::string& end) {
+  try {
+    static_cast<void>(co_await std::move(job));
+    end = "result";
+  } catch (const std::bad_alloc&) {
+    end = "bad_alloc";
+  } catch (const Error& error) {
+    end = name(error.code());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what follows runs out of memory where it is made, and harms nothing", "[worker]") {
+  Worker worker(options_with(1));
+  for (int way = 0; way < 4; ++way) {
+    bool failed = true;
+    for (long number = 1; failed; ++number) {
+      INFO("way " << way << ", allocation " << number);
+      REQUIRE(number < 1000);
+      auto job = worker.post([number](const Control&) { return number > 0 ? 1 : 0; });
+      const JobHandle handle = job;
+      bool threw = false;
+      std::string awaited;
+      Job<int> follower;
+      {
+        const FailingHeap heap(Heap::this_thread, number, false);
+        try {
+          if (way == 0) follower = std::move(job).then([](int value) { return value; });
+          if (way == 1) std::move(job).on_drain([](std::future<int>) {});
+          if (way == 2) await_quietly(std::move(job), awaited);
+          if (way == 3) static_cast<void>(handle.cancel());
+        } catch (const std::bad_alloc&) {
+          threw = true;
+        }
+        failed = heap.failed();
+      }
+      CHECK((!threw || failed));
+      CHECK_FALSE((threw && way == 3));
+      CHECK(eventually([&] { return handle.ready(); }));
+      if (way == 0 && !threw) CHECK(outcome(follower) == "result");
+      worker.wait_until_idle();
+      if (way == 2 && !threw) CHECK((awaited == "result" || awaited == "bad_alloc"));
+      worker.drain();
+      CHECK(worker.load().jobs == 0);
+      CHECK(Detached::alive == 0);
+    }
+  }
+}
+
+TEST_CASE("jobs can be given up without memory", "[worker]") {
+  std::vector<Job<int>> jobs;
+  std::vector<Job<int>> cancelled;
+  int given_up = 0;
+  {
+    Worker worker(options_with(1));
+    auto hold = std::make_unique<Hold>(worker);
+    for (int k = 0; k < 10; ++k) {
+      jobs.push_back(worker.post([k](const Control&) { return k; }));
+      jobs.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
+      cancelled.push_back(worker.post([k](const Control&) { return k; }));
+    }
+    auto running = worker.post(
+        [](const Control& control) {
+          while (!control.stop.stop_requested()) std::this_thread::yield();
+          return 1;
+        },
+        {.priority = Priority::high});
+    {
+      const FailingHeap heap(Heap::this_thread, 1, true);  // Catch2's assertions have no memory either
+      for (const auto& job : cancelled) given_up += job.cancel() ? 1 : 0;
+    }
+    CHECK(given_up == 10);
+    hold->let_go();
+    hold.reset();
+    CHECK(eventually([&] { return worker.load().running == 1; }));
+    jobs.push_back(std::move(running));
+    const FailingHeap heap(Heap::this_thread, 1, true);
+    worker.terminate();
+  }
+  for (auto& job : jobs) {
+    const std::string end = outcome(job);
+    CHECK((end == "stopped" || end == "bad_alloc"));
+  }
+  for (auto& job : cancelled) {
+    const std::string end = outcome(job);
+    CHECK((end == "cancelled" || end == "bad_alloc"));
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,436 @@
+// Which job starts next, and how many a worker holds.
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/gate.h"
+#include "support/outcome.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: the waiting job of the highest priority starts next, and of equals the oldest.
+
+namespace {
+
+using Order = std::vector<std::string>;
+
+/// Posts requests that note their names in the order in which they run, once the worker's one thread is let go.
+class Line {
+ public:
+  Job<void> post(std::string name, Priority priority) {
+    return worker_.post([this, name = std::move(name)](const Control&) { order_.push_back(name); },
+                        {.priority = priority});
+  }
+
+  /// For continuations.
+  auto note(std::string name) {
+    return [this, name = std::move(name)] { order_.push_back(name); };
+  }
+
+  Order run() {
+    hold_.let_go();
+    worker_.wait_until_idle();
+    return order_;
+  }
+
+ private:
+  Order order_;
+  Worker worker_{options_with(1)};
+  Hold hold_{worker_};
+};
+
+}  // namespace
+
+TEST_CASE("higher priorities start first, older ones before newer ones", "[worker]") {
+  Line line;
+  line.post("low 1", Priority::low);
+  line.post("normal 1", Priority::normal);
+  line.post("high 1", Priority::high);
+  line.post("low 2", Priority::low);
+  line.post("high 2", Priority::high);
+  line.post("normal 2", Priority::normal);
+  CHECK(line.run() == Order{"high 1", "high 2", "normal 1", "normal 2", "low 1", "low 2"});
+}
+
+TEST_CASE("a waiting job moves to the end of those of its new priority", "[worker]") {
+  Line line;
+  auto raised = line.post("raised", Priority::low);
+  line.post("high", Priority::high);
+  auto lowered = line.post("lowered", Priority::normal);
+  line.post("normal", Priority::normal);
+  line.post("low", Priority::low);
+  auto kept = line.post("kept", Priority::low);
+  line.post("last", Priority::low);
+  CHECK(raised.priority() == Priority::low);
+  raised.set_priority(Priority::high);
+  lowered.set_priority(Priority::low);
+  CHECK(raised.priority() == Priority::high);
+  CHECK(lowered.priority() == Priority::low);
+  kept.set_priority(Priority::low);  // as it was: it keeps its place
+  CHECK(line.run() == Order{"high", "raised", "normal", "low", "kept", "last", "lowered"});
+}
+
+TEST_CASE("a running job goes on when its priority is set", "[worker]") {
+  Worker worker(options_with(1));
+  auto gate = std::make_shared<Gate>();
+  auto job = worker.post([gate](const Control&) { gate->pass(); });
+  gate->wait_for_arrivals(1);
+  job.set_priority(Priority::low);
+  auto other = worker.post([](const Control&) { return 1; }, {.priority = Priority::high});
+  gate->open();
+  CHECK(other.get() == 1);
+  CHECK(outcome(job) == "result");
+  job.set_priority(Priority::high);
+}
+
+TEST_CASE("continuations keep the priority of the job that they follow, and come first in it", "[worker]") {
+  Line line;
+  auto low = line.post("low", Priority::low).then(line.note("after low"));
+  CHECK(low.priority() == Priority::low);
+  auto high = line.post("high", Priority::high).then(line.note("after high"));
+  CHECK(high.priority() == Priority::high);
+  line.post("high 2", Priority::high);
+  line.post("normal", Priority::normal);
+  line.post("low 2", Priority::low);
+  CHECK(line.run() == Order{"high", "after high", "high 2", "normal", "low", "after low", "low 2"});
+}
+
+TEST_CASE("priorities decide on every number of threads", "[worker]") {
+  for (const int threads : {2, 4}) {
+    Worker worker(options_with(threads));
+    std::atomic<int> high_left{50};
+    std::atomic<int> low_too_early{0};
+    {
+      Hold hold(worker, threads);
+      for (int k = 0; k < 50; ++k) {
+        worker.post([&, threads](const Control&) { low_too_early += high_left > threads - 1 ? 1 : 0; },
+                    {.priority = Priority::low});
+        worker.post([&](const Control&) { --high_left; }, {.priority = Priority::high});
+      }
+    }
+    worker.wait_until_idle();
+    CHECK(high_left == 0);
+    CHECK(low_too_early == 0);
+  }
+}
+
+// Promise: a worker holds no more jobs and bytes than it may; beyond that posts wait, are refused, or drop another.
+
+namespace {
+
+/// Beside the job that holds the thread.
+WorkerOptions options_for(std::size_t waiting_jobs, WhenFull when_full) {
+  WorkerOptions options = options_with(1);
+  options.most_jobs = waiting_jobs + 1;
+  options.when_full = when_full;
+  return options;
+}
+
+Job<int> post(Worker& worker, Priority priority = Priority::normal, std::uint64_t bytes = 0) {
+  return worker.post([held = 1](const Control&) { return held; }, {.priority = priority, .bytes = bytes});
+}
+
+}  // namespace
+
+TEST_CASE("a full worker refuses", "[worker]") {
+  Worker worker(options_for(2, WhenFull::refuse));
+  Hold hold(worker);
+  auto first = post(worker);
+  auto second = post(worker);
+  auto third = post(worker, Priority::high);
+  CHECK(third.ready());
+  CHECK(outcome(third) == "queue_full");
+  CHECK(worker.load().jobs == 3);
+
+  // A job that goes makes room.
+  CHECK(first.cancel());
+  auto fourth = post(worker);
+  hold.let_go();
+  CHECK(outcome(second) == "result");
+  CHECK(outcome(fourth) == "result");
+  worker.wait_until_idle();
+  CHECK(worker.load().jobs == 0);
+}
+
+TEST_CASE("a full worker drops the oldest of the lowest priority", "[worker]") {
+  Worker worker(options_for(5, WhenFull::drop_oldest));
+  Hold hold(worker);
+  auto high = post(worker, Priority::high);
+  auto normal_1 = post(worker, Priority::normal);
+  auto low_1 = post(worker, Priority::low);
+  auto normal_2 = post(worker, Priority::normal);
+  auto low_2 = post(worker, Priority::low);
+  CHECK_FALSE(low_1.ready());
+
+  auto normal_3 = post(worker, Priority::normal);
+  CHECK(low_1.ready());
+  CHECK_FALSE(low_2.ready());
+  auto low_3 = post(worker, Priority::low);  // among equals the oldest goes
+  CHECK(low_2.ready());
+  CHECK_FALSE(low_3.ready());
+  auto high_2 = post(worker, Priority::high);
+  CHECK(low_3.ready());
+  auto low_4 = post(worker, Priority::low);  // lower than all that wait
+  CHECK(low_4.ready());
+  auto high_3 = post(worker, Priority::high);
+  CHECK(normal_1.ready());
+  CHECK_FALSE(normal_2.ready());
+
+  hold.let_go();
+  for (auto* dropped : {&low_1, &low_2, &low_3, &low_4, &normal_1}) CHECK(outcome(*dropped) == "queue_full");
+  for (auto* kept : {&high, &normal_2, &normal_3, &high_2, &high_3}) CHECK(outcome(*kept) == "result");
+}
+
+TEST_CASE("where nothing waits the new job is dropped, never a running one", "[worker]") {
+  Worker worker(options_for(0, WhenFull::drop_oldest));
+  Hold hold(worker);
+  CHECK(outcome(post(worker, Priority::high)) == "queue_full");
+  hold.let_go();
+  CHECK(eventually([&] { return worker.load().jobs == 0; }));
+  CHECK(outcome(post(worker)) == "result");
+}
+
+TEST_CASE("set priorities decide what is dropped", "[worker]") {
+  Worker worker(options_for(2, WhenFull::drop_oldest));
+  Hold hold(worker);
+  auto first = post(worker, Priority::normal);
+  auto second = post(worker, Priority::normal);
+  second.set_priority(Priority::low);
+  auto third = post(worker, Priority::normal);
+  CHECK(second.ready());
+  CHECK_FALSE(first.ready());
+  hold.let_go();
+  CHECK(outcome(second) == "queue_full");
+  CHECK(outcome(third) == "result");
+  CHECK(outcome(first) == "result");
+}
+
+TEST_CASE("what follows a dropped job gets its error", "[worker]") {
+  Worker worker(options_for(1, WhenFull::drop_oldest));
+  Hold hold(worker);
+  auto follower = post(worker).then([](int value) { return value; });
+  auto newer = post(worker);
+  hold.let_go();
+  CHECK(outcome(follower) == "queue_full");
+  CHECK(outcome(newer) == "result");
+}
+
+TEST_CASE("a post waits until there is room", "[worker]") {
+  Worker worker(options_for(1, WhenFull::wait));
+  Hold hold(worker);
+  auto first = post(worker);
+  std::atomic<bool> posted{false};
+  std::atomic<std::size_t> most{0};
+  std::string end;
+  std::thread poster([&] {
+    auto job = post(worker);
+    posted = true;
+    end = outcome(job);
+  });
+  // It cannot be seen that somebody waits; but nothing is let in beyond the limit, however long we look.
+  for (int look = 0; look < 200; ++look) {
+    most = std::max(most.load(), worker.load().jobs);
+    std::this_thread::yield();
+  }
+  CHECK(most == 2);
+  CHECK_FALSE(posted);
+  CHECK(first.cancel());
+  CHECK(eventually([&] { return posted.load(); }));
+  hold.let_go();
+  poster.join();
+  CHECK(end == "result");
+}
+
+TEST_CASE("many who wait for room all get in", "[worker]") {
+  WorkerOptions options = options_with(2);
+  options.most_jobs = 3;
+  Worker worker(options);
+  std::atomic<int> results{0};
+  std::atomic<int> too_many{0};
+  std::vector<std::thread> posters;
+  for (int t = 0; t < 4; ++t) {
+    posters.emplace_back([&] {
+      std::vector<Job<int>> jobs;
+      for (int k = 0; k < 100; ++k) {
+        jobs.push_back(post(worker));
+        if (worker.load().jobs > 3) ++too_many;
+      }
+      for (auto& job : jobs) results += take(job.future());
+    });
+  }
+  for (std::thread& poster : posters) poster.join();
+  CHECK(results == 400);
+  CHECK(too_many == 0);
+}
+
+TEST_CASE("a post that waits for room is stopped by terminate", "[worker]") {
+  Worker worker(options_for(1, WhenFull::wait));
+  Hold hold(worker);
+  auto first = post(worker);
+  std::string end;
+  std::atomic<bool> about_to_post{false};
+  std::thread poster([&] {
+    about_to_post = true;
+    end = outcome(post(worker));
+  });
+  CHECK(eventually([&] { return about_to_post.load(); }));
+  std::thread ender([&] { worker.terminate(); });
+  poster.join();  // the thread is still held: no room is made
+  CHECK(end == "stopped");
+  hold.let_go();
+  ender.join();
+  CHECK(outcome(first) == "stopped");
+}
+
+TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.most_bytes = 6 * 8 * 8 * 12 + 100;
+  options.when_full = WhenFull::refuse;
+  Worker worker(options);
+  const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
+  const auto request = [&] { return ProjectCubemap{CubemapImage{8, cubemap.pixels}}; };
+  Hold hold(worker);
+  auto first = worker.post(request());
+  CHECK(worker.load().bytes == 6 * 8 * 8 * 12);
+  CHECK(outcome(worker.post(request())) == "queue_full");
+  CHECK(outcome(post(worker, Priority::normal, 101)) == "queue_full");
+  auto named = post(worker, Priority::normal, 100);
+  auto nothing = post(worker);
+  auto underrated = worker.post(request(), {.bytes = 0});
+  CHECK(worker.load().bytes == options.most_bytes);
+  hold.let_go();
+  CHECK(outcome(first) == "result");
+  CHECK(outcome(named) == "result");
+  CHECK(outcome(nothing) == "result");
+  CHECK(outcome(underrated) == "result");
+  worker.wait_until_idle();
+  CHECK(worker.load().bytes == 0);
+}
+
+TEST_CASE("bytes come back when a job is given up", "[worker]") {
+  Worker worker(options_with(1));
+  Hold hold(worker);
+  auto job = post(worker, Priority::normal, 1000);
+  CHECK(worker.load().bytes == 1000);
+  CHECK(job.cancel());
+  CHECK(worker.load().bytes == 0);
+}
+
+TEST_CASE("as many are dropped as the new one's bytes need", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.most_bytes = 100;
+  options.when_full = WhenFull::drop_oldest;
+  Worker worker(options);
+  Hold hold(worker);
+  std::vector<Job<int>> jobs;
+  for (int k = 0; k < 5; ++k) jobs.push_back(post(worker, k == 1 ? Priority::low : Priority::normal, 20));
+  auto large = post(worker, Priority::normal, 50);
+  hold.let_go();
+  CHECK(outcome(jobs[1]) == "queue_full");
+  CHECK(outcome(jobs[0]) == "queue_full");
+  CHECK(outcome(jobs[2]) == "queue_full");
+  CHECK(outcome(jobs[3]) == "result");
+  CHECK(outcome(jobs[4]) == "result");
+  CHECK(outcome(large) == "result");
+}
+
+TEST_CASE("nobody is dropped in vain", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.most_bytes = 100;
+  options.when_full = WhenFull::drop_oldest;
+  Worker worker(options);
+  Hold hold(worker);
+  auto high = post(worker, Priority::high, 60);
+  auto low = post(worker, Priority::low, 40);
+  auto normal = post(worker, Priority::normal, 50);  // needs more than the low one has
+  CHECK(normal.ready());
+  CHECK_FALSE(low.ready());
+  hold.let_go();
+  CHECK(outcome(normal) == "queue_full");
+  CHECK(outcome(low) == "result");
+  CHECK(outcome(high) == "result");
+}
+
+TEST_CASE("a request larger than the limit can never be let in", "[worker]") {
+  for (const WhenFull when_full : {WhenFull::wait, WhenFull::refuse, WhenFull::drop_oldest}) {
+    WorkerOptions options = options_with(1);
+    options.most_bytes = 100;
+    options.when_full = when_full;
+    Worker worker(options);
+    Hold hold(worker);
+    auto bystander = post(worker, Priority::low, 100);
+    auto large = post(worker, Priority::high, 101);
+    CHECK(large.ready());
+    CHECK(outcome(large) == "limit_exceeded");
+    hold.let_go();
+    CHECK(outcome(bystander) == "result");
+    CHECK(outcome(post(worker, Priority::normal, 100)) == "result");
+  }
+}
+
+TEST_CASE("what the worker's own threads post never waits", "[worker]") {
+  for (const WhenFull when_full : {WhenFull::wait, WhenFull::refuse, WhenFull::drop_oldest}) {
+    WorkerOptions options = options_with(1);
+    options.most_jobs = 1;
+    options.most_bytes = 100;
+    options.when_full = when_full;
+    Worker worker(options);
+    auto job = worker.post(
+        [&](const Control&) {
+          std::vector<std::string> ends;
+          for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, Priority::low, 60).get(); }));
+          auto one = post(worker, Priority::normal, 60);
+          auto two = post(worker, Priority::normal, 60).then([](int value) { return value + 10; });
+          ends.push_back(outcome_of([&] { one.get(); }));
+          ends.push_back(outcome_of([&] { two.get(); }));
+          return ends;
+        },
+        {.bytes = 100});
+    // Let in beyond the limits where others would wait; else as everybody.
+    CHECK(take(job.future()) == std::vector<std::string>(5, when_full == WhenFull::wait ? "result" : "queue_full"));
+  }
+}
+
+TEST_CASE("continuations are never refused", "[worker]") {
+  Worker worker(options_for(1, WhenFull::refuse));
+  Hold hold(worker);
+  auto last = post(worker);
+  for (int k = 0; k < 10; ++k) {
+    last = std::move(last).then([](int value) { return value + 1; });
+  }
+  hold.let_go();
+  CHECK(take(last.future()) == 11);
+}
+
+TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]") {
+  Worker worker(options_for(0, WhenFull::refuse));
+  Hold hold(worker);
+  std::atomic<bool> ran{false};
+  auto refused = worker.post([&](const Control&) { ran = true; });
+  CHECK(refused.ready());
+  CHECK_FALSE(refused.cancel());
+  refused.set_priority(Priority::high);
+  hold.let_go();
+  worker.wait_until_idle();
+  CHECK(outcome(refused) == "queue_full");
+  CHECK_FALSE(ran);
+}
+
+TEST_CASE("a worker refuses options out of range", "[worker]") {
+  for (const int threads : {-1, 1025}) {
+    WorkerOptions options;
+    options.threads = threads;
+    const ThrownError error = thrown_by([&] { const Worker worker(options); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says(std::to_string(threads)));
+  }
+}
+
+}  // namespace welkin::test

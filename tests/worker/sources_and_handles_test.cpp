@@ -1,0 +1,392 @@
+// What is posted and what is held: sources, the pixels behind them, handles of jobs.
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/gate.h"
+#include "support/outcome.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/file_requests.h"
+#include "welkin/requests.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: a source takes pixels over or shares them, never copies them; it knows their size and who they are.
+
+namespace {
+
+CubemapImage some_cubemap(int size) { return {size, make_cubemap(Content::random, size, 3, 1).pixels}; }
+LatLongImage some_lat_long(int height) {
+  return {2 * height, height, make_lat_long(Content::random, 2 * height, height, 1).pixels};
+}
+
+}  // namespace
+
+TEST_CASE("a source has the very pixels that it was given", "[worker]") {
+  CubemapImage cubemap = some_cubemap(5);
+  const float* pixels = cubemap.pixels.data();
+  CubemapSource source(std::move(cubemap));
+  CHECK(source.view().faces[0] == pixels);
+  CHECK(source.view().faces[5] == pixels + std::ptrdiff_t{5} * 5 * 5 * 3);
+  CHECK(source.view().size == 5);
+  CHECK(source.mips().size() == 1);
+
+  const CubemapSource copy = source;
+  CHECK(copy.view().faces[0] == pixels);
+  const ProjectCubemap request{std::move(source)};
+  CHECK(request.source.view().faces[0] == pixels);
+
+  LatLongImage lat_long = some_lat_long(5);
+  pixels = lat_long.pixels.data();
+  CHECK(LatLongSource(std::move(lat_long)).view().pixels == pixels);
+
+  const auto shared_cubemap = std::make_shared<const CubemapImage>(some_cubemap(3));
+  CHECK(CubemapSource(shared_cubemap).view() == shared_cubemap->view());
+  const auto shared_lat_long = std::make_shared<const LatLongImage>(some_lat_long(3));
+  CHECK(LatLongSource(shared_lat_long).view() == shared_lat_long->view());
+}
+
+TEST_CASE("an environment's pixels go over, of the right kind alone", "[worker]") {
+  const TemporaryDirectory directory;
+  const auto cube = directory.file("cube.exr");
+  const auto sky = directory.file("sky.exr");
+  write_environment(cube, some_cubemap(4).view());
+  write_environment(sky, some_lat_long(4).view());
+
+  Environment environment = read_environment(cube);
+  const float* pixels = environment.pixels.get();
+  CHECK(CubemapSource(std::move(environment)).view().faces[0] == pixels);
+  environment = read_environment(sky);
+  pixels = environment.pixels.get();
+  CHECK(LatLongSource(std::move(environment)).view().pixels == pixels);
+
+  CHECK(thrown_by([&] { CubemapSource{read_environment(sky)}; }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { LatLongSource{read_environment(cube)}; }).code == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("the last copy of a source frees its pixels", "[worker]") {
+  auto image = std::make_shared<const CubemapImage>(some_cubemap(4));
+  const std::weak_ptr<const CubemapImage> watched = image;
+  {
+    const CubemapSource first(std::move(image));
+    {
+      const CubemapSource second = first;  // NOLINT(performance-unnecessary-copy-initialization): the copy is the point
+      CHECK(watched.use_count() == 2);
+    }
+    CHECK(watched.use_count() == 1);
+  }
+  CHECK(watched.expired());
+}
+
+TEST_CASE("a source counts the bytes of its pixels, padding included", "[worker]") {
+  CHECK(CubemapSource(some_cubemap(7)).bytes() == 6 * 7 * 7 * 12);
+  CHECK(LatLongSource(some_lat_long(7)).bytes() == 14 * 7 * 12);
+  CHECK(ProjectCubemap{some_cubemap(7)}.bytes() == 6 * 7 * 7 * 12);
+  CHECK(ProjectLatLong{some_lat_long(7)}.bytes() == 14 * 7 * 12);
+  CHECK(CubemapToCubemap{some_cubemap(7), 3}.bytes() == 6 * 7 * 7 * 12);
+
+  const TestCubemapHalf halves = make_cubemap_half(Content::random, 8, 4, 1);
+  CubemapView view = halves.view();
+  CHECK(CubemapSource(view, nullptr).bytes() == 6 * 8 * 8 * 8);
+  view.size = 4;
+  view.row_stride_bytes = 64;
+  CHECK(CubemapSource(view, nullptr).bytes() == 6 * 4 * 64);
+  const std::byte* last_row = static_cast<const std::byte*>(view.faces[0]) + std::ptrdiff_t{3} * 64;
+  view.faces.fill(last_row);
+  view.row_stride_bytes = -64;
+  CHECK(CubemapSource(view, nullptr).bytes() == 6 * 4 * 64);
+
+  const TestCubemap full = make_cubemap(Content::random, 4, 3, 1);
+  const TestCubemap next = make_cubemap(Content::random, 2, 3, 1);
+  CHECK(CubemapSource({full.view(), next.view()}, nullptr).bytes() == 6 * (16 + 4) * 12);
+
+  const TestLatLongBytes bytes = make_lat_long_bytes(Content::random, 8, 4, 1, 4);
+  CHECK(LatLongSource(bytes.view(), nullptr).bytes() == 8 * 4 * 4);
+}
+
+TEST_CASE("sources are equal if they are the same pixels in memory", "[worker]") {
+  const auto image = std::make_shared<const CubemapImage>(some_cubemap(4));
+  CHECK(CubemapSource(image) == CubemapSource(image));
+  CHECK_FALSE(CubemapSource(image) == CubemapSource(CubemapImage(*image)));
+  CubemapView smaller = image->view();
+  smaller.size = 2;
+  CHECK_FALSE(CubemapSource(smaller, image) == CubemapSource(image));
+
+  const ProjectCubemap request{image};
+  CHECK(request == ProjectCubemap{image});
+  ProjectionOptions options;
+  options.bands = 4;
+  CHECK_FALSE(request == ProjectCubemap{image, options});
+  CHECK(ProjectFile{"a.exr"} == ProjectFile{"a.exr"});
+  CHECK_FALSE(ProjectFile{"a.exr"} == ProjectFile{"b.exr"});
+
+  const auto sky = std::make_shared<const LatLongImage>(some_lat_long(4));
+  CHECK(LatLongToCubemap{sky, 4} == LatLongToCubemap{sky, 4});
+  CHECK_FALSE(LatLongToCubemap{sky, 4} == LatLongToCubemap{sky, 5});
+}
+
+// Promise: posted pixels are not copied, and their memory comes back however a job ends.
+
+namespace {
+
+CubemapImage some_image() { return {8, make_cubemap(Content::random, 8, 3, 1).pixels}; }
+
+/// Shared pixels, and a way to see whether they are still held by anyone.
+struct Watched {
+  std::shared_ptr<const CubemapImage> image = std::make_shared<const CubemapImage>(some_image());
+  std::weak_ptr<const CubemapImage> weak = image;
+
+  [[nodiscard]] CubemapSource give() { return {std::move(image)}; }
+  [[nodiscard]] bool comes_back() const {
+    return eventually([&] { return weak.expired(); });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a request sees the very pixels that were moved in", "[worker]") {
+  Worker worker(options_with(1));
+  CubemapImage image = some_image();
+  const float* pixels = image.pixels.data();
+  auto job = worker.post([request = ProjectCubemap{std::move(image)}](const Control& control) {
+    static_cast<void>(request(control));
+    return request.source.view().faces[0];
+  });
+  CHECK(job.get() == pixels);
+}
+
+TEST_CASE("pixels are freed when their job is done, handles or not", "[worker]") {
+  Worker worker(options_with(1));
+  Watched watched;
+  auto job = worker.post(ProjectCubemap{watched.give()});
+  CHECK(outcome(job) == "result");
+  CHECK(watched.comes_back());
+  CHECK(job.id() > 0);
+}
+
+TEST_CASE("pixels are freed when their job fails", "[worker]") {
+  Worker worker(options_with(1));
+  Watched watched;
+  ProjectionOptions options;
+  options.bands = 99;
+  auto job = worker.post(ProjectCubemap{watched.give(), options});
+  CHECK(outcome(job) == "invalid_argument");
+  CHECK(watched.comes_back());
+}
+
+TEST_CASE("pixels of a waiting job are freed when it is given up, while the threads are busy", "[worker]") {
+  WorkerOptions options = options_with(1);
+  options.when_full = WhenFull::drop_oldest;
+  options.most_jobs = 2;
+  Worker worker(options);
+  Hold hold(worker);
+
+  Watched cancelled;
+  auto job = worker.post(ProjectCubemap{cancelled.give()});
+  CHECK(job.cancel());
+  CHECK(cancelled.comes_back());
+
+  Watched replaced;
+  job = worker.post(ProjectCubemap{replaced.give()}, {.key = "probe"});
+  auto newer = worker.post([](const Control&) {}, {.key = "probe"});
+  CHECK(outcome(job) == "replaced");
+  CHECK(replaced.comes_back());
+  newer.cancel();
+
+  Watched dropped;
+  job = worker.post(ProjectCubemap{dropped.give()}, {.priority = Priority::low});
+  newer = worker.post([](const Control&) {});
+  CHECK(outcome(job) == "queue_full");
+  CHECK(dropped.comes_back());
+
+  Watched refused;
+  job = worker.post(ProjectCubemap{refused.give()}, {.priority = Priority::low});
+  CHECK(outcome(job) == "queue_full");
+  CHECK(refused.comes_back());
+}
+
+TEST_CASE("pixels of a running job are freed once it has stopped", "[worker]") {
+  Worker worker(options_with(1));
+  Watched watched;
+  std::atomic<bool> inside{false};
+  std::atomic<bool> looking{false};
+  std::atomic<bool> gone_while_looking{false};
+  auto job = worker.post([&, source = watched.give()](const Control& control) {
+    looking = true;
+    inside = true;
+    while (!control.stop.stop_requested()) std::this_thread::yield();
+    if (watched.weak.expired() || source.view().size != 8) gone_while_looking = true;
+    looking = false;
+  });
+  CHECK(eventually([&] { return inside.load(); }));
+  CHECK(job.cancel());
+  CHECK(outcome(job) == "cancelled");
+  CHECK_FALSE(looking);  // the future is ready when nothing reads the pixels any more
+  CHECK_FALSE(gone_while_looking);
+  CHECK(watched.comes_back());
+}
+
+TEST_CASE("pixels are freed when their worker ends", "[worker]") {
+  Watched waiting;
+  Watched undrained;
+  Watched late;
+  JobHandle handle;
+  {
+    Worker worker(options_with(1));
+    Gate gate;
+    auto held = worker.post([&](const Control&) { gate.pass(); }, {.priority = Priority::high});
+    gate.wait_for_arrivals(1);
+    auto job = worker.post(ProjectCubemap{waiting.give()});
+    handle = job;
+    worker.post([](const Control&) {}).on_drain([image = undrained.give()](std::future<void>) {});
+    gate.open();
+    worker.terminate();
+    CHECK(waiting.comes_back());
+    CHECK_FALSE(undrained.weak.expired());
+    CHECK(outcome(worker.post(ProjectCubemap{late.give()})) == "stopped");
+    CHECK(late.comes_back());
+  }
+  CHECK(undrained.comes_back());
+  CHECK(handle.ready());
+}
+
+TEST_CASE("a result that nobody takes is freed", "[worker]") {
+  Worker worker(options_with(1));
+  const auto result = std::make_shared<int>(1);
+  {
+    auto job = worker.post([result](const Control&) { return result; });
+    worker.wait_until_idle();
+  }
+  CHECK(eventually([&] { return result.use_count() == 1; }));
+}
+
+// Promise: ids rise, `ready` means that the future will not wait, and a handle can be asked after its worker is gone.
+
+TEST_CASE("ids rise from 1 on, through all workers", "[worker]") {
+  CHECK(JobHandle().id() == 0);
+  CHECK(Job<int>().id() == 0);
+  Worker first(options_with(1));
+  Worker second(options_with(1));
+  std::uint64_t before = 0;
+  for (int k = 0; k < 50; ++k) {
+    auto job = (k % 2 == 0 ? first : second).post([k](const Control&) { return k; });
+    CHECK(job.id() > before);
+    before = job.id();
+    auto follower = std::move(job).then([](int value) { return value; });
+    CHECK(follower.id() > before);
+    before = follower.id();
+  }
+}
+
+TEST_CASE("ids are unique when posted from many threads", "[worker]") {
+  Worker worker(options_with(2));
+  constexpr std::size_t kThreads = 4;
+  std::vector<std::vector<std::uint64_t>> ids(kThreads);
+  std::vector<std::thread> threads;
+  for (auto& own : ids) {
+    threads.emplace_back([&worker, &own] {
+      for (int k = 0; k < 200; ++k) own.push_back(worker.post([k](const Control&) { return k; }).id());
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  std::set<std::uint64_t> all;
+  for (const auto& own : ids) {
+    CHECK(std::is_sorted(own.begin(), own.end()));
+    all.insert(own.begin(), own.end());
+  }
+  CHECK(all.size() == kThreads * 200);
+}
+
+TEST_CASE("ready means that the future does not wait, for results and errors", "[worker]") {
+  Worker worker(options_with(1));
+  for (const bool fails : {false, true}) {
+    auto job = worker.post([fails](const Control&) {
+      if (fails) throw Error(ErrorCode::corrupt_file, "no good");
+    });
+    CHECK(eventually([&] { return job.ready(); }));
+    auto future = job.future();
+    CHECK(future.wait_for(std::chrono::seconds(0)) == std::future_status::ready);
+    CHECK(job.ready());
+    CHECK(outcome(std::move(future)) == (fails ? "corrupt_file" : "result"));
+    CHECK(job.ready());
+  }
+}
+
+TEST_CASE("handles and futures outlive their worker", "[worker]") {
+  auto worker = std::make_unique<Worker>(options_with(1));
+  auto done = worker->post([](const Control&) { return 5; });
+  auto followed = worker->post([](const Control&) { return 5; });
+  const JobHandle copy = done;
+  worker->wait_until_idle();
+  auto hold = std::make_unique<Hold>(*worker);
+  auto waiting = worker->post([](const Control&) { return 6; }, {.priority = Priority::high});
+  hold->let_go();
+  hold.reset();
+  worker.reset();
+
+  CHECK(copy.id() == done.id());
+  CHECK(done.ready());
+  CHECK(copy.progress() == 1.0);
+  CHECK(done.get() == 5);
+  CHECK(waiting.ready());
+  CHECK(waiting.priority() == Priority::high);
+  CHECK_FALSE(waiting.cancel());
+  CHECK_FALSE(copy.cancel());
+  waiting.set_priority(Priority::low);
+  const std::string end = outcome(waiting);
+  CHECK((end == "result" || end == "stopped"));
+
+  bool called = false;
+  auto follower = std::move(followed).then([&](int) { called = true; });
+  CHECK(follower.ready());
+  CHECK(outcome(follower) == "stopped");
+  CHECK_FALSE(called);
+}
+
+TEST_CASE("a job that is let go of runs to its end", "[worker]") {
+  Worker worker(options_with(1));
+  std::atomic<int> runs{0};
+  {
+    Hold hold(worker);
+    for (int k = 0; k < 10; ++k) worker.post([&runs, k](const Control&) { runs += k; });
+  }
+  worker.wait_until_idle();
+  CHECK(runs == 45);
+}
+
+TEST_CASE("a handle can be asked from any thread while its job runs", "[worker]") {
+  Worker worker(options_with(1));
+  auto gate = std::make_shared<Gate>();
+  auto job = worker.post([gate](const Control&) { gate->pass(); });
+  std::atomic<bool> fell{false};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 3; ++k) {
+    threads.emplace_back([handle = JobHandle(job), &fell] {
+      double before = 0.0;
+      while (!handle.ready()) {
+        if (handle.progress() < before || handle.priority() != Priority::normal || handle.id() == 0) fell = true;
+        before = handle.progress();
+        std::this_thread::yield();
+      }
+    });
+  }
+  gate->wait_for_arrivals(1);
+  gate->open();
+  for (std::thread& thread : threads) thread.join();
+  CHECK_FALSE(fell);
+}
+
+}  // namespace welkin::test

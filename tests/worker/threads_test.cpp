@@ -1,0 +1,403 @@
+// A worker's threads: its own, or those of an arena that it is lent.
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/gate.h"
+#include "support/outcome.h"
+#include "support/process_threads.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+
+// Promise: a worker's threads are as many as asked for, with the name and the priority that they should have, and
+// nobody else's: the engine's threads stay out of its work, and its threads out of theirs.
+
+namespace {
+
+int this_thread_number() { return static_cast<int>(syscall(SYS_gettid)); }
+
+/// The worker's own threads: its name, then a number.
+std::set<int> threads_named(const std::string& name) {
+  std::set<int> threads;
+  for (const int thread : process_threads()) {
+    const std::string full = thread_name(thread);
+    if (full.rfind(name, 0) != 0 || full.size() == name.size()) continue;
+    const std::string rest = full.substr(name.size());
+    if (std::all_of(rest.begin(), rest.end(), [](unsigned char c) { return std::isdigit(c) != 0 || c == ' '; })) {
+      threads.insert(thread);
+    }
+  }
+  return threads;
+}
+
+/// Threads give themselves their names once they run.
+bool has_threads(const std::string& name, std::size_t count) {
+  return eventually([&] { return threads_named(name).size() == count; });
+}
+
+/// One number for each thread on which a request runs, all of them at work at once.
+std::set<int> threads_at_work(Worker& worker, int count) {
+  Gate gate;
+  std::vector<Job<int>> jobs;
+  for (int k = 0; k < count; ++k) {
+    jobs.push_back(worker.post([&gate](const Control&) {
+      gate.pass();
+      return this_thread_number();
+    }));
+  }
+  gate.wait_for_arrivals(count);
+  gate.open();
+  std::set<int> threads;
+  for (auto& job : jobs) threads.insert(take(job.future()));
+  return threads;
+}
+
+}  // namespace
+
+TEST_CASE("a worker has as many threads as it was asked for, all at work at once", "[worker]") {
+  for (const int count : {1, 2, 5}) {
+    WorkerOptions options = options_with(count);
+    options.name = "count";
+    Worker worker(options);
+    CHECK(worker.threads() == count);
+    CHECK(has_threads("count", static_cast<std::size_t>(count)));
+    CHECK(threads_at_work(worker, count) == threads_named("count"));
+  }
+}
+
+TEST_CASE("by default a worker has one thread less than the process may use", "[worker]") {
+  const Worker worker;
+  CHECK(worker.threads() == std::max(1, available_threads() - 1));
+}
+
+TEST_CASE("threads have the worker's name and a number", "[worker]") {
+  WorkerOptions options = options_with(2);
+  options.name = "sky light";
+  const Worker worker(options);
+  CHECK(has_threads("sky light", 2));
+
+  // Linux keeps 15 characters: the number must be among them, or the threads could not be told apart.
+  options.name = "a name longer than fifteen characters";
+  const Worker long_named(options);
+  CHECK(has_threads("a name longer", 2));
+  std::set<std::string> names;
+  for (const int thread : threads_named("a name longer")) names.insert(thread_name(thread));
+  CHECK(names.size() == 2);
+
+  const Worker unnamed;
+  CHECK(has_threads("welkin", static_cast<std::size_t>(unnamed.threads())));
+}
+
+TEST_CASE("threads have the priority that they were asked to have", "[worker]") {
+  const int own_nice = getpriority(PRIO_PROCESS, static_cast<id_t>(this_thread_number()));
+  for (const ThreadPriority priority : {ThreadPriority::idle, ThreadPriority::below, ThreadPriority::normal}) {
+    WorkerOptions options = options_with(2);
+    options.thread_priority = priority;
+    options.name = "ranked";
+    Worker worker(options);
+    CHECK(has_threads("ranked", 2));
+    for (const int thread : threads_at_work(worker, 2)) {
+      const int policy = sched_getscheduler(thread);
+      const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(thread));
+      if (priority == ThreadPriority::idle) CHECK(policy == SCHED_IDLE);
+      if (priority != ThreadPriority::idle) CHECK(policy == sched_getscheduler(0));
+      if (priority == ThreadPriority::below) CHECK(nice == std::min(19, own_nice + 10));
+      if (priority == ThreadPriority::normal) CHECK(nice == own_nice);
+    }
+  }
+  CHECK(getpriority(PRIO_PROCESS, static_cast<id_t>(this_thread_number())) == own_nice);
+}
+
+TEST_CASE("the engine's threads and the worker's stay out of each other's work", "[worker]") {
+  run_with_threads(3, [] {
+    WorkerOptions options = options_with(2);
+    options.name = "apart";
+    Worker worker(options);
+    CHECK(has_threads("apart", 2));
+    const std::set<int> own = threads_named("apart");
+    std::mutex mutex;
+    std::set<int> in_worker;
+    std::set<int> in_engine;
+    const auto work_into = [&mutex](std::set<int>& threads) {
+      tbb::parallel_for(0, 300, [&](int) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(20);
+        while (std::chrono::steady_clock::now() < end) {
+        }
+        const std::scoped_lock lock(mutex);
+        threads.insert(this_thread_number());
+      });
+    };
+    std::vector<Job<void>> jobs;
+    for (int k = 0; k < 10; ++k) jobs.push_back(worker.post([&](const Control&) { work_into(in_worker); }));
+    while (!jobs.back().ready()) work_into(in_engine);
+    for (auto& job : jobs) CHECK(outcome(job) == "result");
+    CHECK(std::includes(own.begin(), own.end(), in_worker.begin(), in_worker.end()));
+    for (const int thread : in_engine) CHECK(own.count(thread) == 0);
+  });
+}
+
+TEST_CASE("a worker's threads help with each other's tiles", "[worker]") {
+  Worker worker(options_with(2));
+  std::atomic<int> inside{0};
+  std::atomic<int> most{0};
+  auto job = worker.post([&](const Control&) {
+    // Ends when two tasks were inside at once: with a sole helper it would go on for ever.
+    tbb::parallel_for(0, 1000, [&](int) {
+      const int now = ++inside;
+      int before = most;
+      while (now > before && !most.compare_exchange_weak(before, now)) {
+      }
+      const auto end = std::chrono::steady_clock::now() + kPatience;
+      while (most < 2 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+      --inside;
+    });
+  });
+  CHECK(outcome(job) == "result");
+  CHECK(most >= 2);
+}
+
+// Promise: a worker can do its work in an arena of the engine's, whatever that does with the tasks that it is given.
+
+namespace {
+
+WorkerOptions lent(std::function<void(std::function<void()>)> enqueue) {
+  WorkerOptions options;
+  options.lent_arena = std::move(enqueue);
+  return options;
+}
+
+/// An engine that runs tasks when the test says so.
+class LateArena {
+ public:
+  [[nodiscard]] WorkerOptions options() {
+    return lent([this](std::function<void()> task) {
+      const std::scoped_lock lock(mutex_);
+      tasks_.push_back(std::move(task));
+    });
+  }
+
+  /// Runs what is there and what comes while it does.
+  void run_all() {
+    while (auto task = next()) task();
+  }
+
+  std::size_t size() {
+    const std::scoped_lock lock(mutex_);
+    return tasks_.size();
+  }
+
+ private:
+  std::function<void()> next() {
+    const std::scoped_lock lock(mutex_);
+    if (tasks_.empty()) return {};
+    auto task = std::move(tasks_.front());
+    tasks_.pop_front();
+    return task;
+  }
+
+  std::mutex mutex_;
+  std::deque<std::function<void()>> tasks_;
+};
+
+}  // namespace
+
+TEST_CASE("a lent arena does the work", "[worker]") {
+  for (const int slots : {1, 3}) {
+    tbb::task_arena arena(slots);
+    Worker worker(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
+    CHECK(worker.threads() == 0);
+    auto width = worker.post([](const Control&) { return tbb::this_task_arena::max_concurrency(); });
+    CHECK(take(width.future()) == std::max(slots, 2));  // oneTBB gives one for enqueued tasks to an arena of one
+
+    const TestCubemap cubemap = make_cubemap(Content::random, 200, 3, 1);
+    const Projection expected = project(cubemap.view());
+    std::vector<Job<Projection>> jobs;
+    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(ProjectCubemap{CubemapImage{200, cubemap.pixels}}));
+    for (auto& job : jobs) CHECK(same_bits(take(job.future()), expected));
+
+    auto chain = worker.post([](const Control&) { return 1; }).then([](int value) { return value + 1; });
+    CHECK(take(chain.future()) == 2);
+    int drained = 0;
+    worker.post([](const Control&) { return 3; }).on_drain([&](std::future<int> future) { drained = future.get(); });
+    worker.wait_until_idle();
+    CHECK(worker.drain() == 1);
+    CHECK(drained == 3);
+  }
+}
+
+TEST_CASE("jobs in a lent arena can be given up, and the worker ended", "[worker]") {
+  tbb::task_arena arena(1);
+  std::vector<Job<int>> jobs;
+  {
+    Worker worker(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
+    auto gate = std::make_shared<Gate>();
+    jobs.push_back(worker.post([gate](const Control& control) {
+      gate->pass();
+      while (!control.stop.stop_requested()) std::this_thread::yield();
+      return 1;
+    }));
+    gate->wait_for_arrivals(1);
+    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
+    CHECK(jobs[5].cancel());
+    CHECK(outcome(jobs[5]) == "cancelled");
+    jobs.erase(jobs.begin() + 5);
+    gate->open();
+  }
+  for (auto& job : jobs) CHECK(outcome(job) == "stopped");
+}
+
+TEST_CASE("a worker in a lent arena can be ended from its own jobs", "[worker]") {
+  tbb::task_arena arena(2);
+  for (const bool destroys : {false, true}) {
+    auto worker =
+        std::make_shared<Worker>(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
+    const std::weak_ptr<Worker> weak = worker;
+    const auto gate = std::make_shared<Gate>();
+    auto job = worker->post([worker, gate, destroys](const Control&) mutable {
+      gate->pass();
+      if (!destroys) worker->terminate();
+      worker.reset();
+    });
+    gate->wait_for_arrivals(1);
+    if (destroys) worker.reset();
+    gate->open();
+    CHECK(outcome(job) == "stopped");
+    worker.reset();
+    CHECK(eventually([&] { return weak.expired(); }));
+  }
+}
+
+TEST_CASE("tasks may be called late", "[worker]") {
+  LateArena arena;
+  Worker worker(arena.options());
+  std::vector<Job<int>> jobs;
+  for (int k = 0; k < 10; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
+  CHECK(arena.size() >= 1);
+  for (const auto& job : jobs) CHECK_FALSE(job.ready());
+  CHECK(jobs[3].cancel());
+  arena.run_all();
+  for (int k = 0; k < 10; ++k) {
+    auto& job = jobs[static_cast<std::size_t>(k)];
+    REQUIRE(job.ready());
+    if (k == 3) {
+      CHECK(outcome(job) == "cancelled");
+    } else {
+      CHECK(job.get() == k);
+    }
+  }
+  CHECK(worker.load().jobs == 0);
+}
+
+TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]") {
+  LateArena arena;
+  { const Worker first(arena.options()); }
+  const std::set<int> before = process_threads();
+  std::vector<Job<int>> jobs;
+  std::atomic<int> runs{0};
+  {
+    Worker worker(arena.options());
+    for (int k = 0; k < 10; ++k) {
+      jobs.push_back(worker.post([&runs, k](const Control&) {
+        ++runs;
+        return k;
+      }));
+    }
+  }
+  for (auto& job : jobs) CHECK(outcome(job) == "stopped");
+  arena.run_all();
+  CHECK(runs == 0);
+  CHECK(eventually([&] { return threads_since(before).empty(); }));
+}
+
+TEST_CASE("terminate does not wait for tasks that nobody calls", "[worker]") {
+  LateArena arena;
+  Worker worker(arena.options());
+  auto job = worker.post([](const Control&) { return 1; });
+  worker.terminate();
+  CHECK(outcome(job) == "stopped");
+  arena.run_all();
+  CHECK(outcome(worker.post([](const Control&) { return 1; })) == "stopped");
+}
+
+TEST_CASE("a task may be called inside the call that lends it", "[worker]") {
+  Worker worker(lent([](const std::function<void()>& task) { task(); }));
+  for (int k = 0; k < 10; ++k) {
+    auto job = worker.post([k](const Control&) { return k; }).then([](int value) { return value + 1; });
+    CHECK(take(job.future()) == k + 1);
+  }
+}
+
+TEST_CASE("a task may be called by any thread, several at once", "[worker]") {
+  LateArena arena;
+  Worker worker(arena.options());
+  std::vector<Job<int>> jobs;
+  for (int k = 0; k < 200; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
+  std::atomic<bool> done{false};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&] {
+      while (!done) {
+        arena.run_all();
+        std::this_thread::yield();
+      }
+    });
+  }
+  for (int k = 0; k < 200; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)].future()) == k);
+  done = true;
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST_CASE("an arena that refuses a task now and then loses no job", "[worker]") {
+  LateArena arena;
+  std::atomic<int> calls{0};
+  const auto enqueue = arena.options().lent_arena;
+  Worker worker(lent([&](std::function<void()> task) {
+    if (++calls % 2 == 1) throw std::runtime_error("the arena is full");
+    enqueue(std::move(task));
+  }));
+  int refused = 0;
+  std::vector<Job<int>> jobs;
+  for (int k = 0; k < 20; ++k) {
+    // Whether it is post that tells, or the future, or nobody because the task is offered again: no job hangs.
+    const std::string end = outcome_of([&] { jobs.push_back(worker.post([k](const Control&) { return k; })); });
+    if (end != "result") {
+      CHECK(end == "the arena is full");
+      ++refused;
+    }
+  }
+  CHECK(eventually([&] {
+    arena.run_all();
+    return worker.load().jobs == 0;
+  }));
+  int results = 0;
+  for (auto& job : jobs) {
+    const std::string end = outcome(job);
+    CHECK((end == "result" || end == "the arena is full"));
+    results += end == "result" ? 1 : 0;
+  }
+  CHECK(results >= 1);
+  CHECK(results + refused <= 20);
+}
+
+}  // namespace welkin::test
