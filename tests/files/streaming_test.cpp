@@ -14,6 +14,7 @@
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
+#include "support/outcome.h"
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -166,13 +167,16 @@ TEST_CASE("the next rows are decoded while others are worked on", "[codec][strea
   const FakeSource source(Kind{});
   std::atomic<int> at_work{0};
   std::atomic<bool> together{false};
+  std::atomic<bool> given_up{false};
   run_with_threads(2, [&] {
     files::for_each_row_group(source, {64, kPlenty}, {}, [&](const files::RowGroup&) {
       ++at_work;
-      for (int patience = 0; patience < 200 && !together; ++patience) {
+      // Until another group is at work too, or one has waited for that in vain.
+      const auto met = [&] {
         if (at_work > 1) together = true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      }
+        return together.load();
+      };
+      if (!given_up && !eventually(met)) given_up = true;
       --at_work;
     });
   });

@@ -19,6 +19,7 @@
 #include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/heap.h"
+#include "support/outcome.h"
 #include "support/thrown_error.h"
 #include "welkin/control.h"
 
@@ -35,16 +36,6 @@ PassGraph::Work tiles(std::size_t count, std::atomic<int>& done) {
     jobs::run_tiles(count, placement, jobs::worker_count(placement), control,
                     [&](std::size_t, std::size_t) { ++done; });
   };
-}
-
-/// Waits, for some seconds at most.
-bool comes_true(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::yield();
-  }
-  return true;
 }
 
 }  // namespace
@@ -85,7 +76,7 @@ TEST_CASE("Passes that do not wait for each other run at the same time", "[bake]
     for (int k = 0; k < 2; ++k) {
       graph.add(1.0, [&](const Control&) {
         ++inside;
-        if (comes_true([&] { return inside == 2; })) ++met;
+        if (eventually([&] { return inside == 2; })) ++met;
       });
     }
     graph.run({});
@@ -102,7 +93,7 @@ TEST_CASE("A thread without a pass joins the tiles of another's", "[bake][jobs]"
     graph.add(9.0, [&](const Control& control) {
       jobs::run_tiles(2, jobs::Placement::arena, 2, control, [&](std::size_t, std::size_t) {
         ++inside;
-        if (comes_true([&] { return inside == 2; })) met = true;
+        if (eventually([&] { return inside == 2; })) met = true;
       });
     });
     graph.run({});
@@ -216,7 +207,7 @@ TEST_CASE("A thread that waits in a graph runs no stranger's task", "[bake][jobs
       graph.add(2.0, [](const Control&) {});
       graph.add(1.0, [&](const Control&) {
         const bool waiting_thread = inside_graph;
-        if (!waiting_thread) comes_true([&] { return leave.load(); });
+        if (!waiting_thread) eventually([&] { return leave.load(); });
       });
       for (int k = 0; k < 4; ++k) {
         strangers.run([&] {
