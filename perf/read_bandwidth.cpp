@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "image/image_kernels.h"
 #include "jobs/tiles.h"
-#include "simd/kernels.h"
 #include "subjects.h"
 
 namespace welkin::perf {
@@ -26,7 +26,7 @@ std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_
     std::vector<float> sums(tiles);
     jobs::run_tiles(tiles, placement, jobs::worker_count(placement), {}, [&](std::size_t tile, std::size_t) {
       const std::int64_t first = static_cast<std::int64_t>(tile) * tile_groups;
-      sums[tile] = simd::active_kernels().read_all(static_cast<const float*>(pixels) + first * 16,
+      sums[tile] = image::image_kernels().read_all(static_cast<const float*>(pixels) + first * 16,
                                                    std::min(tile_groups, groups - first));
     });
     benchmark::DoNotOptimize(sums.data());

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "image/image_kernels.h"
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"
 #include "reference/reference_projection.h"
-#include "simd/kernels.h"
 #include "welkin/environment_file.h"
 #include "welkin/instruction_set.h"
 #include "welkin/mip_chain.h"
@@ -52,7 +52,7 @@ std::string target_size_table(const std::vector<std::filesystem::path>& files) {
     const auto groups = static_cast<std::int64_t>(cube.pixels.size() / 16);
     volatile float sum = 0.0F;
     reading = std::min(reading,
-                       kStopwatch.seconds([&] { sum = simd::active_kernels().read_all(cube.pixels.data(), groups); }));
+                       kStopwatch.seconds([&] { sum = image::image_kernels().read_all(cube.pixels.data(), groups); }));
     const std::vector<report::Measurement> found =
         report::projections_by_target(chain, kTargets, reference_projection(cube.view()), kStopwatch);
     for (std::size_t k = 0; k < found.size(); ++k) {

@@ -20,8 +20,8 @@ std::uint64_t squared(int edge) { return static_cast<std::uint64_t>(edge) * stat
 
 /// Of the transform: orders times rings, in groups of lanes.
 std::uint64_t columns_bytes(int bands, int rings) {
-  const auto groups = static_cast<std::uint64_t>((rings + 1) / 2 + simd::kRingLanes) / simd::kRingLanes;
-  return static_cast<std::uint64_t>(bands) * groups * simd::kColumnFloats * sizeof(float);
+  const auto groups = static_cast<std::uint64_t>((rings + 1) / 2 + transforms::kRingLanes) / transforms::kRingLanes;
+  return static_cast<std::uint64_t>(bands) * groups * transforms::kColumnFloats * sizeof(float);
 }
 
 /// What the prefilter holds when all of its mips are being made.
@@ -32,7 +32,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   if (plan.bands > 0) {
     if (source.cubemap) bytes += (24 + 9) * ring_texels;  // of `rings_of_cubemap`
     bytes += kTexelBytes * ring_texels + columns_bytes(plan.bands, rings);
-    bytes += squared(plan.bands) * simd::kHarmonicFloats * sizeof(float);
+    bytes += squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
   }
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.copy || plan.sampled) bytes += kTexelBytes * 6 * squared(mip.size);

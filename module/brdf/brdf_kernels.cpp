@@ -1,10 +1,13 @@
 // Directional albedo by quadrature, sixteen view angles at a time. What is integrated, and why over these variables, is
-// in specular/brdf_quadrature.h; the names are the same there.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+// in brdf/brdf_quadrature.h; the names are the same there.
+#include "brdf/brdf_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+#include "simd/vec.h"
+
+namespace welkin::brdf::WELKIN_ISA {
 namespace {
+
+using simd::Architecture, simd::Lanes, simd::kLanes, simd::kWidth;
 
 using IntegerLanes = xsimd::batch<std::int32_t, Architecture>;
 
@@ -132,8 +135,6 @@ WELKIN_INLINE Lanes sheen_along_azimuth(const AlbedoRule& rule, const View& view
   return xsimd::select(counts, sum * span * Lanes(4.0F), Lanes(0.0F));
 }
 
-}  // namespace
-
 void directional_albedo(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole, float* fresnel) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     const View view(Lanes::load_unaligned(normal_view + lane));
@@ -162,4 +163,11 @@ void sheen_albedo(const AlbedoRule& rule, float alpha, const float* normal_view,
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const BrdfKernels brdf_kernels_table = {
+    .directional_albedo = directional_albedo,
+    .sheen_albedo = sheen_albedo,
+};
+
+}  // namespace welkin::brdf::WELKIN_ISA

@@ -17,7 +17,7 @@ struct Node {
 /// Gauss's rule on [0, 1].
 template <class Use>
 void for_each_node(int order, const Use& use) {
-  const simd::GaussRule rule = math::gauss_legendre(order);
+  const math::GaussRule rule = math::gauss_legendre(order);
   for (int i = 0; i < order; ++i) use(Node{0.5 + 0.5 * rule.nodes[i], 0.5 * rule.weights[i]});
 }
 
@@ -55,7 +55,7 @@ AlbedoQuadrature AlbedoQuadrature::thinning(const AlbedoOrders& orders) {
   return made;
 }
 
-simd::AlbedoRule AlbedoQuadrature::rule() const noexcept {
+AlbedoRule AlbedoQuadrature::rule() const noexcept {
   return {static_cast<int>(azimuth_cosines_.size()), azimuth_cosines_.data(), azimuth_weights_.data(),
           static_cast<int>(radius_places_.size()),   radius_places_.data(),   radius_weights_.data()};
 }
@@ -66,13 +66,13 @@ AlbedoRules::AlbedoRules()
       sheen_{AlbedoQuadrature::thinning({14, 8, 16}), AlbedoQuadrature::thinning({12, 8, 14}),
              AlbedoQuadrature::thinning({8, 6, 12})} {}
 
-simd::AlbedoRule AlbedoRules::ggx(double roughness, double least_cosine) const noexcept {
+AlbedoRule AlbedoRules::ggx(double roughness, double least_cosine) const noexcept {
   if (roughness < 0.35) return ggx_[0].rule();
   if (roughness < 0.5) return ggx_[1].rule();
   return ggx_[least_cosine < 0.02 ? 2 : 3].rule();
 }
 
-simd::AlbedoRule AlbedoRules::sheen(double roughness) const noexcept {
+AlbedoRule AlbedoRules::sheen(double roughness) const noexcept {
   if (roughness < 0.3) return sheen_[0].rule();
   return sheen_[roughness < 0.5 ? 1 : 2].rule();
 }

@@ -25,7 +25,7 @@
 #include <array>
 #include <vector>
 
-#include "simd/kernels.h"
+#include "brdf/brdf_kernels.h"
 
 namespace welkin::brdf {
 
@@ -44,7 +44,7 @@ class AlbedoQuadrature {
   /// Thinned out to the end as 1 - (1 - y)^2, which also takes the root of D at z = 1: for sheen.
   [[nodiscard]] static AlbedoQuadrature thinning(const AlbedoOrders& orders);
 
-  [[nodiscard]] simd::AlbedoRule rule() const noexcept;
+  [[nodiscard]] AlbedoRule rule() const noexcept;
 
  private:
   explicit AlbedoQuadrature(const AlbedoOrders& orders);
@@ -62,8 +62,8 @@ class AlbedoRules {
   AlbedoRules();
 
   /// Where N.V is at least `least_cosine`.
-  [[nodiscard]] simd::AlbedoRule ggx(double roughness, double least_cosine) const noexcept;
-  [[nodiscard]] simd::AlbedoRule sheen(double roughness) const noexcept;
+  [[nodiscard]] AlbedoRule ggx(double roughness, double least_cosine) const noexcept;
+  [[nodiscard]] AlbedoRule sheen(double roughness) const noexcept;
 
  private:
   std::array<AlbedoQuadrature, 4> ggx_;

@@ -5,10 +5,11 @@
 #include <bit>
 #include <string>
 
+#include "brdf/brdf_kernels.h"
 #include "brdf/brdf_quadrature.h"
 #include "jobs/tiles.h"
 #include "math/table_cache.h"
-#include "simd/kernels.h"
+#include "simd/dispatch.h"
 #include "welkin/brdf_table.h"
 #include "welkin/error.h"
 
@@ -89,8 +90,7 @@ namespace {
 constexpr int kTileColumns = 4 * simd::kLanes;
 
 /// Fills texels [first, first + count) of a row, count <= 16. What lies beyond the row is computed and dropped.
-void fill_group(const simd::Kernels& kernels, const AlbedoRules& rules, int row, int first, int count,
-                BrdfTable& table) {
+void fill_group(const BrdfKernels& kernels, const AlbedoRules& rules, int row, int first, int count, BrdfTable& table) {
   const BrdfTableOptions& options = table.options;
   const double roughness = (row + 0.5) / options.height;
   const double first_cosine = (first + 0.5) / options.width;
@@ -131,7 +131,7 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   table->channels = options.sheen ? 3 : 2;
   table->values.resize(brdf_values(options));
   const AlbedoRules rules;
-  const simd::Kernels& kernels = simd::active_kernels();
+  const BrdfKernels& kernels = brdf_kernels();
   const int tiles_a_row = (options.width + kTileColumns - 1) / kTileColumns;
   const std::size_t tiles = static_cast<std::size_t>(tiles_a_row) * static_cast<std::size_t>(options.height);
   const auto placement =

@@ -14,8 +14,8 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
-#include "math/quadrature.h"
 #include "projection/clean_pixels.h"
+#include "projection/direct_irradiance.h"
 #include "projection/sun_detection.h"
 #include "welkin/error.h"
 
@@ -75,7 +75,7 @@ class KnownBands {
         squares_[l] += glm::dot(irradiance_.coefficients()[k], irradiance_.coefficients()[k]) / (4.0 * kPi);
     }
     std::vector<double> basis(irradiance_.coefficients().size());
-    for (const glm::dvec3& normal : math::spiral(kNormals)) look_towards(normal, basis);
+    for (const glm::dvec3& normal : projection::spiral(kNormals)) look_towards(normal, basis);
   }
 
   /// Root mean square of all but the first bands' irradiance; 0: of the whole.

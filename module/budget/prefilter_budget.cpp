@@ -16,7 +16,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_source.h"
-#include "simd/kernels.h"
+#include "transform/transform_kernels.h"
 #include "welkin/mip_chain.h"
 #include "welkin/resampling.h"
 
@@ -202,7 +202,7 @@ std::vector<double> sum_squares(int bands, const Value& value) {
     for (int l = m; l < bands; ++l) {
       double sum = 0.0;
       for (int k = 0; k < 6; ++k) {
-        const double number = value(m, (l - m) * simd::kHarmonicFloats + k);
+        const double number = value(m, (l - m) * transforms::kHarmonicFloats + k);
         sum += number * number;
       }
       energies[static_cast<std::size_t>(l)] += m == 0 ? sum : 2.0 * sum;

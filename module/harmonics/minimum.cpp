@@ -229,7 +229,7 @@ HarmonicMinimum minimum(const SphericalHarmonics& harmonics) {
 namespace welkin::harmonics {
 namespace {
 
-// With the notation of simd/basis_recurrence.h, f = sum over m of A_m(z) C_m(x, y) + B_m(z) S_m(x, y), where
+// With the notation of math/basis.h, f = sum over m of A_m(z) C_m(x, y) + B_m(z) S_m(x, y), where
 // A_m = sum over l of c(l, m) q(l, m) and B_m the same with c(l, -m). C_m + i S_m = (x + i y)^m has
 //   d/dx (C_m, S_m) = m (C_(m-1), S_(m-1)),   d/dy (C_m, S_m) = m (-S_(m-1), C_(m-1)),
 // and q's derivatives obey its own recurrence, differentiated once and twice.
@@ -253,7 +253,7 @@ struct Orders {
 };
 
 Orders sum_over_bands(std::span<const double> coefficients, int bands, int m, double z) noexcept {
-  const simd::BasisRecurrence& recurrence = math::basis_constants();
+  const math::BasisRecurrence& recurrence = math::basis_constants();
   Orders sums;
   Column before;
   Column here{recurrence.start[m], 0.0, 0.0};

@@ -18,7 +18,7 @@
 namespace welkin {
 namespace {
 
-static_assert(kMaximumBands == simd::kRecurrenceBands);
+static_assert(kMaximumBands == math::kRecurrenceBands);
 
 constexpr std::size_t kMaximumCoefficients = static_cast<std::size_t>(kMaximumBands) * kMaximumBands;
 
@@ -153,7 +153,7 @@ SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics
   SphericalHarmonics result(std::min(wanted, limit));
 
   const int degree = a.bands() + b.bands() + result.bands() - 3;
-  const simd::GaussRule rule = math::gauss_legendre(degree / 2 + 1);
+  const math::GaussRule rule = math::gauss_legendre(degree / 2 + 1);
   const int azimuths = degree + 1;
   const int basis_bands = std::max({a.bands(), b.bands(), result.bands()});
   std::vector<double> basis(static_cast<std::size_t>(basis_bands * basis_bands));

@@ -13,9 +13,9 @@
 #include "image/area_weight_table.h"
 #include "image/area_weights.h"
 #include "image/geometry.h"
+#include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
-#include "simd/kernels.h"
 #include "welkin/cubemap_chain.h"
 #include "welkin/error.h"
 #include "welkin/mip_chain.h"
@@ -44,7 +44,7 @@ class CubeMeans final : public RunSink {
   }
 
  private:
-  const simd::Kernels& kernels_ = simd::active_kernels();
+  const ImageKernels& kernels_ = image_kernels();
   const TileWeights& weights_;
   const PaddedPicture& picture_;
   std::array<float*, 6> faces_;
@@ -113,7 +113,7 @@ class RingSums final : public RunSink {
 
  private:
   void add_texel(const TileImage& image, const PlacedRun& placed, int k) {
-    const simd::PatchRun& run = placed.patches;
+    const PatchRun& run = placed.patches;
     const bool product = run.row_weights != nullptr;
     const int across = 4 * run.patch_groups;
     const float* const rgb = faces_[static_cast<std::size_t>(image.face)] + placed.offset + k * run.rgb_step;

@@ -206,7 +206,7 @@ bool place_image(const TileImage& image, const WeighedRun& run, int size, int wi
   if (rest_of(image, width) != run.rest) return false;
   const bool odd = size % 2 != 0;
   if (run.kind == TileKind::side && odd && run.line == 0 && image.below) return false;  // both are the middle line
-  simd::PatchRun patches = run.patches;
+  PatchRun patches = run.patches;
   const double* areas = run.areas;
   int first = run.first;
   // On the diagonal a texel is its own image with u and v exchanged.

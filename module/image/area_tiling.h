@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "simd/kernels.h"
+#include "image/image_kernels.h"
 
 namespace welkin::image {
 
@@ -144,13 +144,13 @@ struct WeighedRun {
   int line;   ///< counted from the middle of the face: v of the texels
   int first;  ///< u of the first texel, counted in the same way
   int rest;   ///< of the images that the weights are for
-  simd::PatchRun patches;
+  PatchRun patches;
   const double* areas;  ///< of the tiles, in columns times height; may be missing
 };
 
 /// A run as one of its images has it: `patches` lacks its origin and stride only.
 struct PlacedRun {
-  simd::PatchRun patches;
+  PatchRun patches;
   const double* areas;
   std::ptrdiff_t offset;  ///< of the first result in the image's face, in floats
 };

@@ -81,7 +81,7 @@ class TileWeightTable::Filler final : public RunSink {
   }
 
   void take(const WeighedRun& run) override {
-    const simd::PatchRun& patches = run.patches;
+    const PatchRun& patches = run.patches;
     const bool product = patches.row_weights != nullptr;
     const auto patch = static_cast<std::size_t>(patches.patch_rows * (product ? 1 : 4 * patches.patch_groups));
     if (tiles_ * patch > line_.floats || run.rest >= table_.rests_) {

@@ -259,7 +259,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
                                      scratch.columns_[at] + 1);
       most_rows = std::max(most_rows, rows_.last_before(extent.bottom, row_guess) - row_guess + 1);
     }
-    simd::PatchRun& patches = run.patches;
+    PatchRun& patches = run.patches;
     patches.patch_rows = std::min(most_rows, rows_.count());
     patches.patch_groups = groups_for(most_columns);
     const auto patch = static_cast<std::size_t>(patches.patch_rows * patches.patch_groups * kGroup);
@@ -289,8 +289,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
 /// sides of (share in longitude up to the side) x (share in height along the side). Each side begins at the height
 /// where the one before it ends.
 double TileWeights::weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row,
-                               int first_column, const simd::PatchRun& run, TileScratch& scratch,
-                               float* weights) const {
+                               int first_column, const PatchRun& run, TileScratch& scratch, float* weights) const {
   const int across = run.patch_groups * kGroup;
   const int down = run.patch_rows;
   const auto total = static_cast<std::size_t>(down * across);

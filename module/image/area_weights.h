@@ -137,7 +137,7 @@ class TileWeights {
   template <class Sides>
   void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
   double weigh_tile(const TileSide* sides, int number, const SoftCells& columns, int first_row, int first_column,
-                    const simd::PatchRun& run, TileScratch& scratch, float* weights) const;
+                    const PatchRun& run, TileScratch& scratch, float* weights) const;
 
   CubeTiling tiling_;
   int width_;

@@ -52,7 +52,7 @@ double lat_long_texel_solid_angle(int width, int height, int row) {
 
 void cubemap_row_solid_angles(int row, std::span<double> row_angles) {
   const std::size_t size = row_angles.size();
-  const simd::GaussRule rule = math::texel_rule(static_cast<int>(size));
+  const math::GaussRule rule = math::texel_rule(static_cast<int>(size));
   const double half_edge = 1.0 / static_cast<double>(size);
   const double v = (2.0 * row + 1.0) * half_edge - 1.0;
   for (std::size_t column = 0; column < (size + 1) / 2; ++column) {

@@ -2,11 +2,17 @@
 //
 // Four texels of a ring are the 16 logical lanes. Rings are weighted and added first, as ((0 + 1) + (2 + 3)); then the
 // columns: with q0 to q3 the four texels' weighted sums, red to blue = (q0 + q2) + (q1 + q3).
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "image/image_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+#include <limits>
+
+#include "simd/vec.h"
+
+namespace welkin::image::WELKIN_ISA {
 namespace {
+
+using simd::DoubleLanes, simd::Lanes, simd::Texels, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kParts,
+    simd::kWidth, simd::load_texels, simd::weighted_columns, simd::weighted_ring;
 
 /// What is left to be added over the four texels.
 WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
@@ -34,10 +40,8 @@ WELKIN_INLINE void sample_four(const GridRun& run, int point, __m512 lowest, flo
 
 #endif
 
-}  // namespace
-
 void sample_grid(const GridRun& run, float* rgb) {
-  constexpr float most_negative = -__builtin_inff();
+  constexpr float most_negative = -std::numeric_limits<float>::infinity();
   const float lowest = run.not_negative ? 0.0F : most_negative;
   int point = 0;
 #if defined(__AVX512F__)
@@ -54,8 +58,6 @@ void sample_grid(const GridRun& run, float* rgb) {
     for (int c = 0; c < 3; ++c) rgb[3 * point + c] = value[c];
   }
 }
-
-namespace {
 
 // Where a cube face's texels lie between the texels of a grid of longitudes and latitudes.
 
@@ -109,29 +111,25 @@ WELKIN_INLINE void store_part(DoubleLanes lanes, int count, double* values) {
   for (int k = 0; k < count; ++k) values[k] = part[k];
 }
 
-}  // namespace
-
 void plane_lengths(const double* u, double v, int count, double* lengths) {
-  for_each_register(
-      count, [&](int k, int part) __attribute__((always_inline)) {
-        const DoubleLanes x = load_part(u + k, part);
-        store_part(xsimd::sqrt(x * x + DoubleLanes(v * v)), part, lengths + k);
-      });
+  for_each_register(count, [&](int k, int part) WELKIN_INLINE_LAMBDA {
+    const DoubleLanes x = load_part(u + k, part);
+    store_part(xsimd::sqrt(x * x + DoubleLanes(v * v)), part, lengths + k);
+  });
 }
 
 void places_of_angles(const double* across, const double* along, int count, double quarter, double offset,
                       double* places) {
   const double scale = quarter / kPi2;
-  for_each_register(
-      count, [&](int k, int part) __attribute__((always_inline)) {
-        const DoubleLanes x = load_part(along + k, part);
-        const DoubleLanes y = load_part(across + k, part);
-        const auto steep = y > x;
-        const DoubleLanes turned = DoubleLanes(scale) * angle(xsimd::select(steep, x, y), xsimd::select(steep, y, x));
-        const DoubleLanes rounded = (turned + DoubleLanes(kRoundTo32Bits)) - DoubleLanes(kRoundTo32Bits);
-        const DoubleLanes all = xsimd::select(steep, DoubleLanes(quarter) - rounded, rounded);
-        store_part(DoubleLanes(offset) + all, part, places + k);
-      });
+  for_each_register(count, [&](int k, int part) WELKIN_INLINE_LAMBDA {
+    const DoubleLanes x = load_part(along + k, part);
+    const DoubleLanes y = load_part(across + k, part);
+    const auto steep = y > x;
+    const DoubleLanes turned = DoubleLanes(scale) * angle(xsimd::select(steep, x, y), xsimd::select(steep, y, x));
+    const DoubleLanes rounded = (turned + DoubleLanes(kRoundTo32Bits)) - DoubleLanes(kRoundTo32Bits);
+    const DoubleLanes all = xsimd::select(steep, DoubleLanes(quarter) - rounded, rounded);
+    store_part(DoubleLanes(offset) + all, part, places + k);
+  });
 }
 
 // With t the share of the way from the second to the third texel, the cubic B-spline weighs them
@@ -152,8 +150,6 @@ void taps_of_places(const double* places, int count, bool cubic, std::int32_t* f
     weights[4 * k + 3] = cubic ? outer : 0.0F;
   }
 }
-
-namespace {
 
 // Weighted sums over patches of a picture.
 //
@@ -296,22 +292,16 @@ WELKIN_INLINE void sample_all(const PatchRun& run, float* rgb) {
   }
 }
 
-}  // namespace
-
 void sample_patches(const PatchRun& run, float* rgb) {
   if (run.row_weights != nullptr)
     return run.mirrored ? sample_all<true, true>(run, rgb) : sample_all<false, true>(run, rgb);
   return run.mirrored ? sample_all<true, false>(run, rgb) : sample_all<false, false>(run, rgb);
 }
 
-namespace {
-
 // Two rows of texels to one of half the length.
 
 /// Texels of the result that are worked on at a time: their six kilobytes stay in the first-level cache.
 constexpr int kBlock = 64;
-
-}  // namespace
 
 // Plain loops: the compiler vectorises the first, which has most of the work, and the order of additions is that of the
 // source in any case.
@@ -330,14 +320,7 @@ void reduce_pairs(const float* top, const float* bottom, const float* top_weight
   }
 }
 
-// Passes over plain floats: a range check and the bandwidth yardstick.
-
-bool any_outside(const float* values, int count, float low, float high) {
-  // A comparison with NaN is false, so "not inside" catches it. No early exit: the loop vectorises.
-  int outside = 0;
-  for (int k = 0; k < count; ++k) outside |= static_cast<int>(!(values[k] >= low && values[k] <= high));
-  return outside != 0;
-}
+// The bandwidth yardstick.
 
 float read_all(const float* values, std::int64_t groups) {
   constexpr int parts = kLanes / kWidth;
@@ -359,4 +342,16 @@ float read_all(const float* values, std::int64_t groups) {
   return total;
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const ImageKernels image_kernels_table = {
+    .plane_lengths = plane_lengths,
+    .places_of_angles = places_of_angles,
+    .taps_of_places = taps_of_places,
+    .sample_grid = sample_grid,
+    .sample_patches = sample_patches,
+    .reduce_pairs = reduce_pairs,
+    .read_all = read_all,
+};
+
+}  // namespace welkin::image::WELKIN_ISA

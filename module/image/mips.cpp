@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
-#include "simd/kernels.h"
+#include "simd/dispatch.h"
 #include "welkin/error.h"
 #include "welkin/mip_chain.h"
 
@@ -66,12 +67,12 @@ class EvenReduction {
 
  private:
   void fill_angles(int row, float* angles) const {
-    const simd::TexelRun run{2 * size_, row, 0, size_, 1, false};
+    const image::TexelRun run{2 * size_, row, 0, size_, 1, false};
     constexpr int place = 0;
     if (2 * size_ > math::kLargestIntegratedFace) {
-      kernels_.expand_texels(run, &place, angles, 0);
+      texel_kernels_.expand_texels(run, &place, angles, 0);
     } else {
-      kernels_.integrate_texels(run, math::basis_constants(), math::texel_rule(2 * size_), &place, angles, 0);
+      texel_kernels_.integrate_texels(run, math::basis_constants(), math::texel_rule(2 * size_), &place, angles, 0);
     }
   }
 
@@ -106,7 +107,8 @@ class EvenReduction {
     }
   }
 
-  const simd::Kernels& kernels_ = simd::active_kernels();
+  const image::ImageKernels& kernels_ = image::image_kernels();
+  const image::TexelKernels& texel_kernels_ = image::texel_kernels();
   CubemapChain& chain_;
   int level_;
   int size_;

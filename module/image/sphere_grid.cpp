@@ -8,8 +8,8 @@
 #include <cstring>
 #include <vector>
 
+#include "image/image_kernels.h"
 #include "jobs/tiles.h"
-#include "simd/kernels.h"
 
 namespace welkin::image {
 namespace {
@@ -235,7 +235,7 @@ class FaceSampler {
 
   /// `below`: rings counted from the other pole.
   void sample_row(int face, int row, bool below, const Taps& rings, const Taps& columns) const {
-    simd::GridRun run{};
+    GridRun run{};
     run.origin = below ? grid_.texel(0, grid_.rings() - 1) : grid_.texel(0, 0);
     run.ring_stride = below ? -grid_.stride() : grid_.stride();
     run.rings = rings.first.data();
@@ -248,7 +248,7 @@ class FaceSampler {
                                   std::size_t{3} * static_cast<std::size_t>(row) * static_cast<std::size_t>(size_));
   }
 
-  const simd::Kernels& kernels_ = simd::active_kernels();
+  const ImageKernels& kernels_ = image_kernels();
   const SphereGrid& grid_;
   int size_;
   int half_;

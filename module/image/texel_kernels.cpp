@@ -5,11 +5,13 @@
 //
 //   exact:     W(l, m) = Int Int Y(l, m)((u, v, 1) / r) r^-3 du dv
 //   midpoint:  W(l, m) = Y(l, m)((u, v, 1) / r at the centre) Int Int r^-3 du dv.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "image/image_kernels.h"
+#include "simd/vec.h"
 
-namespace welkin::simd::WELKIN_ISA {
+namespace welkin::image::WELKIN_ISA {
 namespace {
+
+using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kLanes, simd::kWidth;
 
 /// |u| of the texel in a left half's column: N - 1 - 2 column is an integer, so u is rounded once or twice.
 WELKIN_INLINE double centre(int size, int index) {
@@ -18,24 +20,23 @@ WELKIN_INLINE double centre(int size, int index) {
 
 constexpr int padded(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-constexpr int kMaximumFunctions = kRecurrenceBands * kRecurrenceBands;
+constexpr int kMaximumFunctions = math::kRecurrenceBands * math::kRecurrenceBands;
 
 /// Adds scale Y at (u, v, 1) to sums[place].
-WELKIN_INLINE void add_basis(const TexelRun& run, const BasisRecurrence& recurrence, DoubleLanes u, double v,
+WELKIN_INLINE void add_basis(const TexelRun& run, const math::BasisRecurrence& recurrence, DoubleLanes u, double v,
                              DoubleLanes area, bool unit_scale, const int* place, DoubleLanes* sums) {
   const DoubleLanes q = DoubleLanes(1.0) / (DoubleLanes(1.0) + u * u + DoubleLanes(v) * DoubleLanes(v));
   const DoubleLanes s = xsimd::sqrt(q);
   const DoubleLanes scale = unit_scale ? area : area * q * s;
-  for_each_basis_value(
-      recurrence, u * s, DoubleLanes(v) * s, s, scale,
-      run.bands, [&](int index, DoubleLanes value) __attribute__((always_inline)) {
-        sums[place[index]] = sums[place[index]] + value;
-      });
+  math::for_each_basis_value(recurrence, u * s, DoubleLanes(v) * s, s, scale, run.bands,
+                             [&](int index, DoubleLanes value)
+                                 WELKIN_INLINE_LAMBDA { sums[place[index]] = sums[place[index]] + value; });
 }
 
 /// One register's worth of texels.
-WELKIN_INLINE void integrate_lanes(const TexelRun& run, const BasisRecurrence& recurrence, const GaussRule& rule,
-                                   DoubleLanes u, double v, const int* place, DoubleLanes* sums) {
+WELKIN_INLINE void integrate_lanes(const TexelRun& run, const math::BasisRecurrence& recurrence,
+                                   const math::GaussRule& rule, DoubleLanes u, double v, const int* place,
+                                   DoubleLanes* sums) {
   const double h = 1.0 / static_cast<double>(run.size);
   DoubleLanes solid_angle(0.0);
   for (int j = 0; j < rule.order; ++j) {
@@ -54,10 +55,8 @@ WELKIN_INLINE void integrate_lanes(const TexelRun& run, const BasisRecurrence& r
   if (run.midpoint) add_basis(run, recurrence, u, v, solid_angle, true, place, sums);
 }
 
-}  // namespace
-
-void integrate_texels(const TexelRun& run, const BasisRecurrence& recurrence, const GaussRule& rule, const int* place,
-                      float* weights, int stride) {
+void integrate_texels(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
+                      const int* place, float* weights, int stride) {
   const int functions = run.bands * run.bands;
   const double v = centre(run.size, run.row);
   for (int first = 0; first < padded(run.count); first += kDoubleWidth) {
@@ -74,8 +73,6 @@ void integrate_texels(const TexelRun& run, const BasisRecurrence& recurrence, co
     }
   }
 }
-
-namespace {
 
 /// What one call multiplies with: texel area 4 h^2 times the normalisation of each harmonic, each product
 /// rounded to float once (two roundings would bias every weight of a face alike), and h^2.
@@ -168,8 +165,6 @@ struct Inverse {
   float low;
 };
 
-}  // namespace
-
 void expand_texels(const TexelRun& run, const int* place, float* weights, int stride) {
   const Inverse inverse(run.size);
   const Factors factors(run.size);
@@ -193,4 +188,11 @@ void expand_texels(const TexelRun& run, const int* place, float* weights, int st
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const TexelKernels texel_kernels_table = {
+    .integrate_texels = integrate_texels,
+    .expand_texels = expand_texels,
+};
+
+}  // namespace welkin::image::WELKIN_ISA

@@ -6,15 +6,15 @@
 namespace welkin::math {
 namespace {
 
-simd::BasisRecurrence make_recurrence() noexcept {
-  simd::BasisRecurrence recurrence{};
+BasisRecurrence make_recurrence() noexcept {
+  BasisRecurrence recurrence{};
   double start_squared = 1.0 / (4.0 * std::numbers::pi);
-  for (int m = 0; m < simd::kRecurrenceBands; ++m) {
+  for (int m = 0; m < kRecurrenceBands; ++m) {
     const double order = m;
     if (m > 0) start_squared *= (2.0 * order + 1.0) / (2.0 * order);
     if (m == 1) start_squared *= 2.0;
     recurrence.start[m] = std::sqrt(start_squared);
-    for (int band = m + 1; band < simd::kRecurrenceBands; ++band) {
+    for (int band = m + 1; band < kRecurrenceBands; ++band) {
       const double l = band;
       const double below = l * l - order * order;
       recurrence.a[m][band] = std::sqrt((4.0 * l * l - 1.0) / below);
@@ -28,14 +28,14 @@ simd::BasisRecurrence make_recurrence() noexcept {
 
 }  // namespace
 
-const simd::BasisRecurrence& basis_constants() noexcept {
-  static const simd::BasisRecurrence recurrence = make_recurrence();
+const BasisRecurrence& basis_constants() noexcept {
+  static const BasisRecurrence recurrence = make_recurrence();
   return recurrence;
 }
 
 void evaluate_basis(double x, double y, double z, int bands, double* values) noexcept {
-  simd::for_each_basis_value(basis_constants(), x, y, z, 1.0, bands,
-                             [values](int index, double value) { values[index] = value; });
+  for_each_basis_value(basis_constants(), x, y, z, 1.0, bands,
+                       [values](int index, double value) { values[index] = value; });
 }
 
 }  // namespace welkin::math

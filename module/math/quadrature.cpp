@@ -3,10 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <string>
 
 #include "math/elementary.h"
-#include "welkin/error.h"
 
 namespace welkin::math {
 namespace {
@@ -66,13 +64,13 @@ Rules make_rules() {
 
 }  // namespace
 
-simd::GaussRule gauss_legendre(int order) {
+GaussRule gauss_legendre(int order) {
   static const Rules rules = make_rules();
   const Rule& rule = rules[static_cast<std::size_t>(order)];
   return {order, rule.nodes.data(), rule.weights.data()};
 }
 
-simd::GaussRule texel_rule(int size) {
+GaussRule texel_rule(int size) {
   if (size == 1) return gauss_legendre(28);
   if (size == 2) return gauss_legendre(16);
   if (size < 8) return gauss_legendre(12);
@@ -88,7 +86,7 @@ GaussNodes gauss_nodes(int order) {
   return rule;
 }
 
-double rectangle_solid_angle(double u, double v, double u_half, double v_half, const simd::GaussRule& rule) noexcept {
+double rectangle_solid_angle(double u, double v, double u_half, double v_half, const GaussRule& rule) noexcept {
   double sum = 0.0;
   for (int j = 0; j < rule.order; ++j) {
     const double v_node = v + v_half * rule.nodes[j];
@@ -99,28 +97,6 @@ double rectangle_solid_angle(double u, double v, double u_half, double v_half, c
     }
   }
   return sum * u_half * v_half;
-}
-
-namespace {
-
-constexpr int kMostNormals = 100'000;
-
-}  // namespace
-
-std::vector<glm::dvec3> spiral(int count) {
-  if (count < 1 || count > kMostNormals) {
-    throw Error(ErrorCode::invalid_argument,
-                std::to_string(count) + " normals; 1 to " + std::to_string(kMostNormals) + " are possible");
-  }
-  const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
-  std::vector<glm::dvec3> normals;
-  for (int i = 0; i < count; ++i) {
-    const double y = 1.0 - (2.0 * i + 1.0) / count;
-    const double ring = std::sqrt((1.0 - y) * (1.0 + y));
-    const SineCosine azimuth = sine_cosine_of_turns(golden * i);
-    normals.emplace_back(ring * azimuth.sine, y, ring * azimuth.cosine);
-  }
-  return normals;
 }
 
 }  // namespace welkin::math

@@ -1,18 +1,22 @@
 // Gauss-Legendre quadrature on [-1, 1].
 #pragma once
 
-#include <glm/vec3.hpp>
 #include <vector>
 
-#include "simd/kernels.h"
-
 namespace welkin::math {
+
+/// Gauss-Legendre on [-1, 1].
+struct GaussRule {
+  int order;
+  const double* nodes;
+  const double* weights;
+};
 
 inline constexpr int kMaximumGaussOrder = 32;
 
 /// The rule with `order` points, 1 to kMaximumGaussOrder: exact for polynomials of degree 2 order - 1, nodes
 /// ascending and symmetric, to 2e-16. Built once for all orders; the pointers stay valid.
-[[nodiscard]] simd::GaussRule gauss_legendre(int order);
+[[nodiscard]] GaussRule gauss_legendre(int order);
 
 /// Texels of cubemap faces of at most this size are integrated by a Gauss rule. Above it the expansion in the texel's
 /// size is as exact as a float.
@@ -20,7 +24,7 @@ inline constexpr int kLargestIntegratedFace = 128;
 
 /// The Gauss rule that integrates over a texel of an N-texel face to double precision. The integrand's poles
 /// at u = +-i sqrt(1 + v^2) are 2N half-widths away, so the error falls like (4N)^(-2 order).
-[[nodiscard]] simd::GaussRule texel_rule(int size);
+[[nodiscard]] GaussRule texel_rule(int size);
 
 struct GaussNodes {
   std::vector<double> nodes;
@@ -35,12 +39,6 @@ struct GaussNodes {
 /// Int Int (1 + u^2 + v^2)^-3/2 du dv over the rectangle of half-widths (u_half, v_half) around (u, v), in steradians,
 /// by a product Gauss rule: no difference of large angles, so small texels keep all digits.
 [[nodiscard]] double rectangle_solid_angle(double u, double v, double u_half, double v_half,
-                                           const simd::GaussRule& rule) noexcept;
-
-// Directions that cover the sphere evenly.
-
-/// Points of equal area on a Fibonacci spiral: equal steps in height, each turned by the golden angle from the one
-/// before. The same bits on every machine. Throws `Error` (invalid_argument) unless 1 <= count <= 100 000.
-[[nodiscard]] std::vector<glm::dvec3> spiral(int count);
+                                           const GaussRule& rule) noexcept;
 
 }  // namespace welkin::math

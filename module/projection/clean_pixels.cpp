@@ -7,7 +7,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "projection/pixel_policy.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 
 namespace welkin::projection {
 namespace {
@@ -69,10 +69,10 @@ void CleanSource::read(PixelFormat format, const std::vector<const void*>& rows,
 
 bool CleanSource::measure(const ProjectionOptions& options, const Control& control) {
   const PixelPolicy policy(options);
-  const simd::Kernels& kernels = simd::active_kernels();
+  const ProjectionKernels& kernels = projection_kernels();
   std::vector<char> dirty(tiles_of(ranges_.size()), 0);
   for_rows(ranges_.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
-    const simd::RowMeasure found = kernels.measure_row(first_texels_[row], 3 * columns_);
+    const RowMeasure found = kernels.measure_row(first_texels_[row], 3 * columns_);
     ranges_[row] = {found.least, found.largest, static_cast<double>(found.sum) / (3.0 * columns_)};
     if (!found.finite || found.least < policy.low() || found.largest > policy.high()) dirty[tile] = 1;
   });

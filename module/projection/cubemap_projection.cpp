@@ -2,8 +2,8 @@
 //
 // A tile is a few chunks of the face's top left quadrant, taken over all six faces: what a position there
 // weighs is looked up or computed once and used for 24 texels. Per chunk and face: rows are folded into
-// symmetry classes (simd::FoldQuadrants), and the planes of sums and differences multiplied with the weights
-// (simd::WeightedSums). Per tile and face the sums turn from the face's frame to the world's.
+// symmetry classes (FoldQuadrants), and the planes of sums and differences multiplied with the weights
+// (WeightedSums). Per tile and face the sums turn from the face's frame to the world's.
 //
 // Clean pixels pay nothing for the policies: a NaN or an infinity anywhere makes a tile's sums of that face
 // non-finite, and only then (or when an option wants every texel looked at) are its texels decoded, cleaned
@@ -27,19 +27,19 @@
 #include "projection/face_sums.h"
 #include "projection/pixel_policy.h"
 #include "projection/project.h"
+#include "projection/projection_kernels.h"
 #include "projection/texel_weights.h"
-#include "simd/kernels.h"
+#include "simd/dispatch.h"
 #include "transform/frame_transform.h"
 
 namespace welkin::projection {
 namespace {
 
 using projection::QuadrantChunk;
-using simd::kChunk;
 using simd::kLanes;
 
 constexpr int kFaces = 6;
-constexpr int kClasses = simd::kMaximumClasses;
+constexpr int kClasses = kMaximumClasses;
 /// How many chunks a tile has: some 64 tiles a cubemap, enough for many cores, of 4 to 16 chunks, 24 576 to 98 304
 /// texels, 10 to 50 microseconds: long against the microsecond that a tile's own work takes.
 int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16); }
@@ -65,7 +65,7 @@ class Scratch {
  public:
   Scratch(int functions, std::size_t weight_floats)
       : floats_(kPlaneFloats + kRunFloats + weight_floats),
-        doubles_(static_cast<std::size_t>(kFaces * 3 * functions) * simd::kSumLanes + 2 * sums_of(functions)),
+        doubles_(static_cast<std::size_t>(kFaces * 3 * functions) * kSumLanes + 2 * sums_of(functions)),
         functions_(functions) {}
 
   [[nodiscard]] float* planes() noexcept { return floats_.data(); }  ///< [3][kClasses][kChunk]
@@ -73,9 +73,9 @@ class Scratch {
   [[nodiscard]] float* run(int index) noexcept { return planes() + kPlaneFloats + std::ptrdiff_t{3} * kChunk * index; }
   [[nodiscard]] float* weights() noexcept { return planes() + kPlaneFloats + kRunFloats; }
 
-  /// A face's sums, spread over lanes: [3][functions][simd::kSumLanes].
+  /// A face's sums, spread over lanes: [3][functions][kSumLanes].
   [[nodiscard]] double* lanes(int face) noexcept {
-    return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * simd::kSumLanes;
+    return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * kSumLanes;
   }
   /// One face's sums, [3][functions]; and those of its cleaned chunks so far.
   [[nodiscard]] std::span<double> face_sums() noexcept { return {lanes(kFaces), sums_of(functions_)}; }
@@ -127,7 +127,7 @@ class CubemapProjection {
         bands_(options.bands),
         texel_bytes_(static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format))),
         row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
-        kernels_(simd::active_kernels()),
+        kernels_(projection_kernels()),
         direct_fold_(direct_fold(cubemap.format)),
         fetches_ahead_(options.bands == 3 && std::abs(row_bytes_) * cubemap.size * kFaces > kSecondLevelCache),
         weights_(TexelWeights::get(weights_key(cubemap.size, options))),
@@ -181,12 +181,12 @@ class CubemapProjection {
                     [&](std::size_t tile, std::size_t worker) { sum_tile(tile, scratch[worker], keep); });
   }
 
-  simd::FoldQuadrants direct_fold(PixelFormat format) const {
+  FoldQuadrants direct_fold(PixelFormat format) const {
     if (policy_.looks_at_every_texel()) return nullptr;
     switch (format) {
-      case PixelFormat::rgb_f32: return kernels_.fold_quadrants[simd::fold_rgb_f32];
-      case PixelFormat::rgba_f32: return kernels_.fold_quadrants[simd::fold_rgba_f32];
-      case PixelFormat::rgba_f16: return kernels_.fold_quadrants[simd::fold_rgba_f16];
+      case PixelFormat::rgb_f32: return kernels_.fold_quadrants[fold_rgb_f32];
+      case PixelFormat::rgba_f32: return kernels_.fold_quadrants[fold_rgba_f32];
+      case PixelFormat::rgba_f16: return kernels_.fold_quadrants[fold_rgba_f16];
       default: return nullptr;
     }
   }
@@ -214,7 +214,7 @@ class CubemapProjection {
   }
 
   void clear_lanes(int face, Scratch& scratch) const {
-    std::fill_n(scratch.lanes(face), 3 * functions_ * simd::kSumLanes, 0.0);
+    std::fill_n(scratch.lanes(face), 3 * functions_ * kSumLanes, 0.0);
   }
 
   /// Brings a face's sums from their lanes to scratch.face_sums(); false if they are not all finite.
@@ -231,7 +231,7 @@ class CubemapProjection {
       const float* const weights = weights_->chunk_weights(index, scratch.weights());
       for (std::size_t at = 0; at < faces_.size(); ++at) {
         const int face = faces_[at];
-        const simd::FetchAhead ahead = read_next(index, at);
+        const FetchAhead ahead = read_next(index, at);
         fold_directly(chunk, face, ahead, scratch);
         sum_planes(chunk, face, weights, ahead, scratch);
       }
@@ -259,7 +259,7 @@ class CubemapProjection {
     std::copy(total.begin(), total.end(), face_sums.begin());
   }
 
-  void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, const simd::FetchAhead& ahead,
+  void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, const FetchAhead& ahead,
                   Scratch& scratch) {
     kernels_.weighted_sums(scratch.planes(), kClasses, weights, weights_->class_counts(), chunk.groups(), ahead,
                            scratch.lanes(face));
@@ -268,7 +268,7 @@ class CubemapProjection {
   /// What is read after a chunk on a face: the same chunk on the next face, or the next chunk on the first.
   /// Several short rows count as one stretch each at the top and at the bottom, as if rows were packed.
   /// (The next tile's first chunk too: as a rule the same thread goes on with it.)
-  [[nodiscard]] simd::FetchAhead read_next(int index, std::size_t at) const {
+  [[nodiscard]] FetchAhead read_next(int index, std::size_t at) const {
     if (!fetches_ahead_) return {};
     const bool last_face = at + 1 == faces_.size();
     if (last_face && index + 1 == weights_->chunk_count()) return {};
@@ -314,7 +314,7 @@ class CubemapProjection {
   }
 
   /// Where `whole` positions of `rows` rows from `run` on and their mirror images lie.
-  [[nodiscard]] simd::QuadrantRuns runs_in_place(const RowRun& run, int rows, int whole) const {
+  [[nodiscard]] QuadrantRuns runs_in_place(const RowRun& run, int rows, int whole) const {
     const std::ptrdiff_t skipped = run.first_column * texel_bytes_;
     const bool has_bottom = run.bottom != nullptr;
     return {.top_left = run.top + skipped,
@@ -327,14 +327,14 @@ class CubemapProjection {
   }
 
   /// Folds a chunk in place: all rows at once where they consist of whole groups and each has a mirror image.
-  void fold_directly(const QuadrantChunk& chunk, int face, const simd::FetchAhead& ahead, Scratch& scratch) {
+  void fold_directly(const QuadrantChunk& chunk, int face, const FetchAhead& ahead, Scratch& scratch) {
     const bool at_once = cubemap_.size % (2 * kLanes) == 0;
     const int rows_at_once = at_once ? chunk.row_count : 1;
     for (int row = 0; row < chunk.row_count; row += rows_at_once) {
       const RowRun run = row_run(chunk, face, row);
       const int whole = run.paired / kLanes * kLanes;
       if (whole > 0) {
-        direct_fold_(runs_in_place(run, rows_at_once, whole), row == 0 ? ahead : simd::FetchAhead{}, whole / kLanes,
+        direct_fold_(runs_in_place(run, rows_at_once, whole), row == 0 ? ahead : FetchAhead{}, whole / kLanes,
                      scratch.planes() + run.position);
       }
       if (whole < run.count) fold_rest(run, whole, scratch);
@@ -403,9 +403,8 @@ class CubemapProjection {
   }
 
   void fold_decoded(const RowRun& run, Scratch& scratch) {
-    kernels_.fold_quadrants[simd::fold_rgb_f32](
-        {scratch.run(0), scratch.run(1), scratch.run(2), scratch.run(3), 0, 0, 1}, {},
-        (run.count + kLanes - 1) / kLanes, scratch.planes() + run.position);
+    kernels_.fold_quadrants[fold_rgb_f32]({scratch.run(0), scratch.run(1), scratch.run(2), scratch.run(3), 0, 0, 1}, {},
+                                          (run.count + kLanes - 1) / kLanes, scratch.planes() + run.position);
   }
 
   /// Leaves a chunk's sums on one face in scratch.face_sums(). For finite texels near the largest float, whose
@@ -443,8 +442,8 @@ class CubemapProjection {
   int bands_;
   std::ptrdiff_t texel_bytes_;
   std::ptrdiff_t row_bytes_;
-  const simd::Kernels& kernels_;
-  simd::FoldQuadrants direct_fold_;
+  const ProjectionKernels& kernels_;
+  FoldQuadrants direct_fold_;
   bool fetches_ahead_;
   std::shared_ptr<const TexelWeights> weights_;
   int tile_chunks_;

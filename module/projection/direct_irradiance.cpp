@@ -23,10 +23,37 @@
 #include "welkin/error.h"
 #include "welkin/irradiance.h"
 
+namespace welkin::projection {
+namespace {
+
+constexpr std::ptrdiff_t kMostNormals = 100'000;
+
+void require_possible(std::ptrdiff_t normals) {
+  if (normals >= 1 && normals <= kMostNormals) return;
+  throw Error(ErrorCode::invalid_argument,
+              std::to_string(normals) + " normals; 1 to " + std::to_string(kMostNormals) + " are possible");
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> spiral(int count) {
+  require_possible(count);
+  const double golden = 0.5 * (3.0 - std::sqrt(5.0));  // of a turn
+  std::vector<glm::dvec3> normals;
+  for (int i = 0; i < count; ++i) {
+    const double y = 1.0 - (2.0 * i + 1.0) / count;
+    const double ring = std::sqrt((1.0 - y) * (1.0 + y));
+    const math::SineCosine azimuth = math::sine_cosine_of_turns(golden * i);
+    normals.emplace_back(ring * azimuth.sine, y, ring * azimuth.cosine);
+  }
+  return normals;
+}
+
+}  // namespace welkin::projection
+
 namespace welkin {
 namespace {
 
-constexpr std::size_t kMostNormals = 100'000;
 constexpr std::size_t kBatch = 512;  ///< normals that are worked on at a time: bounds the memory, 12 MiB of slots
 constexpr std::size_t kMostTiles = 1024;
 constexpr std::size_t kLanes = 8;  ///< sums that run side by side, so that the processor need not wait for each
@@ -102,10 +129,7 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
-  if (normals.empty() || normals.size() > kMostNormals) {
-    throw Error(ErrorCode::invalid_argument,
-                std::to_string(normals.size()) + " normals; 1 to " + std::to_string(kMostNormals) + " are possible");
-  }
+  projection::require_possible(static_cast<std::ptrdiff_t>(normals.size()));
   std::vector<glm::dvec3> units;
   for (const glm::dvec3& normal : normals) {
     const double length = glm::length(normal);
@@ -292,7 +316,7 @@ class CubemapTexels final : public CosineTexels {
 
   void fill(int row, MomentRow& moments) const override {
     const image::Frame& frame = image::face_frame(row / size_);
-    const simd::GaussRule rule = math::texel_rule(size_);
+    const math::GaussRule rule = math::texel_rule(size_);
     const double half = 1.0 / size_;
     const double v0 = (2.0 * (row % size_) + 1.0) * half - 1.0;
     for (int column = 0; column < size_; ++column) {
@@ -399,13 +423,13 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 
 std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
-  const std::vector<glm::dvec3> directions = math::spiral(normals);
+  const std::vector<glm::dvec3> directions = projection::spiral(normals);
   return errors_at(directions, direct_irradiance(cubemap, directions, options, control), radiance);
 }
 
 std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
-  const std::vector<glm::dvec3> directions = math::spiral(normals);
+  const std::vector<glm::dvec3> directions = projection::spiral(normals);
   return errors_at(directions, direct_irradiance(lat_long, directions, options, control), radiance);
 }
 

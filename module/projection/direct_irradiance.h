@@ -38,4 +38,10 @@ class CosineTexels {
 /// Texels of a cubemap, the faces' rows one after the other.
 [[nodiscard]] std::unique_ptr<CosineTexels> cosine_texels_of_cubemap(int size);
 
+// Directions that cover the sphere evenly.
+
+/// Points of equal area on a Fibonacci spiral: equal steps in height, each turned by the golden angle from the one
+/// before. The same bits on every machine. Throws `Error` (invalid_argument) unless 1 <= count <= 100 000.
+[[nodiscard]] std::vector<glm::dvec3> spiral(int count);
+
 }  // namespace welkin::projection

@@ -112,13 +112,13 @@ bool all_finite(std::span<const double> sums) noexcept {
   return poison == 0.0;
 }
 
-void weighted_sums_in_double(const double* planes, int class_count, const float* weights,
-                             const simd::ClassCounts& counts, int positions, double* sums) noexcept {
+void weighted_sums_in_double(const double* planes, int class_count, const float* weights, const ClassCounts& counts,
+                             int positions, double* sums) noexcept {
   for (int channel = 0; channel < 3; ++channel) {
     const float* weight = weights;
     for (int symmetry = 0; symmetry < class_count; ++symmetry) {
-      const double* const plane = planes + static_cast<std::ptrdiff_t>(channel * class_count + symmetry) * simd::kChunk;
-      for (int i = 0; i < counts.count[symmetry]; ++i, weight += simd::kChunk, ++sums) {
+      const double* const plane = planes + static_cast<std::ptrdiff_t>(channel * class_count + symmetry) * kChunk;
+      for (int i = 0; i < counts.count[symmetry]; ++i, weight += kChunk, ++sums) {
         for (int k = 0; k < positions; ++k) *sums += plane[k] * static_cast<double>(weight[k]);
       }
     }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "projection/pixel_policy.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {
@@ -53,10 +53,10 @@ class TileSums {
 /// True if no sum is NaN or infinite: then no texel was either, and none overflowed.
 [[nodiscard]] bool all_finite(std::span<const double> sums) noexcept;
 
-/// simd::WeightedSums in double, for the rare chunk of finite texels whose float sums overflow.
-/// planes: [3][class_count][simd::kChunk], of which the first `positions` count.
-void weighted_sums_in_double(const double* planes, int class_count, const float* weights,
-                             const simd::ClassCounts& counts, int positions, double* sums) noexcept;
+/// WeightedSums in double, for the rare chunk of finite texels whose float sums overflow.
+/// planes: [3][class_count][kChunk], of which the first `positions` count.
+void weighted_sums_in_double(const double* planes, int class_count, const float* weights, const ClassCounts& counts,
+                             int positions, double* sums) noexcept;
 
 /// Puts the diagnostics' counts and fluxes together. `flux_per_weight`: what the records' flux is multiplied by.
 [[nodiscard]] ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const CleaningRecord& record,

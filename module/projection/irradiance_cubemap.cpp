@@ -9,7 +9,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 #include "welkin/irradiance.h"
 
 namespace welkin {
@@ -72,7 +72,7 @@ CubemapImage directly(const View& source, int size, const Control& control) {
 
 CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control) {
   CubemapImage result = empty_cubemap(size);
-  const simd::Kernels& kernels = simd::active_kernels();
+  const projection::ProjectionKernels& kernels = projection::projection_kernels();
   const std::vector<double> channels = channels_of(irradiance);
   const std::vector<double> centres = texel_centres(size);
   const int bands = irradiance.bands();
@@ -87,7 +87,7 @@ CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, 
                     for (int row = first; row < std::min(rows, first + tile_rows); ++row) {
                       const image::Frame& frame = image::face_frame(row / size);
                       const double v = centres[static_cast<std::size_t>(row % size)];
-                      simd::DirectionRun run{};
+                      projection::DirectionRun run{};
                       for (int axis = 0; axis < 3; ++axis) {
                         run.start[axis] = frame.normal[axis] + v * frame.v[axis];
                         run.step[axis] = frame.u[axis];

@@ -15,13 +15,13 @@
 #include "projection/lat_long_weights.h"
 #include "projection/pixel_policy.h"
 #include "projection/project.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
+#include "simd/dispatch.h"
 #include "transform/frame_transform.h"
 
 namespace welkin::projection {
 namespace {
 
-using simd::kChunk;
 using simd::kLanes;
 
 constexpr int kClasses = 2;
@@ -35,14 +35,14 @@ struct Scratch {
   Scratch(int orders, int functions)
       : planes(std::size_t{3} * kClasses * kChunk),
         runs(std::size_t{2} * 3 * kChunk),
-        sum_lanes(static_cast<std::size_t>(3 * orders * simd::kSumLanes)),
+        sum_lanes(static_cast<std::size_t>(3 * orders * kSumLanes)),
         chunk_sums(static_cast<std::size_t>(3 * orders)),
         row_sums(chunk_sums.size()),
         local_sums(static_cast<std::size_t>(3 * functions)) {}
 
   platform::AlignedBuffer<float> planes;      ///< [3][kClasses][kChunk]
   platform::AlignedBuffer<float> runs;        ///< two decoded runs
-  platform::AlignedBuffer<double> sum_lanes;  ///< [3][orders][simd::kSumLanes]
+  platform::AlignedBuffer<double> sum_lanes;  ///< [3][orders][kSumLanes]
   std::vector<double> chunk_sums;             ///< [3][orders]
   std::vector<double> row_sums;               ///< [3][orders]
   std::vector<double> local_sums;             ///< [3][functions], of a block
@@ -59,11 +59,11 @@ struct ColumnRun {
   double row_weight;     ///< solid angle per unit of a column's weight
 };
 
-simd::FoldHalves direct_fold(PixelFormat format, const simd::Kernels& kernels) {
+FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
   switch (format) {
-    case PixelFormat::rgb_f32: return kernels.fold_halves[simd::fold_rgb_f32];
-    case PixelFormat::rgba_f32: return kernels.fold_halves[simd::fold_rgba_f32];
-    case PixelFormat::rgba_f16: return kernels.fold_halves[simd::fold_rgba_f16];
+    case PixelFormat::rgb_f32: return kernels.fold_halves[fold_rgb_f32];
+    case PixelFormat::rgba_f32: return kernels.fold_halves[fold_rgba_f32];
+    case PixelFormat::rgba_f16: return kernels.fold_halves[fold_rgba_f16];
     default: return nullptr;
   }
 }
@@ -78,7 +78,7 @@ struct LatLongProjector::State {
         height(height_),
         options(options_),
         policy(options_),
-        kernels(simd::active_kernels()),
+        kernels(projection_kernels()),
         weights(LatLongWeights::get({width_, height_, options_.bands, options_.quadrature == Quadrature::midpoint,
                                      is_reduced(width_, height_, options_) ? options_.target_size : 0})),
         rows_per_block(rows_per_block_of(width_, height_)),
@@ -102,14 +102,14 @@ struct LatLongProjector::State {
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
   static void clear_lanes(Scratch& room) noexcept;
   bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
-  [[nodiscard]] simd::FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
-                                           int chunk) const noexcept;
-  void fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold, const simd::FetchAhead& ahead,
+  [[nodiscard]] FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
+                                     int chunk) const noexcept;
+  void fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold, const FetchAhead& ahead,
                      Scratch& room) noexcept;
   static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
   void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
   void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
-  void sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept;
+  void sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept;
   void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
   void add_row(int row, Scratch& room) noexcept;
 
@@ -117,7 +117,7 @@ struct LatLongProjector::State {
   int height;
   ProjectionOptions options;
   PixelPolicy policy;
-  const simd::Kernels& kernels;
+  const ProjectionKernels& kernels;
   std::shared_ptr<const LatLongWeights> weights;
   int rows_per_block;
   int block_count;
@@ -163,12 +163,12 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
 /// come out finite, else with every texel passing the policies.
 void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
                                       Scratch& room, CleaningRecord& record) noexcept {
-  const simd::FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
+  const FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
   if (fold != nullptr) {
     clear_lanes(room);
     for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
       const ColumnRun run = column_run(texels, format, row, chunk);
-      const simd::FetchAhead ahead = read_next(texels, next_row, format, chunk);
+      const FetchAhead ahead = read_next(texels, next_row, format, chunk);
       fold_directly(run, format, fold, ahead, room);
       sum_planes(run, ahead, room);
     }
@@ -199,8 +199,8 @@ bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sum
 
 /// What is read after a run: the next chunk of the row, or the next row's first, if there is one; each of its
 /// halves as two stretches.
-simd::FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std::byte* next_row,
-                                                    PixelFormat format, int chunk) const noexcept {
+FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
+                                              int chunk) const noexcept {
   const bool row_ends = chunk + 1 == weights->chunk_count();
   if (!weights->paired() || (row_ends && next_row == nullptr)) return {};
   const ColumnRun next = row_ends ? column_run(next_row, format, 0, 0) : column_run(texels, format, 0, chunk + 1);
@@ -211,8 +211,8 @@ simd::FetchAhead LatLongProjector::State::read_next(const std::byte* texels, con
           static_cast<int>(half / cache_line)};
 }
 
-void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat format, simd::FoldHalves fold,
-                                            const simd::FetchAhead& ahead, Scratch& room) noexcept {
+void LatLongProjector::State::fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold,
+                                            const FetchAhead& ahead, Scratch& room) noexcept {
   const int whole = run.count / kLanes * kLanes;
   if (whole > 0) {
     fold(run.first, run.second != nullptr ? run.second : kZeros, ahead, whole / kLanes, room.planes.data());
@@ -254,11 +254,11 @@ void LatLongProjector::State::clean(const ColumnRun& run, Scratch& room, Cleanin
 
 void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept {
   const float* const runs = room.runs.data();
-  kernels.fold_halves[simd::fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, {},
-                                          (run.count + kLanes - 1) / kLanes, room.planes.data() + position);
+  kernels.fold_halves[fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, {}, (run.count + kLanes - 1) / kLanes,
+                                    room.planes.data() + position);
 }
 
-void LatLongProjector::State::sum_planes(const ColumnRun& run, const simd::FetchAhead& ahead, Scratch& room) noexcept {
+void LatLongProjector::State::sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept {
   kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(),
                         (run.count + kLanes - 1) / kLanes, ahead, room.sum_lanes.data());
 }

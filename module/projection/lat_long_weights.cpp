@@ -9,7 +9,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
-#include "simd/basis_recurrence.h"
+#include "projection/projection_kernels.h"
 
 namespace welkin::projection {
 namespace {
@@ -62,7 +62,7 @@ double row_extent(double begin, double end, int height) {
 /// Adds scale x q(l, m)(sin lat) cos^m(lat) at l (l + 1) / 2 + m.
 void add_latitude_functions(math::SineCosine latitude, double scale, int bands, double* sums) {
   // At longitude 0 the basis is its latitude part; orders below zero vanish.
-  simd::for_each_basis_value(math::basis_constants(), latitude.cosine, 0.0, latitude.sine, scale, bands,
+  math::for_each_basis_value(math::basis_constants(), latitude.cosine, 0.0, latitude.sine, scale, bands,
                              [&](int index, double value) {
                                int l = 0;
                                while ((l + 1) * (l + 1) <= index) ++l;
@@ -79,7 +79,7 @@ void integrate_row(int row, int height, int bands, bool midpoint, double* sums) 
   }
   // The integrands are trigonometric polynomials of degree up to 16: sixteen points carry them over half a
   // turn, fewer over less.
-  const simd::GaussRule rule = math::gauss_legendre(height < 4 ? 24 : height < 64 ? 12 : 6);
+  const math::GaussRule rule = math::gauss_legendre(height < 4 ? 24 : height < 64 ? 12 : 6);
   for (int i = 0; i < rule.order; ++i) {
     const math::SineCosine latitude = at_latitude(row + 0.5 * (1.0 + rule.nodes[i]), height);
     const double scale = rule.weights[i] * 0.5 * kPi / height * latitude.cosine;
@@ -116,17 +116,17 @@ LatLongWeights::LatLongWeights(const LatLongWeightsKey& key)
 void LatLongWeights::fill_columns(const LatLongWeightsKey& key) {
   const int functions = 2 * bands_ - 1;
   const int cells = key.target_size > 0 ? std::min(key.width, 4 * key.target_size) : key.width;
-  columns_ = platform::AlignedBuffer<float>(static_cast<std::size_t>(chunk_count() * functions * simd::kChunk));
+  columns_ = platform::AlignedBuffer<float>(static_cast<std::size_t>(chunk_count() * functions * kChunk));
   std::fill_n(columns_.data(), columns_.size(), 0.0F);
   const double cells_per_column = static_cast<double>(cells) / key.width;
   for (int column = 0; column < column_count_; ++column) {
-    float* const chunk = columns_.data() + column / simd::kChunk * functions * simd::kChunk;
+    float* const chunk = columns_.data() + column / kChunk * functions * kChunk;
     for (int m = 1 - bands_; m < bands_; ++m) {
       double weight = 0.0;
       for_each_overlap(column, key.width, cells, [&](int cell, double begin, double end) {
         weight += (end - begin) * cells_per_column * column_integral(m, cell, cells, key.midpoint);
       });
-      chunk[place(m) * simd::kChunk + column % simd::kChunk] = static_cast<float>(weight);
+      chunk[place(m) * kChunk + column % kChunk] = static_cast<float>(weight);
     }
   }
 }
@@ -158,7 +158,7 @@ void LatLongWeights::fill_rows(const LatLongWeightsKey& key) {
 }
 
 const float* LatLongWeights::chunk_weights(int chunk) const noexcept {
-  return columns_.data() + static_cast<std::size_t>(chunk * (2 * bands_ - 1) * simd::kChunk);
+  return columns_.data() + static_cast<std::size_t>(chunk * (2 * bands_ - 1) * kChunk);
 }
 
 const double* LatLongWeights::row_weights(int row) const noexcept {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 
 namespace welkin::projection {
 
@@ -39,10 +39,10 @@ class LatLongWeights {
   [[nodiscard]] int column_count() const noexcept { return column_count_; }
   [[nodiscard]] bool paired() const noexcept { return paired_; }
 
-  [[nodiscard]] int chunk_count() const noexcept { return (column_count_ + simd::kChunk - 1) / simd::kChunk; }
-  /// Weights of chunk's columns: [2 bands - 1][simd::kChunk], in class order, padding zero. Row 0 is m = 0.
+  [[nodiscard]] int chunk_count() const noexcept { return (column_count_ + kChunk - 1) / kChunk; }
+  /// Weights of chunk's columns: [2 bands - 1][kChunk], in class order, padding zero. Row 0 is m = 0.
   [[nodiscard]] const float* chunk_weights(int chunk) const noexcept;
-  [[nodiscard]] const simd::ClassCounts& class_counts() const noexcept { return counts_; }
+  [[nodiscard]] const ClassCounts& class_counts() const noexcept { return counts_; }
 
   /// Weights' row of order m: cos(m lon) for m >= 0, sin(|m| lon) for m < 0.
   [[nodiscard]] int place(int m) const noexcept { return place_[static_cast<std::size_t>(m + bands_ - 1)]; }
@@ -60,7 +60,7 @@ class LatLongWeights {
   bool paired_;
   int column_count_;
   std::vector<int> place_;
-  simd::ClassCounts counts_{};
+  ClassCounts counts_{};
   platform::AlignedBuffer<float> columns_;
   std::vector<double> rows_;
 };

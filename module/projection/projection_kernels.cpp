@@ -2,11 +2,15 @@
 //
 // Basis functions are even or odd in u and in v, so mirrored texels share their weights up to signs. With
 // sums and differences taken first, four texels need one multiplication a basis function instead of four.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "projection/projection_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+#include "simd/vec.h"
+
+namespace welkin::projection::WELKIN_ISA {
 namespace {
+
+using simd::DoubleLanes, simd::Lanes, simd::Rgb, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kWidth,
+    simd::load_rgb, simd::load_rgba, simd::load_widened;
 
 constexpr int kClassesOfQuadrants = 4;
 constexpr int kClassesOfHalves = 2;
@@ -53,7 +57,7 @@ struct RowPointers {
 };
 
 template <class Channel, int channels>
-WELKIN_INLINE void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
+void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   const int count = groups * kLanes;
   for (int row = 0; row < runs.rows; ++row, planes += count) {
     const RowPointers<Channel> here(runs, row);
@@ -81,8 +85,7 @@ WELKIN_INLINE void store_half_classes(Lanes first, Lanes second, float* plane) {
 }
 
 template <class Channel, int channels>
-WELKIN_INLINE void fold_halves(const void* first, const void* second, const FetchAhead& ahead, int groups,
-                               float* planes) {
+void fold_halves(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
   for (int k = 0; k < groups * kLanes; k += kWidth) {
     if (ahead.lines > 0 && k % kLanes == 0) {
       for (const char* stretch : ahead.stretches) fetch_line(stretch, k / kLanes);
@@ -95,34 +98,6 @@ WELKIN_INLINE void fold_halves(const void* first, const void* second, const Fetc
     store_half_classes(a.blue, b.blue, planes + 2 * channel_stride + k);
   }
 }
-
-}  // namespace
-
-void fold_quadrants_rgb_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
-  fold_quadrants<float, 3>(runs, ahead, groups, planes);
-}
-
-void fold_quadrants_rgba_f32(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
-  fold_quadrants<float, 4>(runs, ahead, groups, planes);
-}
-
-void fold_quadrants_rgba_f16(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
-  fold_quadrants<std::uint16_t, 4>(runs, ahead, groups, planes);
-}
-
-void fold_halves_rgb_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
-  fold_halves<float, 3>(first, second, ahead, groups, planes);
-}
-
-void fold_halves_rgba_f32(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
-  fold_halves<float, 4>(first, second, ahead, groups, planes);
-}
-
-void fold_halves_rgba_f16(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes) {
-  fold_halves<std::uint16_t, 4>(first, second, ahead, groups, planes);
-}
-
-namespace {
 
 // Planes times weights, summed: the one loop that all projections share.
 
@@ -252,8 +227,6 @@ constexpr bool same(const ClassCounts& counts, int n0, int n1, int n2, int n3) {
   return counts.count[0] == n0 && counts.count[1] == n1 && counts.count[2] == n2 && counts.count[3] == n3;
 }
 
-}  // namespace
-
 void weighted_sums(const float* planes, int class_count, const float* weights, const ClassCounts& counts, int groups,
                    const FetchAhead& ahead, double* sums) {
   if (same(counts, 4, 2, 2, 1)) {  // cubemap, three bands
@@ -279,4 +252,106 @@ void fold_sum_lanes(const double* lanes, int count, double* sums) {
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+// Checks of a row of values.
+
+bool any_outside(const float* values, int count, float low, float high) {
+  // A comparison with NaN is false, so "not inside" catches it. No early exit: the loop vectorises.
+  int outside = 0;
+  for (int k = 0; k < count; ++k) outside |= static_cast<int>(!(values[k] >= low && values[k] <= high));
+  return outside != 0;
+}
+
+RowMeasure measure_row(const float* values, int count) {
+  constexpr int kRegisters = kLanes / kWidth;
+  Lanes sum[kRegisters];
+  Lanes least[kRegisters];
+  Lanes largest[kRegisters];
+  Lanes odd[kRegisters];  // 0 as long as all values are finite, else NaN
+  for (int k = 0; k < kRegisters; ++k) {
+    sum[k] = odd[k] = Lanes(0.0F);
+    least[k] = Lanes(3.402823466e38F);
+    largest[k] = Lanes(-3.402823466e38F);
+  }
+  int i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int k = 0; k < kRegisters; ++k) {
+      const Lanes value = Lanes::load_unaligned(values + i + k * kWidth);
+      sum[k] = sum[k] + value;
+      least[k] = xsimd::min(least[k], value);
+      largest[k] = xsimd::max(largest[k], value);
+      odd[k] = odd[k] + value * Lanes(0.0F);
+    }
+  }
+  alignas(64) float lanes[4][kLanes];
+  for (int k = 0; k < kRegisters; ++k) {
+    sum[k].store_aligned(lanes[0] + k * kWidth);
+    least[k].store_aligned(lanes[1] + k * kWidth);
+    largest[k].store_aligned(lanes[2] + k * kWidth);
+    odd[k].store_aligned(lanes[3] + k * kWidth);
+  }
+  RowMeasure measure{0.0F, lanes[1][0], lanes[2][0], true};
+  float not_a_number = 0.0F;
+  for (int k = 0; k < kLanes; ++k) {
+    measure.sum += lanes[0][k];
+    if (lanes[1][k] < measure.least) measure.least = lanes[1][k];
+    if (lanes[2][k] > measure.largest) measure.largest = lanes[2][k];
+    not_a_number += lanes[3][k];
+  }
+  for (; i < count; ++i) {
+    measure.sum += values[i];
+    if (values[i] < measure.least) measure.least = values[i];
+    if (values[i] > measure.largest) measure.largest = values[i];
+    not_a_number += values[i] * 0.0F;
+  }
+  measure.finite = not_a_number == 0.0F;
+  return measure;
+}
+
+// Harmonics summed at many directions.
+
+WELKIN_INLINE DoubleLanes points(double start, double step, DoubleLanes u) {
+  return DoubleLanes(start) + DoubleLanes(step) * u;
+}
+
+void evaluate_harmonics(const DirectionRun& run, const math::BasisRecurrence& recurrence, const double* coefficients,
+                        int bands, float* rgb) {
+  const double* const red = coefficients;
+  const double* const green = red + bands * bands;
+  const double* const blue = green + bands * bands;
+  for (int first = 0; first < run.count; first += kDoubleWidth) {
+    const int part = run.count - first < kDoubleWidth ? run.count - first : kDoubleWidth;
+    alignas(64) double lanes[3][kDoubleWidth] = {};
+    for (int k = 0; k < part; ++k) lanes[0][k] = run.u[first + k];
+    for (int k = part; k < kDoubleWidth; ++k) lanes[0][k] = run.u[first];
+    const DoubleLanes u = DoubleLanes::load_aligned(lanes[0]);
+    const DoubleLanes x = points(run.start[0], run.step[0], u);
+    const DoubleLanes y = points(run.start[1], run.step[1], u);
+    const DoubleLanes z = points(run.start[2], run.step[2], u);
+    const DoubleLanes scale = DoubleLanes(1.0) / xsimd::sqrt(x * x + y * y + z * z);
+    DoubleLanes sums[3] = {DoubleLanes(0.0), DoubleLanes(0.0), DoubleLanes(0.0)};
+    math::for_each_basis_value(recurrence, x * scale, y * scale, z * scale, DoubleLanes(1.0), bands,
+                               [&](int index, DoubleLanes value) WELKIN_INLINE_LAMBDA {
+                                 sums[0] = sums[0] + DoubleLanes(red[index]) * value;
+                                 sums[1] = sums[1] + DoubleLanes(green[index]) * value;
+                                 sums[2] = sums[2] + DoubleLanes(blue[index]) * value;
+                               });
+    for (int c = 0; c < 3; ++c) sums[c].store_aligned(lanes[c]);
+    for (int k = 0; k < part; ++k) {
+      for (int c = 0; c < 3; ++c) rgb[3 * (first + k) + c] = static_cast<float>(lanes[c][k]);
+    }
+  }
+}
+
+}  // namespace
+
+const ProjectionKernels projection_kernels_table = {
+    .fold_quadrants = {fold_quadrants<float, 3>, fold_quadrants<float, 4>, fold_quadrants<std::uint16_t, 4>},
+    .fold_halves = {fold_halves<float, 3>, fold_halves<float, 4>, fold_halves<std::uint16_t, 4>},
+    .weighted_sums = weighted_sums,
+    .fold_sum_lanes = fold_sum_lanes,
+    .evaluate_harmonics = evaluate_harmonics,
+    .any_outside = any_outside,
+    .measure_row = measure_row,
+};
+
+}  // namespace welkin::projection::WELKIN_ISA

@@ -20,7 +20,6 @@
 namespace welkin::projection {
 namespace {
 
-using simd::kChunk;
 using simd::kLanes;
 
 constexpr std::size_t kCacheBytes = std::size_t{32} << 20U;
@@ -56,7 +55,7 @@ TexelWeights::TexelWeights(const TexelWeightsKey& key)
       chunk_count_((half_ + rows_per_chunk_ - 1) / rows_per_chunk_ * chunks_per_row_),
       place_(static_cast<std::size_t>(key.bands * key.bands)) {
   int next = 0;
-  for (int wanted = 0; wanted < simd::kMaximumClasses; ++wanted) {
+  for (int wanted = 0; wanted < kMaximumClasses; ++wanted) {
     for (int l = 0; l < key.bands; ++l) {
       for (int m = -l; m <= l; ++m) {
         if (symmetry_class(m) != wanted) continue;
@@ -121,8 +120,8 @@ void TexelWeights::fill_row(int row, int first_column, int count, float* weights
   fill_run({key_.size, row, first_column, count, key_.bands, key_.midpoint}, weights, stride);
 }
 
-void TexelWeights::fill_run(const simd::TexelRun& run, float* weights, int stride) const {
-  const simd::Kernels& kernels = simd::active_kernels();
+void TexelWeights::fill_run(const image::TexelRun& run, float* weights, int stride) const {
+  const image::TexelKernels& kernels = image::texel_kernels();
   if (expandable()) {
     kernels.expand_texels(run, place_.data(), weights, stride);
   } else {
@@ -146,8 +145,6 @@ void TexelWeights::copy_row(int row, int first_column, int count, float* weights
 
 namespace {
 
-using simd::kChunk;
-using simd::kLanes;
 
 constexpr int kTargetStride = kChunk + kLanes;  // a chunk's columns touch at most kChunk + 1 cells
 constexpr double kY00 = 0.28209479177387814;    // sqrt(1 / 4 pi)
@@ -177,7 +174,7 @@ Pieces cut_texel(int index, int size, int target) {
 }
 
 /// Solid angle of a rectangle of texels on the face, by a Gauss rule.
-double solid_angle(const Piece& columns, const Piece& rows, int size, const simd::GaussRule& rule) {
+double solid_angle(const Piece& columns, const Piece& rows, int size, const math::GaussRule& rule) {
   const double h = 1.0 / static_cast<double>(size);
   const double u_half = h * (columns.end - columns.begin);
   const double v_half = h * (rows.end - rows.begin);
@@ -198,10 +195,10 @@ QuadrantCell in_quadrant(int cell, int target) {
 }
 
 /// weights[f] += share x cell[f], with the signs of a mirrored cell.
-void add_share(float share, const float* cell, bool mirrored_in_u, bool mirrored_in_v, const simd::ClassCounts& counts,
+void add_share(float share, const float* cell, bool mirrored_in_u, bool mirrored_in_v, const ClassCounts& counts,
                float* weights) {
   int f = 0;
-  for (int symmetry = 0; symmetry < simd::kMaximumClasses; ++symmetry) {
+  for (int symmetry = 0; symmetry < kMaximumClasses; ++symmetry) {
     const bool odd_in_u = symmetry == 1 || symmetry == 3;
     const bool odd_in_v = symmetry >= 2;
     const bool negative = (mirrored_in_u && odd_in_u) != (mirrored_in_v && odd_in_v);
@@ -217,7 +214,7 @@ void add_share(float share, const float* cell, bool mirrored_in_u, bool mirrored
 void TexelWeights::fill_reduced_row(int row, int first_column, int count, float* weights, float* scratch) const {
   const int functions = key_.bands * key_.bands;
   const int target = key_.target_size;
-  const simd::GaussRule rule = math::texel_rule(key_.size);
+  const math::GaussRule rule = math::texel_rule(key_.size);
   float* const whole_texels = scratch + functions * kTargetStride;  // solid angle times Y00, of the whole row
   fill_run({key_.size, row, first_column, count, 1, key_.midpoint}, whole_texels, kTargetStride);
 

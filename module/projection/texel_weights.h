@@ -9,9 +9,10 @@
 #include <memory>
 #include <vector>
 
+#include "image/image_kernels.h"
 #include "math/quadrature.h"
 #include "platform/memory.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 
 namespace welkin::projection {
 
@@ -47,14 +48,14 @@ class TexelWeights {
   [[nodiscard]] int chunk_count() const noexcept { return chunk_count_; }
   [[nodiscard]] QuadrantChunk chunk(int index) const noexcept;
 
-  /// Weights of a chunk, [bands^2][simd::kChunk] in class order, padding zero. `scratch`: room for
+  /// Weights of a chunk, [bands^2][kChunk] in class order, padding zero. `scratch`: room for
   /// `scratch_size()` floats on a cache line, none if all is stored; what is returned points there or into
   /// the table.
   [[nodiscard]] const float* chunk_weights(int index, float* scratch) const;
   [[nodiscard]] std::size_t scratch_size() const noexcept;
 
   /// How many functions each symmetry class has.
-  [[nodiscard]] const simd::ClassCounts& class_counts() const noexcept { return counts_; }
+  [[nodiscard]] const ClassCounts& class_counts() const noexcept { return counts_; }
 
   /// place()[l(l+1)+m]: the row of the weights that belongs to Y(l, m). Row 0 is Y(0, 0).
   [[nodiscard]] const std::vector<int>& place() const noexcept { return place_; }
@@ -68,7 +69,7 @@ class TexelWeights {
   void fill_chunk(int index, float* weights, float* scratch) const;
   void fill_row(int row, int first_column, int count, float* weights, int stride) const;
   [[nodiscard]] bool expandable() const noexcept;
-  void fill_run(const simd::TexelRun& run, float* weights, int stride) const;
+  void fill_run(const image::TexelRun& run, float* weights, int stride) const;
   void copy_row(int row, int first_column, int count, float* weights, int stride) const;
   void fill_reduced_row(int row, int first_column, int count, float* weights, float* scratch) const;
 
@@ -78,7 +79,7 @@ class TexelWeights {
   int rows_per_chunk_;
   int chunks_per_row_;
   int chunk_count_;
-  simd::ClassCounts counts_{};
+  ClassCounts counts_{};
   std::vector<int> place_;
   platform::AlignedBuffer<float> table_;        ///< all chunks' weights, or empty
   std::shared_ptr<const TexelWeights> target_;  ///< of the reduced face, where there is one

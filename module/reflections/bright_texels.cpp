@@ -161,8 +161,8 @@ struct Point {
 
 /// Gauss points on a texel, `across` x `down` of them.
 std::vector<Point> points_of(const BrightTexel& texel, int width, int height, int across, int down) {
-  const simd::GaussRule columns = math::gauss_legendre(across);
-  const simd::GaussRule rows = math::gauss_legendre(down);
+  const math::GaussRule columns = math::gauss_legendre(across);
+  const math::GaussRule rows = math::gauss_legendre(down);
   const double steradians = image::lat_long_texel_solid_angle(width, height, texel.row);
   const auto row_at = [&](int j) { return texel.row + 0.5 + 0.5 * rows.nodes[j]; };
   const auto sine = [&](int j) { return math::sine_cosine_of_turns(row_at(j) / (2.0 * height)).sine; };
@@ -193,8 +193,8 @@ int points_along(double radians, double alpha, std::size_t texels) {
 
 }  // namespace
 
-std::vector<simd::LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height, double alpha) {
-  std::vector<simd::LobeLight> lights;
+std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height, double alpha) {
+  std::vector<LobeLight> lights;
   const double constant = alpha * alpha / kPi / lobe_integral(alpha);
   const int across = points_along(2.0 * kPi / width, alpha, texels.size());
   const int down = points_along(kPi / height, alpha, texels.size());
@@ -227,10 +227,10 @@ namespace {
 
 constexpr std::int64_t kTileWork = 1 << 16;  ///< texels times lights: some 50 microseconds
 
-simd::LobeRow lobe_row(int face, int size, int row, double alpha) {
+LobeRow lobe_row(int face, int size, int row, double alpha) {
   const image::Frame& frame = image::face_frame(face);
   const double v = (2.0 * row + 1.0) / size - 1.0;
-  simd::LobeRow result{};
+  LobeRow result{};
   for (int axis = 0; axis < 3; ++axis) {
     result.base[axis] = static_cast<float>(frame.normal[axis] + v * frame.v[axis]);
     result.along[axis] = static_cast<float>(frame.u[axis]);
@@ -244,15 +244,15 @@ simd::LobeRow lobe_row(int face, int size, int row, double alpha) {
 
 }  // namespace
 
-void add_lobe_lights(std::span<const simd::LobeLight> lights, double alpha, int size,
-                     const std::array<float*, 6>& faces, const Control& control) {
+void add_lobe_lights(std::span<const LobeLight> lights, double alpha, int size, const std::array<float*, 6>& faces,
+                     const Control& control) {
   if (lights.empty()) return;
   const std::int64_t row_work = static_cast<std::int64_t>(size) * static_cast<std::int64_t>(lights.size());
   const int rows = 6 * size;
   const int rows_per_tile = static_cast<int>(std::clamp<std::int64_t>(kTileWork / row_work, 1, rows));
   const int tiles = (rows + rows_per_tile - 1) / rows_per_tile;
   const auto placement = jobs::placement_for(rows * row_work / 4);
-  const simd::Kernels& kernels = simd::active_kernels();
+  const LobeKernels& kernels = lobe_kernels();
   jobs::run_tiles(static_cast<std::size_t>(tiles), placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t /*worker*/) {
                     const int first = static_cast<int>(tile) * rows_per_tile;

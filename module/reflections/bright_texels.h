@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "projection/clean_pixels.h"
-#include "simd/kernels.h"
+#include "reflections/lobe_kernels.h"
 #include "welkin/control.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -27,8 +27,8 @@ struct BrightTexel {
                                                           std::size_t most, const Control& control);
 
 /// Them as lights without extent for one mip's `add_lobes`: as many a texel as it takes to stand for its area.
-[[nodiscard]] std::vector<simd::LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height,
-                                                       double alpha);
+[[nodiscard]] std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height,
+                                                 double alpha);
 
 /// Adds what was taken out to an environment's coefficients.
 void add_harmonics(const std::vector<BrightTexel>& texels, int width, int height, SphericalHarmonics& harmonics);
@@ -37,7 +37,7 @@ void add_harmonics(const std::vector<BrightTexel>& texels, int width, int height
 
 /// Adds to each texel of six packed RGB faces of `size` x `size` the light that `lights` (of `lobe_lights`) give in the
 /// direction of its centre. The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
-void add_lobe_lights(std::span<const simd::LobeLight> lights, double alpha, int size,
-                     const std::array<float*, 6>& faces, const Control& control);
+void add_lobe_lights(std::span<const LobeLight> lights, double alpha, int size, const std::array<float*, 6>& faces,
+                     const Control& control);
 
 }  // namespace welkin::reflections

@@ -190,7 +190,7 @@ double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& nor
     }
     return sum;
   }
-  const simd::GaussRule rule = math::gauss_legendre(cut ? std::max(3, order_for(reach)) : order_for(reach));
+  const math::GaussRule rule = math::gauss_legendre(cut ? std::max(3, order_for(reach)) : order_for(reach));
   double sum = 0.0;
   for (int j = 0; j < rule.order; ++j) {
     for (int i = 0; i < rule.order; ++i) {
@@ -265,7 +265,7 @@ class LatLongTexels final : public LobeTexels {
  private:
   /// Where a row's area has its centre: at a pole at two thirds of the row, not in its middle.
   [[nodiscard]] double centroid(int row) const noexcept {
-    const simd::GaussRule rule = math::gauss_legendre(3);
+    const math::GaussRule rule = math::gauss_legendre(3);
     double moment = 0.0;
     double whole = 0.0;
     for (int j = 0; j < rule.order; ++j) {

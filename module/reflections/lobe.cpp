@@ -38,7 +38,7 @@ struct Rule {
 /// P_l oscillates evenly. So panels double in width from alpha on, and none is wider than 28 radians of the highest
 /// band's phase, which moves at most 2.83 l a unit of s: (e 14 / (4 x 20))^40 = 1e-13 of it is lost.
 Rule make_rule(double alpha, int bands) {
-  const simd::GaussRule gauss = math::gauss_legendre(kOrder);
+  const math::GaussRule gauss = math::gauss_legendre(kOrder);
   const double end = std::numbers::sqrt2 / 2.0;
   const double widest = 28.0 / (2.83 * bands);
   Rule rule;

@@ -1,11 +1,12 @@
-// GGX lobes of single lights, and what a row of a picture holds.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+// GGX lobes of single lights.
+#include "reflections/lobe_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+#include "simd/vec.h"
+
+namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
-constexpr int kRegisters = kGroup / kWidth;
+using simd::Lanes, simd::kWidth;
 
 /// 0, 1, 2, ...
 WELKIN_INLINE Lanes counting() {
@@ -45,8 +46,6 @@ WELKIN_INLINE Sums lobes_at(const LobeRow& row, const LobeLight* lights, int cou
   return sums;
 }
 
-}  // namespace
-
 void add_lobes(const LobeRow& row, const LobeLight* lights, int count, float* rgb) {
   const Lanes twice = counting() + counting();
   for (int first = 0; first < row.count; first += kWidth) {
@@ -74,49 +73,10 @@ void add_lobes(const LobeRow& row, const LobeLight* lights, int count, float* rg
   }
 }
 
-RowMeasure measure_row(const float* values, int count) {
-  Lanes sum[kRegisters];
-  Lanes least[kRegisters];
-  Lanes largest[kRegisters];
-  Lanes odd[kRegisters];  // 0 as long as all values are finite, else NaN
-  for (int k = 0; k < kRegisters; ++k) {
-    sum[k] = odd[k] = Lanes(0.0F);
-    least[k] = Lanes(3.402823466e38F);
-    largest[k] = Lanes(-3.402823466e38F);
-  }
-  int i = 0;
-  for (; i + kGroup <= count; i += kGroup) {
-    for (int k = 0; k < kRegisters; ++k) {
-      const Lanes value = Lanes::load_unaligned(values + i + k * kWidth);
-      sum[k] = sum[k] + value;
-      least[k] = xsimd::min(least[k], value);
-      largest[k] = xsimd::max(largest[k], value);
-      odd[k] = odd[k] + value * Lanes(0.0F);
-    }
-  }
-  alignas(64) float lanes[4][kGroup];
-  for (int k = 0; k < kRegisters; ++k) {
-    sum[k].store_aligned(lanes[0] + k * kWidth);
-    least[k].store_aligned(lanes[1] + k * kWidth);
-    largest[k].store_aligned(lanes[2] + k * kWidth);
-    odd[k].store_aligned(lanes[3] + k * kWidth);
-  }
-  RowMeasure measure{0.0F, lanes[1][0], lanes[2][0], true};
-  float not_a_number = 0.0F;
-  for (int k = 0; k < kGroup; ++k) {
-    measure.sum += lanes[0][k];
-    if (lanes[1][k] < measure.least) measure.least = lanes[1][k];
-    if (lanes[2][k] > measure.largest) measure.largest = lanes[2][k];
-    not_a_number += lanes[3][k];
-  }
-  for (; i < count; ++i) {
-    measure.sum += values[i];
-    if (values[i] < measure.least) measure.least = values[i];
-    if (values[i] > measure.largest) measure.largest = values[i];
-    not_a_number += values[i] * 0.0F;
-  }
-  measure.finite = not_a_number == 0.0F;
-  return measure;
-}
+}  // namespace
 
-}  // namespace welkin::simd::WELKIN_ISA
+const LobeKernels lobe_kernels_table = {
+    .add_lobes = add_lobes,
+};
+
+}  // namespace welkin::reflections::WELKIN_ISA

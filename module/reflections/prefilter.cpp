@@ -229,7 +229,7 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   memory_.give_back(grid.bytes());
   note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
   const Stopwatch splatting;
-  const std::vector<simd::LobeLight> lights = lobe_lights(bright_, rings.width, rings.height, mip.alpha);
+  const std::vector<LobeLight> lights = lobe_lights(bright_, rings.width, rings.height, mip.alpha);
   add_lobe_lights(lights, mip.alpha, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
   note(name + ": lobes", std::to_string(lights.size()) + " lights", splatting.milliseconds());
   record(level).bands = mip.bands.bands();

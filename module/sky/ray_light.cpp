@@ -66,7 +66,7 @@ ScatteringPanel scattering_of(const RayNode* nodes, const WavelengthGroup& group
 
 }  // namespace
 
-simd::SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
+SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
   const double tangent = mapping.sun_tangent() / mapping.bottom_radius();
   const double shortest = mapping.sun_thickness() / mapping.bottom_radius();
   return {static_cast<float>(tangent * tangent), static_cast<float>(shortest),
@@ -102,7 +102,7 @@ RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
 }
 
-simd::SkySuns RayLight::suns() const noexcept {
+SkySuns RayLight::suns() const noexcept {
   return {zenith_cosine_.data(), angle_cosine_.data(), row_.data(), row_fraction_.data(), static_cast<int>(padded_)};
 }
 
@@ -111,13 +111,13 @@ void RayLight::place(const Air& air, const Ray& ray, const WavelengthGroup& grou
   nodes_.place(air, ray, group.extinctions, coarseness);
 }
 
-const float* RayLight::sunlight(const simd::Kernels& kernels, const Air& air, const Sunlight& light) noexcept {
+const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept {
   std::fill_n(sums_.data(), 8 * padded_, 0.0F);
   const double radius = air.bottom_radius() + ray_.altitude;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const RayNode& node = nodes_[n];
     const double here = air.bottom_radius() + node.altitude;
-    simd::SunlitSample sample{};
+    SunlitSample sample{};
     light.at(node.altitude, sample);
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(node.distance / here);
@@ -133,12 +133,12 @@ const float* RayLight::sunlight(const simd::Kernels& kernels, const Air& air, co
                                          horizon_cosine(air.bottom_radius(), std::max(0.0, from))));
     sample.rayleigh = static_cast<float>(node.weight * node.density[kRayleigh]);
     sample.aerosol = static_cast<float>(node.weight * node.density[kAerosol]);
-    kernels.sky.add_sunlight(sample, light.nodes(), suns(), scratch_.data(), sums_.data());
+    kernels.add_sunlight(sample, light.nodes(), suns(), scratch_.data(), sums_.data());
   }
   return sums_.data();
 }
 
-const float* RayLight::scattered(const simd::Kernels& kernels, const Air& air, const WavelengthGroup& group,
+const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
                                  const ScatteringSource& source, const TableMapping& mapping) noexcept {
   const SourceShape& shape = source.shape;
   const std::size_t picture = 4 * shape.picture();
@@ -148,7 +148,7 @@ const float* RayLight::scattered(const simd::Kernels& kernels, const Air& air, c
     row_fraction_.data()[i] = static_cast<float>(angle.fraction);
   }
   std::fill_n(sums_.data(), 4 * padded_, 0.0F);
-  const simd::SunAxis axis = sun_axis(mapping, shape.suns);
+  const SunAxis axis = sun_axis(mapping, shape.suns);
   const double radius = air.bottom_radius() + ray_.altitude;
   const bool with_aerosol = !source.aerosol.empty();
   for (std::size_t n = 0; n < nodes_.size(); n += kPanelNodes) {
@@ -160,7 +160,7 @@ const float* RayLight::scattered(const simd::Kernels& kernels, const Air& air, c
     const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + panel.distance) / here, -1.0, 1.0);
     const Between height = between(mapping.height_coordinate(altitude) * (shape.heights - 1), shape.heights);
     const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
-    simd::SourceSample sample{};
+    SourceSample sample{};
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(panel.distance / here);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -181,8 +181,8 @@ const float* RayLight::scattered(const simd::Kernels& kernels, const Air& air, c
         ++sample.count;
       }
     }
-    kernels.sky.add_source(sample, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
-                           sums_.data());
+    kernels.add_source(sample, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
+                       sums_.data());
   }
   return sums_.data();
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "simd/kernels.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
 #include "sky/sky_kernels.h"
@@ -43,7 +42,7 @@ struct ScatteringSource {
       : shape(nodes), rayleigh(nodes.size()), aerosol(with_aerosol ? nodes.size() : 0) {}
 };
 
-[[nodiscard]] simd::SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept;
+[[nodiscard]] SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept;
 
 // Light gathered along one ray for many suns: scratch of one worker.
 
@@ -79,14 +78,14 @@ class RayLight {
 
   /// Sunlight scattered once, without phase functions, coefficients and irradiance: metres. [count][8]: three channels
   /// of the molecules', a place left out, three of the aerosol's, another.
-  const float* sunlight(const simd::Kernels& kernels, const Air& air, const Sunlight& light) noexcept;
+  const float* sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept;
 
   /// Light of a source: [count][4].
-  const float* scattered(const simd::Kernels& kernels, const Air& air, const WavelengthGroup& group,
+  const float* scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
                          const ScatteringSource& source, const TableMapping& mapping) noexcept;
 
  private:
-  [[nodiscard]] simd::SkySuns suns() const noexcept;
+  [[nodiscard]] SkySuns suns() const noexcept;
 
   std::size_t count_;
   std::size_t padded_;

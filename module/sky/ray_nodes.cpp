@@ -41,7 +41,7 @@ double integral(const Collocation& rule, std::size_t j, double x) {
 }
 
 Collocation make_collocation() {
-  const simd::GaussRule gauss = math::gauss_legendre(static_cast<int>(kPanelNodes));
+  const math::GaussRule gauss = math::gauss_legendre(static_cast<int>(kPanelNodes));
   Collocation rule{};
   for (std::size_t k = 0; k < kPanelNodes; ++k) {
     rule.nodes[k] = 0.5 + 0.5 * gauss.nodes[k];

@@ -197,7 +197,7 @@ void SourceSolver::march(bool single, const Control& control) {
 }
 
 void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker) {
-  const simd::Kernels& kernels = simd::active_kernels();
+  const SolverKernels& kernels = solver_kernels();
   const double altitude = mapping_.altitude(static_cast<double>(height) / (shape_.heights - 1));
   const double cosine = rules_[height].cosines[zenith];
   const bool ground = zenith < index(DirectionRule::kGroundNodes);
@@ -250,7 +250,7 @@ void SourceSolver::gather(const Control& control) {
 }
 
 void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
-  const simd::Kernels& kernels = simd::active_kernels();
+  const SolverKernels& kernels = solver_kernels();
   const std::size_t suns = index(shape_.suns);
   const bool reflects = *std::max_element(group_.albedo.begin(), group_.albedo.end()) > 0.0;
   std::fill(worker.harmonics.begin(), worker.harmonics.end(), 0.0F);
@@ -260,20 +260,20 @@ void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& wo
     for (std::size_t k = 0; k < worker.values.size(); ++k) {
       worker.values[k] = static_cast<float>(values[k] * weight);
     }
-    simd::SkyRing ring{.radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
-                       .channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * suns),
-                       .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
-                       .azimuths = static_cast<int>(kAzimuths),
-                       .azimuth_cosines = azimuth_cosines_.data(),
-                       .values = worker.values.data(),
-                       .bands = spectrum_.bands};
+    SkyRing ring{.radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
+                 .channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * suns),
+                 .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
+                 .azimuths = static_cast<int>(kAzimuths),
+                 .azimuth_cosines = azimuth_cosines_.data(),
+                 .values = worker.values.data(),
+                 .bands = spectrum_.bands};
     if (reflects && i < index(DirectionRule::kGroundNodes)) {
       add_ground(height, i, first_sun, worker);
       ring.radiance = worker.rays.data();
       ring.channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * kSunBlock);
       ring.azimuth_stride = static_cast<std::ptrdiff_t>(kSunBlock);
     }
-    kernels.sky.project_ring(ring, worker.harmonics.data());
+    kernels.project_ring(ring, worker.harmonics.data());
   }
 }
 
@@ -342,7 +342,7 @@ void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_
 
 // J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
 void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
-  const simd::Kernels& kernels = simd::active_kernels();
+  const SolverKernels& kernels = solver_kernels();
   const int bands = spectrum_.bands;
   const auto fold_with = [&](int z, const std::vector<double>& moments, int used, std::vector<float>& by_order) {
     const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
@@ -352,7 +352,7 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
             static_cast<float>(values[pair_index(bands, l, m)] * moments[index(l)]);
       }
     }
-    kernels.sky.fold_orders(worker.harmonics.data(), worker.values.data(), bands, used, by_order.data());
+    kernels.fold_orders(worker.harmonics.data(), worker.values.data(), bands, used, by_order.data());
   };
   for (int z = 0; z < shape_.zeniths; ++z) {
     fold_with(z, spectrum_.rayleigh, kRayleighBands, worker.rayleigh);
@@ -362,9 +362,9 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
       const std::size_t at = place + 4 * index(a) * index(shape_.suns);
       const float* const azimuths =
           source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
-      kernels.sky.sum_orders(worker.rayleigh.data(), kRayleighBands, azimuths, source_.rayleigh.data() + at);
+      kernels.sum_orders(worker.rayleigh.data(), kRayleighBands, azimuths, source_.rayleigh.data() + at);
       if (with_aerosol_) {
-        kernels.sky.sum_orders(worker.aerosol.data(), bands, azimuths, source_.aerosol.data() + at);
+        kernels.sum_orders(worker.aerosol.data(), bands, azimuths, source_.aerosol.data() + at);
       }
     }
   }

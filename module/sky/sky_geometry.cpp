@@ -16,7 +16,7 @@ DirectionRule direction_rule(double horizon) {
   DirectionRule rule;
   std::size_t at = 0;
   const auto add = [&](int order, const auto& place) {
-    const simd::GaussRule gauss = math::gauss_legendre(order);
+    const math::GaussRule gauss = math::gauss_legendre(order);
     for (int k = 0; k < order; ++k, ++at) place(0.5 + 0.5 * gauss.nodes[k], 0.5 * gauss.weights[k]);
   };
   const auto put = [&](double cosine, double weight) {

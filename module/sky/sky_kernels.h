@@ -1,14 +1,18 @@
-// Kernels that carry light along a ray through a planet's air, for many suns at once.
-//
-// A ray's samples are one after the other; the lanes are texels of a table that share the ray and differ in where the
-// sun is: its zenith's cosine mu_s where the ray starts, and its cosine nu with the ray. At a sample, with r the radius
-// at the start and r' there, s the distance between: mu_s' = (r mu_s + s nu) / r'.
+// The kernels of skies: light carried along rays through a planet's air, and skies looked up and projected.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-namespace welkin::simd {
+#include "simd/dispatch.h"
+
+namespace welkin::sky {
+
+// Light along a ray, for many suns at once.
+//
+// A ray's samples are one after the other; the lanes are texels of a table that share the ray and differ in where the
+// sun is: its zenith's cosine mu_s where the ray starts, and its cosine nu with the ray. At a sample, with r the radius
+// at the start and r' there, s the distance between: mu_s' = (r mu_s + s nu) / r'.
 
 /// Suns of a ray. All arrays have `count` entries, a multiple of 16.
 struct SkySuns {
@@ -85,13 +89,14 @@ using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int
 /// out[16][4], red, green, blue and 0: the sum over m < used of by_order[m][c] cos(m phi), not below 0, given cos phi.
 using SumSkyOrders = void (*)(const float* by_order, int used, const float* azimuth_cosines, float* out);
 
-struct SkyKernels {
+struct SolverKernels {
   AddSunlight add_sunlight;
   AddSource add_source;
   ProjectSkyRing project_ring;
   FoldSkyOrders fold_orders;
   SumSkyOrders sum_orders;
 };
+WELKIN_KERNEL_TABLES(SolverKernels, solver_kernels)
 
 // Looking up a sky: what the kernels take.
 
@@ -156,11 +161,6 @@ using ReduceSky = void (*)(const SkyRun& run, float* of_sun);
 /// Radiance from each of `count` directions x y z, which need not be of unit length (the origin counts as up).
 using SkyRadiance = void (*)(const SkyRun& run, const double* directions, int count, float* rgb);
 
-struct SkyViewKernels {
-  ReduceSky reduce;
-  SkyRadiance radiance;
-};
-
 // A sky's light on rings of equal zenith angle, summed over azimuths.
 
 inline constexpr int kSkyRings = 16;
@@ -197,9 +197,12 @@ using AddSkyRings = void (*)(const SkyRings& rings, float* sums);
 /// Adds to sums[kSkyRings]: the aerosol's phase function times each azimuth's first factor.
 using AddSkyLobe = void (*)(const SkyRings& rings, float* sums);
 
-struct SkyRingKernels {
+struct ViewKernels {
+  ReduceSky reduce;
+  SkyRadiance radiance;
   AddSkyRings add_rings;
   AddSkyLobe add_lobe;
 };
+WELKIN_KERNEL_TABLES(ViewKernels, view_kernels)
 
-}  // namespace welkin::simd
+}  // namespace welkin::sky

@@ -15,8 +15,8 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "simd/kernels.h"
 #include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/sky_slice.h"
 #include "welkin/error.h"
 #include "welkin/sky_view.h"
@@ -39,10 +39,10 @@ void check_size(const char* what, int size) {
 class SunnySlice {
  public:
   SunnySlice(const SkyView& view, const glm::dvec3& sun)
-      : kernels_(simd::active_kernels().sky_view), run_(SkyViewAccess::slice(view).run(sky::sun_unit(sun))) {
+      : kernels_(sky::view_kernels()), run_(SkyViewAccess::slice(view).run(sky::sun_unit(sun))) {
     if (run_.outside) return;
     const platform::FloatingPointScope scope;
-    rows_.resize(std::size_t{2} * simd::kSkyRow * static_cast<std::size_t>(run_.half) *
+    rows_.resize(std::size_t{2} * sky::kSkyRow * static_cast<std::size_t>(run_.half) *
                  static_cast<std::size_t>(run_.azimuths));
     kernels_.reduce(run_, rows_.data());
     run_.of_sun = rows_.data();
@@ -67,8 +67,8 @@ class SunnySlice {
   }
 
  private:
-  const simd::SkyViewKernels& kernels_;
-  simd::SkyRun run_;
+  const sky::ViewKernels& kernels_;
+  sky::SkyRun run_;
   std::vector<float> rows_;
 };
 

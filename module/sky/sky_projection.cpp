@@ -10,9 +10,10 @@
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 #include "sky/phase.h"
 #include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/vertical_harmonics.h"
 #include "welkin/error.h"
 #include "welkin/sky_harmonics.h"
@@ -20,7 +21,7 @@
 namespace welkin::sky {
 namespace {
 
-constexpr int kRings = simd::kSkyRings;
+constexpr int kRings = kSkyRings;
 constexpr int kChunk = 16;  // azimuths
 constexpr std::size_t kMost = std::size_t{1} << 30U;
 
@@ -68,7 +69,7 @@ SkyProjection::SkyProjection(SkyView view, const SkyHarmonicsOptions& options)
 void SkyProjection::check_size(std::size_t rings) const {
   if (slice_.outside()) return;
   const std::size_t bytes = (rings + 2 * kRings) * static_cast<std::size_t>(options_.azimuths) *
-                            static_cast<std::size_t>(slice_.suns()) * simd::kSkyChannels * sizeof(float);
+                            static_cast<std::size_t>(slice_.suns()) * kSkyChannels * sizeof(float);
   if (bytes <= kMost) return;
   throw Error(ErrorCode::limit_exceeded,
               "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(options_.azimuths) +
@@ -101,7 +102,7 @@ void SkyProjection::add_rings(const RingRule& rings, bool below) {
 void SkyProjection::fill_values(RingGroup& group) const {
   const auto suns = static_cast<std::size_t>(slice_.suns());
   const auto azimuths = static_cast<std::size_t>(options_.azimuths);
-  group.values = platform::AlignedBuffer<float>(azimuths * suns * simd::kSkyChannels * kRings);
+  group.values = platform::AlignedBuffer<float>(azimuths * suns * kSkyChannels * kRings);
   std::vector<float> rows(static_cast<std::size_t>(slice_.azimuths()) * suns * kSliceRow);
   for (std::size_t lane = 0; lane < kRings; ++lane) {
     const ViewPlace place = slice_.view_place(group.cosines[lane]);
@@ -116,13 +117,13 @@ void SkyProjection::fill_values(RingGroup& group) const {
     for (std::size_t i = 0; i < azimuths; ++i) {
       const Taps taps = slice_.azimuth_taps(azimuths_.cosines[i]);
       const float* const tapped = rows.data() + static_cast<std::size_t>(taps.first) * suns * kSliceRow;
-      for (std::size_t k = 0; k < suns * simd::kSkyChannels; ++k) {
-        const std::size_t sun = k / simd::kSkyChannels;
-        const std::size_t channel = k % simd::kSkyChannels;
+      for (std::size_t k = 0; k < suns * kSkyChannels; ++k) {
+        const std::size_t sun = k / kSkyChannels;
+        const std::size_t channel = k % kSkyChannels;
         const float* const value = tapped + sun * kSliceRow + channel + channel / 3;
         float sum = 0.0F;
         for (std::size_t t = 0; t < 4; ++t) sum += taps.weights[t] * value[t * suns * kSliceRow];
-        group.values.data()[(i * suns * simd::kSkyChannels + k) * kRings + lane] = sum;
+        group.values.data()[(i * suns * kSkyChannels + k) * kRings + lane] = sum;
       }
     }
   }
@@ -209,8 +210,7 @@ void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, in
 }
 
 /// What kernels need of a group under a sun, all but values, azimuths and ground.
-simd::SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun,
-                                       SunDistances& distances) const noexcept {
+SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept {
   const double side = aerosol_.backwards ? -1.0 : 1.0;
   for (int k = 0; k < kRings; ++k) {
     const double along = group.cosines[k] * sun.zenith_cosine;
@@ -218,12 +218,12 @@ simd::SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& 
     distances.nearness[k] = static_cast<float>(std::max(0.0, 1.0 - side * along - across));
     distances.breadth[k] = static_cast<float>(across);
   }
-  simd::SkyRings rings{};
+  SkyRings rings{};
   rings.bands = options_.bands;
   rings.azimuths = options_.azimuths;
   rings.azimuth_gaps = gaps_.data();
   rings.azimuth_factors = factors_.data();
-  rings.azimuth_step = static_cast<std::ptrdiff_t>(slice_.suns()) * simd::kSkyChannels * kRings;
+  rings.azimuth_step = static_cast<std::ptrdiff_t>(slice_.suns()) * kSkyChannels * kRings;
   rings.nearness = distances.nearness;
   rings.breadth = distances.breadth;
   rings.rayleigh = static_cast<float>(rayleigh_phase(0.0));
@@ -240,7 +240,7 @@ double SkyProjection::lobe_integral(const SunAngles& sun) const noexcept {
   double integral = 0.0;
   for (const RingGroup& group : groups_) {
     alignas(64) float sums[kRings] = {};
-    simd::active_kernels().sky_rings.add_lobe(rings_of(group, sun, distances), sums);
+    view_kernels().add_lobe(rings_of(group, sun, distances), sums);
     for (std::size_t k = 0; k < kRings; ++k) integral += group.basis[k] * static_cast<double>(sums[k]);
   }
   return integral * (2.0 * std::sqrt(std::numbers::pi));
@@ -251,7 +251,7 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   alignas(64) float ground[kChunk * 3 * kRings];
   alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
   SunDistances distances;
-  simd::SkyRings rings = rings_of(group, sun, distances);
+  SkyRings rings = rings_of(group, sun, distances);
   rings.rayleigh *= place.fade;
   rings.aerosol = static_cast<float>(aerosol) * place.fade;
   for (int k = 0; k < 4; ++k) rings.sun_weights[k] = place.taps.weights[k];
@@ -260,11 +260,11 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
     rings.values = group.values.data() + first * rings.azimuth_step +
-                   static_cast<std::ptrdiff_t>(place.taps.first) * simd::kSkyChannels * kRings;
+                   static_cast<std::ptrdiff_t>(place.taps.first) * kSkyChannels * kRings;
     rings.azimuth_gaps = gaps_.data() + first;
     rings.azimuth_factors = factors_.data() + static_cast<std::ptrdiff_t>(first) * options_.bands;
     if (group.any_ground) fill_ground(group, sun, first, rings.azimuths, ground);
-    simd::active_kernels().sky_rings.add_rings(rings, sums);
+    view_kernels().add_rings(rings, sums);
   }
   const double* basis = group.basis.data();
   for (int l = 0; l < options_.bands; ++l) {

@@ -51,7 +51,7 @@ class SkyProjection {
  private:
   using Lobe = std::array<double, 3>;
 
-  /// Of sixteen rings from the sun (simd::SkyRings).
+  /// Of sixteen rings from the sun (SkyRings).
   struct SunDistances {
     alignas(64) float nearness[16];
     alignas(64) float breadth[16];
@@ -64,8 +64,7 @@ class SkyProjection {
   [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept;
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
-  [[nodiscard]] simd::SkyRings rings_of(const RingGroup& group, const SunAngles& sun,
-                                        SunDistances& distances) const noexcept;
+  [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun) const noexcept;
   [[nodiscard]] double aerosol_factor(const SunAngles& sun) const noexcept;
   void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe, double aerosol,

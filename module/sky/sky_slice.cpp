@@ -8,10 +8,10 @@
 
 #include "math/elementary.h"
 #include "math/quadrature.h"
-#include "simd/kernels.h"
 #include "sky/air.h"
 #include "sky/phase.h"
 #include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/sunlight.h"
 
 namespace welkin::sky {
@@ -101,7 +101,7 @@ void SkySlice::view_rows(const Taps& view, float* rows) const noexcept {
   }
 }
 
-simd::SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
+SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   const double bottom = mapping_.bottom_radius();
   const double thickness = mapping_.thickness();
   const double rho = tangent_distance(bottom, inside_);
@@ -110,7 +110,7 @@ simd::SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   const int half = views_ / 2;
   const Atmosphere& air = tables_->atmosphere;
   const double g = air.aerosol_asymmetry;
-  simd::SkyRun run{};
+  SkyRun run{};
   run.bottom = bottom;
   run.radius = bottom + inside_;
   run.altitude = inside_;
@@ -153,7 +153,7 @@ simd::SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
 
 namespace {
 
-constexpr int kRow = simd::kSkyRow;
+constexpr int kRow = kSkyRow;
 
 /// In channels that the compact layout leaves out the aerosol's light is taken to be coloured as the molecules' is
 /// (Bruneton and Neyret 2008, section 4: "C_M = C_*.rgb C_M.r / C_*.r ..."); no more than this times the first channel.
@@ -364,7 +364,7 @@ std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& map
   const double bottom = atmosphere.bottom_radius_m;
   const std::vector<const Constituent*> matter = matter_of(atmosphere);
   const std::vector<double> panels = panels_of(matter, altitude);
-  const simd::GaussRule rule = math::gauss_legendre(order);
+  const math::GaussRule rule = math::gauss_legendre(order);
   struct Node {
     double u, weight;
     std::vector<double> densities;

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "simd/kernels.h"
+#include "sky/sky_kernels.h"
 #include "sky/spectrum.h"
 #include "sky/table_mapping.h"
 #include "welkin/sky_tables.h"
@@ -76,7 +76,7 @@ class SkySlice {
   [[nodiscard]] const ColourFold& fold() const noexcept { return fold_; }
 
   /// For the kernels, with a sun towards a unit direction; `of_sun` is left null.
-  [[nodiscard]] simd::SkyRun run(const glm::dvec3& sun) const noexcept;
+  [[nodiscard]] SkyRun run(const glm::dvec3& sun) const noexcept;
 
   /// Rows of one view: [azimuths][suns], interpolated between view nodes.
   void view_rows(const Taps& view, float* rows) const noexcept;

@@ -210,7 +210,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
     }
   }
   worker.place(air_, {altitude, view.zenith_cosine, view.ground, view.distance}, group);
-  const simd::Kernels& kernels = simd::active_kernels();
+  const sky::SolverKernels& kernels = sky::solver_kernels();
   // the sums of one are overwritten by those of the other: sunlight first, and stored
   const float* sums = worker.sunlight(kernels, air_, light);
   for (std::size_t i = 0; i < worker.count(); ++i) {
@@ -299,7 +299,7 @@ SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& op
                                                ": take smaller tables or raise memory_limit_bytes");
   }
   if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
-  static_cast<void>(simd::active_kernels());  // a process's first choice of them allocates: not inside a tile
+  static_cast<void>(sky::solver_kernels());  // a process's first choice of them allocates: not inside a tile
   return Precomputation(atmosphere, options, control).run();
 }
 

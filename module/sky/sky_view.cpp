@@ -11,8 +11,9 @@
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "simd/kernels.h"
+#include "projection/projection_kernels.h"
 #include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/sky_slice.h"
 #include "sky/sunlight.h"
 #include "sky/table_sizes.h"
@@ -83,11 +84,11 @@ double SkyView::altitude_m() const noexcept { return slice_->slice.altitude(); }
 
 glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun) const {
   const platform::FloatingPointScope scope;
-  const simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
+  const sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   const glm::dvec3 towards = sky::of_moderate_length(direction);
   const double xyz[3] = {towards.x, towards.y, towards.z};
   float rgb[3];
-  simd::active_kernels().sky_view.radiance(run, xyz, 1, rgb);
+  sky::view_kernels().radiance(run, xyz, 1, rgb);
   return {rgb[0], rgb[1], rgb[2]};
 }
 
@@ -96,14 +97,14 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
     refuse("there is room for " + std::to_string(rgb.size()) + " radiances of " + std::to_string(directions.size()) +
            " directions");
   }
-  const simd::SkyViewKernels& kernels = simd::active_kernels().sky_view;
+  const sky::ViewKernels& kernels = sky::view_kernels();
   const platform::FloatingPointScope scope;
-  simd::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
+  sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   // Reducing the slice to the sun pays from some directions on; of large tables it would not fit on the stack.
   constexpr std::size_t room = 16384;
   alignas(64) float of_sun[room];
   const std::size_t rows = 2 * static_cast<std::size_t>(run.half) * static_cast<std::size_t>(run.azimuths);
-  if (!run.outside && rows * simd::kSkyRow <= room && 6 * directions.size() > rows) {
+  if (!run.outside && rows * sky::kSkyRow <= room && 6 * directions.size() > rows) {
     kernels.reduce(run, of_sun);
     run.of_sun = of_sun;
   }

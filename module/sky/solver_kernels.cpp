@@ -1,9 +1,11 @@
 // Light carried along rays through the air (sky_kernels.h).
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "simd/vec.h"
+#include "sky/sky_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+namespace welkin::sky::WELKIN_ISA {
 namespace {
+
+using simd::Architecture, simd::Lanes, simd::kLanes, simd::kWidth;
 
 using Indices = xsimd::batch<std::int32_t, Architecture>;
 
@@ -26,12 +28,12 @@ WELKIN_INLINE __m128 between(__m128 low, __m128 high, __m128 fraction) {
 
 /// Four channels' weights, again and again.
 struct Repeated {
-  alignas(64) float values[kGroup];
+  alignas(64) float values[kLanes];
 };
 
 WELKIN_INLINE Repeated repeated(const float* four, float factor) {
   Repeated weights;
-  for (int i = 0; i < kGroup; ++i) weights.values[i] = four[i % 4] * factor;
+  for (int i = 0; i < kLanes; ++i) weights.values[i] = four[i % 4] * factor;
   return weights;
 }
 
@@ -84,8 +86,6 @@ WELKIN_INLINE __m128 colour_at(const float* row, std::int32_t node, __m128 fract
 
 WELKIN_INLINE void add_to(float* sum, __m128 value) { _mm_storeu_ps(sum, _mm_add_ps(_mm_loadu_ps(sum), value)); }
 
-}  // namespace
-
 // Places are computed across texels; then each texel takes its four channels with one load a node, which beats
 // gathering them channel by channel on every instruction set.
 void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums) {
@@ -137,14 +137,10 @@ void add_source(const SourceSample& sample, const SunAxis& axis, int size, int n
   }
 }
 
-namespace {
-
 // Radiance about a point to harmonics, folded with phase functions, and back (sky_kernels.h): sixteen suns at a time.
 
-constexpr int kRegisters = kGroup / kWidth;
-constexpr int kValues = 3 * kGroup;  ///< of a pair
-
-}  // namespace
+constexpr int kRegisters = kLanes / kWidth;
+constexpr int kValues = 3 * kLanes;  ///< of a pair
 
 void project_sky_ring(const SkyRing& ring, float* harmonics) {
   int pair = 0;
@@ -158,7 +154,7 @@ void project_sky_ring(const SkyRing& ring, float* harmonics) {
           sum = sum + Lanes(cosines[j]) * Lanes::load_unaligned(radiance + j * ring.azimuth_stride);
         }
         for (int l = m; l < ring.bands; ++l) {
-          float* const place = harmonics + (pair + l - m) * kValues + c * kGroup + k * kWidth;
+          float* const place = harmonics + (pair + l - m) * kValues + c * kLanes + k * kWidth;
           (Lanes::load_unaligned(place) + Lanes(ring.values[pair + l - m]) * sum).store_unaligned(place);
         }
       }
@@ -189,7 +185,7 @@ void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosine
     Lanes sums[3] = {Lanes(0.0F), Lanes(0.0F), Lanes(0.0F)};
     for (int m = 0; m < used; ++m) {
       const float* const values = by_order + m * kValues + k * kWidth;
-      for (int c = 0; c < 3; ++c) sums[c] = sums[c] + here * Lanes::load_unaligned(values + c * kGroup);
+      for (int c = 0; c < 3; ++c) sums[c] = sums[c] + here * Lanes::load_unaligned(values + c * kLanes);
       const Lanes next = (cosine + cosine) * here - before;
       before = here;
       here = next;
@@ -204,4 +200,14 @@ void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosine
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const SolverKernels solver_kernels_table = {
+    .add_sunlight = add_sunlight,
+    .add_source = add_source,
+    .project_ring = project_sky_ring,
+    .fold_orders = fold_sky_orders,
+    .sum_orders = sum_sky_orders,
+};
+
+}  // namespace welkin::sky::WELKIN_ISA

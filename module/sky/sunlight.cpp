@@ -73,7 +73,7 @@ Sunlight::Sunlight(const Air& air, const SunPaths& paths, const Extinctions& ext
 }
 
 // Between heights: the cubic through the four nearest.
-void Sunlight::at(double altitude, simd::SunlitSample& sample) const noexcept {
+void Sunlight::at(double altitude, SunlitSample& sample) const noexcept {
   const SunPaths::Axis axis = paths_->axis(altitude);
   sample.horizon = static_cast<float>(axis.horizon);
   sample.rational = static_cast<float>(axis.rational * (paths_->size().zeniths - 1));
@@ -93,7 +93,7 @@ void Sunlight::at(double altitude, simd::SunlitSample& sample) const noexcept {
 }
 
 std::array<double, 3> Sunlight::at(double altitude, double sun_zenith_cosine) const noexcept {
-  simd::SunlitSample sample{};
+  SunlitSample sample{};
   at(altitude, sample);
   const double above = sun_zenith_cosine - static_cast<double>(sample.horizon);
   const double t = std::clamp(sample.disc_slope * above + sample.disc_offset, 0.0, 1.0);

@@ -58,7 +58,7 @@ class Sunlight {
   [[nodiscard]] int nodes() const noexcept { return paths_->size().zeniths; }
 
   /// Fills in what of a sample depends on its altitude.
-  void at(double altitude, simd::SunlitSample& sample) const noexcept;
+  void at(double altitude, SunlitSample& sample) const noexcept;
 
   /// In double, for a single point: transmittance times the visible share of the disc.
   [[nodiscard]] std::array<double, 3> at(double altitude, double sun_zenith_cosine) const noexcept;

@@ -9,7 +9,6 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
-#include "simd/basis_recurrence.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::sky {
@@ -32,7 +31,7 @@ using Basis = std::array<double, kMaximumBands * kMaximumBands>;
 
 Basis basis_at(double x, double y, double z) {
   Basis values{};
-  simd::for_each_basis_value(math::basis_constants(), x, y, z, 1.0, kMaximumBands,
+  math::for_each_basis_value(math::basis_constants(), x, y, z, 1.0, kMaximumBands,
                              [&](int index, double value) { values[static_cast<std::size_t>(index)] = value; });
   return values;
 }
@@ -43,7 +42,7 @@ AxisChange make_axis_change() {
   constexpr int rings = kMaximumBands;
   constexpr int columns = 2 * kMaximumBands;
   constexpr double pi = 3.14159265358979323846;
-  const simd::GaussRule rule = math::gauss_legendre(rings);
+  const math::GaussRule rule = math::gauss_legendre(rings);
   std::vector<double> products(static_cast<std::size_t>(kMaximumBands) * kMaximumBands * (2 * kMaximumBands));
   const auto place = [](int to, int l, int from) {
     return static_cast<std::size_t>(to * 2 * kMaximumBands + from - l * l);

@@ -1,11 +1,13 @@
 // The radiance of a sky: sixteen directions' geometry in double lanes, then each one's cubic through 4 x 4 (x 4) rows.
 //
 // The formulas are those of sky/table_mapping.h and sky/sky_slice.h, where they are explained.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "simd/vec.h"
+#include "sky/sky_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+namespace welkin::sky::WELKIN_ISA {
 namespace {
+
+using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kLanes, simd::kWidth;
 
 constexpr double kPi = 3.14159265358979324;
 constexpr double kTiny = 1e-300;  // below any number that matters, above what divides to infinity
@@ -13,15 +15,15 @@ constexpr float kRayleigh = static_cast<float>(3.0 / (16.0 * kPi));
 
 /// What is known of sixteen directions.
 struct Places {
-  alignas(64) double view[kGroup];     ///< position within the half
-  alignas(64) double azimuth[kGroup];  ///< position
-  alignas(64) double sun[kGroup];      ///< position, from outside
-  alignas(64) double fade[kGroup];     ///< from outside
-  alignas(64) double hit[kGroup];      ///< 0: a ray that misses the air
-  alignas(64) double ends[kGroup];     ///< 1: on the ground
-  alignas(64) double ground[kGroup];   ///< position
-  alignas(64) double rayleigh[kGroup];
-  alignas(64) double aerosol[kGroup];
+  alignas(64) double view[kLanes];     ///< position within the half
+  alignas(64) double azimuth[kLanes];  ///< position
+  alignas(64) double sun[kLanes];      ///< position, from outside
+  alignas(64) double fade[kLanes];     ///< from outside
+  alignas(64) double hit[kLanes];      ///< 0: a ray that misses the air
+  alignas(64) double ends[kLanes];     ///< 1: on the ground
+  alignas(64) double ground[kLanes];   ///< position
+  alignas(64) double rayleigh[kLanes];
+  alignas(64) double aerosol[kLanes];
 };
 
 WELKIN_INLINE DoubleLanes constant(double value) { return DoubleLanes(value); }
@@ -243,8 +245,6 @@ WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float
   if (ends && run.reach != nullptr) add_ground(run, view, places.ground[k], rgb);
 }
 
-}  // namespace
-
 void reduce_sky(const SkyRun& run, float* of_sun) {
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(2) * run.half * run.azimuths;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -255,12 +255,12 @@ void reduce_sky(const SkyRun& run, float* of_sun) {
 
 void sky_radiance(const SkyRun& run, const double* directions, int count, float* rgb) {
   Places places;
-  for (int first = 0; first < count; first += kGroup) {
-    const int part = count - first < kGroup ? count - first : kGroup;
-    alignas(64) double x[kGroup];
-    alignas(64) double y[kGroup];
-    alignas(64) double z[kGroup];
-    for (int k = 0; k < kGroup; ++k) {
+  for (int first = 0; first < count; first += kLanes) {
+    const int part = count - first < kLanes ? count - first : kLanes;
+    alignas(64) double x[kLanes];
+    alignas(64) double y[kLanes];
+    alignas(64) double z[kLanes];
+    for (int k = 0; k < kLanes; ++k) {
       const double* const from = directions + std::ptrdiff_t{3} * (first + (k < part ? k : 0));
       x[k] = from[0];
       y[k] = from[1];
@@ -273,8 +273,6 @@ void sky_radiance(const SkyRun& run, const double* directions, int count, float*
     for (int k = 0; k < part; ++k) look_up(run, places, k, rgb + std::ptrdiff_t{3} * (first + k));
   }
 }
-
-namespace {
 
 // A sky's light on rings of equal zenith angle, summed over azimuths.
 
@@ -300,8 +298,6 @@ WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   const Lanes d = Lanes(rings.sun_weights[3]) * Lanes::load_aligned(values + 3 * sun);
   return xsimd::max((a + b) + (c + d), Lanes(0.0F));
 }
-
-}  // namespace
 
 void add_sky_rings(const SkyRings& rings, float* sums) {
   for (int lane = 0; lane < kSkyRings; lane += kWidth) {
@@ -340,4 +336,13 @@ void add_sky_lobe(const SkyRings& rings, float* sums) {
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const ViewKernels view_kernels_table = {
+    .reduce = reduce_sky,
+    .radiance = sky_radiance,
+    .add_rings = add_sky_rings,
+    .add_lobe = add_sky_lobe,
+};
+
+}  // namespace welkin::sky::WELKIN_ISA

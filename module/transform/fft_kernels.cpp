@@ -1,9 +1,11 @@
 // Fourier transforms of 16 rings at once: a lane a ring, so that no number ever changes lanes.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "simd/vec.h"
+#include "transform/transform_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+namespace welkin::transforms::WELKIN_ISA {
 namespace {
+
+using simd::Lanes, simd::kWidth;
 
 struct Complex {
   Lanes re, im;
@@ -166,8 +168,8 @@ void run_single(const FourierPass& pass, const float* in, float* out) {
       float* to = out + radix * p * stride + part;
       const float* const end = from + stride;
       for (; from < end; from += kComplexFloats, to += kComplexFloats) {
-        const auto get = [&](int j) __attribute__((always_inline)) { return load(from + in_step * j); };
-        const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+        const auto get = [&](int j) WELKIN_INLINE_LAMBDA { return load(from + in_step * j); };
+        const auto put = [&](auto index, Complex z) WELKIN_INLINE_LAMBDA {
           constexpr int k = index.k;
           store(k == 0 ? z : times(z, factor_at(twiddles + 2 * k)), to + stride * k);
         };
@@ -185,16 +187,14 @@ template <class Butterfly>
 void run_first(const float* in, std::ptrdiff_t in_step, int second, const float* twiddles, float* local) {
   constexpr int radix = Butterfly::radix;
   for (int p = 0; p < second; ++p) {
-    const auto get = [&](int j) __attribute__((always_inline)) { return load(in + in_step * (p + second * j)); };
+    const auto get = [&](int j) WELKIN_INLINE_LAMBDA { return load(in + in_step * (p + second * j)); };
     float* const to = local + std::ptrdiff_t{kComplexFloats} * radix * p;
     if (p == 0) {
-      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
-        store(z, to + kComplexFloats * index.k);
-      };
+      const auto put = [&](auto index, Complex z) WELKIN_INLINE_LAMBDA { store(z, to + kComplexFloats * index.k); };
       Butterfly::run(get, put);
     } else {
       const float* const t = twiddles + 2 * radix * p;
-      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+      const auto put = [&](auto index, Complex z) WELKIN_INLINE_LAMBDA {
         constexpr int k = index.k;
         store(k == 0 ? z : times(z, factor_at(t + 2 * k)), to + kComplexFloats * k);
       };
@@ -209,19 +209,17 @@ void run_second(const float* local, int first, const float* twiddles, bool twidd
                 std::ptrdiff_t out_step) {
   for (int q = 0; q < first; ++q) {
     const float* const from = local + std::ptrdiff_t{kComplexFloats} * q;
-    const auto get = [&](int j) __attribute__((always_inline)) {
-      return load(from + std::ptrdiff_t{kComplexFloats} * first * j);
-    };
+    const auto get = [&](int j)
+                         WELKIN_INLINE_LAMBDA { return load(from + std::ptrdiff_t{kComplexFloats} * first * j); };
     if (twiddled) {
-      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
+      const auto put = [&](auto index, Complex z) WELKIN_INLINE_LAMBDA {
         const int k = q + first * index.k;
         store(times(z, factor_at(twiddles + 2 * k)), out + out_step * k);
       };
       Butterfly::run(get, put);
     } else {
-      const auto put = [&](auto index, Complex z) __attribute__((always_inline)) {
-        store(z, out + out_step * (q + first * index.k));
-      };
+      const auto put = [&](auto index, Complex z)
+                           WELKIN_INLINE_LAMBDA { store(z, out + out_step * (q + first * index.k)); };
       Butterfly::run(get, put);
     }
   }
@@ -279,8 +277,6 @@ void run_any_radix(const FourierPass& pass, const float* in, float* out) {
     }
   }
 }
-
-}  // namespace
 
 void run_fourier_pass(const FourierPass& pass, const float* in, float* out) {
   if (pass.second_radix > 1) return run_double(pass, in, out);
@@ -341,8 +337,6 @@ void join_orders(const float* columns, std::ptrdiff_t order_stride, int orders, 
   for (float* at = z + std::ptrdiff_t{kComplexFloats} * orders; at < end; at += kWidth) zero.store_aligned(at);
 }
 
-namespace {
-
 // Between rows of pixels in memory and 16 rings in lanes: transpositions.
 
 /// Where float `index` of a row of rgb texels goes: [channel][width][kComplexFloats].
@@ -364,7 +358,7 @@ WELKIN_INLINE void transpose(Block& block) {
     const __m512 ab_high = _mm512_unpackhi_ps(block.row[i], block.row[i + 1]);
     const __m512 cd_low = _mm512_unpacklo_ps(block.row[i + 2], block.row[i + 3]);
     const __m512 cd_high = _mm512_unpackhi_ps(block.row[i + 2], block.row[i + 3]);
-    const auto join = [](__m512 a, __m512 b, bool high) __attribute__((always_inline)) {
+    const auto join = [](__m512 a, __m512 b, bool high) WELKIN_INLINE_LAMBDA {
       const __m512d x = _mm512_castps_pd(a);
       const __m512d y = _mm512_castps_pd(b);
       return _mm512_castpd_ps(high ? _mm512_unpackhi_pd(x, y) : _mm512_unpacklo_pd(x, y));
@@ -408,8 +402,6 @@ WELKIN_INLINE __m128 sum(__m128 a, __m128 b) { return _mm_add_ps(a, b); }
 WELKIN_INLINE __m128 difference(__m128 a, __m128 b) { return _mm_sub_ps(a, b); }
 WELKIN_INLINE __m128 zero() { return _mm_setzero_ps(); }
 #endif
-
-}  // namespace
 
 void load_row_quads(const RowQuads& rows, int width, float* planes) {
   const int floats = 3 * width;
@@ -479,4 +471,15 @@ void store_rings(const float* red, const float* green, const float* blue, int wi
   }
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const FourierKernels fourier_kernels_table = {
+    .load_row_quads = load_row_quads,
+    .run_fourier_pass = run_fourier_pass,
+    .multiply_complex = multiply_complex,
+    .part_orders = part_orders,
+    .join_orders = join_orders,
+    .store_rings = store_rings,
+};
+
+}  // namespace welkin::transforms::WELKIN_ISA

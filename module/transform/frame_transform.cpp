@@ -45,7 +45,7 @@ FrameTransform::FrameTransform(const image::Frame& frame, int bands) : functions
   std::vector<double> matrix(count * count);
   std::vector<double> canonical(count);
   std::vector<double> local(count);
-  const simd::GaussRule rule = math::gauss_legendre(bands);
+  const math::GaussRule rule = math::gauss_legendre(bands);
   const int azimuths = 2 * bands;
   for (int i = 0; i < rule.order; ++i) {
     const double z = rule.nodes[i];

@@ -2,11 +2,13 @@
 //
 // For two degrees, one even and one odd about the equator, and 16 ring pairs the sums take 24 operations in float. The
 // functions take 10 more in float, or 22 in double: 12 (half as wide), and 10 to narrow the results.
-#include "simd/kernel_table.h"
-#include "simd/lanes.h"
+#include "simd/vec.h"
+#include "transform/transform_kernels.h"
 
-namespace welkin::simd::WELKIN_ISA {
+namespace welkin::transforms::WELKIN_ISA {
 namespace {
+
+using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kWidth;
 
 constexpr int kNumbers = 6;  // three channels, real and imaginary
 
@@ -90,7 +92,7 @@ WELKIN_INLINE void narrow_state(const double* from, float* to) {
   }
 }
 
-/// One running sum for each number, named apart by recursion: see weighted_sums_kernel.cpp.
+/// One running sum for each number, named apart by recursion: see projection/projection_kernels.cpp.
 template <int count>
 struct Sums {
   Lanes here = Lanes(0.0F);
@@ -115,7 +117,7 @@ struct Sums<0> {
 /// sums[i] += the 16 lanes of row i: lanes k and k + 8 first, then k and k + 4, k + 2, k + 1. 16 rows.
 WELKIN_INLINE void add_folded(const float* rows, float* sums) {
 #if defined(__AVX512F__)
-  const auto quarter = [&](int first) __attribute__((always_inline)) {  // 4 rows, 4 lanes left of each
+  const auto quarter = [&](int first) WELKIN_INLINE_LAMBDA {  // 4 rows, 4 lanes left of each
     const __m512 a = _mm512_load_ps(rows + first * kRingLanes);
     const __m512 b = _mm512_load_ps(rows + (first + 1) * kRingLanes);
     const __m512 c = _mm512_load_ps(rows + (first + 2) * kRingLanes);
@@ -137,7 +139,7 @@ WELKIN_INLINE void add_folded(const float* rows, float* sums) {
   const __m512 in_order = _mm512_permutexvar_ps(order, folded);
   _mm512_store_ps(sums, _mm512_add_ps(_mm512_load_ps(sums), in_order));
 #else
-  const auto row_lanes = [&](int row) __attribute__((always_inline)) {
+  const auto row_lanes = [&](int row) WELKIN_INLINE_LAMBDA {
     const float* const r = rows + row * kRingLanes;
     return _mm_add_ps(_mm_add_ps(_mm_load_ps(r), _mm_load_ps(r + 8)),
                       _mm_add_ps(_mm_load_ps(r + 4), _mm_load_ps(r + 12)));
@@ -259,8 +261,6 @@ WELKIN_INLINE void sum_degrees(const LegendreRun& run, int group, int part, cons
   even.store(column);
   odd.store(column + kNumbers * kRingLanes);
 }
-
-}  // namespace
 
 void analyse_order(const LegendreRun& run, const float* columns, double* state, float* sums) {
   alignas(64) float functions[2 * kAnalysisGroups * kFunctionFloats];
@@ -417,8 +417,6 @@ void scale_harmonics(const ScaleRun& run, const float* in, float* out) {
   }
 }
 
-namespace {
-
 // B-spline coefficients down the rings.
 //
 // With z = sqrt(3) - 2 and s the shift by a ring, (s^-1 + 4 + s) / 6 = (1 - z s) (1 - z s^-1) / kSplineGain. Its
@@ -478,8 +476,6 @@ WELKIN_INLINE void gather(const SplineRun& run, const float* columns, int length
   for (int pair = whole * kRingLanes; pair < pairs + kReach; ++pair) gather_ring(run, columns, length, pair, rows);
 }
 
-}  // namespace
-
 void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   const int length = run.groups * kRingLanes + 2 * kSplineMargin;
   gather(run, columns, length, scratch);
@@ -487,13 +483,13 @@ void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   constexpr float z = -0.267949192431122706F;
   constexpr float powers[4] = {z, z * z, z * z * z * z, z * z * z * z * z * z * z * z};
   // All rows take a step before any takes the next: a load that straddles two stores still on their way would wait.
-  const auto each_row = [&](const auto& step) __attribute__((always_inline)) {
+  const auto each_row = [&](const auto& step) WELKIN_INLINE_LAMBDA {
     for (int row = 0; row < kRows; ++row) step(scratch + std::ptrdiff_t{length} * row, row);
   };
   for (int k = 0; k < 4; ++k) {
     const Lanes power(powers[k]);
     const int shift = shifts[k];
-    each_row([&](float* values, int) __attribute__((always_inline)) {
+    each_row([&](float* values, int) WELKIN_INLINE_LAMBDA {
       for (int i = length - kWidth; i >= kRingLanes; i -= kWidth) {
         const Lanes sum = Lanes::load_aligned(values + i) + power * Lanes::load_unaligned(values + i - shift);
         sum.store_aligned(values + i);
@@ -503,14 +499,14 @@ void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   for (int k = 0; k < 4; ++k) {
     const Lanes power(powers[k]);
     const int shift = shifts[k];
-    each_row([&](float* values, int) __attribute__((always_inline)) {
+    each_row([&](float* values, int) WELKIN_INLINE_LAMBDA {
       for (int i = kSplineMargin; i < length - kRingLanes; i += kWidth) {
         const Lanes sum = Lanes::load_aligned(values + i) + power * Lanes::load_unaligned(values + i + shift);
         sum.store_aligned(values + i);
       }
     });
   }
-  each_row([&](const float* values, int row) __attribute__((always_inline)) {
+  each_row([&](const float* values, int row) WELKIN_INLINE_LAMBDA {
     for (int group = 0; group < run.groups; ++group) {
       const float* const from = values + kSplineMargin + std::ptrdiff_t{kRingLanes} * group;
       float* const to = columns + std::ptrdiff_t{kColumnFloats} * group + row * kRingLanes;
@@ -519,4 +515,16 @@ void spline_rings(const SplineRun& run, float* columns, float* scratch) {
   });
 }
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace
+
+const LegendreKernels legendre_kernels_table = {
+    .analyse_order = analyse_order,
+    .synthesise_order = synthesise_order,
+    .find_start = find_start,
+    .weigh_odd_parts = weigh_odd_parts,
+    .integrate_sums = integrate_sums,
+    .scale_harmonics = scale_harmonics,
+    .spline_rings = spline_rings,
+};
+
+}  // namespace welkin::transforms::WELKIN_ISA

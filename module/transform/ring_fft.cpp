@@ -127,35 +127,34 @@ void RingFourier::plan_convolution() {
 }
 
 std::size_t RingFourier::scratch_floats() const noexcept {
-  const auto own = static_cast<std::size_t>(length_) * simd::kComplexFloats;
+  const auto own = static_cast<std::size_t>(length_) * kComplexFloats;
   return convolution_ ? 2 * convolution_->scratch_floats() : own;
 }
 
-float* RingFourier::transform(const simd::Kernels& kernels, float* values, float* scratch) const noexcept {
-  const simd::TransformKernels& run = kernels.transform;
+float* RingFourier::transform(const FourierKernels& kernels, float* values, float* scratch) const noexcept {
   if (!convolution_) {
     for (const Pass& pass : passes_) {
       const float* const factors = factors_.data();
-      run.run_fourier_pass({pass.radix, pass.second_radix, pass.count, pass.stride, factors + pass.twiddles,
-                            factors + pass.inner_twiddles, factors + pass.roots},
-                           values, scratch);
+      kernels.run_fourier_pass({pass.radix, pass.second_radix, pass.count, pass.stride, factors + pass.twiddles,
+                                factors + pass.inner_twiddles, factors + pass.roots},
+                               values, scratch);
       std::swap(values, scratch);
     }
     return values;
   }
   const int padded = convolution_->length();
   float* const second = scratch + convolution_->scratch_floats();
-  run.multiply_complex(values, simd::kComplexFloats, chirp_.data(), false, length_, scratch);
-  std::fill(scratch + std::ptrdiff_t{simd::kComplexFloats} * length_,
-            scratch + std::ptrdiff_t{simd::kComplexFloats} * padded, 0.0F);
+  kernels.multiply_complex(values, kComplexFloats, chirp_.data(), false, length_, scratch);
+  std::fill(scratch + std::ptrdiff_t{kComplexFloats} * length_, scratch + std::ptrdiff_t{kComplexFloats} * padded,
+            0.0F);
   float* const spectrum = convolution_->transform(kernels, scratch, second);
   float* const other = spectrum == scratch ? second : scratch;
-  run.multiply_complex(spectrum, simd::kComplexFloats, chirp_spectrum_.data(), false, padded, spectrum);
+  kernels.multiply_complex(spectrum, kComplexFloats, chirp_spectrum_.data(), false, padded, spectrum);
   // The inverse transform is the forward one read backwards.
   float* const result = convolution_->transform(kernels, spectrum, other);
-  run.multiply_complex(result, 0, chirp_.data(), false, 1, values);
-  run.multiply_complex(result + std::ptrdiff_t{simd::kComplexFloats} * (padded - 1), -simd::kComplexFloats,
-                       chirp_.data() + 2, false, length_ - 1, values + simd::kComplexFloats);
+  kernels.multiply_complex(result, 0, chirp_.data(), false, 1, values);
+  kernels.multiply_complex(result + std::ptrdiff_t{kComplexFloats} * (padded - 1), -kComplexFloats, chirp_.data() + 2,
+                           false, length_ - 1, values + kComplexFloats);
   return values;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "simd/kernels.h"
+#include "transform/transform_kernels.h"
 
 namespace welkin::transforms {
 
@@ -26,10 +26,10 @@ class RingFourier {
   /// Floats of scratch that `transform` needs.
   [[nodiscard]] std::size_t scratch_floats() const noexcept;
 
-  /// Transforms values[length][simd::kComplexFloats]; the result lies where the returned pointer says, in `values` or
+  /// Transforms values[length][kComplexFloats]; the result lies where the returned pointer says, in `values` or
   /// in `scratch` (both on cache lines), and what is left in the other is of no use. Error: some 3e-7 of the signal's
   /// root mean square.
-  [[nodiscard]] float* transform(const simd::Kernels& kernels, float* values, float* scratch) const noexcept;
+  [[nodiscard]] float* transform(const FourierKernels& kernels, float* values, float* scratch) const noexcept;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
 

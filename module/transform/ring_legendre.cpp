@@ -6,7 +6,7 @@
 
 #include "math/elementary.h"
 #include "math/table_cache.h"
-#include "simd/kernels.h"
+#include "transform/transform_kernels.h"
 
 namespace welkin::transforms {
 namespace {
@@ -27,7 +27,7 @@ constexpr double kVanished = 1e-280;
 
 double largest(const double* values) {
   double most = 0.0;
-  for (int k = 0; k < 2 * simd::kRingLanes; ++k) most = std::max(most, std::abs(values[k]));
+  for (int k = 0; k < 2 * kRingLanes; ++k) most = std::max(most, std::abs(values[k]));
   return most;
 }
 
@@ -58,16 +58,15 @@ void LegendreRings::place_rings(const LegendreRingsKey& key) {
     x_.data()[q] = theta.cosine;
   }
   x_single_ = platform::AlignedBuffer<float>(2 * lanes());
-  for (int q = 0; q < groups_ * simd::kRingLanes; ++q) {
+  for (int q = 0; q < groups_ * kRingLanes; ++q) {
     const double x = x_.data()[q];
     const auto nearest = static_cast<float>(x);
-    float* const to = x_single_.data() + 2 * q - q % simd::kRingLanes;
+    float* const to = x_single_.data() + 2 * q - q % kRingLanes;
     to[0] = nearest;
-    to[simd::kRingLanes] = static_cast<float>(x - static_cast<double>(nearest));
+    to[kRingLanes] = static_cast<float>(x - static_cast<double>(nearest));
   }
   if (key.places == RingPlaces::edges) first_single_ = groups_;
-  while (first_single_ < groups_ &&
-         sines_[static_cast<std::size_t>(first_single_ * simd::kRingLanes)] < kSineForSingle) {
+  while (first_single_ < groups_ && sines_[static_cast<std::size_t>(first_single_ * kRingLanes)] < kSineForSingle) {
     ++first_single_;
   }
 }
@@ -76,7 +75,7 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
   const auto factors = LegendreFactors::get(key.bands);
   const auto bands = static_cast<std::size_t>(key.bands);
   const auto groups = static_cast<std::size_t>(groups_);
-  constexpr int state_doubles = 2 * simd::kRingLanes;
+  constexpr int state_doubles = 2 * kRingLanes;
   states_ = platform::AlignedBuffer<double>(bands * groups * static_cast<std::size_t>(state_doubles));
   starts_.resize(bands * groups);
   orders_.assign(groups, 0);
@@ -86,7 +85,7 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
     const double sine = sines_[q];
     sectoral[q] = sine > 0.0 ? std::sqrt(0.25 / kPi) * (key.places == RingPlaces::edges ? sine * sine : 1.0) : 0.0;
   }
-  const simd::TransformKernels& kernels = simd::active_kernels().transform;
+  const LegendreKernels& kernels = legendre_kernels();
   double* state = states_.data();
   for (int m = 0; m < key.bands; ++m) {
     if (m > 0) {
@@ -97,14 +96,14 @@ void LegendreRings::find_starts(const LegendreRingsKey& key) {
       }
     }
     const double* const a = factors->a(m);
-    const int fours = simd::fours_of(key.bands - m);
+    const int fours = fours_of(key.bands - m);
     int last = fours;  // starts must not rise towards the equator
     int first_group = groups_;
     for (int group = 0; group < groups_; ++group, state += state_doubles) {
-      const double* const x = x_.data() + std::ptrdiff_t{simd::kRingLanes} * group;
-      for (int k = 0; k < simd::kRingLanes; ++k) {
-        state[k] = sectoral[static_cast<std::size_t>(group * simd::kRingLanes + k)];
-        state[simd::kRingLanes + k] = a[1] * x[k] * state[k];
+      const double* const x = x_.data() + std::ptrdiff_t{kRingLanes} * group;
+      for (int k = 0; k < kRingLanes; ++k) {
+        state[k] = sectoral[static_cast<std::size_t>(group * kRingLanes + k)];
+        state[kRingLanes + k] = a[1] * x[k] * state[k];
       }
       const bool vanished = largest(state) == 0.0;
       const int four = vanished ? last : kernels.find_start(a, x, kNothing, last, state);
@@ -151,18 +150,18 @@ void LegendreRings::fill_row_weights(const LegendreRingsKey& key) {
   }
 }
 
-simd::LegendreRun LegendreRings::run(int m, int first, int groups, const LegendreFactors& factors) const noexcept {
+LegendreRun LegendreRings::run(int m, int first, int groups, const LegendreFactors& factors) const noexcept {
   const std::size_t from =
       static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(first);
   return {.a = factors.a(m),
           .a_single = factors.a_single(m),
-          .x = x_.data() + std::ptrdiff_t{simd::kRingLanes} * first,
-          .x_single = x_single_.data() + std::ptrdiff_t{2} * simd::kRingLanes * first,
-          .states = states_.data() + from * 2 * static_cast<std::size_t>(simd::kRingLanes),
+          .x = x_.data() + std::ptrdiff_t{kRingLanes} * first,
+          .x_single = x_single_.data() + std::ptrdiff_t{2} * kRingLanes * first,
+          .states = states_.data() + from * 2 * static_cast<std::size_t>(kRingLanes),
           .starts = starts_.data() + from,
           .groups = groups,
           .first_single = std::max(0, first_single_ - first),
-          .fours = simd::fours_of(bands_ - m)};
+          .fours = fours_of(bands_ - m)};
 }
 
 std::size_t LegendreRings::bytes() const noexcept {

@@ -79,7 +79,7 @@ class LegendreRings {
     return places == RingPlaces::centres ? (rings + 1) / 2 : (rings - 1) / 2 + 1;
   }
   [[nodiscard]] static int groups_of(int rings, RingPlaces places) noexcept {
-    return (pairs_of(rings, places) + simd::kRingLanes - 1) / simd::kRingLanes;
+    return (pairs_of(rings, places) + kRingLanes - 1) / kRingLanes;
   }
 
   [[nodiscard]] int groups() const noexcept { return groups_; }
@@ -90,7 +90,7 @@ class LegendreRings {
   [[nodiscard]] int first_group(int m) const noexcept { return first_groups_[static_cast<std::size_t>(m)]; }
 
   /// The functions of order m on `groups` groups from `first` on, for all l < bands.
-  [[nodiscard]] simd::LegendreRun run(int m, int first, int groups, const LegendreFactors& factors) const noexcept;
+  [[nodiscard]] LegendreRun run(int m, int first, int groups, const LegendreFactors& factors) const noexcept;
 
   /// Edges only, [groups][kRingLanes] of order m: with P(m, m)'s integrals over rows, sum over rows of
   /// f Int P(m, m) sin(theta) d theta is the sum of these over lanes, times the sum (or difference) of f across the
@@ -103,7 +103,7 @@ class LegendreRings {
 
  private:
   [[nodiscard]] std::size_t lanes() const noexcept {
-    return static_cast<std::size_t>(groups_) * static_cast<std::size_t>(simd::kRingLanes);
+    return static_cast<std::size_t>(groups_) * static_cast<std::size_t>(kRingLanes);
   }
   void place_rings(const LegendreRingsKey& key);
   void find_starts(const LegendreRingsKey& key);

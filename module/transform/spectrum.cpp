@@ -19,7 +19,6 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "simd/kernels.h"
 #include "transform/frame_transform.h"
 #include "transform/ring_fft.h"
 #include "transform/ring_legendre.h"
@@ -37,11 +36,11 @@ Spectrum::Spectrum(int bands) : bands_(bands) {
 std::size_t Spectrum::start(int m) const noexcept {
   const auto order = static_cast<std::size_t>(m);
   const std::size_t before = order * static_cast<std::size_t>(bands_) - order * (order > 0 ? order - 1 : 0) / 2;
-  return before * simd::kHarmonicFloats;
+  return before * kHarmonicFloats;
 }
 
 std::complex<double> Spectrum::value(int l, int m, int channel) const noexcept {
-  const float* const values = order(m) + std::ptrdiff_t{simd::kHarmonicFloats} * (l - m) + std::ptrdiff_t{2} * channel;
+  const float* const values = order(m) + std::ptrdiff_t{kHarmonicFloats} * (l - m) + std::ptrdiff_t{2} * channel;
   return {values[0], values[1]};
 }
 
@@ -79,8 +78,7 @@ constexpr double kPi = std::numbers::pi;
 /// What the Fourier stage needs for one group of rings.
 struct RowScratch {
   RowScratch(int width, const RingFourier& fourier)
-      : planes(std::size_t{3} * static_cast<std::size_t>(width) * simd::kComplexFloats),
-        work(fourier.scratch_floats()) {}
+      : planes(std::size_t{3} * static_cast<std::size_t>(width) * kComplexFloats), work(fourier.scratch_floats()) {}
   platform::AlignedBuffer<float> planes;
   platform::AlignedBuffer<float> work;
 };
@@ -88,8 +86,8 @@ struct RowScratch {
 /// What the Legendre stage needs for one order.
 struct AnalysisScratch {
   explicit AnalysisScratch(int bands)
-      : state(std::size_t{simd::kAnalysisGroups} * 2 * simd::kRingLanes),
-        sums(static_cast<std::size_t>(bands + 7) * simd::kHarmonicFloats) {}
+      : state(std::size_t{kAnalysisGroups} * 2 * kRingLanes),
+        sums(static_cast<std::size_t>(bands + 7) * kHarmonicFloats) {}
   platform::AlignedBuffer<double> state;
   platform::AlignedBuffer<float> sums;
 };
@@ -99,13 +97,14 @@ class Analysis {
   Analysis(const LatLongView& source, int bands)
       : source_(source),
         bands_(bands),
-        kernels_(simd::active_kernels()),
+        fourier_kernels_(fourier_kernels()),
+        legendre_kernels_(legendre_kernels()),
         fourier_(RingFourier::get(source.width)),
         factors_(LegendreFactors::get(bands)),
         rings_(LegendreRings::get({source.height, bands, RingPlaces::edges})),
         groups_(rings_->groups()),
         zeros_(std::size_t{3} * static_cast<std::size_t>(source.width), 0.0F),
-        columns_(static_cast<std::size_t>(bands) * static_cast<std::size_t>(groups_) * simd::kColumnFloats),
+        columns_(static_cast<std::size_t>(bands) * static_cast<std::size_t>(groups_) * kColumnFloats),
         spectrum_(bands) {}
 
   [[nodiscard]] Spectrum run(const Control& control);
@@ -119,15 +118,16 @@ class Analysis {
   [[nodiscard]] float* column(int m, int group) noexcept {
     return columns_.data() +
            (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
-               simd::kColumnFloats;
+               kColumnFloats;
   }
-  [[nodiscard]] simd::RowQuads rows_of(int group) const noexcept;
+  [[nodiscard]] RowQuads rows_of(int group) const noexcept;
   void transform_rows(int group, RowScratch& room) noexcept;
   void sum_order(int m, AnalysisScratch& room) noexcept;
 
   const LatLongView& source_;
   int bands_;
-  const simd::Kernels& kernels_;
+  const FourierKernels& fourier_kernels_;
+  const LegendreKernels& legendre_kernels_;
   std::shared_ptr<const RingFourier> fourier_;
   std::shared_ptr<const LegendreFactors> factors_;
   std::shared_ptr<const LegendreRings> rings_;
@@ -139,12 +139,12 @@ class Analysis {
 
 /// Lane q: the steps across edge q + 1 from either pole. The last lane: the rows next to the equator, whose step is the
 /// even part there (none in an odd number of rows) and whose sum starts the integrals.
-simd::RowQuads Analysis::rows_of(int group) const noexcept {
+RowQuads Analysis::rows_of(int group) const noexcept {
   const int height = source_.height;
   const int pairs = LegendreRings::pairs_of(height, RingPlaces::edges);
-  simd::RowQuads rows{};
-  for (int lane = 0; lane < simd::kRingLanes; ++lane) {
-    const int edge = group * simd::kRingLanes + lane + 1;
+  RowQuads rows{};
+  for (int lane = 0; lane < kRingLanes; ++lane) {
+    const int edge = group * kRingLanes + lane + 1;
     if (edge < pairs) {
       rows.a[lane] = row(edge);
       rows.b[lane] = row(edge - 1);
@@ -163,23 +163,23 @@ simd::RowQuads Analysis::rows_of(int group) const noexcept {
 void Analysis::transform_rows(int group, RowScratch& room) noexcept {
   const platform::FlushDenormalsScope flush;
   const int width = source_.width;
-  kernels_.transform.load_row_quads(rows_of(group), width, room.planes.data());
+  fourier_kernels_.load_row_quads(rows_of(group), width, room.planes.data());
   for (int channel = 0; channel < 3; ++channel) {
-    float* const plane = room.planes.data() + std::ptrdiff_t{simd::kComplexFloats} * channel * width;
-    const float* const z = fourier_->transform(kernels_, plane, room.work.data());
-    kernels_.transform.part_orders(z, width, rings_->orders(group), channel, column(0, group),
-                                   std::ptrdiff_t{simd::kColumnFloats} * groups_);
+    float* const plane = room.planes.data() + std::ptrdiff_t{kComplexFloats} * channel * width;
+    const float* const z = fourier_->transform(fourier_kernels_, plane, room.work.data());
+    fourier_kernels_.part_orders(z, width, rings_->orders(group), channel, column(0, group),
+                                 std::ptrdiff_t{kColumnFloats} * groups_);
   }
 }
 
 void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
   const platform::FlushDenormalsScope flush;
   const int first = rings_->first_group(m);
-  std::fill_n(room.sums.data(), (bands_ - m + 7) * simd::kHarmonicFloats, 0.0F);
-  for (int group = first; group < groups_; group += simd::kAnalysisGroups) {
-    const int count = std::min(simd::kAnalysisGroups, groups_ - group);
-    kernels_.transform.analyse_order(rings_->run(m, group, count, *factors_), column(m, group), room.state.data(),
-                                     room.sums.data());
+  std::fill_n(room.sums.data(), (bands_ - m + 7) * kHarmonicFloats, 0.0F);
+  for (int group = first; group < groups_; group += kAnalysisGroups) {
+    const int count = std::min(kAnalysisGroups, groups_ - group);
+    legendre_kernels_.analyse_order(rings_->run(m, group, count, *factors_), column(m, group), room.state.data(),
+                                    room.sums.data());
   }
   // A pixel's longitude is pi - 2 pi (i + 1/2) / width, and its extent turns the value at the centre into an integral;
   // the column numbers are doubled.
@@ -192,18 +192,17 @@ void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
           : 2.0 *
                 math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
                 m;
-  simd::IntegralRun run{.alpha = factors_->alpha(m),
-                        .beta = factors_->beta(m),
-                        .first = {},
-                        .phase_real = 0.5 * extent * phase.cosine,
-                        .phase_imaginary = 0.5 * extent * phase.sine,
-                        .count = bands_ - m};
+  IntegralRun run{.alpha = factors_->alpha(m),
+                  .beta = factors_->beta(m),
+                  .first = {},
+                  .phase_real = 0.5 * extent * phase.cosine,
+                  .phase_imaginary = 0.5 * extent * phase.sine,
+                  .count = bands_ - m};
   if (first < groups_) {
-    kernels_.transform.weigh_odd_parts(column(m, first),
-                                       rings_->row_weights(m) + std::ptrdiff_t{simd::kRingLanes} * first,
-                                       groups_ - first, run.first);
+    legendre_kernels_.weigh_odd_parts(column(m, first), rings_->row_weights(m) + std::ptrdiff_t{kRingLanes} * first,
+                                      groups_ - first, run.first);
   }
-  kernels_.transform.integrate_sums(run, room.sums.data(), spectrum_.order(m));
+  legendre_kernels_.integrate_sums(run, room.sums.data(), spectrum_.order(m));
 }
 
 Spectrum Analysis::run(const Control& control) {
@@ -248,8 +247,7 @@ namespace {
 /// What the Legendre stage needs for one order.
 struct SynthesisScratch {
   SynthesisScratch(int bands, int groups)
-      : coefficients(static_cast<std::size_t>(bands + 3) * simd::kHarmonicFloats),
-        rows(simd::spline_scratch_floats(groups)) {}
+      : coefficients(static_cast<std::size_t>(bands + 3) * kHarmonicFloats), rows(spline_scratch_floats(groups)) {}
   platform::AlignedBuffer<float> coefficients;
   platform::AlignedBuffer<float> rows;
 };
@@ -258,7 +256,7 @@ struct SynthesisScratch {
 struct RingScratch {
   RingScratch(int columns, const RingFourier& fourier)
       : planes(std::size_t{3} * plane_floats(columns)), work(std::size_t{3} * fourier.scratch_floats()) {}
-  static std::size_t plane_floats(int columns) { return static_cast<std::size_t>(columns) * simd::kComplexFloats; }
+  static std::size_t plane_floats(int columns) { return static_cast<std::size_t>(columns) * kComplexFloats; }
   platform::AlignedBuffer<float> planes;
   platform::AlignedBuffer<float> work;
 };
@@ -271,12 +269,13 @@ class Synthesis {
         bands_(static_cast<int>(zonal.size())),
         grid_(grid),
         spline_(grid.content() == image::GridContent::spline_coefficients),
-        kernels_(simd::active_kernels()),
+        fourier_kernels_(fourier_kernels()),
+        legendre_kernels_(legendre_kernels()),
         fourier_(RingFourier::get(grid.columns())),
         factors_(LegendreFactors::get(bands_)),
         rings_(LegendreRings::get({grid.rings(), bands_, RingPlaces::centres})),
         groups_(rings_->groups()),
-        columns_(static_cast<std::size_t>(bands_) * static_cast<std::size_t>(groups_) * simd::kColumnFloats) {}
+        columns_(static_cast<std::size_t>(bands_) * static_cast<std::size_t>(groups_) * kColumnFloats) {}
 
   void run(const Control& control);
 
@@ -284,7 +283,7 @@ class Synthesis {
   [[nodiscard]] float* column(int m, int group) noexcept {
     return columns_.data() +
            (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
-               simd::kColumnFloats;
+               kColumnFloats;
   }
   void sum_order(int m, SynthesisScratch& room) noexcept;
   void write_rings(int group, RingScratch& room) noexcept;
@@ -294,7 +293,8 @@ class Synthesis {
   int bands_;
   image::SphereGrid& grid_;
   bool spline_;
-  const simd::Kernels& kernels_;
+  const FourierKernels& fourier_kernels_;
+  const LegendreKernels& legendre_kernels_;
   std::shared_ptr<const RingFourier> fourier_;
   std::shared_ptr<const LegendreFactors> factors_;
   std::shared_ptr<const LegendreRings> rings_;
@@ -311,19 +311,19 @@ void Synthesis::sum_order(int m, SynthesisScratch& room) noexcept {
   double scale = 1.0;
   if (spline_) {
     const double wave = math::sine_cosine_of_turns(static_cast<double>(m) / static_cast<double>(width)).cosine;
-    scale = simd::kSplineGain * 3.0 / (2.0 + wave);
+    scale = kSplineGain * 3.0 / (2.0 + wave);
   }
   const int count = bands_ - m;
-  kernels_.transform.scale_harmonics({.scale = zonal_.data() + m,
-                                      .gamma = factors_->gamma(m),
-                                      .phase_real = scale * phase.cosine,
-                                      .phase_imaginary = scale * phase.sine,
-                                      .count = count},
-                                     spectrum_.order(m), room.coefficients.data());
-  float* const end = room.coefficients.data() + std::ptrdiff_t{simd::kHarmonicFloats} * count;
-  std::fill_n(end, (4 * simd::fours_of(count) - count) * simd::kHarmonicFloats, 0.0F);
-  kernels_.transform.synthesise_order(rings_->run(m, 0, groups_, *factors_), room.coefficients.data(), column(m, 0));
-  if (spline_) kernels_.transform.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), room.rows.data());
+  legendre_kernels_.scale_harmonics({.scale = zonal_.data() + m,
+                                     .gamma = factors_->gamma(m),
+                                     .phase_real = scale * phase.cosine,
+                                     .phase_imaginary = scale * phase.sine,
+                                     .count = count},
+                                    spectrum_.order(m), room.coefficients.data());
+  float* const end = room.coefficients.data() + std::ptrdiff_t{kHarmonicFloats} * count;
+  std::fill_n(end, (4 * fours_of(count) - count) * kHarmonicFloats, 0.0F);
+  legendre_kernels_.synthesise_order(rings_->run(m, 0, groups_, *factors_), room.coefficients.data(), column(m, 0));
+  if (spline_) legendre_kernels_.spline_rings({groups_, grid_.rings(), m % 2 != 0}, column(m, 0), room.rows.data());
 }
 
 void Synthesis::write_rings(int group, RingScratch& room) noexcept {
@@ -335,18 +335,18 @@ void Synthesis::write_rings(int group, RingScratch& room) noexcept {
   for (int channel = 0; channel < 3; ++channel) {
     float* const plane = room.planes.data() + static_cast<std::size_t>(channel) * RingScratch::plane_floats(width);
     float* const work = room.work.data() + static_cast<std::size_t>(channel) * fourier_->scratch_floats();
-    kernels_.transform.join_orders(column(0, group), std::ptrdiff_t{simd::kColumnFloats} * groups_, orders, channel,
-                                   width, plane);
-    planes[channel] = fourier_->transform(kernels_, plane, work);
+    fourier_kernels_.join_orders(column(0, group), std::ptrdiff_t{kColumnFloats} * groups_, orders, channel, width,
+                                 plane);
+    planes[channel] = fourier_->transform(fourier_kernels_, plane, work);
   }
-  simd::RingRows rows{};
-  const int first = group * simd::kRingLanes;
-  const int last = std::min(first + simd::kRingLanes, (grid_.rings() + 1) / 2);
+  RingRows rows{};
+  const int first = group * kRingLanes;
+  const int last = std::min(first + kRingLanes, (grid_.rings() + 1) / 2);
   for (int ring = first; ring < last; ++ring) {
     rows.north[ring - first] = grid_.texel(0, ring);
     rows.south[ring - first] = grid_.texel(0, grid_.rings() - 1 - ring);
   }
-  kernels_.transform.store_rings(planes[0], planes[1], planes[2], width, rows);
+  fourier_kernels_.store_rings(planes[0], planes[1], planes[2], width, rows);
   grid_.fill_sides(first, last - first);
   grid_.fill_sides(grid_.rings() - last, last - first);
 }

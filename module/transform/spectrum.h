@@ -33,7 +33,7 @@ class Spectrum {
   /// The first bands (at most `bands()` and kMaximumBands) in Welkin's canonical real form.
   [[nodiscard]] SphericalHarmonics harmonics(int bands) const;
 
-  /// Coefficients of order m: [bands - m][simd::kHarmonicFloats], red, green and blue, each real and imaginary, and two
+  /// Coefficients of order m: [bands - m][kHarmonicFloats], red, green and blue, each real and imaginary, and two
   /// that mean nothing; index i is l = m + i.
   [[nodiscard]] float* order(int m) noexcept { return values_.data() + start(m); }
   [[nodiscard]] const float* order(int m) const noexcept { return values_.data() + start(m); }

@@ -7,9 +7,11 @@
 
 #include <cstddef>
 
-namespace welkin::simd {
+#include "simd/dispatch.h"
 
-inline constexpr int kRingLanes = 16;
+namespace welkin::transforms {
+
+inline constexpr int kRingLanes = simd::kLanes;
 inline constexpr int kComplexFloats =
     2 * kRingLanes;  ///< one complex number a lane: the real parts, the imaginary ones
 
@@ -69,6 +71,16 @@ struct RingRows {
   float* south[kRingLanes];
 };
 using StoreRings = void (*)(const float* red, const float* green, const float* blue, int width, const RingRows& rows);
+
+struct FourierKernels {
+  LoadRowQuads load_row_quads;
+  RunFourierPass run_fourier_pass;
+  MultiplyComplex multiply_complex;
+  PartOrders part_orders;
+  JoinOrders join_orders;
+  StoreRings store_rings;
+};
+WELKIN_KERNEL_TABLES(FourierKernels, fourier_kernels)
 
 /// Legendre functions of one order m on groups of ring pairs, scaled so that
 ///   Q(l) = a(l) x Q(l - 1) - Q(l - 2).
@@ -145,13 +157,7 @@ inline constexpr int kSplineMargin = 32;
   return std::size_t{12} * (static_cast<std::size_t>(groups) * kRingLanes + std::size_t{2} * kSplineMargin);
 }
 
-struct TransformKernels {
-  LoadRowQuads load_row_quads;
-  RunFourierPass run_fourier_pass;
-  MultiplyComplex multiply_complex;
-  PartOrders part_orders;
-  JoinOrders join_orders;
-  StoreRings store_rings;
+struct LegendreKernels {
   AnalyseOrder analyse_order;
   SynthesiseOrder synthesise_order;
   FindStart find_start;
@@ -160,5 +166,6 @@ struct TransformKernels {
   ScaleHarmonics scale_harmonics;
   SplineRings spline_rings;
 };
+WELKIN_KERNEL_TABLES(LegendreKernels, legendre_kernels)
 
-}  // namespace welkin::simd
+}  // namespace welkin::transforms

@@ -32,7 +32,7 @@ std::vector<double> sorted(std::vector<double> cuts, double from, double to) {
 
 template <class Function>
 void integrate(const std::vector<double>& cuts, const Function& function) {
-  const simd::GaussRule rule = math::gauss_legendre(kOrder);
+  const math::GaussRule rule = math::gauss_legendre(kOrder);
   for (std::size_t panel = 0; panel + 1 < cuts.size(); ++panel) {
     const double half = 0.5 * (cuts[panel + 1] - cuts[panel]);
     for (int i = 0; i < kOrder; ++i) {

@@ -14,10 +14,11 @@
 #include <thread>
 #include <vector>
 
+#include "brdf/brdf_kernels.h"
 #include "brdf/brdf_quadrature.h"
 #include "brdf/brdf_table.h"
 #include "perf/report/brdf_truth.h"
-#include "simd/kernels.h"
+#include "simd/dispatch.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"
@@ -53,12 +54,12 @@ struct Albedos {
   Sixteen sheen{};
 };
 
-Albedos albedos(const simd::AlbedoRule& ggx, const simd::AlbedoRule& sheen, double roughness, const Sixteen& cosines,
+Albedos albedos(const brdf::AlbedoRule& ggx, const brdf::AlbedoRule& sheen, double roughness, const Sixteen& cosines,
                 InstructionSet set) {
   Albedos result;
   const auto alpha = static_cast<float>(roughness * roughness);
-  simd::kernels(set).directional_albedo(ggx, alpha, cosines.data(), result.whole.data(), result.fresnel.data());
-  simd::kernels(set).sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
+  brdf::brdf_kernels(set).directional_albedo(ggx, alpha, cosines.data(), result.whole.data(), result.fresnel.data());
+  brdf::brdf_kernels(set).sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
   return result;
 }
 

@@ -10,12 +10,12 @@
 
 #include "harmonics/rotation.h"
 #include "math/quadrature.h"
-#include "transform/frame_transform.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/random_harmonics.h"
 #include "support/sun_maps.h"
 #include "support/thrown_error.h"
+#include "transform/frame_transform.h"
 #include "welkin/directional_light.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/projection.h"
@@ -344,7 +344,7 @@ Sun sun_of(const glm::dvec3& direction, double solid_angle) {
 /// Coefficients of a cap around z: Gauss' rule over its height, exact for the Legendre polynomials.
 SphericalHarmonics integrated_cap(double solid_angle, int bands) {
   SphericalHarmonics sum(bands);
-  const simd::GaussRule rule = math::gauss_legendre(bands);
+  const math::GaussRule rule = math::gauss_legendre(bands);
   std::vector<double> basis(sum.coefficients().size());
   for (int i = 0; i < rule.order; ++i) {
     const double away = solid_angle / (2.0 * kPi) * 0.5 * (1.0 + rule.nodes[i]);  // 1 - z

@@ -127,7 +127,7 @@ TEST_CASE("The arc sine is right to a few roundings", "[tables]") {
 
 TEST_CASE("A Gauss rule of n points is exact to degree 2n - 1", "[tables]") {
   for (int order = 1; order <= math::kMaximumGaussOrder; ++order) {
-    const simd::GaussRule rule = math::gauss_legendre(order);
+    const math::GaussRule rule = math::gauss_legendre(order);
     REQUIRE(rule.order == order);
     for (int degree = 0; degree <= 2 * order - 1; ++degree) {
       double sum = 0.0;

@@ -109,7 +109,7 @@ TEST_CASE("A lat-long's solid angles add up to the sphere", "[tables]") {
       const projection::LatLongWeights weights({width, height, 3, midpoint, target});
       double columns = 0.0;
       for (int column = 0; column < weights.column_count(); ++column) {
-        columns += static_cast<double>(weights.chunk_weights(column / simd::kChunk)[column % simd::kChunk]);
+        columns += static_cast<double>(weights.chunk_weights(column / projection::kChunk)[column % projection::kChunk]);
       }
       double rows = 0.0;
       for (int row = 0; row < height; ++row) rows += weights.row_weights(row)[0];

@@ -13,8 +13,8 @@
 #include "math/basis.h"
 #include "math/quadrature.h"
 #include "projection/box_reduction.h"
-#include "transform/frame_transform.h"
 #include "projection/pixel_policy.h"
+#include "transform/frame_transform.h"
 
 namespace welkin {
 namespace {
@@ -65,7 +65,7 @@ using AddPoint = std::function<void(const glm::dvec3& direction, double solid_an
 
 /// Int f over the rectangle, each point weighted with its solid angle; f adds to what it keeps.
 void integrate_panel(const Domain& domain, const Rectangle& r, int order, const AddPoint& f) {
-  const simd::GaussRule rule = math::gauss_legendre(order);
+  const math::GaussRule rule = math::gauss_legendre(order);
   const double half_x = 0.5 * (r.x1 - r.x0);
   const double half_y = 0.5 * (r.y1 - r.y0);
   for (int j = 0; j < order; ++j) {

@@ -13,7 +13,7 @@ for isa in sse2 avx2 avx512; do
   # pointer to the exception personality, the same for all.)
   foreign="$(nm -C --defined-only --extern-only "${objects[@]}" |
     awk 'NF > 2 { $1 = ""; $2 = $2; print }' | sed 's/^ *//' |
-    grep -v -E "^[A-Za-z] (.*)(simd::${isa}::|xsimd_${isa}::)" | grep -v -E '^V DW\.ref\.' | sort -u || true)"
+    grep -v -E "^[A-Za-z] (.*)(::${isa}::|xsimd_${isa}::)" | grep -v -E '^V DW\.ref\.' | sort -u || true)"
   if [[ -n "$foreign" ]]; then
     echo "$isa objects define symbols outside their namespace:"
     echo "$foreign"

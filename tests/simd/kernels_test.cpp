@@ -1,8 +1,6 @@
 // Kernels on 16 lanes: which instruction set is chosen, and that each kernel gives what its double-precision twin
 // gives.
 
-#include "simd/kernels.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,10 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "math/basis.h"
 #include "math/quadrature.h"
 #include "platform/memory.h"
+#include "projection/projection_kernels.h"
+#include "simd/dispatch.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
 #include "welkin/instruction_set.h"
@@ -33,13 +34,14 @@ TEST_CASE("A forced instruction set is the one that runs", "[simd]") {
   for (const InstructionSet set : available_instruction_sets()) {
     force_instruction_set(set);
     CHECK(active_instruction_set() == set);
-    CHECK(&simd::active_kernels() == &simd::kernels(set));
+    CHECK(&projection::projection_kernels() == &projection::projection_kernels(set));
   }
   force_instruction_set(before);
   // Three tables of different functions, not three names for one.
   for (const InstructionSet a : available_instruction_sets()) {
     for (const InstructionSet b : available_instruction_sets()) {
-      if (a != b) CHECK(simd::kernels(a).weighted_sums != simd::kernels(b).weighted_sums);
+      if (a != b)
+        CHECK(projection::projection_kernels(a).weighted_sums != projection::projection_kernels(b).weighted_sums);
     }
   }
 }
@@ -54,7 +56,7 @@ TEST_CASE("Instruction sets have the names that WELKIN_ISA takes", "[simd]") {
 
 namespace {
 
-using simd::kChunk;
+using projection::kChunk;
 using simd::kLanes;
 
 std::vector<float> noise(std::size_t count, std::uint32_t seed) {
@@ -78,7 +80,7 @@ std::vector<std::uint16_t> half_noise(std::size_t count, std::uint32_t seed) {
 float as_float(float value) { return value; }
 float as_float(std::uint16_t value) { return image::float_from_half(value); }
 
-/// Four classes of one position, as simd::FoldQuadrants defines them; every sum rounds once or twice.
+/// Four classes of one position, as projection::FoldQuadrants defines them; every sum rounds once or twice.
 void require_classes(const float* plane, float tl, float tr, float bl, float br) {
   REQUIRE(plane[0] == (tl + tr) + (bl + br));
   REQUIRE(plane[kChunk] == (tr - tl) + (br - bl));
@@ -87,8 +89,8 @@ void require_classes(const float* plane, float tl, float tr, float bl, float br)
 }
 
 template <class Channel>
-void require_quadrants_folded(simd::FoldQuadrants fold, const std::vector<Channel>& texels, int channels, int groups,
-                              int rows) {
+void require_quadrants_folded(projection::FoldQuadrants fold, const std::vector<Channel>& texels, int channels,
+                              int groups, int rows) {
   // Rows of 4 runs; the bottom runs go upwards from the last row.
   const int count = groups * kLanes;
   const int row_channels = 4 * count * channels;
@@ -96,7 +98,7 @@ void require_quadrants_folded(simd::FoldQuadrants fold, const std::vector<Channe
   const Channel* const top = texels.data();
   const Channel* const bottom = texels.data() + static_cast<std::ptrdiff_t>(2 * rows - 1) * row_channels;
   const int right = count * channels;
-  const simd::QuadrantRuns runs{top, top + right, bottom, bottom + right, stride, -stride, rows};
+  const projection::QuadrantRuns runs{top, top + right, bottom, bottom + right, stride, -stride, rows};
   platform::AlignedBuffer<float> planes(3 * 4 * kChunk);
   const char* const anywhere = reinterpret_cast<const char*>(texels.data());
   fold(runs, {{anywhere, nullptr, anywhere, anywhere}, 100}, groups, planes.data());
@@ -114,7 +116,7 @@ void require_quadrants_folded(simd::FoldQuadrants fold, const std::vector<Channe
 }
 
 template <class Channel>
-void require_halves_folded(simd::FoldHalves fold, const std::vector<Channel>& texels, int channels, int groups) {
+void require_halves_folded(projection::FoldHalves fold, const std::vector<Channel>& texels, int channels, int groups) {
   const int count = groups * kLanes;
   const Channel* const first = texels.data();
   const Channel* const second = texels.data() + static_cast<std::ptrdiff_t>(count) * channels + channels;
@@ -135,19 +137,20 @@ void require_halves_folded(simd::FoldHalves fold, const std::vector<Channel>& te
 TEST_CASE("Folding kernels read every texel of every format", "[simd]") {
   for (const InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
-    const simd::Kernels& kernels = simd::kernels(set);
+    const projection::ProjectionKernels& kernels = projection::projection_kernels(set);
     for (const int groups : {1, 2, 3, 16}) {
       for (const int rows : {1, 2, 5}) {
         if (groups * rows > kChunk / kLanes) continue;
         const auto count = static_cast<std::size_t>(2 * rows * 4 * groups * kLanes * 4);
-        require_quadrants_folded(kernels.fold_quadrants[simd::fold_rgb_f32], noise(count, 1), 3, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[simd::fold_rgba_f32], noise(count, 2), 4, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[simd::fold_rgba_f16], half_noise(count, 3), 4, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb_f32], noise(count, 1), 3, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba_f32], noise(count, 2), 4, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba_f16], half_noise(count, 3), 4, groups,
+                                 rows);
       }
       const auto count = static_cast<std::size_t>((2 * groups * kLanes + 1) * 4);
-      require_halves_folded(kernels.fold_halves[simd::fold_rgb_f32], noise(count, 4), 3, groups);
-      require_halves_folded(kernels.fold_halves[simd::fold_rgba_f32], noise(count, 5), 4, groups);
-      require_halves_folded(kernels.fold_halves[simd::fold_rgba_f16], half_noise(count, 6), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgb_f32], noise(count, 4), 3, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgba_f32], noise(count, 5), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgba_f16], half_noise(count, 6), 4, groups);
     }
   }
 }
@@ -161,7 +164,7 @@ TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
     for (std::uint32_t first = 0; first < 0x10000U; first += 16) {
       std::vector<std::uint16_t> texels(16 * 4);
       for (std::uint32_t k = 0; k < 16; ++k) texels[4 * k] = static_cast<std::uint16_t>(first + k);
-      simd::kernels(set).fold_quadrants[simd::fold_rgba_f16](
+      projection::projection_kernels(set).fold_quadrants[projection::fold_rgba_f16](
           {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, {}, 1, planes.data());
       for (std::uint32_t k = 0; k < 16; ++k) {
         const auto half = static_cast<std::uint16_t>(first + k);
@@ -174,9 +177,9 @@ TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
 }
 
 TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
-  const simd::ClassCounts shapes[] = {{{1, 0, 0, 0}}, {{2, 1, 1, 0}},     {{4, 2, 2, 1}}, {{6, 4, 4, 2}},
-                                      {{3, 2, 0, 0}}, {{30, 25, 25, 20}}, {{1, 2, 0, 0}}, {{9, 0, 0, 0}}};
-  for (const simd::ClassCounts& counts : shapes) {
+  const projection::ClassCounts shapes[] = {{{1, 0, 0, 0}}, {{2, 1, 1, 0}},     {{4, 2, 2, 1}}, {{6, 4, 4, 2}},
+                                            {{3, 2, 0, 0}}, {{30, 25, 25, 20}}, {{1, 2, 0, 0}}, {{9, 0, 0, 0}}};
+  for (const projection::ClassCounts& counts : shapes) {
     const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
     platform::AlignedBuffer<float> planes(3 * 4 * kChunk);
     platform::AlignedBuffer<float> weights(static_cast<std::size_t>(total * kChunk));
@@ -201,14 +204,15 @@ TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
       std::vector<double> first_set;
       for (const InstructionSet set : available_instruction_sets()) {
         CAPTURE(name(set), total, groups);
-        platform::AlignedBuffer<double> sums(static_cast<std::size_t>(3 * total * simd::kSumLanes));
+        platform::AlignedBuffer<double> sums(static_cast<std::size_t>(3 * total * projection::kSumLanes));
         std::fill_n(sums.data(), sums.size(), 0.0);
         // What is fetched must not matter, wherever it lies.
         const char* const anywhere = reinterpret_cast<const char*>(planes.data());
-        const simd::FetchAhead ahead{{anywhere, anywhere, nullptr, anywhere}, groups * 4};
-        simd::kernels(set).weighted_sums(planes.data(), 4, weights.data(), counts, groups, ahead, sums.data());
+        const projection::FetchAhead ahead{{anywhere, anywhere, nullptr, anywhere}, groups * 4};
+        projection::projection_kernels(set).weighted_sums(planes.data(), 4, weights.data(), counts, groups, ahead,
+                                                          sums.data());
         std::vector<double> folded(static_cast<std::size_t>(3 * total));
-        simd::kernels(set).fold_sum_lanes(sums.data(), 3 * total, folded.data());
+        projection::projection_kernels(set).fold_sum_lanes(sums.data(), 3 * total, folded.data());
         for (std::size_t w = 0; w < folded.size(); ++w) {
           // 256 products of up to 9, each rounded to 6e-8 of a partial sum of up to 144.
           REQUIRE(std::abs(folded[w] - expected[w]) < 1e-4);
@@ -223,8 +227,8 @@ TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
 namespace {
 
 /// Int Y over a texel of the quadrant with u, v >= 0, by a rule of 24 points a side in plain double.
-double texel_integral(const simd::TexelRun& run, int column, int index) {
-  const simd::GaussRule rule = math::gauss_legendre(24);
+double texel_integral(const image::TexelRun& run, int column, int index) {
+  const math::GaussRule rule = math::gauss_legendre(24);
   const double h = 1.0 / run.size;
   const double u0 = (run.size - 1 - 2 * column) * h;
   const double v0 = (run.size - 1 - 2 * run.row) * h;
@@ -248,7 +252,7 @@ double texel_integral(const simd::TexelRun& run, int column, int index) {
   return solid_angle * basis[static_cast<std::size_t>(index)];
 }
 
-void require_weights(const simd::TexelRun& run, const std::vector<float>& weights, double tolerance) {
+void require_weights(const image::TexelRun& run, const std::vector<float>& weights, double tolerance) {
   for (int index = 0; index < run.bands * run.bands; ++index) {
     for (int k = 0; k < run.count; ++k) {
       const double expected = texel_integral(run, run.first_column + k, index);
@@ -280,12 +284,13 @@ TEST_CASE("Texel integrals are right to a float's rounding", "[simd][tables]") {
       const std::vector<int> place = identity(bands * bands);
       const int shapes[][4] = {{4, 0, 0, 2}, {7, 3, 0, 4}, {64, 0, 0, 18}, {64, 31, 14, 18}, {257, 128, 120, 9}};
       for (const auto& [size, row, column, count] : shapes) {
-        const simd::TexelRun run{size, row, column, count, bands, midpoint};
+        const image::TexelRun run{size, row, column, count, bands, midpoint};
         std::vector<float> first_set;
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
-          simd::kernels(set).integrate_texels(run, math::basis_constants(), math::gauss_legendre(size < 8 ? 12 : 5),
-                                              place.data(), weights.data(), kChunk);
+          image::texel_kernels(set).integrate_texels(run, math::basis_constants(),
+                                                     math::gauss_legendre(size < 8 ? 12 : 5), place.data(),
+                                                     weights.data(), kChunk);
           require_weights(run, weights, 7e-8);
           if (first_set.empty()) first_set = weights;
           REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
@@ -302,11 +307,11 @@ TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd
       const int shapes[][4] = {
           {129, 0, 0, 40}, {129, 64, 60, 5}, {256, 0, 0, 20}, {256, 127, 100, 28}, {1000, 77, 400, 30}};
       for (const auto& [size, row, column, count] : shapes) {
-        const simd::TexelRun run{size, row, column, count, bands, midpoint};
+        const image::TexelRun run{size, row, column, count, bands, midpoint};
         std::vector<float> first_set;
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<float> weights(static_cast<std::size_t>(bands * bands * kChunk), -1.0F);
-          simd::kernels(set).expand_texels(run, place.data(), weights.data(), kChunk);
+          image::texel_kernels(set).expand_texels(run, place.data(), weights.data(), kChunk);
           require_weights(run, weights, 4e-7);
           if (first_set.empty()) first_set = weights;
           REQUIRE(std::memcmp(weights.data(), first_set.data(), weights.size() * sizeof(float)) == 0);
@@ -318,7 +323,7 @@ TEST_CASE("The expansion of texel integrals is right to a few roundings", "[simd
 
 TEST_CASE("The range check finds what is outside, NaN included", "[simd]") {
   for (const InstructionSet set : available_instruction_sets()) {
-    const simd::AnyOutside any_outside = simd::kernels(set).any_outside;
+    const projection::AnyOutside any_outside = projection::projection_kernels(set).any_outside;
     for (const int count : {1, 2, 7, 16, 33, 100}) {
       std::vector<float> values(static_cast<std::size_t>(count), 0.5F);
       CHECK_FALSE(any_outside(values.data(), count, 0.5F, 0.5F));
@@ -338,7 +343,7 @@ TEST_CASE("The bandwidth yardstick reads everything", "[simd][perf]") {
   double expected = 0.0;
   for (const float value : values) expected += static_cast<double>(value);
   for (const InstructionSet set : available_instruction_sets()) {
-    CHECK(static_cast<double>(simd::kernels(set).read_all(values.data(), 11)) == Approx(expected).margin(1e-3));
+    CHECK(static_cast<double>(image::image_kernels(set).read_all(values.data(), 11)) == Approx(expected).margin(1e-3));
   }
 }
 

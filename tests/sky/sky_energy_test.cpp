@@ -291,7 +291,7 @@ Atmosphere shell(double radius_m, double depth) {
 /// W/m2 that go up through the top.
 double flux_up(const SkyView& top, const glm::dvec3& sun) {
   constexpr int azimuths = 24;
-  const simd::GaussRule rule = math::gauss_legendre(16);
+  const math::GaussRule rule = math::gauss_legendre(16);
   double flux = 0.0;
   for (int i = 0; i < 16; ++i) {
     const double cosine = 0.5 + 0.5 * rule.nodes[i];

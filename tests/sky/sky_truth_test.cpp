@@ -149,8 +149,8 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
   constexpr int points = 7;
   constexpr int zeniths = 10;
   constexpr int azimuths = 8;  // about the sun, over half the circle
-  const simd::GaussRule along = math::gauss_legendre(points);
-  const simd::GaussRule about = math::gauss_legendre(zeniths);
+  const math::GaussRule along = math::gauss_legendre(points);
+  const math::GaussRule about = math::gauss_legendre(zeniths);
   const dvec3 sun = t.to_sun();
   std::vector<double> sum(3, 0.0);
   for (int i = 0; i < points; ++i) {
@@ -255,7 +255,7 @@ TracedIrradiance trace_irradiance(const Atmosphere& air, double mu_s, std::int64
   for (std::size_t c = 0; c < traced.radiance.size(); ++c) {
     double sum = 0.0;
     double variance = 0.0;
-    simd::for_each_basis_value(math::basis_constants(), 0.0, 1.0, 0.0, 1.0, bands, [&](int place, double value) {
+    math::for_each_basis_value(math::basis_constants(), 0.0, 1.0, 0.0, 1.0, bands, [&](int place, double value) {
       const auto k = static_cast<std::size_t>(place);
       const double weight = value * lobe[static_cast<std::size_t>(std::sqrt(place))];
       sum += weight * traced.radiance[c][k];

@@ -28,7 +28,7 @@ inline double legendre(int l, int m, double theta) {
 /// Int P(l, m) sin(theta) over rows, [l (l + 1) / 2 + m][row].
 inline std::vector<double> row_integrals(int rows, int bands) {
   std::vector<double> integrals(static_cast<std::size_t>(bands * (bands + 1) / 2 * rows));
-  const simd::GaussRule rule = math::gauss_legendre(12);
+  const math::GaussRule rule = math::gauss_legendre(12);
   const int parts = 1 + bands / (2 * rows);  // few waves in each
   for (int row = 0; row < rows; ++row) {
     for (int part = 0; part < parts; ++part) {

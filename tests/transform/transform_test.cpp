@@ -14,7 +14,6 @@
 
 #include "math/quadrature.h"
 #include "reference/reference_projection.h"
-#include "simd/kernels.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"
@@ -23,6 +22,7 @@
 #include "transform/direct_transform.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
+#include "transform/transform_kernels.h"
 #include "welkin/control.h"
 #include "welkin/image.h"
 #include "welkin/instruction_set.h"
@@ -35,9 +35,9 @@ namespace welkin::test {
 namespace {
 
 /// The largest error over all lanes of noise, relative to the signal's root mean square times sqrt(length).
-double error_of(int length, const simd::Kernels& kernels) {
+double error_of(int length, const transforms::FourierKernels& kernels) {
   const auto fourier = transforms::RingFourier::get(length);
-  const auto floats = static_cast<std::size_t>(length) * simd::kComplexFloats;
+  const auto floats = static_cast<std::size_t>(length) * transforms::kComplexFloats;
   platform::AlignedBuffer<float> values(floats);
   platform::AlignedBuffer<float> scratch(fourier->scratch_floats());
   std::uint32_t state = static_cast<std::uint32_t>(length);
@@ -48,18 +48,18 @@ double error_of(int length, const simd::Kernels& kernels) {
   const std::vector<float> signal(values.data(), values.data() + floats);
   const float* const result = fourier->transform(kernels, values.data(), scratch.data());
   double error = 0.0;
-  const int lanes = length > 300 ? 1 : simd::kRingLanes;  // which lane, by the length
-  for (int lane = length % simd::kRingLanes, n = 0; n < lanes; ++n, lane = (lane + 1) % simd::kRingLanes) {
+  const int lanes = length > 300 ? 1 : transforms::kRingLanes;  // which lane, by the length
+  for (int lane = length % transforms::kRingLanes, n = 0; n < lanes; ++n, lane = (lane + 1) % transforms::kRingLanes) {
     for (int k = 0; k < length; k += 1 + length / 500) {
       std::complex<double> sum = 0.0;
       for (int i = 0; i < length; ++i) {
-        const auto at = static_cast<std::size_t>(i * simd::kComplexFloats + lane);
+        const auto at = static_cast<std::size_t>(i * transforms::kComplexFloats + lane);
         const double turn = static_cast<double>(std::int64_t{i} * k % length) / length;
-        sum += std::complex<double>(signal[at], signal[at + simd::kRingLanes]) *
+        sum += std::complex<double>(signal[at], signal[at + transforms::kRingLanes]) *
                std::polar(1.0, -2.0 * std::numbers::pi * turn);
       }
-      const auto at = static_cast<std::size_t>(k * simd::kComplexFloats + lane);
-      error = std::max(error, std::abs(sum - std::complex<double>(result[at], result[at + simd::kRingLanes])));
+      const auto at = static_cast<std::size_t>(k * transforms::kComplexFloats + lane);
+      error = std::max(error, std::abs(sum - std::complex<double>(result[at], result[at + transforms::kRingLanes])));
     }
   }
   return error / std::sqrt(length * 2.0 / 3.0);
@@ -70,13 +70,13 @@ double error_of(int length, const simd::Kernels& kernels) {
 TEST_CASE("Rings of any length are transformed", "[tables][transform][fourier]") {
   for (int length = 1; length <= 70; ++length) {
     CAPTURE(length);
-    CHECK(error_of(length, simd::active_kernels()) < 2e-6);
+    CHECK(error_of(length, transforms::fourier_kernels()) < 2e-6);
   }
   // Powers, products, primes by convolution.
   for (const int length :
        {81, 125, 257, 343, 360, 509, 512, 720, 961, 1000, 1024, 1439, 1440, 2048, 2187, 4093, 4096, 6000, 8191}) {
     CAPTURE(length);
-    CHECK(error_of(length, simd::active_kernels()) < 3e-6);
+    CHECK(error_of(length, transforms::fourier_kernels()) < 3e-6);
   }
 }
 
@@ -84,7 +84,7 @@ TEST_CASE("Rings are transformed on every instruction set", "[tables][transform]
   for (const InstructionSet set : available_instruction_sets()) {
     for (const int length : {16, 30, 64, 77, 101, 240}) {
       CAPTURE(name(set), length);
-      CHECK(error_of(length, simd::kernels(set)) < 3e-6);
+      CHECK(error_of(length, transforms::fourier_kernels(set)) < 3e-6);
     }
   }
 }
@@ -289,7 +289,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
     LatLongImage image = uniform(width, height, 1.0F);
     for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (row * width + column) + c)] = 1e6F;
     const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
-    const simd::GaussRule rule = math::gauss_legendre(6);
+    const math::GaussRule rule = math::gauss_legendre(6);
     const double longitude = std::numbers::pi * (1.0 - 2.0 * (column + 0.5) / width);
     double squares = 0.0;  // of the errors of a field through a lobe of roughness 0.111
     double largest_error = 0.0;

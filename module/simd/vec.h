@@ -16,7 +16,11 @@
 #include <cstdint>
 #include <xsimd/xsimd.hpp>
 
-namespace welkin::simd::WELKIN_ISA {
+#include "platform/compiler.h"
+#include "simd/dispatch.h"
+
+namespace welkin::simd {
+inline namespace WELKIN_ISA {
 
 #if defined(__AVX512F__)
 using Architecture = xsimd::avx512f;
@@ -31,14 +35,11 @@ using DoubleLanes = xsimd::batch<double, Architecture>;
 
 inline constexpr int kWidth = static_cast<int>(Lanes::size);
 inline constexpr int kDoubleWidth = static_cast<int>(DoubleLanes::size);
-inline constexpr int kGroup = 16;  // logical lanes
 
 /// One register for each channel.
 struct Rgb {
   Lanes red, green, blue;
 };
-
-#define WELKIN_INLINE inline __attribute__((always_inline))
 
 namespace detail {
 
@@ -71,7 +72,7 @@ WELKIN_INLINE __m512i load_indices(const std::int32_t* indices) { return _mm512_
 template <bool reversed>
 WELKIN_INLINE Rgb rgb_from_packed(__m512 v0, __m512 v1, __m512 v2) {
   const RgbIndices& indices = kRgbIndices<reversed>;
-  const auto channel = [&](int c) __attribute__((always_inline)) {
+  const auto channel = [&](int c) WELKIN_INLINE_LAMBDA {
     const __m512 below = _mm512_permutex2var_ps(v0, load_indices(indices.low[c]), v1);
     return Lanes(_mm512_permutex2var_ps(below, load_indices(indices.high[c]), v2));
   };
@@ -119,7 +120,7 @@ WELKIN_INLINE __m512d widen(const float* p) { return _mm512_cvtps_pd(_mm256_load
 /// GCC 12 would rather give a load to each of the three permutations that use it: three times the load
 /// traffic, a third of the kernel's time. The empty statement makes it a value in a register.
 WELKIN_INLINE __m512 in_register(__m512 v) {
-  __asm__("" : "+v"(v));
+  WELKIN_IN_REGISTER(v);
   return v;
 }
 
@@ -246,7 +247,7 @@ WELKIN_INLINE Rgb load_rgba(const Channel* first) {
 
 // Four neighbouring texels of four floats as 16 logical lanes. Only for the per-instruction-set kernel sources.
 
-constexpr int kParts = kGroup / kWidth;
+constexpr int kParts = kLanes / kWidth;
 
 /// Four texels side by side.
 struct Texels {
@@ -331,4 +332,5 @@ WELKIN_INLINE __m512 folded(const Texels& first, const Texels& second, const Tex
 
 #endif
 
-}  // namespace welkin::simd::WELKIN_ISA
+}  // namespace WELKIN_ISA
+}  // namespace welkin::simd

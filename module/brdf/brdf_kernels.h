@@ -1,0 +1,36 @@
+// The kernels of the BRDF tables: directional albedo, sixteen view angles at a time.
+#pragma once
+
+#include "simd/dispatch.h"
+
+namespace welkin::brdf {
+
+/// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (brdf/brdf_quadrature.h).
+struct AlbedoRule {
+  int azimuths;
+  const float* azimuth_cosines;
+  const float* azimuth_weights;
+  int radii;
+  const float* radius_places;  ///< in (0, 1)
+  const float* radius_weights;
+};
+
+/// e^-13: where the GGX integral ends, its tail being below 1e-6.
+inline constexpr float kAlbedoTail = 2.26e-6F;
+/// The sheen integral ends where its density is e^-14 of the largest.
+inline constexpr float kSheenTail = 14.0F;
+
+/// For sixteen cosines against the normal: directional albedo of GGX with Fresnel 1 (`whole`), and the part of it that
+/// Schlick's (1 - v.h)^5 weighs (`fresnel`). 0 < alpha <= 1.
+using DirectionalAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole,
+                                   float* fresnel);
+/// The same of Charlie sheen.
+using SheenAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo);
+
+struct BrdfKernels {
+  DirectionalAlbedo directional_albedo;
+  SheenAlbedo sheen_albedo;
+};
+WELKIN_KERNEL_TABLES(BrdfKernels, brdf_kernels)
+
+}  // namespace welkin::brdf

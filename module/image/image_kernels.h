@@ -1,0 +1,110 @@
+// The kernels of pictures: samples of grids and patches, half-sized rows, and what texels weigh in each harmonic.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "math/basis.h"
+#include "math/quadrature.h"
+#include "simd/dispatch.h"
+
+namespace welkin::image {
+
+/// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
+using PlaneLengths = void (*)(const double* u, double v, int count, double* lengths);
+
+/// places[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in quarter
+/// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is rounded
+/// to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds nothing;
+/// with across and along exchanged it is `quarter` less the product.
+using PlacesOfAngles = void (*)(const double* across, const double* along, int count, double quarter, double offset,
+                                double* places);
+
+/// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on weigh
+/// there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
+using TapsOfPlaces = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
+
+/// Points of a row of a picture, on a grid of texels of four floats (red, green, blue, unused).
+struct GridRun {
+  const float* origin;         ///< ring 0, column 0
+  std::ptrdiff_t ring_stride;  ///< floats from a ring to the next
+  const std::int32_t* rings;   ///< [count]: first of the four rings around each point
+  const std::int32_t* columns;
+  const float* ring_weights;  ///< [count][4]
+  const float* column_weights;
+  int count;
+  bool not_negative;  ///< results below 0 become 0
+};
+
+/// rgb[3 i + c] = the sum over the 4 x 4 texels around point i of texel times weight of its ring times weight of its
+/// column. Nothing beyond rgb[3 count - 1] is written.
+using SampleGrid = void (*)(const GridRun& run, float* rgb);
+
+/// Points of a picture of texels of four floats, each the weighted sum of a patch of texels of its own.
+struct PatchRun {
+  const float* origin;          ///< row 0, column 0
+  std::ptrdiff_t row_stride;    ///< floats from a row to the next
+  const std::int32_t* rows;     ///< [count]: first row of each patch
+  const std::int32_t* columns;  ///< [count]: first column
+  std::int32_t base;            ///< column 0's place in the picture
+  bool mirrored;                ///< columns count to the left from the one before `base`
+  /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
+  const float* weights;
+  const float* row_weights;  ///< [count][patch_rows]: factors of the weights of columns; or null
+  int patch_rows;
+  int patch_groups;  ///< of four columns
+  int count;
+  std::ptrdiff_t rgb_step;  ///< floats from a point's result to the next one's
+};
+
+/// rgb[rgb_step k + c] = the sum of weight times texel over point k's patch; where all its texels are equal, that value
+/// itself. Rows are added one after the other (weights of columns are multiplied after that), then groups, then the
+/// four columns as SampleGrid does.
+using SamplePatches = void (*)(const PatchRun& run, float* rgb);
+
+/// rgb[3 i + c] = (top w + bottom w of texel 2 i) + (the same of texel 2 i + 1), i < count: 2 x 2 texels of two rows of
+/// packed RGB, weighted each on its own. A texel's weight stands in all three of its channels' places: [6 count].
+using ReducePairs = void (*)(const float* top, const float* bottom, const float* top_weights,
+                             const float* bottom_weights, int count, float* rgb);
+
+/// Adds up 16 `groups` floats, as fast as memory gives them: the yardstick for bandwidth.
+using ReadAll = float (*)(const float* values, std::int64_t groups);
+
+struct ImageKernels {
+  PlaneLengths plane_lengths;
+  PlacesOfAngles places_of_angles;
+  TapsOfPlaces taps_of_places;
+  SampleGrid sample_grid;
+  SamplePatches sample_patches;
+  ReducePairs reduce_pairs;
+  ReadAll read_all;
+};
+WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)
+
+/// What a texel of a cubemap face stands for; positions are counted in the face's top left quadrant and
+/// weights are those of its mirror image with u >= 0 and v >= 0.
+struct TexelRun {
+  int size;          ///< N, texels along an edge of the face
+  int row;           ///< 0 to ceil(N/2) - 1
+  int first_column;  ///< 0 to ceil(N/2) - 1
+  int count;         ///< texels; positions from `count` to the next multiple of 16 get zero weights
+  int bands;
+  bool midpoint;  ///< solid angle times the value at the centre, instead of the integral
+};
+
+/// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in
+/// double. `place[l(l+1)+m]` is the row of `weights` (row stride `stride` floats) that gets Y(l, m).
+using IntegrateTexels = void (*)(const TexelRun& run, const math::BasisRecurrence& recurrence,
+                                 const math::GaussRule& rule, const int* place, float* weights, int stride);
+
+/// The same for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
+/// 2e-7 + 40 h^4.
+using ExpandTexels = void (*)(const TexelRun& run, const int* place, float* weights, int stride);
+
+struct TexelKernels {
+  IntegrateTexels integrate_texels;
+  ExpandTexels expand_texels;
+};
+WELKIN_KERNEL_TABLES(TexelKernels, texel_kernels)
+
+}  // namespace welkin::image

@@ -1,0 +1,22 @@
+// What differs between compilers.
+#pragma once
+
+// WELKIN_INLINE: a function that is inlined wherever it is called, whatever the compiler thinks of that. Kernels need
+// it for their speed, and so that no instruction set's copy of a function can stand in for another's.
+// WELKIN_INLINE_LAMBDA stands behind a lambda's parameters and says the same of it.
+//
+// WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
+// repeat the load that it came from. It changes no bits; other compilers do without.
+#if defined(__GNUC__)
+#define WELKIN_INLINE inline __attribute__((always_inline))
+#define WELKIN_INLINE_LAMBDA __attribute__((always_inline))
+#define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
+#elif defined(_MSC_VER)
+#define WELKIN_INLINE __forceinline
+#define WELKIN_INLINE_LAMBDA
+#define WELKIN_IN_REGISTER(v) static_cast<void>(v)
+#else
+#define WELKIN_INLINE inline
+#define WELKIN_INLINE_LAMBDA
+#define WELKIN_IN_REGISTER(v) static_cast<void>(v)
+#endif
