@@ -19,25 +19,32 @@ if(NOT TARGET xtl)
 endif()
 find_package(xsimd REQUIRED)
 
-# What each codec is built with. One that is switched off is not looked for; its files are then refused with an error
-# that says what Welkin was built without.
+# What welkin::files is built with. A codec that is switched off is not looked for; its files are then refused with an
+# error that says what Welkin was built without.
 option(WELKIN_EXR "Read and write OpenEXR files" ON)
-option(WELKIN_PNG "Read and write PNG files, and the pictures of .env files that are PNG" ON)
-option(WELKIN_WEBP "Read the pictures of .env files that are WebP" ON)
+option(WELKIN_PNG "Read and write PNG files, and .env files, whose pictures are PNG" ON)
+option(WELKIN_WEBP "Read .env files whose pictures are WebP" ON)
 option(WELKIN_ZLIB "Pack and unpack levels of KTX2 textures with zlib" ON)
 option(WELKIN_ZSTD "Pack and unpack levels of KTX2 textures with Zstandard" ON)
 set(welkin_codec_packages)   # that find_package knows
 set(welkin_codec_libraries)  # that CMake links
 set(welkin_codec_modules)    # that pkg-config knows
+set(welkin_all_codecs ON)    # whether none is switched off
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
 
-# welkin_codec(OPTION PACKAGE TARGET MODULE): looks for what a codec is built with, unless it is switched off.
+# welkin_codec(OPTION PACKAGE TARGET MODULE): looks for what a codec is built with, unless it is switched off. Tests,
+# benchmarks and fuzzers make such files themselves and look for it in any case.
 macro(welkin_codec option package target module)
-  if(${option})
+  if(WELKIN_FILES AND ${option})
     find_package(${package} REQUIRED)
     list(APPEND welkin_codec_packages ${package})
     list(APPEND welkin_codec_libraries ${target})
     list(APPEND welkin_codec_modules ${module})
+  else()
+    set(welkin_all_codecs OFF)
+    if(WELKIN_TESTS OR WELKIN_PERF OR WELKIN_FUZZ)
+      find_package(${package} REQUIRED)
+    endif()
   endif()
 endmacro()
 
@@ -45,6 +52,7 @@ endmacro()
 welkin_codec(WELKIN_EXR OpenEXR OpenEXR::OpenEXR OpenEXR)
 
 # Reading and writing PNG files. (libspng-dev) Debian's package brings no CMake configuration: cmake/FindSPNG.cmake.
+# libspng itself needs a zlib, with or without WELKIN_ZLIB.
 welkin_codec(WELKIN_PNG SPNG SPNG::SPNG spng)
 
 # Packed levels of KTX2 textures. (zlib1g-dev, libzstd-dev) cmake/FindZSTD.cmake: one target, however it was built.
@@ -54,13 +62,15 @@ welkin_codec(WELKIN_ZSTD ZSTD ZSTD::ZSTD libzstd)
 # Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
 welkin_codec(WELKIN_WEBP WebP WebP::WebP libwebp)
 
-# Hashes of contents, by which results are found again, and checksums of stored results. Header only, inlined.
-# (libxxhash-dev) cmake/FindXXHASH.cmake finds it.
-find_package(XXHASH REQUIRED)
+if(WELKIN_FILES)
+  # Hashes of contents, by which results are found again, and checksums of stored results. Header only, inlined.
+  # (libxxhash-dev) cmake/FindXXHASH.cmake finds it.
+  find_package(XXHASH REQUIRED)
 
-# JSON: the manifest of .env files; the command's output, recorded test values, reports. Headers only, and in no header
-# of ours. (nlohmann-json3-dev)
-find_package(nlohmann_json REQUIRED)
+  # JSON: the manifest of .env files; the command's output, recorded test values, reports. Headers only, and in no
+  # header of ours. (nlohmann-json3-dev)
+  find_package(nlohmann_json REQUIRED)
+endif()
 
 if(WELKIN_TOOLS OR WELKIN_EXAMPLES)
   # The command line. Headers only. (libcli11-dev)

@@ -4,8 +4,11 @@
 set(welkin_instruction_sets sse2 avx2 avx512)
 set(welkin_options_sse2 -msse2 -mno-avx)
 set(welkin_options_avx2 -mavx2 -mf16c -mno-fma -mno-avx512f)
-# GCC 12 takes the undefined operand inside its own AVX-512 intrinsics for an uninitialised variable (PR105593).
-set(welkin_options_avx512 -mavx512f -mavx512bw -mavx512dq -mavx512vl -Wno-maybe-uninitialized -Wno-uninitialized)
+set(welkin_options_avx512 -mavx512f -mavx512bw -mavx512dq -mavx512vl)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 takes the undefined operand inside its own AVX-512 intrinsics for an uninitialised variable (PR105593).
+  list(APPEND welkin_options_avx512 -Wno-maybe-uninitialized -Wno-uninitialized)
+endif()
 
 set(welkin_kernel_optimisation -O3)
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")

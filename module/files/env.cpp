@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "files/codecs.h"
 #include "files/env_manifest.h"
 #include "files/env_pictures.h"
 #include "files/layout.h"
@@ -116,7 +117,7 @@ void EnvReader::read(const EnvPicture& picture, int size, const std::string& wha
   file_.seek(picture.position);
   file_.read(bytes_.data(), bytes_.size());
   rgba_.resize(4 * texels_of(size));
-  decode_rgba(bytes_, size, file_.path(), what, rgba_.data(), stop_);
+  decode_rgba({bytes_, size, file_.path(), what}, rgba_.data(), stop_);
   decoder_.decode(rgba_.data(), texels_of(size), rgb);
   turn_rows(rgb, size);
 }
@@ -366,6 +367,7 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
 WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
                                       const Control& control) {
   files::check(environment);
+  files::require_codec(files::Codec::png, path, "write a texture (.ktx2, .dds)");
   platform::WholeFile file(path);
   std::vector<files::Picture> pictures = files::pictures_of(environment);
   const files::RgbdEncoder encoder;

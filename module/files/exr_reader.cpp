@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "files/codecs.h"
 #include "files/exr_levels.h"
 #include "files/exr_picture.h"
 #include "files/exr_statics.h"

@@ -79,11 +79,6 @@ struct ExrFile {
 [[nodiscard]] Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
                                    std::size_t row_bytes, int sampling = 1);
 
-// OpenEXR files as rows.
-
-/// `file` stands at its beginning and starts with OpenEXR's magic number. Throws as `inspect_environment`.
-[[nodiscard]] std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options);
-
 // OpenEXR pictures of luminance and subsampled chroma, as RGB rows.
 
 /// A reader of the stored rows (data_width x data_height) as RGB in the file's primaries, to the very halves that

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 
+#include "files/codecs.h"
 #include "files/stop.h"
 #include "files/supercompression.h"
 #include "files/texel_formats.h"
@@ -197,6 +198,10 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
     refuse(file, ErrorCode::unsupported_file,
            "its supercompression scheme " + std::to_string(header.scheme) +
                " is not read; none, Zstandard and ZLIB are: convert it");
+  }
+  const Supercompression supercompression = *supercompression_of_ktx2(header.scheme);
+  if (supercompression != Supercompression::none) {
+    require_codec(codec_of(supercompression), file.path(), "save it without supercompression");
   }
   const std::uint32_t type_size = ktx2_type_size(*kind_of_vulkan_format(header.format));
   if (header.type_size != type_size) {

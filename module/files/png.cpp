@@ -1,6 +1,5 @@
-// PNG through libspng: sRGB, 8 or 16 bits a channel, no alpha.
-#include "files/png.h"
-
+// PNG through libspng: environments as rows (written as sRGB, 8 or 16 bits a channel, no alpha), and the small pictures
+// of .env files.
 #include <spng.h>
 
 #include <algorithm>
@@ -13,9 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "files/codecs.h"
+#include "files/env_pictures.h"
 #include "files/layout.h"
 #include "files/png_decoder.h"
 #include "files/primaries.h"
+#include "files/stop.h"
 #include "files/write_environment.h"
 #include "image/pixels.h"
 #include "platform/file.h"
@@ -316,6 +318,88 @@ std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job) {
     encoder.write_row(data, values * static_cast<std::size_t>(bits / 8), row + 1 == picture.height());
   }
   return clamped;
+}
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Texts and profiles beside the pixels, which nobody here wants; beyond it the picture is refused.
+constexpr std::size_t kMostOfAChunk = std::size_t{1} << 20U;
+
+struct FreeContext {
+  void operator()(spng_ctx* context) const noexcept { spng_ctx_free(context); }
+};
+using Context = std::unique_ptr<spng_ctx, FreeContext>;
+
+Context make_context(int flags) {
+  Context context(spng_ctx_new(flags));
+  if (!context) throw std::bad_alloc();
+  return context;
+}
+
+int append_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t count) noexcept {
+  auto& to = *static_cast<Bytes*>(user);
+  try {
+    const auto* from = static_cast<const std::uint8_t*>(bytes);
+    to.insert(to.end(), from, from + count);
+    return 0;
+  } catch (const std::bad_alloc&) {
+    return SPNG_IO_ERROR;  // libspng knows no exceptions
+  }
+}
+
+// All that can go wrong with sound arguments is memory.
+void require_encoded(int result) {
+  if (result != SPNG_OK) throw std::bad_alloc();
+}
+
+}  // namespace
+
+Bytes encode_png_rgba(const Bytes& rgba, int size, const std::stop_token& stop) {
+  const Context context = make_context(SPNG_CTX_ENCODER);
+  Bytes png;
+  require_encoded(spng_set_png_stream(context.get(), append_bytes, &png));
+  spng_ihdr header{};
+  header.width = static_cast<std::uint32_t>(size);
+  header.height = static_cast<std::uint32_t>(size);
+  header.bit_depth = 8;
+  header.color_type = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
+  require_encoded(spng_set_ihdr(context.get(), &header));
+  constexpr int flags = SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE;
+  require_encoded(spng_encode_image(context.get(), nullptr, 0, SPNG_FMT_PNG, flags));
+  const std::size_t row_bytes = std::size_t{4} * header.width;
+  for (int row = 0, result = SPNG_OK; row < size; ++row) {
+    throw_if_stopped(stop);
+    result = spng_encode_row(context.get(), rgba.data() + row_bytes * static_cast<std::size_t>(row), row_bytes);
+    if (result != SPNG_EOI) require_encoded(result);  // said of the last row
+  }
+  return png;
+}
+
+void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop) {
+  const auto require = [&picture](int result) {
+    if (result == SPNG_OK) return;
+    if (result == SPNG_EMEM) throw std::bad_alloc();
+    picture.refuse(ErrorCode::corrupt_file, std::string("is a damaged PNG: libspng says \"") + spng_strerror(result) +
+                                                "\"; fetch or export the file again");
+  };
+  const Context context = make_context(0);
+  require(spng_set_chunk_limits(context.get(), kMostOfAChunk, kMostOfAChunk));
+  require(spng_set_png_buffer(context.get(), picture.bytes.data(), picture.bytes.size()));
+  spng_ihdr header{};
+  require(spng_get_ihdr(context.get(), &header));
+  picture.require_size(header.width, header.height);
+  constexpr int flags = SPNG_DECODE_TRNS | SPNG_DECODE_PROGRESSIVE;
+  require(spng_decode_image(context.get(), nullptr, 0, SPNG_FMT_RGBA8, flags));
+  const std::size_t row_bytes = std::size_t{4} * header.width;
+  for (int result = SPNG_OK; result != SPNG_EOI;) {  // an interlaced picture's rows come several times
+    throw_if_stopped(stop);
+    spng_row_info row{};
+    require(spng_get_row_info(context.get(), &row));
+    result = spng_decode_row(context.get(), rgba + row_bytes * row.row_num, row_bytes);
+    if (result != SPNG_EOI) require(result);
+  }
 }
 
 }  // namespace welkin::files

@@ -9,13 +9,12 @@
 #include <system_error>
 #include <vector>
 
+#include "files/codecs.h"
 #include "files/env.h"
 #include "files/env_manifest.h"
-#include "files/exr_reader.h"
 #include "files/face_files.h"
 #include "files/hdr.h"
 #include "files/pfm.h"
-#include "files/png.h"
 #include "files/texture_reader.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"

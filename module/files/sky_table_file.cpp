@@ -5,8 +5,6 @@
 //   Mie and irradiance as floats, their sizes being those that the options give.
 #include "welkin/sky_table_file.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "files/crc32.h"
 #include "platform/file.h"
 #include "sky/table_sizes.h"
 #include "welkin/sky_tables.h"
@@ -22,6 +21,7 @@
 namespace welkin {
 namespace {
 
+using files::crc32;
 using platform::ByteFile;
 using platform::file_error;
 
@@ -34,11 +34,6 @@ constexpr std::size_t kMostText = 4096;
 constexpr std::size_t kMostValues = 96;
 constexpr std::size_t kMostLayers = 8;
 constexpr std::size_t kMostAbsorbers = 4;
-
-std::uint32_t checksum(std::uint32_t before, const void* bytes, std::size_t count) {
-  if (count == 0) return before;  // a null pointer would start anew
-  return static_cast<std::uint32_t>(crc32_z(before, static_cast<const Bytef*>(bytes), count));
-}
 
 /// Appends values to bytes.
 class Writer {
@@ -198,7 +193,7 @@ void for_each_table(Tables& tables, const Use& use) {
 void read_table(ByteFile& file, std::vector<float>& values, std::uint64_t count, std::uint32_t& sum) {
   values.resize(count);
   file.read(values.data(), values.size() * sizeof(float));
-  sum = checksum(sum, values.data(), values.size() * sizeof(float));
+  sum = crc32(sum, values.data(), values.size() * sizeof(float));
 }
 
 bool sound(const std::vector<float>& values) {
@@ -226,10 +221,10 @@ void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path)
   Writer header;  // from the checksum's first byte on
   header.put(following);
   header.put(static_cast<std::uint32_t>(stated.size()));
-  std::uint32_t sum = checksum(0, header.bytes.data(), header.bytes.size());
-  sum = checksum(sum, stated.data(), stated.size());
+  std::uint32_t sum = crc32(0, header.bytes.data(), header.bytes.size());
+  sum = crc32(sum, stated.data(), stated.size());
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
-    sum = checksum(sum, values.data(), values.size() * sizeof(float));
+    sum = crc32(sum, values.data(), values.size() * sizeof(float));
   });
   platform::WholeFile file(path);
   Writer start;
@@ -274,8 +269,8 @@ SkyTables load_sky_tables(const std::filesystem::path& path, std::uint64_t memor
   }
   std::vector<std::uint8_t> bytes(stated);
   file.read(bytes.data(), bytes.size());
-  std::uint32_t sum = checksum(0, start.data() + kSummedFrom, start.size() - kSummedFrom);
-  sum = checksum(sum, bytes.data(), bytes.size());
+  std::uint32_t sum = crc32(0, start.data() + kSummedFrom, start.size() - kSummedFrom);
+  sum = crc32(sum, bytes.data(), bytes.size());
   SkyTables tables = read_parameters(bytes, path);
   const std::uint64_t size = sky::result_bytes(tables.atmosphere, tables.options);
   if (size != following - sizeof stated - stated) {

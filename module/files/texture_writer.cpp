@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 
+#include "files/codecs.h"
 #include "files/stop.h"
 #include "files/supercompression.h"
 #include "image/pixels.h"
@@ -39,7 +40,9 @@ const Container& container_of(const std::filesystem::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Container& container : kContainers) {
-    if (extension == container.extension) return container;
+    if (extension != container.extension) continue;
+    if (container.write == write_exr_cube) require_codec(Codec::exr, path, "write .ktx2 or .dds");
+    return container;
   }
   throw platform::file_error(
       ErrorCode::unsupported_file, path,
@@ -63,6 +66,9 @@ void check_options(const std::filesystem::path& path, const Container& container
   }
   if (options.supercompression != Supercompression::none && !container.supercompression) {
     refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
+  }
+  if (options.supercompression != Supercompression::none) {
+    require_codec(codec_of(options.supercompression), path, "leave the supercompression out or use the other one");
   }
   for (const auto& [key, value] : options.metadata) {
     const bool reserved = key.starts_with("KTX") || key.starts_with("ktx");

@@ -4,10 +4,12 @@
 #include <array>
 #include <cctype>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "files/codecs.h"
 #include "files/row_source.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
@@ -24,6 +26,7 @@ using platform::WholeFile;
 
 struct Format {
   const char* extension;
+  std::optional<files::Codec> codec;  ///< that writes it, if a build can leave it out
   std::uint64_t (*write)(const OutputPicture&, const files::WriteJob&);
   std::vector<SampleType> types;  ///< the first is the automatic one
   const char* types_in_words;
@@ -32,10 +35,18 @@ struct Format {
 const std::array<Format, 4>& formats() {
   // Never destroyed: a worker's thread may still write while the program exits.
   static const auto& all = *new std::array<Format, 4>{{
-      {".exr", files::write_exr, {SampleType::half, SampleType::float32}, "OpenEXR is written as half or float"},
-      {".hdr", files::write_hdr, {SampleType::automatic}, "Radiance .hdr holds RGBE alone; leave the type out"},
-      {".pfm", files::write_pfm, {SampleType::float32}, "PFM holds floats alone"},
-      {".png", files::write_png, {SampleType::uint8, SampleType::uint16}, "PNG is written with 8 or 16 bits"},
+      {".exr",
+       files::Codec::exr,
+       files::write_exr,
+       {SampleType::half, SampleType::float32},
+       "OpenEXR is written as half or float"},
+      {".hdr", {}, files::write_hdr, {SampleType::automatic}, "Radiance .hdr holds RGBE alone; leave the type out"},
+      {".pfm", {}, files::write_pfm, {SampleType::float32}, "PFM holds floats alone"},
+      {".png",
+       files::Codec::png,
+       files::write_png,
+       {SampleType::uint8, SampleType::uint16},
+       "PNG is written with 8 or 16 bits"},
   }};
   return all;
 }
@@ -45,7 +56,9 @@ const Format& format_of(const std::filesystem::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Format& format : formats()) {
-    if (extension == format.extension) return format;
+    if (extension != format.extension) continue;
+    if (format.codec) files::require_codec(*format.codec, path, "write .hdr or .pfm");
+    return format;
   }
   throw file_error(ErrorCode::unsupported_file, path,
                    (extension.empty() ? std::string("has no extension that names a format")

@@ -1,0 +1,108 @@
+// What this build can read and write, and what stands in for a codec that it was built without.
+// WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB and WELKIN_ZSTD are 1 or 0; no other source knows them.
+#include "files/codecs.h"
+
+#include <array>
+
+#include "files/env_pictures.h"
+#include "files/supercompression.h"
+#include "files/texture_writer.h"
+#include "files/write_environment.h"
+
+namespace welkin::files {
+namespace {
+
+struct Description {
+  bool built_in;
+  const char* library;
+  const char* option;
+};
+
+// By Codec's values.
+constexpr std::array kCodecs{
+    Description{WELKIN_EXR != 0, "OpenEXR", "WELKIN_EXR"},
+    Description{WELKIN_PNG != 0, "libspng (PNG)", "WELKIN_PNG"},
+    Description{WELKIN_WEBP != 0, "libwebp (WebP)", "WELKIN_WEBP"},
+    Description{WELKIN_ZLIB != 0, "zlib", "WELKIN_ZLIB"},
+    Description{WELKIN_ZSTD != 0, "Zstandard", "WELKIN_ZSTD"},
+};
+
+}  // namespace
+
+void require_codec(Codec codec, const std::filesystem::path& path, const std::string& remedy) {
+  const Description& description = kCodecs[static_cast<std::size_t>(codec)];
+  if (description.built_in) return;
+  throw platform::file_error(ErrorCode::unsupported_file, path,
+                             std::string("takes ") + description.library + ", which this Welkin was built without; " +
+                                 remedy + ", or build Welkin with " + description.option + "=ON");
+}
+
+Codec codec_of(Supercompression supercompression) noexcept {
+  return supercompression == Supercompression::zlib ? Codec::zlib : Codec::zstd;
+}
+
+// What follows is reached only where nobody asked `require_codec` first, and must be there for the linker.
+
+#if !WELKIN_EXR
+std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& /*options*/) {
+  require_codec(Codec::exr, file.path(), "convert it to Radiance .hdr or PFM");
+  return nullptr;
+}
+std::uint64_t write_exr(const OutputPicture& /*picture*/, const WriteJob& job) {
+  require_codec(Codec::exr, job.file.path(), "write .hdr or .pfm");
+  return 0;
+}
+std::uint64_t write_exr_cube(const TextureJob& job) {
+  require_codec(Codec::exr, job.file.path(), "write .ktx2 or .dds");
+  return 0;
+}
+#endif
+
+#if !WELKIN_PNG
+std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions& /*options*/) {
+  require_codec(Codec::png, file.path(), "convert it to Radiance .hdr or PFM");
+  return nullptr;
+}
+std::uint64_t write_png(const OutputPicture& /*picture*/, const WriteJob& job) {
+  require_codec(Codec::png, job.file.path(), "write .hdr or .pfm");
+  return 0;
+}
+std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgba*/, int /*size*/,
+                                          const std::stop_token& /*stop*/) {
+  require_codec(Codec::png, "an .env", "write .ktx2 or .dds");
+  return {};
+}
+void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const std::stop_token& /*stop*/) {
+  require_codec(Codec::png, picture.path, "use the picture that the .env was made from");
+}
+#endif
+
+#if !WELKIN_WEBP
+void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/) {
+  require_codec(Codec::webp, picture.path, "have it made anew with PNG pictures");
+}
+#endif
+
+#if !WELKIN_ZLIB
+std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+  require_codec(Codec::zlib, "a KTX2", "leave the supercompression out");
+  return {};
+}
+void unpack_zlib(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
+                 std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+  require_codec(Codec::zlib, path, "save it without supercompression");
+}
+#endif
+
+#if !WELKIN_ZSTD
+std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+  require_codec(Codec::zstd, "a KTX2", "leave the supercompression out");
+  return {};
+}
+void unpack_zstd(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
+                 std::vector<std::uint8_t>& /*bytes*/) {
+  require_codec(Codec::zstd, path, "save it without supercompression");
+}
+#endif
+
+}  // namespace welkin::files

@@ -1,0 +1,67 @@
+// KTX2's levels by zlib.
+#include <algorithm>
+#include <memory>
+#include <new>
+#define ZLIB_CONST  // it does not write through next_in
+#include <zlib.h>
+
+#include "files/stop.h"
+#include "files/supercompression.h"
+
+namespace welkin::files {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct EndDeflate {
+  void operator()(z_stream* stream) const noexcept { deflateEnd(stream); }
+};
+struct EndInflate {
+  void operator()(z_stream* stream) const noexcept { inflateEnd(stream); }
+};
+
+/// The next block on either side, at most. Whether it is all that is left to read.
+bool offer(z_stream& stream, const Bytes& from, Bytes& to) noexcept {
+  const std::size_t left = from.size() - stream.total_in;
+  stream.next_in = from.data() + stream.total_in;
+  stream.avail_in = static_cast<uInt>(std::min(kPackedAtOnce, left));
+  stream.next_out = to.data() + stream.total_out;
+  stream.avail_out = static_cast<uInt>(std::min(kPackedAtOnce, to.size() - stream.total_out));
+  return left <= kPackedAtOnce;
+}
+
+}  // namespace
+
+Bytes pack_zlib(const Bytes& bytes, const std::stop_token& stop) {
+  z_stream stream{};
+  if (deflateInit(&stream, Z_DEFAULT_COMPRESSION) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, EndDeflate> end(&stream);
+  Bytes packed(deflateBound(&stream, bytes.size()));
+  int result = Z_OK;
+  while (result == Z_OK) {
+    throw_if_stopped(stop);
+    const bool last = offer(stream, bytes, packed);
+    result = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
+  }
+  if (result != Z_STREAM_END) throw std::bad_alloc();  // nothing else can go wrong: there is room for the worst case
+  packed.resize(stream.total_out);
+  return packed;
+}
+
+void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const std::stop_token& stop) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, EndInflate> end(&stream);
+  int result = Z_OK;
+  while (result == Z_OK) {
+    throw_if_stopped(stop);
+    offer(stream, packed, bytes);
+    result = inflate(&stream, Z_NO_FLUSH);
+  }
+  if (result == Z_MEM_ERROR) throw std::bad_alloc();
+  if (result == Z_BUF_ERROR) refuse_packed_level(path, "zlib", "not the size that the level index says");
+  if (result != Z_STREAM_END) refuse_packed_level(path, "zlib", zError(result));
+  if (stream.total_out != bytes.size()) refuse_packed_level(path, "zlib", "shorter than the level index says");
+}
+
+}  // namespace welkin::files
