@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "files/crc32.h"
 #include "files/env_pictures.h"
 #include "files/rgbd.h"
 #include "files/supercompression.h"
@@ -561,11 +562,24 @@ TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env]") {
   CHECK(written.says("cancelled"));
   const Bytes png = files::encode_png_rgba(rgba, size);
   Bytes back(rgba.size());
-  files::decode_rgba(png, size, "sky.env", "its face", back.data());
+  files::decode_rgba({png, size, "sky.env", "its face"}, back.data());
   CHECK(back == rgba);
   const ThrownError read = stopped_while(
-      [&](const std::stop_token& stop) { files::decode_rgba(png, size, "sky.env", "its face", back.data(), stop); });
+      [&](const std::stop_token& stop) { files::decode_rgba({png, size, "sky.env", "its face"}, back.data(), stop); });
   CHECK(read.says("cancelled"));
+}
+
+TEST_CASE("the checksum of sky tables is zlib's, in pieces too", "[codec]") {
+  CHECK(files::crc32(0, "123456789", 9) == 0xCBF43926U);
+  const Bytes bytes = noise(100);
+  for (std::size_t first = 0; first < 20; ++first) {
+    for (std::size_t count = 0; first + count <= bytes.size(); ++count) {
+      const auto wanted = static_cast<std::uint32_t>(crc32_z(7, bytes.data() + first, count));
+      if (count > 0) REQUIRE(files::crc32(7, bytes.data() + first, count) == wanted);
+      const std::uint32_t before = files::crc32(0, bytes.data(), first);
+      REQUIRE(files::crc32(before, bytes.data() + first, count) == files::crc32(0, bytes.data(), first + count));
+    }
+  }
 }
 
 TEST_CASE("a two-dimensional texture that is stopped before it is packed leaves no file", "[codec][textures]") {

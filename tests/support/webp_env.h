@@ -23,7 +23,7 @@ inline std::vector<char> with_webp_pictures(const std::vector<char>& png_env) {
     const auto from = payload + entry["position"].get<std::ptrdiff_t>();
     const std::vector<std::uint8_t> png(from, from + entry["length"].get<std::ptrdiff_t>());
     std::vector<std::uint8_t> rgba(std::size_t{4} * static_cast<std::size_t>(size * size));
-    files::decode_rgba(png, size, "sound.env", "a picture", rgba.data());
+    files::decode_rgba({png, size, "sound.env", "a picture"}, rgba.data());
     std::uint8_t* webp = nullptr;
     const std::size_t bytes = WebPEncodeLosslessRGBA(rgba.data(), size, size, 4 * size, &webp);
     entry["position"] = coded.size();

@@ -1,0 +1,168 @@
+// What a Welkin says that was built without codecs: refusing FOLDER. Writes and reads small files in the folder; every
+// file of a kind whose codec is absent must be refused with an error that names the switch, and others must work.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "welkin/babylon_environment.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/file_requests.h"
+#include "welkin/sky_table_file.h"
+#include "welkin/texture_file.h"
+#include "welkin/welkin.h"
+#include "welkin/worker.h"
+
+namespace {
+
+using Path = std::filesystem::path;
+
+int failures = 0;
+
+void fail(const std::string& what) {
+  std::fprintf(stderr, "refusing: %s\n", what.c_str());
+  ++failures;
+}
+
+/// `work` must throw an error of unsupported_file whose message holds the name of the file and that of the switch.
+void refused(const Path& path, const char* option, const std::function<void()>& work) {
+  const std::string name = path.filename().string();
+  try {
+    work();
+  } catch (const welkin::Error& error) {
+    const std::string message = error.what();
+    std::printf("%s\n", message.c_str());
+    const bool says_why = message.find("built without") != std::string::npos &&
+                          message.find(std::string(option) + "=ON") != std::string::npos &&
+                          message.find(name) != std::string::npos;
+    if (error.code() != welkin::ErrorCode::unsupported_file || !says_why) fail(name + " is refused in other words");
+    return;
+  }
+  fail(name + " is not refused");
+}
+
+void works(const char* what, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    fail(std::string(what) + ": " + error.what());
+  }
+}
+
+void put(const Path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+std::string bytes_of(const Path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// An .env of one texel a face whose pictures begin as `picture` does.
+void put_env(const Path& path, const std::string& picture) {
+  const std::string entry = "{\"position\":0,\"length\":" + std::to_string(picture.size()) + "}";
+  std::string entries = entry;
+  for (int face = 1; face < 6; ++face) entries += "," + entry;
+  std::string env("\x86\x16\x87\x96\xf6\xd6\x96\x36");
+  env += "{\"version\":2,\"width\":1,\"specular\":{\"mipmaps\":[" + entries + "]}}";
+  env += '\0';
+  put(path, env + picture);
+}
+
+void pictures(const Path& folder) {
+  const welkin::LatLongImage picture{8, 4, std::vector<float>(std::size_t{8} * 4 * 3, 0.5F)};
+  works("a Radiance file", [&] {
+    welkin::write_environment(folder / "even.hdr", picture.view());
+    if (welkin::project_file(folder / "even.hdr").diagnostics.texels != 32) fail("even.hdr has other texels");
+  });
+  works("a PFM", [&] {
+    welkin::write_environment(folder / "even.pfm", picture.view());
+    (void)welkin::read_environment(folder / "even.pfm");
+  });
+  const Path exr = folder / "even.exr";
+  refused(exr, "WELKIN_EXR", [&] { welkin::check_write_options(exr, {}, false); });
+  refused(exr, "WELKIN_EXR", [&] { welkin::write_environment(exr, picture.view()); });
+  put(exr, std::string("\x76\x2f\x31\x01\x02\0\0\0", 8));
+  refused(exr, "WELKIN_EXR", [&] { (void)welkin::inspect_environment(exr); });
+  refused(exr, "WELKIN_EXR", [&] { (void)welkin::project_file(exr); });
+  const Path png = folder / "even.png";
+  refused(png, "WELKIN_PNG", [&] { welkin::write_environment(png, picture.view()); });
+  put(png, "\x89PNG\r\n\x1a\n");
+  refused(png, "WELKIN_PNG", [&] { (void)welkin::read_environment(png); });
+
+  welkin::Worker worker;
+  refused(exr, "WELKIN_EXR", [&] { (void)worker.post(welkin::ProjectFile{exr}).get(); });
+  welkin_projection projection;
+  WELKIN_INIT(projection);
+  const auto status = welkin_project_file(png.c_str(), nullptr, nullptr, nullptr, &projection);
+  if (status != WELKIN_UNSUPPORTED_FILE ||
+      std::string(welkin_last_error()).find("WELKIN_PNG=ON") == std::string::npos) {
+    fail("the C interface tells otherwise of a PNG");
+  }
+}
+
+void textures(const Path& folder) {
+  const welkin::CubemapImage cube{2, std::vector<float>(std::size_t{6} * 2 * 2 * 3, 0.5F)};
+  const std::vector<welkin::CubemapView> mips{cube.view()};
+  works("KTX2 and DDS", [&] {
+    for (const char* name : {"even.ktx2", "even.dds"}) {
+      welkin::write_texture(folder / name, mips);
+      if (welkin::read_texture(folder / name).cubemap.size() != 2) fail("a texture has another size");
+    }
+  });
+  const Path exr = folder / "chain.exr";
+  refused(exr, "WELKIN_EXR", [&] { welkin::write_texture(exr, mips); });
+  struct Packing {
+    welkin::Supercompression kind;
+    char scheme;  ///< KTX2's number of it
+    const char* option;
+  };
+  constexpr std::size_t place_of_scheme = 44;
+  for (const Packing& packing : {Packing{welkin::Supercompression::zstd, 2, "WELKIN_ZSTD"},
+                                 Packing{welkin::Supercompression::zlib, 3, "WELKIN_ZLIB"}}) {
+    const Path path = folder / (std::string(packing.option) + ".ktx2");
+    welkin::TextureOptions options;
+    options.supercompression = packing.kind;
+    refused(path, packing.option, [&] { welkin::write_texture(path, mips, options); });
+    const std::vector<float> table(3, 1.0F);
+    refused(path, packing.option, [&] { welkin::write_texture_2d(path, 1, 1, table.data(), options); });
+    if (std::filesystem::exists(path)) fail(path.string() + " was begun");
+    std::string packed = bytes_of(folder / "even.ktx2");
+    packed.at(place_of_scheme) = packing.scheme;
+    put(path, packed);
+    refused(path, packing.option, [&] { (void)welkin::read_texture(path); });
+    refused(path, packing.option, [&] { (void)welkin::read_environment(path); });
+  }
+}
+
+void babylon(const Path& folder) {
+  const Path written = folder / "written.env";
+  welkin::BabylonEnvironment environment;
+  environment.specular = welkin::CubemapChain(1, 1);
+  refused(written, "WELKIN_PNG", [&] { welkin::write_babylon_environment(written, environment); });
+  const Path png = folder / "png.env";
+  put_env(png, "\x89PNG\r\n\x1a\n....");
+  refused(png, "WELKIN_PNG", [&] { (void)welkin::read_babylon_environment(png); });
+  const Path webp = folder / "webp.env";
+  put_env(webp, "RIFF....WEBPVP8L....");
+  refused(webp, "WELKIN_WEBP", [&] { (void)welkin::read_babylon_environment(webp); });
+  refused(webp, "WELKIN_WEBP", [&] { (void)welkin::read_environment(webp); });
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: refusing FOLDER\n", stderr);
+    return 2;
+  }
+  const Path folder = Path(arguments[1]) / "files";
+  std::filesystem::create_directories(folder);
+  pictures(folder);
+  textures(folder);
+  babylon(folder);
+  return failures == 0 ? 0 : 1;
+}
