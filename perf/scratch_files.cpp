@@ -1,17 +1,15 @@
 #include "scratch_files.h"
 
-#include <unistd.h>
-
 #include <system_error>
+
+#include "perf/report/process.h"
 
 namespace welkin::perf {
 namespace {
 
 class Folder {
  public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("welkin-perf-" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
+  Folder() : path_(report::make_temporary_folder()) {}
   ~Folder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);

@@ -1,9 +1,5 @@
 #include "cache/entry_store.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -21,43 +17,16 @@ constexpr const char* kExtension = ".welkin-entry";
 /// Of what lies beside; a writer takes seconds.
 constexpr std::chrono::hours kLeftBehind{1};
 
-/// A descriptor that is closed.
-class Handle {
- public:
-  explicit Handle(int number) : number_(number) {}
-  ~Handle() {
-    if (number_ >= 0) close(number_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  [[nodiscard]] int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
-
-bool read_all(int handle, std::uint8_t* bytes, std::size_t count) {
-  while (count > 0) {
-    const ssize_t got = read(handle, bytes, count);
-    if (got <= 0) return false;
-    bytes += got;
-    count -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
 /// A regular file of the stated length with the right name inside and the right sum; what it holds.
-std::optional<std::vector<std::uint8_t>> sound_payload(int handle, const EntryName& name) {
-  struct stat status {};
+std::optional<std::vector<std::uint8_t>> sound_payload(platform::SharedFile& file, const EntryName& name) {
+  const std::optional<std::uint64_t> size = file.size();
   EntryHeader header{};
-  if (fstat(handle, &status) != 0 || !S_ISREG(status.st_mode) || !read_all(handle, header.data(), header.size())) {
-    return std::nullopt;
-  }
+  if (!size || !file.read(header.data(), header.size())) return std::nullopt;
   const std::optional<EntryStatement> statement = read_entry_header(header);
-  const auto payload_bytes = static_cast<std::uint64_t>(status.st_size) - kEntryHeaderBytes;
+  const std::uint64_t payload_bytes = *size - kEntryHeaderBytes;
   if (!statement || !(statement->name == name) || statement->payload_bytes != payload_bytes) return std::nullopt;
   std::vector<std::uint8_t> payload(payload_bytes);
-  if (!read_all(handle, payload.data(), payload.size()) || !is_payload_of(*statement, payload)) return std::nullopt;
+  if (!file.read(payload.data(), payload.size()) || !is_payload_of(*statement, payload)) return std::nullopt;
   return payload;
 }
 
@@ -124,16 +93,14 @@ std::filesystem::path EntryFolder::path_of(const EntryName& name) const {
 }
 
 std::optional<std::vector<std::uint8_t>> EntryFolder::find(const EntryName& name) {
-  const std::filesystem::path path = path_of(name);
-  // O_NONBLOCK: a pipe of that name must not keep anyone waiting.
-  const Handle handle(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (handle.number() < 0) return std::nullopt;
-  std::optional<std::vector<std::uint8_t>> payload = sound_payload(handle.number(), name);
+  platform::SharedFile file(path_of(name));
+  if (!file.is_open()) return std::nullopt;
+  std::optional<std::vector<std::uint8_t>> payload = sound_payload(file, name);
   if (!payload) {
     remove_damaged(name);
     return std::nullopt;
   }
-  static_cast<void>(futimens(handle.number(), nullptr));  // used now
+  file.touch();  // used now
   return payload;
 }
 

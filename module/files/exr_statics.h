@@ -5,12 +5,14 @@
 #include <IlmThreadPool.h>
 #include <ImfHeader.h>
 
+#include "platform/compiler.h"
+
 namespace welkin::files {
 
 /// OpenEXR makes its attribute types and its pool of threads (that has none) when they are first used. They would be
 /// destroyed before a worker that is a global object, whose threads may still read or write files. So they are made
-/// before every static object of the program, and destroyed after it: 101 is the first priority that a program may use.
-__attribute__((constructor(101))) static void make_openexr_statics() {
+/// before every static object of the program, and destroyed after it.
+WELKIN_RUN_BEFORE_STATIC_OBJECTS static void make_openexr_statics() {
   Imf::staticInitialize();
   (void)IlmThread::ThreadPool::globalThreadPool();
 }

@@ -1,4 +1,4 @@
-// What differs between compilers.
+// What differs between compilers, each under a name of its own. Nothing else of the library names an attribute.
 #pragma once
 
 // WELKIN_INLINE: a function that is inlined wherever it is called, whatever the compiler thinks of that. Kernels need
@@ -7,16 +7,24 @@
 //
 // WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
 // repeat the load that it came from. It changes no bits; other compilers do without.
+//
+// WELKIN_RUN_BEFORE_STATIC_OBJECTS stands before a function without arguments: it runs before the static objects of the
+// whole program are made, so what it makes is destroyed after them. 101 is the first priority that the compiler does
+// not keep for itself. Where there is no such thing the function is called by nobody, and the objects are made at first
+// use.
 #if defined(__GNUC__)
 #define WELKIN_INLINE inline __attribute__((always_inline))
 #define WELKIN_INLINE_LAMBDA __attribute__((always_inline))
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
+#define WELKIN_RUN_BEFORE_STATIC_OBJECTS __attribute__((constructor(101)))
 #elif defined(_MSC_VER)
 #define WELKIN_INLINE __forceinline
 #define WELKIN_INLINE_LAMBDA
 #define WELKIN_IN_REGISTER(v) static_cast<void>(v)
+#define WELKIN_RUN_BEFORE_STATIC_OBJECTS [[maybe_unused]]
 #else
 #define WELKIN_INLINE inline
 #define WELKIN_INLINE_LAMBDA
 #define WELKIN_IN_REGISTER(v) static_cast<void>(v)
+#define WELKIN_RUN_BEFORE_STATIC_OBJECTS [[maybe_unused]]
 #endif

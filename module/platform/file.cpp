@@ -81,6 +81,32 @@ std::string printable(const std::string& text) {
   return text.size() > kLongest ? result + "..." : result;
 }
 
+SharedFile::SharedFile(const std::filesystem::path& path) noexcept
+    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+
+SharedFile::~SharedFile() {
+  if (is_open()) close(descriptor_);
+}
+
+std::optional<std::uint64_t> SharedFile::size() const noexcept {
+  struct stat status {};
+  if (fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+bool SharedFile::read(void* bytes, std::size_t count) noexcept {
+  auto* to = static_cast<std::uint8_t*>(bytes);
+  while (count > 0) {
+    const ssize_t got = ::read(descriptor_, to, count);
+    if (got <= 0) return false;
+    to += got;
+    count -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+void SharedFile::touch() noexcept { static_cast<void>(futimens(descriptor_, nullptr)); }
+
 namespace {
 
 constexpr int kMostNamesTried = 100;

@@ -1,4 +1,4 @@
-// A file that is read at stated places and never past its end.
+// Files: read at stated places, shared with other processes, or replaced as a whole.
 #pragma once
 
 #include <bit>
@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,31 @@ class ByteFile {
 
 /// Text out of a file, fit for a message: control and non-ASCII characters become '?', at most 200 characters.
 [[nodiscard]] std::string printable(const std::string& text);
+
+// A file that other processes may remove or replace at any time.
+
+/// Opened for reading. Opening never waits, not even for a pipe of that name; no function throws.
+class SharedFile {
+ public:
+  explicit SharedFile(const std::filesystem::path& path) noexcept;
+  ~SharedFile();
+  SharedFile(const SharedFile&) = delete;
+  SharedFile& operator=(const SharedFile&) = delete;
+
+  [[nodiscard]] bool is_open() const noexcept { return descriptor_ >= 0; }
+
+  /// In bytes. Empty if this is not a regular file.
+  [[nodiscard]] std::optional<std::uint64_t> size() const noexcept;
+
+  /// Reads exactly `count` bytes from where the last read ended. False if the file ends before, or cannot be read.
+  [[nodiscard]] bool read(void* bytes, std::size_t count) noexcept;
+
+  /// Sets the time of its last change to now, where the system allows it.
+  void touch() noexcept;
+
+ private:
+  int descriptor_;
+};
 
 // A file that is whole or not there.
 
