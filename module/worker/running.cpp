@@ -89,20 +89,20 @@ void Scheduler::set_priority(JobRecord& job, Priority priority) {
 }
 
 void Scheduler::call_for_hands() {
-  if (crew_->lent()) {
+  if (executor_->lent()) {
     // Whoever ends the worker waits for this: the arena may go after it.
     const Lock lock(mutex_);
     if (closed_) return;
     ++calling_;
   }
-  const bool called = crew_->call_one(shared_from_this());
+  const bool called = executor_->call_one(shared_from_this());
   const Lock lock(mutex_);
-  if (crew_->lent()) {
+  if (executor_->lent()) {
     --calling_;
     idle_.notify_all();
   }
   // A thread that was called may yet be kept by a tile in which somebody waits; but then something runs.
-  if (!watching_ && any_waiting() && (!called || crew_->lent() || !running_.empty())) watch_.notify_one();
+  if (!watching_ && any_waiting() && (!called || executor_->lent() || !running_.empty())) watch_.notify_one();
 }
 
 void Scheduler::start_running(const std::shared_ptr<Computation>& computation) {
@@ -129,7 +129,7 @@ bool Scheduler::run_next() {
 }
 
 void Scheduler::help(const JobRecord& job) {
-  if (!Crew::runs_for(*this)) return look_briefly(job);
+  if (!ThreadExecutor::runs_for(*this)) return look_briefly(job);
   // A continuation waits for what it follows, and that for what it follows: from the first on.
   std::vector<std::shared_ptr<Computation>> line;
   try {
@@ -166,7 +166,7 @@ void Scheduler::run(const std::shared_ptr<Computation>& computation) {
 
 void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error) {
   JobList jobs;
-  Leftovers leftovers;
+  Orphans orphans;
   std::size_t wanted = 0;
   {
     const Lock lock(mutex_);
@@ -183,7 +183,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
   if (!failed) computation->report(1.0);
   for (const std::shared_ptr<JobRecord>& job : jobs) {
     if (job->withdrawn) {
-      fail(*job, *job->withdrawn, leftovers);
+      fail(*job, *job->withdrawn, orphans);
       continue;
     }
     --wanted;
@@ -197,16 +197,16 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
       job->fail(std::current_exception());
     }
     job->ready.store(true, std::memory_order_release);
-    pass_on(*job, leftovers);
+    pass_on(*job, orphans);
   }
   computation->release();
-  abandon(std::move(leftovers));
+  abandon(std::move(orphans));
   const Lock lock(mutex_);
   static_cast<void>(taken_out(computation));
 }
 
 void Scheduler::wait_until_idle() {
-  if (Crew::serves(*this)) return;
+  if (ThreadExecutor::serves(*this)) return;
   Lock lock(mutex_);
   idle_.wait(lock, [&] { return !any_waiting() && running_.empty(); });
 }

@@ -38,11 +38,11 @@ const WorkerOptions& checked(const WorkerOptions& options) {
 }  // namespace
 
 Scheduler::Scheduler(WorkerOptions options)
-    : options_(std::move(options)), crew_(std::make_unique<Crew>(checked(options_))) {}
+    : options_(std::move(options)), executor_(std::make_unique<ThreadExecutor>(checked(options_))) {}
 
 Scheduler::~Scheduler() = default;
 
-void Scheduler::start() { crew_->start(shared_from_this()); }
+void Scheduler::start() { executor_->start(shared_from_this()); }
 
 WorkerLoad Scheduler::load() const {
   const Lock lock(mutex_);
@@ -58,7 +58,7 @@ std::uint64_t Scheduler::next_id() noexcept {
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
-int Scheduler::threads() const noexcept { return crew_->threads(); }
+int Scheduler::threads() const noexcept { return executor_->threads(); }
 
 }  // namespace welkin::detail
 
@@ -141,7 +141,7 @@ bool Scheduler::nobody_moves() const {
     const Lock lock(mutex_);
     for (const std::shared_ptr<Computation>& computation : running_) threads.push_back(computation->thread);
   }
-  return crew_->all_asleep() && std::all_of(threads.begin(), threads.end(), asleep);
+  return executor_->all_asleep() && std::all_of(threads.begin(), threads.end(), asleep);
 }
 
 void Scheduler::watch() {
@@ -160,10 +160,10 @@ void Scheduler::watch() {
       lock.unlock();
       try {
         still = !moved && nobody_moves() ? still + 1 : 0;
-        crew_->call_all();
-        if (still >= (crew_->lent() && !runs ? kLooksBeforeRescueFromLent : kLooksBeforeRescue)) {
+        executor_->call_all();
+        if (still >= (executor_->lent() && !runs ? kLooksBeforeRescueFromLent : kLooksBeforeRescue)) {
           still = 0;
-          crew_->rescue(shared_from_this());
+          executor_->rescue(shared_from_this());
         }
       } catch (const std::bad_alloc&) {
         // The next look may do better.
@@ -187,18 +187,18 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   posted->bytes = options.bytes.value_or(bytes);
 
   // All that may run out of memory comes before the books change.
-  Newcomer newcomer{job};
-  Aftermath aftermath;
+  PendingPost pending{job};
+  DeferredWork deferred;
   Admission admission{};
   {
     Lock lock(mutex_);
     try {
-      while ((admission = decide(newcomer, aftermath)) == Admission::wait) {
-        if (aftermath.losers.empty() && !aftermath.stopping) {
+      while ((admission = decide(pending, deferred)) == Admission::wait) {
+        if (deferred.losers.empty() && !deferred.stopping) {
           room_.wait(lock);
         } else {
           lock.unlock();
-          carry_out(std::exchange(aftermath, {}));
+          carry_out(std::exchange(deferred, {}));
           lock.lock();
         }
       }
@@ -207,10 +207,10 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
       throw;
     }
   }
-  carry_out(std::move(aftermath));
+  carry_out(std::move(deferred));
   if (admission == Admission::refused) {
     posted->release();
-    Leftovers none;  // nobody knows of the job yet
+    Orphans none;  // nobody knows of the job yet
     fail(*job, *job->withdrawn, none);
   } else if (job->computation == posted) {
     call_for_hands();
@@ -219,8 +219,8 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   }
 }
 
-Scheduler::Admission Scheduler::decide(Newcomer& newcomer, Aftermath& aftermath) {
-  const std::shared_ptr<JobRecord>& job = newcomer.job;
+Scheduler::Admission Scheduler::decide(PendingPost& pending, DeferredWork& deferred) {
+  const std::shared_ptr<JobRecord>& job = pending.job;
   const std::uint64_t bytes = job->computation->bytes;
   const auto refuse = [&](ErrorCode reason) {
     forget(*job);
@@ -232,7 +232,7 @@ Scheduler::Admission Scheduler::decide(Newcomer& newcomer, Aftermath& aftermath)
   if (job->withdrawn) return refuse(*job->withdrawn);  // a newer job of its key came while it waited for room
   if (bytes > options_.most_bytes) return refuse(ErrorCode::limit_exceeded);
 
-  const std::shared_ptr<Computation> equal = find_equal(newcomer);
+  const std::shared_ptr<Computation> equal = find_equal(pending);
   std::shared_ptr<JobRecord> older;
   if (!job->key.empty()) {
     older = newest_.try_emplace(job->key).first->second;
@@ -248,48 +248,48 @@ Scheduler::Admission Scheduler::decide(Newcomer& newcomer, Aftermath& aftermath)
   if (!fits(freed_jobs, more_bytes, freed_bytes)) {
     switch (options_.when_full) {
       case WhenFull::wait:
-        if (Crew::serves(*this)) break;
+        if (ThreadExecutor::serves(*this)) break;
         if (!job->key.empty()) newest_[job->key] = job;
-        if (older) withdraw(older, ErrorCode::replaced, aftermath);
+        if (older) withdraw(older, ErrorCode::replaced, deferred);
         return Admission::wait;
       case WhenFull::refuse: return refuse(ErrorCode::queue_full);
       case WhenFull::drop_oldest: {
         const std::array<const Computation*, 2> spared{equal.get(), older_goes ? older->computation.get() : nullptr};
-        if (!make_room(*job, freed_jobs, more_bytes, freed_bytes, spared, aftermath)) {
+        if (!make_room(*job, freed_jobs, more_bytes, freed_bytes, spared, deferred)) {
           return refuse(ErrorCode::queue_full);
         }
       }
     }
   }
-  admit(newcomer, equal, older, aftermath);
+  admit(pending, equal, older, deferred);
   return Admission::admitted;
 }
 
-void Scheduler::admit(Newcomer& newcomer, const std::shared_ptr<Computation>& equal,
-                      const std::shared_ptr<JobRecord>& older, Aftermath& aftermath) {
-  const std::shared_ptr<JobRecord>& job = newcomer.job;
+void Scheduler::admit(PendingPost& pending, const std::shared_ptr<Computation>& equal,
+                      const std::shared_ptr<JobRecord>& older, DeferredWork& deferred) {
+  const std::shared_ptr<JobRecord>& job = pending.job;
   if (equal) job->computation = equal;
-  job->computation->jobs.splice(job->computation->jobs.end(), newcomer.job_node);
+  job->computation->jobs.splice(job->computation->jobs.end(), pending.job_node);
   job->counted = true;
   ++jobs_;
   if (equal) {
     if (job->priority > equal->priority) rank(equal, job->priority);
   } else {
     bytes_ += job->computation->bytes;
-    enqueue(job->computation, newcomer.node, false);
-    if (!newcomer.entry.empty()) {
-      job->computation->entry = shareable_.insert(newcomer.entry.extract(newcomer.entry.begin()));
+    enqueue(job->computation, pending.node, false);
+    if (!pending.entry.empty()) {
+      job->computation->entry = shareable_.insert(pending.entry.extract(pending.entry.begin()));
       job->computation->indexed = true;
     }
   }
   if (!job->key.empty()) newest_.find(job->key)->second = job;
   // Last: if it is the older job's run that this one shares, that must not stop.
-  if (older) withdraw(older, ErrorCode::replaced, aftermath);
+  if (older) withdraw(older, ErrorCode::replaced, deferred);
 }
 
-std::shared_ptr<Computation> Scheduler::find_equal(const Newcomer& newcomer) const {
-  if (newcomer.entry.empty()) return nullptr;
-  const auto [hash, computation] = *newcomer.entry.begin();
+std::shared_ptr<Computation> Scheduler::find_equal(const PendingPost& pending) const {
+  if (pending.entry.empty()) return nullptr;
+  const auto [hash, computation] = *pending.entry.begin();
   const auto [first, last] = shareable_.equal_range(hash);
   for (auto candidate = first; candidate != last; ++candidate) {
     // One that was told to stop gives no result.
@@ -313,7 +313,7 @@ bool Scheduler::fits(std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t 
 }
 
 bool Scheduler::make_room(const JobRecord& job, std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t freed_bytes,
-                          const std::array<const Computation*, 2>& spared, Aftermath& aftermath) {
+                          const std::array<const Computation*, 2>& spared, DeferredWork& deferred) {
   // Of those that may go, in the order in which they would: how many it takes.
   const auto each = [&](auto take) {
     for (int priority = 0; priority <= static_cast<int>(job.priority); ++priority) {
@@ -337,7 +337,7 @@ bool Scheduler::make_room(const JobRecord& job, std::size_t freed_jobs, std::uin
   });
   if (!enough) return false;
   each([&](const std::shared_ptr<Computation>& candidate) {
-    withdraw_all(candidate, ErrorCode::queue_full, aftermath);
+    withdraw_all(candidate, ErrorCode::queue_full, deferred);
     return --number > 0;
   });
   return true;

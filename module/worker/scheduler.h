@@ -2,7 +2,7 @@
 //
 // Everything is guarded by one mutex, which is held for a few list operations at a time and never while code of a
 // request, a callback, a promise or a stop token runs (but for requests' operator==): what is to be done outside is
-// collected in an `Aftermath` and carried out after the mutex is let go.
+// collected in a `DeferredWork` and carried out after the mutex is unlocked.
 //
 // A computation is in one of three kinds of list: that of its parent's continuation, one of those that wait, that of
 // those that run. It is in none before it is let in and when it is over.
@@ -25,24 +25,25 @@
 
 namespace welkin::detail {
 
-class Crew;
+class ThreadExecutor;
 
-/// What a change of the books leaves to be done without the mutex.
-struct Aftermath {
+/// Work that a change of the books defers until the mutex is unlocked.
+struct DeferredWork {
   JobList losers;                         ///< whose futures get the error that `withdrawn` says
   ComputationList discarded;              ///< whose memory is to come back
   std::shared_ptr<Computation> stopping;  ///< that runs for nobody any more
 };
 
-/// What follows from the end of jobs when the worker has ended: for `abandon`.
-struct Leftovers {
-  ComputationList orphans;  ///< continuations that cannot start any more
-  DeliveryList late;        ///< that nobody will drain
+/// What was attached to jobs and has lost its worker, because that has ended: for `abandon`.
+struct Orphans {
+  ComputationList continuations;  ///< that cannot start any more
+  DeliveryList deliveries;        ///< that nobody will drain
 };
 
-/// A job that asks to be let in, with its places in the lists.
-struct Newcomer {
-  explicit Newcomer(std::shared_ptr<JobRecord> asking) : job(std::move(asking)), job_node{job}, node{job->computation} {
+/// A job that is being posted, with the list nodes it needs once it is admitted.
+struct PendingPost {
+  explicit PendingPost(std::shared_ptr<JobRecord> asking)
+      : job(std::move(asking)), job_node{job}, node{job->computation} {
     job->place = job_node.begin();
     if (job->computation->shareable()) entry.emplace(job->computation->hash(), job->computation);
   }
@@ -82,7 +83,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] WorkerLoad load() const;
   [[nodiscard]] int threads() const noexcept;
 
-  // What a crew's threads do.
+  // What the executor's threads do.
   /// Runs the first of those that wait; false if there is none.
   bool run_next();
   [[nodiscard]] bool has_waiting() const;
@@ -93,31 +94,31 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
  private:
   using Lock = std::unique_lock<std::mutex>;
 
-  // Letting jobs in (admission.cpp). With the mutex held, but for that of `submit`.
+  // Admitting jobs (scheduler.cpp). With the mutex held, but for that of `submit`.
   enum class Admission { admitted, refused, wait };
-  [[nodiscard]] Admission decide(Newcomer& newcomer, Aftermath& aftermath);
-  void admit(Newcomer& newcomer, const std::shared_ptr<Computation>& equal, const std::shared_ptr<JobRecord>& older,
-             Aftermath& aftermath);
-  [[nodiscard]] std::shared_ptr<Computation> find_equal(const Newcomer& newcomer) const;
+  [[nodiscard]] Admission decide(PendingPost& pending, DeferredWork& deferred);
+  void admit(PendingPost& pending, const std::shared_ptr<Computation>& equal, const std::shared_ptr<JobRecord>& older,
+             DeferredWork& deferred);
+  [[nodiscard]] std::shared_ptr<Computation> find_equal(const PendingPost& pending) const;
   [[nodiscard]] bool fits(std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t freed_bytes) const noexcept;
   [[nodiscard]] bool make_room(const JobRecord& job, std::size_t freed_jobs, std::uint64_t bytes,
                                std::uint64_t freed_bytes, const std::array<const Computation*, 2>& spared,
-                               Aftermath& aftermath);
+                               DeferredWork& deferred);
   void count_out(JobRecord& job);
   void forget(const JobRecord& job);
   /// No more jobs join it.
   void close(Computation& computation);
 
   // Giving jobs up, and what follows when they are done (settling.cpp).
-  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Aftermath& aftermath);
-  void withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason, Aftermath& aftermath);
+  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& deferred);
+  void withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason, DeferredWork& deferred);
   void settle(JobRecord& job);
-  void carry_out(Aftermath aftermath);
-  void fail(JobRecord& job, ErrorCode reason, Leftovers& leftovers);
+  void carry_out(DeferredWork deferred);
+  void fail(JobRecord& job, ErrorCode reason, Orphans& orphans);
   /// Hands on what was attached to a job that is done.
-  void pass_on(JobRecord& job, Leftovers& leftovers);
-  void abandon(Leftovers leftovers);
-  ComputationList fail_orphans(Leftovers& leftovers);
+  void pass_on(JobRecord& job, Orphans& orphans);
+  void abandon(Orphans orphans);
+  ComputationList fail_orphans(Orphans& orphans);
   static void let_go(const ComputationList& ended, const DeliveryList& late);
   void stop_running();
   [[nodiscard]] static std::uint64_t next_id() noexcept;
@@ -135,11 +136,11 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void run(const std::shared_ptr<Computation>& computation);
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
-  /// Whether no thread of this scheduler's runs or is about to (watching.cpp). Without the mutex.
+  /// Whether no thread of this scheduler's runs or is about to (scheduler.cpp). Without the mutex.
   [[nodiscard]] bool nobody_moves() const;
 
   WorkerOptions options_;
-  std::unique_ptr<Crew> crew_;
+  std::unique_ptr<ThreadExecutor> executor_;
 
   mutable std::mutex mutex_;
   std::condition_variable room_;            ///< for those who wait in `submit`

@@ -34,7 +34,7 @@ std::exception_ptr error_of(const JobRecord& job, ErrorCode reason) noexcept {
 
 }  // namespace
 
-bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Aftermath& aftermath) {
+bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& deferred) {
   if (job->settled || job->withdrawn) return false;
   // A continuation that has not started gives up the job that it follows, which nobody else hears of.
   while (job && !job->settled && !job->withdrawn) {
@@ -42,17 +42,17 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, After
     const std::shared_ptr<Computation> computation = job->computation;
     std::shared_ptr<JobRecord> next;
     if (computation->jobs.size() > 1) {
-      aftermath.losers.splice(aftermath.losers.end(), computation->jobs, job->place);
+      deferred.losers.splice(deferred.losers.end(), computation->jobs, job->place);
       settle(*job);
       update_priority(computation);
     } else if (computation->list == &running_) {
-      aftermath.stopping = computation;
+      deferred.stopping = computation;
     } else if (computation->list != nullptr) {
       next = computation->parent;
       settle(*job);
-      aftermath.losers.splice(aftermath.losers.end(), computation->jobs);
+      deferred.losers.splice(deferred.losers.end(), computation->jobs);
       ComputationList node = taken_out(computation);
-      aftermath.discarded.splice(aftermath.discarded.end(), node);
+      deferred.discarded.splice(deferred.discarded.end(), node);
     } else {
       room_.notify_all();  // it still waits in `submit`, which looks
     }
@@ -61,9 +61,10 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, After
   return true;
 }
 
-void Scheduler::withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason, Aftermath& aftermath) {
+void Scheduler::withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason,
+                             DeferredWork& deferred) {
   while (!computation->jobs.empty()) {
-    if (!withdraw(computation->jobs.front(), reason, aftermath)) return;
+    if (!withdraw(computation->jobs.front(), reason, deferred)) return;
   }
 }
 
@@ -72,29 +73,29 @@ void Scheduler::settle(JobRecord& job) {
   count_out(job);
 }
 
-void Scheduler::carry_out(Aftermath aftermath) {
-  if (aftermath.stopping) {
+void Scheduler::carry_out(DeferredWork deferred) {
+  if (deferred.stopping) {
     // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
-    const Crew::Service service(*this, Crew::Role::bystander);
-    aftermath.stopping->stop.request_stop();
+    const ThreadExecutor::Service service(*this, ThreadExecutor::Role::bystander);
+    deferred.stopping->stop.request_stop();
   }
-  Leftovers leftovers;
-  for (const std::shared_ptr<JobRecord>& job : aftermath.losers) fail(*job, *job->withdrawn, leftovers);
-  for (const std::shared_ptr<Computation>& computation : aftermath.discarded) computation->release();
-  abandon(std::move(leftovers));
+  Orphans orphans;
+  for (const std::shared_ptr<JobRecord>& job : deferred.losers) fail(*job, *job->withdrawn, orphans);
+  for (const std::shared_ptr<Computation>& computation : deferred.discarded) computation->release();
+  abandon(std::move(orphans));
 }
 
-void Scheduler::fail(JobRecord& job, ErrorCode reason, Leftovers& leftovers) {
+void Scheduler::fail(JobRecord& job, ErrorCode reason, Orphans& orphans) {
   job.fail(error_of(job, reason));
   job.ready.store(true, std::memory_order_release);
-  pass_on(job, leftovers);
+  pass_on(job, orphans);
 }
 
-void Scheduler::pass_on(JobRecord& job, Leftovers& leftovers) {
+void Scheduler::pass_on(JobRecord& job, Orphans& orphans) {
   {
     const Lock lock(mutex_);
     job.done = true;
-    DeliveryList& deliveries = abandoned_ ? leftovers.late : drained_;
+    DeliveryList& deliveries = abandoned_ ? orphans.deliveries : drained_;
     deliveries.splice(deliveries.end(), job.delivery);
     undrained_.store(drained_.size(), std::memory_order_release);
     if (job.continuation.empty()) return;
@@ -102,7 +103,7 @@ void Scheduler::pass_on(JobRecord& job, Leftovers& leftovers) {
     next->parent = nullptr;
     if (closed_) {
       ComputationList node = taken_out(next);
-      leftovers.orphans.splice(leftovers.orphans.end(), node);
+      orphans.continuations.splice(orphans.continuations.end(), node);
       return;
     }
     enqueue(next, job.continuation, true);
@@ -110,19 +111,19 @@ void Scheduler::pass_on(JobRecord& job, Leftovers& leftovers) {
   call_for_hands();
 }
 
-void Scheduler::abandon(Leftovers leftovers) {
-  const ComputationList ended = fail_orphans(leftovers);
-  let_go(ended, leftovers.late);
+void Scheduler::abandon(Orphans orphans) {
+  const ComputationList ended = fail_orphans(orphans);
+  let_go(ended, orphans.deliveries);
 }
 
 /// No code of the user's runs in here.
-ComputationList Scheduler::fail_orphans(Leftovers& leftovers) {
+ComputationList Scheduler::fail_orphans(Orphans& orphans) {
   // One continuation after the other, not each inside its parent's end: a chain may be long. And all jobs get their
   // errors before any coroutine goes on: it may wait for one of them.
   ComputationList ended;
-  while (!leftovers.orphans.empty()) {
-    const std::shared_ptr<Computation> computation = leftovers.orphans.front();
-    ended.splice(ended.end(), leftovers.orphans, leftovers.orphans.begin());
+  while (!orphans.continuations.empty()) {
+    const std::shared_ptr<Computation> computation = orphans.continuations.front();
+    ended.splice(ended.end(), orphans.continuations, orphans.continuations.begin());
     JobList jobs;
     {
       const Lock lock(mutex_);
@@ -132,7 +133,7 @@ ComputationList Scheduler::fail_orphans(Leftovers& leftovers) {
         settle(*job);
       }
     }
-    for (const std::shared_ptr<JobRecord>& job : jobs) fail(*job, *job->withdrawn, leftovers);
+    for (const std::shared_ptr<JobRecord>& job : jobs) fail(*job, *job->withdrawn, orphans);
   }
   return ended;
 }
@@ -153,13 +154,13 @@ void Scheduler::let_go(const ComputationList& ended, const DeliveryList& late) {
 }
 
 bool Scheduler::cancel(const std::shared_ptr<JobRecord>& job) {
-  Aftermath aftermath;
+  DeferredWork deferred;
   bool given_up = false;
   {
     const Lock lock(mutex_);
-    given_up = withdraw(job, ErrorCode::cancelled, aftermath);
+    given_up = withdraw(job, ErrorCode::cancelled, deferred);
   }
-  carry_out(std::move(aftermath));
+  carry_out(std::move(deferred));
   return given_up;
 }
 
@@ -174,7 +175,7 @@ bool Scheduler::attach(JobRecord& parent, DeliveryList delivery) {
 
 bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
                        const std::shared_ptr<JobRecord>& job) {
-  Leftovers leftovers;
+  Orphans orphans;
   ComputationList node{child};
   if (job) job->place = child->jobs.insert(child->jobs.end(), job);
   {
@@ -195,13 +196,13 @@ bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shar
     if (!closed_) {
       enqueue(child, node, true);
     } else if (job) {
-      leftovers.orphans.splice(leftovers.orphans.end(), node);
+      orphans.continuations.splice(orphans.continuations.end(), node);
     } else {
       return false;
     }
   }
-  if (!leftovers.orphans.empty()) {
-    abandon(std::move(leftovers));
+  if (!orphans.continuations.empty()) {
+    abandon(std::move(orphans));
     return false;
   }
   call_for_hands();
@@ -237,7 +238,7 @@ std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
 }
 
 void Scheduler::terminate() {
-  Leftovers left;
+  Orphans left;
   {
     const Lock lock(mutex_);
     closed_ = true;
@@ -245,7 +246,7 @@ void Scheduler::terminate() {
       while (!list.empty()) {
         const std::shared_ptr<Computation> computation = list.front();
         ComputationList node = taken_out(computation);
-        left.orphans.splice(left.orphans.end(), node);
+        left.continuations.splice(left.continuations.end(), node);
       }
     }
     for (const std::shared_ptr<Computation>& computation : running_) {
@@ -264,18 +265,18 @@ void Scheduler::terminate() {
     idle_.notify_all();
   }
   stop_running();
-  let_go(ended, left.late);
-  crew_->dismiss();
-  if (Crew::serves(*this)) return;
+  let_go(ended, left.deliveries);
+  executor_->dismiss();
+  if (ThreadExecutor::serves(*this)) return;
   {
     Lock lock(mutex_);
     idle_.wait(lock, [&] { return running_.empty() && calling_ == 0 && ending_ == 0; });
   }
-  crew_->join();
+  executor_->join();
 }
 
 void Scheduler::stop_running() {
-  const Crew::Service service(*this, Crew::Role::bystander);  // as in `carry_out`
+  const ThreadExecutor::Service service(*this, ThreadExecutor::Role::bystander);  // as in `carry_out`
   for (;;) {
     std::stop_source stop(std::nostopstate);
     {
@@ -292,15 +293,15 @@ void Scheduler::stop_running() {
 }
 
 void Scheduler::abandon_rest() {
-  Leftovers rest;
+  Orphans rest;
   {
     const Lock lock(mutex_);
     abandoned_ = true;
-    rest.late.splice(rest.late.end(), drained_);
+    rest.deliveries.splice(rest.deliveries.end(), drained_);
     undrained_.store(0, std::memory_order_release);
   }
   abandon(std::move(rest));
-  if (Crew::serves(*this)) crew_->detach();
+  if (ThreadExecutor::serves(*this)) executor_->detach();
 }
 
 }  // namespace welkin::detail

@@ -17,7 +17,7 @@
 namespace welkin::detail {
 namespace {
 
-thread_local const Crew::Service* innermost_service = nullptr;
+thread_local const ThreadExecutor::Service* innermost_service = nullptr;
 
 /// Has oneTBB make the threads of the process's pool now, and from here. It makes them when they are first wanted, and
 /// a thread inherits its maker's rank: made from one of ours, by a request that opens an arena of its own, the engine's
@@ -43,27 +43,27 @@ void make_pool_threads() {
 
 }  // namespace
 
-Crew::Service::Service(const Scheduler& scheduler, Role role) noexcept
+ThreadExecutor::Service::Service(const Scheduler& scheduler, Role role) noexcept
     : scheduler_(&scheduler), role_(role), outer_(innermost_service) {
   innermost_service = this;
 }
-Crew::Service::~Service() { innermost_service = outer_; }
+ThreadExecutor::Service::~Service() { innermost_service = outer_; }
 
-bool Crew::serves(const Scheduler& scheduler) noexcept {
+bool ThreadExecutor::serves(const Scheduler& scheduler) noexcept {
   for (const Service* service = innermost_service; service != nullptr; service = service->outer_) {
     if (service->scheduler_ == &scheduler) return true;
   }
   return false;
 }
 
-bool Crew::runs_for(const Scheduler& scheduler) noexcept {
+bool ThreadExecutor::runs_for(const Scheduler& scheduler) noexcept {
   for (const Service* service = innermost_service; service != nullptr; service = service->outer_) {
     if (service->scheduler_ == &scheduler && service->role_ == Role::worker) return true;
   }
   return false;
 }
 
-Crew::Crew(const WorkerOptions& options)
+ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
     : threads_(options.lent_arena ? 0
                                   : (options.threads == 0 ? std::max(1, available_threads() - 1) : options.threads)),
       priority_(options.thread_priority),
@@ -77,9 +77,9 @@ Crew::Crew(const WorkerOptions& options)
   parked_.reserve(static_cast<std::size_t>(threads_));
 }
 
-Crew::~Crew() = default;
+ThreadExecutor::~ThreadExecutor() = default;
 
-void Crew::set_up_thread(const char* suffix) const noexcept {
+void ThreadExecutor::set_up_thread(const char* suffix) const noexcept {
   // What is cut is the name, not what tells the threads apart.
   const int room = static_cast<int>(kMostNameCharacters - std::strlen(suffix) - 1);
   char name[kMostNameCharacters + 1] = {};
@@ -88,7 +88,7 @@ void Crew::set_up_thread(const char* suffix) const noexcept {
   rank_current_thread(priority_);
 }
 
-void Crew::start(const std::shared_ptr<Scheduler>& scheduler) {
+void ThreadExecutor::start(const std::shared_ptr<Scheduler>& scheduler) {
   if (!lent() && priority_ != ThreadPriority::normal) make_pool_threads();
   const std::lock_guard lock(threads_mutex_);
   own_threads_.reserve(static_cast<std::size_t>(threads_) + 1);
@@ -101,7 +101,7 @@ void Crew::start(const std::shared_ptr<Scheduler>& scheduler) {
   });
 }
 
-void Crew::serve(Scheduler& scheduler, int number) {
+void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   char suffix[8] = {};
   std::snprintf(suffix, sizeof suffix, "%d", number);
   set_up_thread(suffix);
@@ -127,7 +127,7 @@ void Crew::serve(Scheduler& scheduler, int number) {
   }
 }
 
-void Crew::park(const Scheduler& scheduler) {
+void ThreadExecutor::park(const Scheduler& scheduler) {
   Parking parking;
   parking.blocker = parking.group.defer([] {});
   {
@@ -144,7 +144,7 @@ void Crew::park(const Scheduler& scheduler) {
   parking.group.wait();
 }
 
-bool Crew::call_one(const std::shared_ptr<Scheduler>& scheduler) {
+bool ThreadExecutor::call_one(const std::shared_ptr<Scheduler>& scheduler) {
   if (lent()) {
     try {
       lent_arena_([scheduler] {
@@ -166,7 +166,7 @@ bool Crew::call_one(const std::shared_ptr<Scheduler>& scheduler) {
   return true;
 }
 
-void Crew::call_all() {
+void ThreadExecutor::call_all() {
   for (;;) {
     tbb::task_handle blocker;
     const std::lock_guard lock(mutex_);
@@ -176,7 +176,7 @@ void Crew::call_all() {
   }
 }
 
-void Crew::rescue(const std::shared_ptr<Scheduler>& scheduler) {
+void ThreadExecutor::rescue(const std::shared_ptr<Scheduler>& scheduler) {
   const std::lock_guard lock(threads_mutex_);
   if (leaving_) return;
   rescuers_.remove_if([](Rescuer& rescuer) {
@@ -204,12 +204,12 @@ void Crew::rescue(const std::shared_ptr<Scheduler>& scheduler) {
   }
 }
 
-bool Crew::all_asleep() const {
+bool ThreadExecutor::all_asleep() const {
   return std::all_of(numbers_.begin(), numbers_.end(),
                      [](const std::atomic<long>& number) { return number != 0 && asleep(number); });
 }
 
-void Crew::dismiss() {
+void ThreadExecutor::dismiss() {
   {
     const std::lock_guard lock(mutex_);
     dismissed_ = true;
@@ -221,7 +221,7 @@ void Crew::dismiss() {
   call_all();
 }
 
-void Crew::join() {
+void ThreadExecutor::join() {
   // No thread is added any more, so the lists need no guard; but only one may join, and all wait for that.
   const std::lock_guard lock(join_mutex_);
   for (std::thread& thread : own_threads_) {
@@ -232,7 +232,7 @@ void Crew::join() {
   }
 }
 
-void Crew::detach() {
+void ThreadExecutor::detach() {
   const std::lock_guard lock(join_mutex_);
   for (std::thread& thread : own_threads_) {
     if (thread.joinable()) thread.detach();

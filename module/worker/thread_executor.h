@@ -22,12 +22,12 @@ namespace welkin::detail {
 /// and the pool stays the engine's. A thread that finds nothing to start parks: it waits in the arena for a task group
 /// that whoever has work for it ends. oneTBB has it take part in the parallel work of the others meanwhile, and puts it
 /// to sleep if there is none.
-class Crew {
+class ThreadExecutor {
  public:
-  explicit Crew(const WorkerOptions& options);
-  ~Crew();
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  explicit ThreadExecutor(const WorkerOptions& options);
+  ~ThreadExecutor();
+  ThreadExecutor(const ThreadExecutor&) = delete;
+  ThreadExecutor& operator=(const ThreadExecutor&) = delete;
 
   /// Starts the threads, one of which watches. They keep `scheduler`. Throws std::system_error: then some may run.
   void start(const std::shared_ptr<Scheduler>& scheduler);
@@ -69,7 +69,7 @@ class Crew {
     Service& operator=(const Service&) = delete;
 
    private:
-    friend class Crew;
+    friend class ThreadExecutor;
     const Scheduler* scheduler_;
     Role role_;
     const Service* outer_;
