@@ -15,7 +15,7 @@
 #include "image/cubemap.h"
 #include "jobs/pass_graph.h"
 #include "jobs/tiles.h"
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_source.h"
 #include "welkin/error.h"
@@ -72,7 +72,7 @@ class Baking {
 
   [[nodiscard]] Work work_of(BakePass pass) const {
     switch (pass) {
-      case BakePass::clean: return &Baking::clean;
+      case BakePass::sanitize: return &Baking::sanitize;
       case BakePass::specular: return plan_.stored_specular ? &Baking::take_specular : &Baking::prefilter;
       case BakePass::background: return &Baking::fill_background;
       case BakePass::background_mips: return &Baking::fill_levels;
@@ -112,26 +112,27 @@ class Baking {
     return {name(planned.action), planned.reason};
   }
 
-  Outcome clean(const Control& control) {
-    clean_.emplace(source_, options_.pixels, control);
-    if (clean_->bytes() == 0) return {"reuse", "the source's own pixels, looked through: they are clean RGB floats"};
+  Outcome sanitize(const Control& control) {
+    sanitized_.emplace(source_, options_.pixels, control);
+    if (sanitized_->bytes() == 0)
+      return {"reuse", "the source's own pixels, looked through: they are clean RGB floats"};
     return {"run", "a copy as RGB floats, clamped and replaced as asked for"};
   }
 
-  [[nodiscard]] const View& clean_view() const { return projection::view_of(*clean_, source_); }
+  [[nodiscard]] const View& sanitized_view() const { return projection::view_of(*sanitized_, source_); }
 
   Outcome fill_background(const Control& control) {
     CubemapChain& chain = result_.background;
     const int size = chain.size();
     // A chain of huge values went through a scale and back, which loses what is very dark.
-    if (plan_.same_level && !(clean_ && reflections::safe_scale(*clean_) != 1.0F)) {
+    if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
       return done(BakePass::background);
     }
     if constexpr (std::is_same_v<View, LatLongView>) {
-      image::fill_cubemap(clean_view(), chain, ResampleFilter::area, control);
+      image::fill_cubemap(sanitized_view(), chain, ResampleFilter::area, control);
     } else {
-      const CubemapImage image = to_cubemap(clean_view(), size, glm::dmat3(1.0), control);
+      const CubemapImage image = to_cubemap(sanitized_view(), size, glm::dmat3(1.0), control);
       std::copy(image.pixels.begin(), image.pixels.end(), chain.face(0, 0));
     }
     return done(BakePass::background);
@@ -182,7 +183,7 @@ class Baking {
     PrefilterOptions prefiltering = *options_.specular;
     prefiltering.pixels = {};
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    result_.specular = reflections::prefilter(clean_view(), prefiltering, 0, std::move(room), control).specular;
+    result_.specular = reflections::prefilter(sanitized_view(), prefiltering, 0, std::move(room), control).specular;
     return done(BakePass::specular);
   }
 
@@ -204,7 +205,7 @@ class Baking {
   }
 
   Outcome convolve_irradiance(const Control& control) {
-    result_.irradiance = direct_irradiance_cubemap(clean_view(), options_.irradiance_size, control);
+    result_.irradiance = direct_irradiance_cubemap(sanitized_view(), options_.irradiance_size, control);
     return done(BakePass::irradiance);
   }
 
@@ -219,7 +220,7 @@ class Baking {
     ProjectionDiagnostics& diagnostics = result_.diagnostics;
     if (projection_) diagnostics = std::move(projection_->diagnostics);
     if (!projection_ || plan_.stored_harmonics) {
-      if (clean_) diagnostics = clean_->diagnostics();
+      if (sanitized_) diagnostics = sanitized_->diagnostics();
       diagnostics.texels = shape_.texels();
     }
     if (plan_.stored_harmonics) {
@@ -245,7 +246,7 @@ class Baking {
   BakeResult& result_;
   jobs::PassGraph graph_;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
-  std::optional<projection::CleanSource> clean_;
+  std::optional<projection::SanitizedSource> sanitized_;
   std::optional<Projection> projection_;
 };
 

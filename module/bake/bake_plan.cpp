@@ -148,15 +148,15 @@ BakeStep skipped(BakePass pass, std::string reason = kNotAskedFor) {
   return step(pass, PassAction::skip, std::move(reason));
 }
 
-BakeStep clean_step(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
+BakeStep sanitize_step(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
   const bool direct = options.irradiance_size > 0 && options.irradiance_method == IrradianceMethod::direct;
   const bool specular = options.specular && !plan.stored_specular;
   const bool background = plan.background_size > 0;
   if (!specular && !background && !direct)
-    return skipped(BakePass::clean, "no pass wants pixels but the projection, which cleans on the fly");
+    return skipped(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
   if (source.format == PixelFormat::rgb_f32 && !options.pixels.clamp && !options.pixels.gamma)
-    return step(BakePass::clean, PassAction::reuse, "RGB floats are looked through, and copied only if not clean");
-  return step(BakePass::clean, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for");
+    return step(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean");
+  return step(BakePass::sanitize, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for");
 }
 
 BakeStep specular_step(const BakeOptions& options, const BakePlan& plan) {
@@ -172,7 +172,7 @@ BakeStep specular_step(const BakeOptions& options, const BakePlan& plan) {
     what += "; left out: " + std::to_string(options.specular->leave_out_sharp) + " sharper, " +
             std::to_string(options.specular->leave_out_rough) + " rougher";
   }
-  return step(BakePass::specular, PassAction::run, what, {BakePass::clean});
+  return step(BakePass::specular, PassAction::run, what, {BakePass::sanitize});
 }
 
 BakeStep background_step(const SourceShape& source, const BakePlan& plan) {
@@ -182,7 +182,7 @@ BakeStep background_step(const SourceShape& source, const BakePlan& plan) {
                 {BakePass::specular});
   }
   return step(BakePass::background, PassAction::run,
-              source.words() + " to faces of " + edge(plan.background_size) + ", by area", {BakePass::clean});
+              source.words() + " to faces of " + edge(plan.background_size) + ", by area", {BakePass::sanitize});
 }
 
 BakeStep background_mips_step(const BakeOptions& options, const BakePlan& plan) {
@@ -214,7 +214,7 @@ BakeStep irradiance_step(const BakeOptions& options) {
   if (options.irradiance_size == 0) return skipped(BakePass::irradiance);
   const std::string size = edge(options.irradiance_size);
   if (options.irradiance_method == IrradianceMethod::direct)
-    return step(BakePass::irradiance, PassAction::run, size + " by direct convolution in double", {BakePass::clean});
+    return step(BakePass::irradiance, PassAction::run, size + " by direct convolution in double", {BakePass::sanitize});
   return step(BakePass::irradiance, PassAction::run, size + " from " + std::to_string(options.bands) + " bands",
               {BakePass::project});
 }
@@ -229,7 +229,7 @@ BakeStep brdf_step(const BakeOptions& options) {
 
 const char* name(BakePass pass) noexcept {
   switch (pass) {
-    case BakePass::clean: return "clean";
+    case BakePass::sanitize: return "clean";
     case BakePass::specular: return "specular";
     case BakePass::background: return "background";
     case BakePass::background_mips: return "background mips";
@@ -241,7 +241,7 @@ const char* name(BakePass pass) noexcept {
 }
 
 std::vector<BakeStep> steps_of(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
-  return {clean_step(source, options, plan),
+  return {sanitize_step(source, options, plan),
           specular_step(options, plan),
           background_step(source, plan),
           background_mips_step(options, plan),

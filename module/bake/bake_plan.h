@@ -13,7 +13,7 @@
 namespace welkin::baking {
 
 /// The passes, in the order in which they are planned and recorded.
-enum class BakePass { clean, specular, background, background_mips, project, irradiance, brdf };
+enum class BakePass { sanitize, specular, background, background_mips, project, irradiance, brdf };
 
 /// "clean", "specular", "background", "background mips", "project", "irradiance", "brdf"
 [[nodiscard]] const char* name(BakePass pass) noexcept;

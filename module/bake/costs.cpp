@@ -123,7 +123,7 @@ double cost_of(BakePass pass, const SourceShape& source, const BakeOptions& opti
                const BakePlan& plan) {
   const bool reuse = plan.step(pass).planned.action == PassAction::reuse;
   switch (pass) {
-    case BakePass::clean: return costs.clean_texel * static_cast<double>(source.texels());
+    case BakePass::sanitize: return costs.clean_texel * static_cast<double>(source.texels());
     case BakePass::specular:
       if (reuse) return costs.copy_texel * texels_of_chain(plan.specular_size, plan.specular_mips);
       return prefiltering(source, reflections::plan_prefilter(*options.specular), options.specular->samples, costs);
@@ -152,7 +152,7 @@ Bytes bytes_of(BakePass pass, const SourceShape& source, const BakeOptions& opti
   const bool reuse = plan.step(pass).planned.action == PassAction::reuse;
   const std::uint64_t level = kTexelBytes * chain_texels(plan.background_size, 1);
   switch (pass) {
-    case BakePass::clean: return {0, kTexelBytes * source.texels()};  // reuse is a hope: the pixels may not be clean
+    case BakePass::sanitize: return {0, kTexelBytes * source.texels()};  // reuse is a hope: the pixels may need a copy
     case BakePass::specular: {
       const std::uint64_t chain = kTexelBytes * chain_texels(plan.specular_size, plan.specular_mips);
       return {chain, reuse ? 0 : prefilter_bytes(source, reflections::plan_prefilter(*options.specular))};

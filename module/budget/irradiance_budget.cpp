@@ -14,7 +14,7 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "projection/direct_irradiance.h"
 #include "projection/sun_detection.h"
 #include "welkin/error.h"
@@ -165,7 +165,7 @@ image::TexelGrid grid_of(const CubemapView& view) { return image::TexelGrid::cub
 image::TexelGrid grid_of(const LatLongView& view) { return image::TexelGrid::lat_long(view.width, view.height); }
 
 /// One class of rows: Int |L - mean|^2 and Int |L - mean|.
-HighBands sum_rows(const projection::CleanSource& source, const image::TexelGrid& grid, int row_class,
+HighBands sum_rows(const projection::SanitizedSource& source, const image::TexelGrid& grid, int row_class,
                    const glm::dvec3& mean, std::span<double> steradians) {
   HighBands sums;
   grid.solid_angles(row_class, steradians);
@@ -184,7 +184,7 @@ HighBands sum_rows(const projection::CleanSource& source, const image::TexelGrid
 template <class View>
 HighBands measure(const View& view, const SphericalHarmonics& radiance, const ProjectionOptions& options,
                   const Control& control) {
-  const projection::CleanSource source(view, options, {control.stop, {}});
+  const projection::SanitizedSource source(view, options, {control.stop, {}});
   const image::TexelGrid grid = grid_of(view);
   const glm::dvec3 mean = average_radiance(radiance);
   const auto classes = static_cast<std::size_t>(grid.row_classes());

@@ -23,7 +23,7 @@
 namespace welkin {
 namespace {
 
-using projection::CleanSource;
+using projection::SanitizedSource;
 using reflections::MipPlan;
 using reflections::PrefilterPlan;
 using transforms::Spectrum;
@@ -51,7 +51,7 @@ double transform_nanoseconds(double bands, double rings) {
   return kMultiplyNanoseconds * bands * bands / 2.0 * rings / 2.0 * 6.0;
 }
 
-double predicted(const PrefilterPlan& plan, const CleanSource& source) {
+double predicted(const PrefilterPlan& plan, const SanitizedSource& source) {
   const int rings = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
   double sum = transform_nanoseconds(plan.bands, rings);
   for (const MipPlan& mip : plan.mips) {
@@ -121,11 +121,13 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
   }
 }
 
-const LatLongView& clean_view(const CleanSource& source, const LatLongView& /*view*/) { return source.lat_long(); }
-const CubemapView& clean_view(const CleanSource& source, const CubemapView& /*view*/) { return source.cube(); }
+const LatLongView& sanitized_view(const SanitizedSource& source, const LatLongView& /*view*/) {
+  return source.lat_long();
+}
+const CubemapView& sanitized_view(const SanitizedSource& source, const CubemapView& /*view*/) { return source.cube(); }
 
 template <class View>
-PrefilterChoice choose_for(const View& view, const CleanSource& source, const PrefilterOptions& options,
+PrefilterChoice choose_for(const View& view, const SanitizedSource& source, const PrefilterOptions& options,
                            const ErrorBudget& budget, bool source_sizes, const Control& control) {
   const PrefilterPlan finest = reflections::plan_prefilter(with_bounds(options, kBounds.back()));
   PrefilterChoice choice;
@@ -145,8 +147,8 @@ PrefilterChoice choose_for(const View& view, const CleanSource& source, const Pr
   for (std::size_t k = 0; k < chosen.mips.size(); ++k)
     choice.mips.push_back({chosen.mips[k].roughness, errors[static_cast<std::size_t>(place)].mips[k], 0, 0.0});
   if (source_sizes && finest.bands > 0)
-    find_source_sizes(reduced(clean_view(source, view), {control.stop, {}}), chosen, energies, budget.relative, control,
-                      choice.mips);
+    find_source_sizes(reduced(sanitized_view(source, view), {control.stop, {}}), chosen, energies, budget.relative,
+                      control, choice.mips);
   if (control.progress) control.progress(1.0);
   return choice;
 }
@@ -156,12 +158,12 @@ PrefilterChoice choose(const View& view, const PrefilterOptions& options, const 
                        const Control& control) {
   budget::check_budget(budget);
   image::check_view(view);
-  const CleanSource source(view, options.pixels, {control.stop, {}});
+  const SanitizedSource source(view, options.pixels, {control.stop, {}});
   const float scale = reflections::safe_scale(source);
   if (scale == 1.0F) return choose_for(view, source, options, budget, source_sizes, control);
   const auto pixels = reflections::scaled(source, view, scale);  // as the prefilter itself does
-  const CleanSource clean(pixels.view(), {}, {control.stop, {}});
-  return choose_for(pixels.view(), clean, options, budget, source_sizes, control);
+  const SanitizedSource sanitized(pixels.view(), {}, {control.stop, {}});
+  return choose_for(pixels.view(), sanitized, options, budget, source_sizes, control);
 }
 
 }  // namespace
@@ -240,7 +242,7 @@ std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spect
 
 }  // namespace
 
-EnvironmentEnergies analyse_energies(const projection::CleanSource& source, const reflections::PrefilterPlan& plan,
+EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, const reflections::PrefilterPlan& plan,
                                      int bands, const Control& control) {
   const Control quiet{control.stop, {}};
   EnvironmentEnergies energies;
@@ -255,8 +257,8 @@ EnvironmentEnergies analyse_energies(const projection::CleanSource& source, cons
   energies.spectrum = transforms::analyse(image.view(), bands, quiet);
   energies.whole = band_energies(energies.spectrum);
   if (source.cubemap()) energies.rings = ring_energies(source.cube(), image.height, energies.spectrum, quiet);
-  const projection::CleanSource clean(image.view(), {}, quiet);
-  const auto bright = reflections::find_bright_texels(clean, plan.least_alpha, kMostBright, quiet);
+  const projection::SanitizedSource sanitized(image.view(), {}, quiet);
+  const auto bright = reflections::find_bright_texels(sanitized, plan.least_alpha, kMostBright, quiet);
   if (bright.empty()) {
     energies.rest = energies.whole;
     return energies;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 
@@ -25,7 +25,7 @@ struct EnvironmentEnergies {
 };
 
 /// `plan` says how narrow lobes get. Throws `Error` (cancelled).
-[[nodiscard]] EnvironmentEnergies analyse_energies(const projection::CleanSource& source,
+[[nodiscard]] EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source,
                                                    const reflections::PrefilterPlan& plan, int bands,
                                                    const Control& control);
 

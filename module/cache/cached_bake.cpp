@@ -18,7 +18,7 @@
 namespace welkin::cache {
 namespace {
 
-/// What a mip's bits depend on beside the source and how its pixels are cleaned: see `Prefilter`.
+/// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
 ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip,
                     const PrefilterOptions& options) {
   ByteWriter writer;
@@ -216,16 +216,16 @@ class CachedBake {
     if (missing.specular) chain_->add(store_, std::move(*result_.specular));
   }
 
-  /// As a bake has them: the projection's, or where there is none those of cleaning.
+  /// As a bake has them: the projection's, or where there is none those of sanitizing.
   [[nodiscard]] ProjectionDiagnostics diagnostics(const Control& control) {
     if (projection_) return std::move(projection_->diagnostics);
     ProjectionDiagnostics texels;
     texels.texels = shape_of(view_).texels();
-    if (!runs(BakePass::clean)) return texels;
-    const EntryName entry = cache::cleaned_name(source_, options_.pixels);
-    if (auto found = cache::find_cleaned(store_, entry)) return std::move(found->diagnostics);
-    const projection::CleanSource clean(view_, options_.pixels, {control.stop, {}});
-    return cache::store_cleaned(store_, entry, clean).diagnostics;
+    if (!runs(BakePass::sanitize)) return texels;
+    const EntryName entry = cache::sanitized_name(source_, options_.pixels);
+    if (auto found = cache::find_sanitized(store_, entry)) return std::move(found->diagnostics);
+    const projection::SanitizedSource sanitized(view_, options_.pixels, {control.stop, {}});
+    return cache::store_sanitized(store_, entry, sanitized).diagnostics;
   }
 
   void take_found() {
@@ -246,9 +246,9 @@ class CachedBake {
       record.milliseconds += chain_->milliseconds();
     }
     result_.specular = chain_->take();
-    ProjectionDiagnostics clean;  // what was prefiltered has been cleaned before
-    clean.texels = shape_of(view_).texels();
-    reflections::describe_pixels(clean, {}, *result_.specular);
+    ProjectionDiagnostics pixels;  // nothing to report: what was prefiltered has been sanitized before
+    pixels.texels = shape_of(view_).texels();
+    reflections::describe_pixels(pixels, {}, *result_.specular);
   }
 
   [[nodiscard]] PassRecord reused(BakePass pass, const char* where, double milliseconds) const {

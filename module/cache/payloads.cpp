@@ -177,7 +177,7 @@ Bytes encode(const projection::FaceSums& sums) {
   Saver saver(sums.bytes());
   saver(sums.functions, sums.records.size());
   saver.writer.raw(sums.values.data(), sums.values.size() * sizeof(double));
-  for (const projection::CleaningRecord& record : sums.records) {
+  for (const projection::SanitizeRecord& record : sums.records) {
     saver(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(saver, record.flux_removed);
   }
@@ -193,7 +193,7 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
   if (loader.reader.count(3 * functions * sizeof(double)) != tiles) return std::nullopt;
   auto sums = std::make_shared<projection::FaceSums>(tiles, bands);
   loader.reader.raw(sums->values.data(), sums->values.size() * sizeof(double));
-  for (projection::CleaningRecord& record : sums->records) {
+  for (projection::SanitizeRecord& record : sums->records) {
     loader(record.nans, record.infinities, record.negatives, record.clamped);
     vector_3(loader, record.flux_removed);
   }

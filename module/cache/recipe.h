@@ -10,7 +10,7 @@
 
 #include "cache/entry_store.h"
 #include "cache/payloads.h"
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "welkin/content_hash.h"
 #include "welkin/version.h"
 
@@ -37,30 +37,30 @@ template <class... Values>
   return hash_bytes(writer.bytes().data(), writer.bytes().size());
 }
 
-// What cleaning a picture's pixels came to, kept so that what was made of them can be described without them.
+// What sanitizing a picture's pixels came to, kept so that what was made of them can be described without them.
 
-struct CleanedPixels {
+struct SanitizedPixels {
   ProjectionDiagnostics diagnostics;  ///< its fluxes are not filled in
   glm::dvec3 clamped_flux{};          ///< that the clamp took away
 };
 
-[[nodiscard]] inline EntryName cleaned_name(const ContentHash& source, const ProjectionOptions& options) {
+[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const ProjectionOptions& options) {
   return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(options)})};
 }
 
 /// Store: `ResultCache::Store`. The entry is a projection's, whose flux before clamping is what the clamp took away.
 template <class Store>
-[[nodiscard]] std::optional<CleanedPixels> find_cleaned(Store& store, const EntryName& name) {
+[[nodiscard]] std::optional<SanitizedPixels> find_sanitized(Store& store, const EntryName& name) {
   constexpr int bands = 1;
   auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
   if (!found) return std::nullopt;
-  CleanedPixels cleaned{std::move(found->value.diagnostics), {}};
-  std::swap(cleaned.diagnostics.flux_before_clamp, cleaned.clamped_flux);
-  return cleaned;
+  SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
+  std::swap(sanitized.diagnostics.flux_before_clamp, sanitized.clamped_flux);
+  return sanitized;
 }
 
 template <class Store>
-CleanedPixels store_cleaned(Store& store, const EntryName& name, const projection::CleanSource& source) {
+SanitizedPixels store_sanitized(Store& store, const EntryName& name, const projection::SanitizedSource& source) {
   Projection entry{SphericalHarmonics(1), source.diagnostics()};
   entry.diagnostics.flux_before_clamp = source.clamped_flux();
   store.store(name, encode(entry));

@@ -184,23 +184,23 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
   const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
   cache::StoredChain chain(pixels, options);
   chain.find(*store_);
-  const EntryName cleaned_entry = cache::cleaned_name(pixels, options.pixels);
-  auto cleaned = cache::find_cleaned(*store_, cleaned_entry);
-  std::uint64_t clean_bytes = 0;
-  if (!cleaned || !chain.complete()) {
-    const projection::CleanSource source(view, options.pixels, {control.stop, {}});
-    clean_bytes = source.bytes();
-    cleaned = cache::store_cleaned(*store_, cleaned_entry, source);
+  const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
+  auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
+  std::uint64_t sanitized_bytes = 0;
+  if (!sanitized || !chain.complete()) {
+    const projection::SanitizedSource source(view, options.pixels, {control.stop, {}});
+    sanitized_bytes = source.bytes();
+    sanitized = cache::store_sanitized(*store_, sanitized_entry, source);
     if (!chain.complete()) {
       PrefilterOptions missing = chain.missing();
       missing.pixels = {};
-      const View& clean = projection::view_of(source, view);
-      chain.add(*store_, welkin::prefilter_specular(clean, missing, jobs::part_of(control, kHashing, 1.0)));
+      const View& pixels_read = projection::view_of(source, view);
+      chain.add(*store_, welkin::prefilter_specular(pixels_read, missing, jobs::part_of(control, kHashing, 1.0)));
     }
   }
   PrefilteredSpecular specular = chain.take();
-  reflections::describe_pixels(cleaned->diagnostics, cleaned->clamped_flux, specular);
-  specular.peak_bytes += clean_bytes;
+  reflections::describe_pixels(sanitized->diagnostics, sanitized->clamped_flux, specular);
+  specular.peak_bytes += sanitized_bytes;
   finished(control);
   return specular;
 }

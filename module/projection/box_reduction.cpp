@@ -63,23 +63,23 @@ struct Scratch {
 };
 
 /// Remembers the first texel of a decoded row that the policy rejects.
-void check_row(const PixelPolicy& policy, int face, int row, int size, Scratch& scratch, CleaningRecord& record) {
+void check_row(const PixelPolicy& policy, int face, int row, int size, Scratch& scratch, SanitizeRecord& record) {
   scratch.checked = scratch.decoded;
   const float no_weight = 0.0F;
-  policy.clean({.rgb = scratch.checked.data(),
-                .count = size,
-                .face = face,
-                .row = row,
-                .first_column = 0,
-                .weights = &no_weight,
-                .weight_step = 0,
-                .weight_scale = 0.0},
-               record);
+  policy.sanitize({.rgb = scratch.checked.data(),
+                   .count = size,
+                   .face = face,
+                   .row = row,
+                   .first_column = 0,
+                   .weights = &no_weight,
+                   .weight_step = 0,
+                   .weight_scale = 0.0},
+                  record);
 }
 
 /// Reduces one row of cells of one face.
 void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row,
-                const std::optional<PixelPolicy>& policy, Scratch& scratch, CleaningRecord& record, float* cells) {
+                const std::optional<PixelPolicy>& policy, Scratch& scratch, SanitizeRecord& record, float* cells) {
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format));
   const std::ptrdiff_t row_bytes =
       cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes * cubemap.size;
@@ -123,15 +123,15 @@ ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Proje
       workers, {std::vector<float>(row_floats), std::vector<float>(row_floats), std::vector<double>(cell_floats)});
   const std::optional<PixelPolicy> policy = rejecting_policy(options);
   const auto tiles = static_cast<std::size_t>(6 * target);
-  std::vector<CleaningRecord> records(tiles);
+  std::vector<SanitizeRecord> records(tiles);
   jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     const int face = static_cast<int>(tile) / target;
     const int row = static_cast<int>(tile) % target;
     reduce_row(cubemap, target, face, row, policy, scratch[worker], records[tile],
                reduced.pixels.data() + tile * cell_floats);
   });
-  CleaningRecord total;
-  for (const CleaningRecord& record : records) total.add(record);
+  SanitizeRecord total;
+  for (const SanitizeRecord& record : records) total.add(record);
   throw_if_rejected(total, true);
   return reduced;
 }

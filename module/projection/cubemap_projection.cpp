@@ -5,8 +5,8 @@
 // symmetry classes (FoldQuadrants), and the planes of sums and differences multiplied with the weights
 // (WeightedSums). Per tile and face the sums turn from the face's frame to the world's.
 //
-// Clean pixels pay nothing for the policies: a NaN or an infinity anywhere makes a tile's sums of that face
-// non-finite, and only then (or when an option wants every texel looked at) are its texels decoded, cleaned
+// Finite pixels pay nothing for the policies: a NaN or an infinity anywhere makes a tile's sums of that face
+// non-finite, and only then (or when an option wants every texel looked at) are its texels decoded, sanitized
 // and summed again.
 #include "projection/cubemap_projection.h"
 
@@ -77,9 +77,9 @@ class Scratch {
   [[nodiscard]] double* lanes(int face) noexcept {
     return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * kSumLanes;
   }
-  /// One face's sums, [3][functions]; and those of its cleaned chunks so far.
+  /// One face's sums, [3][functions]; and those of its sanitized chunks so far.
   [[nodiscard]] std::span<double> face_sums() noexcept { return {lanes(kFaces), sums_of(functions_)}; }
-  [[nodiscard]] std::span<double> cleaned_sums() noexcept {
+  [[nodiscard]] std::span<double> sanitized_sums() noexcept {
     return {lanes(kFaces) + sums_of(functions_), sums_of(functions_)};
   }
 
@@ -107,7 +107,7 @@ struct RowRun {
   int position;  ///< of the first one in the chunk's planes
 };
 
-Projection projection_of(SphericalHarmonics radiance, const CleaningRecord& record, int size) {
+Projection projection_of(SphericalHarmonics radiance, const SanitizeRecord& record, int size) {
   throw_if_rejected(record, true);
   Projection projection{std::move(radiance), {}};
   // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
@@ -138,7 +138,7 @@ class CubemapProjection {
     TileSums sums(static_cast<std::size_t>(tile_count_), bands_);
     // Shared tables are built here, not inside a tile.
     for (int face = 0; face < kFaces; ++face) static_cast<void>(transforms::face_transform(face, bands_));
-    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const CleaningRecord& record) {
+    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
       transforms::face_transform(face, bands_).add(face_sums, weights_->place().data(), sums.values(tile));
       sums.record(tile).add(record);
     });
@@ -150,14 +150,14 @@ class CubemapProjection {
     for (const int face : faces_) {
       kept[static_cast<std::size_t>(face)] = std::make_shared<FaceSums>(static_cast<std::size_t>(tile_count_), bands_);
     }
-    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const CleaningRecord& record) {
+    run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
       FaceSums& sums = *kept[static_cast<std::size_t>(face)];
       std::copy_n(face_sums, 3 * functions_, sums.tile(tile));
       sums.records[tile] = record;
     });
-    CleaningRecord all;
+    SanitizeRecord all;
     for (const int face : faces_) {
-      for (const CleaningRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
+      for (const SanitizeRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
     }
     throw_if_rejected(all, true);
     SixFaceSums result;
@@ -206,9 +206,9 @@ class CubemapProjection {
   void sum_tile(std::size_t tile, Scratch& scratch, const Keep& keep) {
     if (direct_fold_ != nullptr) sum_directly(chunks_of(tile), scratch);
     for (const int face : faces_) {
-      CleaningRecord record;
+      SanitizeRecord record;
       const bool summed = direct_fold_ != nullptr && fold_face(face, scratch);
-      if (!summed) sum_cleaned(chunks_of(tile), face, scratch, record);
+      if (!summed) sum_sanitized(chunks_of(tile), face, scratch, record);
       keep(tile, face, scratch.face_sums().data(), record);
     }
   }
@@ -239,8 +239,8 @@ class CubemapProjection {
   }
 
   /// The careful way for one face, chunk by chunk: every texel passes the policies. Leaves scratch.face_sums().
-  void sum_cleaned(const Chunks& chunks, int face, Scratch& scratch, CleaningRecord& record) {
-    const std::span<double> total = scratch.cleaned_sums();
+  void sum_sanitized(const Chunks& chunks, int face, Scratch& scratch, SanitizeRecord& record) {
+    const std::span<double> total = scratch.sanitized_sums();
     const std::span<double> face_sums = scratch.face_sums();
     std::fill(total.begin(), total.end(), 0.0);
     for (int index = chunks.first; index < chunks.end; ++index) {
@@ -249,7 +249,7 @@ class CubemapProjection {
       clear_lanes(face, scratch);
       for (int row = 0; row < chunk.row_count; ++row) {
         const RowRun run = row_run(chunk, face, row);
-        decode_and_clean(run, weights + run.position, scratch, record);
+        decode_and_sanitize(run, weights + run.position, scratch, record);
         fold_decoded(run, scratch);
       }
       sum_planes(chunk, face, weights, {}, scratch);
@@ -369,37 +369,37 @@ class CubemapProjection {
   }
 
   /// `weights`: of the run's first position, row 0 being the solid angle.
-  void decode_and_clean(const RowRun& run, const float* weights, Scratch& scratch, CleaningRecord& record) const {
+  void decode_and_sanitize(const RowRun& run, const float* weights, Scratch& scratch, SanitizeRecord& record) const {
     decode(run, scratch);
     const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
     const int right_column = cubemap_.size - run.first_column - run.paired;
     for (int side = 0; side < 2; ++side) {
       if (side == 1 && run.bottom == nullptr) break;
       const int row = side == 0 ? run.row : run.mirrored_row;
-      clean({.rgb = scratch.run(2 * side),
-             .count = run.count,
-             .face = run.face,
-             .row = row,
-             .first_column = run.first_column,
-             .weights = weights,
-             .weight_step = 1,
-             .weight_scale = 1.0},
-            record);
-      clean({.rgb = scratch.run(2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
-             .count = run.paired,
-             .face = run.face,
-             .row = row,
-             .first_column = right_column,
-             .weights = weights + run.paired - 1,
-             .weight_step = -1,
-             .weight_scale = 1.0},
-            record);
+      sanitize({.rgb = scratch.run(2 * side),
+                .count = run.count,
+                .face = run.face,
+                .row = row,
+                .first_column = run.first_column,
+                .weights = weights,
+                .weight_step = 1,
+                .weight_scale = 1.0},
+               record);
+      sanitize({.rgb = scratch.run(2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
+                .count = run.paired,
+                .face = run.face,
+                .row = row,
+                .first_column = right_column,
+                .weights = weights + run.paired - 1,
+                .weight_step = -1,
+                .weight_scale = 1.0},
+               record);
     }
   }
 
-  void clean(const TexelRun& run, CleaningRecord& record) const {
+  void sanitize(const TexelRun& run, SanitizeRecord& record) const {
     if (!policy_.gamma() && !kernels_.any_outside(run.rgb, 3 * run.count, policy_.low(), policy_.high())) return;
-    policy_.clean(run, record);
+    policy_.sanitize(run, record);
   }
 
   void fold_decoded(const RowRun& run, Scratch& scratch) {
@@ -414,8 +414,8 @@ class CubemapProjection {
     double planes[3 * kClasses * kChunk] = {};
     for (int index = 0; index < chunk.row_count; ++index) {
       const RowRun run = row_run(chunk, face, index);
-      CleaningRecord counted_before;
-      decode_and_clean(run, weights + run.position, scratch, counted_before);
+      SanitizeRecord counted_before;
+      decode_and_sanitize(run, weights + run.position, scratch, counted_before);
       const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
       for (int k = 0; k < padded; ++k) {
         for (int c = 0; c < 3; ++c) {

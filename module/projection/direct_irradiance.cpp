@@ -58,7 +58,7 @@ constexpr std::size_t kBatch = 512;  ///< normals that are worked on at a time: 
 constexpr std::size_t kMostTiles = 1024;
 constexpr std::size_t kLanes = 8;  ///< sums that run side by side, so that the processor need not wait for each
 
-/// A picture row by row, cleaned, whatever its layout.
+/// A picture row by row, sanitized, whatever its layout.
 struct Source {
   const projection::CosineTexels& texels;
   bool cubemap;
@@ -78,20 +78,20 @@ struct Scratch {
 };
 
 void read_row(const Source& source, const projection::PixelPolicy& policy, int row, Scratch& scratch,
-              projection::CleaningRecord& record) {
+              projection::SanitizeRecord& record) {
   const int columns = source.texels.columns();
   source.decode(row, scratch.rgb.data());
   const float no_weight = 0.0F;
   const int face = source.cubemap ? row / columns : 0;
-  policy.clean({.rgb = scratch.rgb.data(),
-                .count = columns,
-                .face = face,
-                .row = source.cubemap ? row % columns : row,
-                .first_column = 0,
-                .weights = &no_weight,
-                .weight_step = 0,
-                .weight_scale = 0.0},
-               record);
+  policy.sanitize({.rgb = scratch.rgb.data(),
+                   .count = columns,
+                   .face = face,
+                   .row = source.cubemap ? row % columns : row,
+                   .first_column = 0,
+                   .weights = &no_weight,
+                   .weight_step = 0,
+                   .weight_scale = 0.0},
+                  record);
   for (std::size_t i = 0; i < static_cast<std::size_t>(columns); ++i) {
     scratch.red[i] = static_cast<double>(scratch.rgb[3 * i]);
     scratch.green[i] = static_cast<double>(scratch.rgb[3 * i + 1]);
@@ -154,7 +154,7 @@ void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, 
   const std::size_t workers = jobs::worker_count(placement);
   std::vector<Scratch> scratch(workers, Scratch(columns));
   std::vector<glm::dvec3> slots(tiles * normals.size(), glm::dvec3(0.0));
-  std::vector<projection::CleaningRecord> records(tiles);
+  std::vector<projection::SanitizeRecord> records(tiles);
 
   jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     Scratch& room = scratch[worker];
@@ -168,8 +168,8 @@ void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, 
     }
   });
 
-  projection::CleaningRecord record;
-  for (const projection::CleaningRecord& one : records) record.add(one);
+  projection::SanitizeRecord record;
+  for (const projection::SanitizeRecord& one : records) record.add(one);
   projection::throw_if_rejected(record, source.cubemap);
   const std::size_t first = irradiance.size();
   irradiance.resize(first + normals.size(), glm::dvec3(0.0));

@@ -99,9 +99,9 @@ SphericalHarmonics TileSums::total() const {
   return result;
 }
 
-CleaningRecord TileSums::total_record() const {
-  CleaningRecord total;
-  for (const CleaningRecord& record : records_) total.add(record);
+SanitizeRecord TileSums::total_record() const {
+  SanitizeRecord total;
+  for (const SanitizeRecord& record : records_) total.add(record);
   return total;
 }
 
@@ -125,7 +125,7 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
   }
 }
 
-ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const CleaningRecord& record,
+ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
                                      double flux_per_weight) {
   ProjectionDiagnostics diagnostics;
   diagnostics.nans_replaced = record.nans;

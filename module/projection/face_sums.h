@@ -20,18 +20,18 @@ struct FaceSums {
 
   std::size_t functions;
   std::vector<double> values;           ///< of each tile, [3][functions] in the order of the weights
-  std::vector<CleaningRecord> records;  ///< of each tile
+  std::vector<SanitizeRecord> records;  ///< of each tile
 
   [[nodiscard]] double* tile(std::size_t index) noexcept { return values.data() + index * 3 * functions; }
   [[nodiscard]] const double* tile(std::size_t index) const noexcept { return values.data() + index * 3 * functions; }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return sizeof *this + values.size() * sizeof(double) + records.size() * sizeof(CleaningRecord);
+    return sizeof *this + values.size() * sizeof(double) + records.size() * sizeof(SanitizeRecord);
   }
 };
 
 // Where tiles leave their results, and how these become one.
 
-/// One slot of canonical sums, [3][bands^2] in double, and one cleaning record for every tile. Made before
+/// One slot of canonical sums, [3][bands^2] in double, and one record of the sanitizing for every tile. Made before
 /// the tiles run; each tile writes its own slot; `total` adds them in the tiles' order.
 class TileSums {
  public:
@@ -39,15 +39,15 @@ class TileSums {
       : functions_(static_cast<std::size_t>(bands * bands)), values_(tiles * 3 * functions_), records_(tiles) {}
 
   [[nodiscard]] double* values(std::size_t tile) noexcept { return values_.data() + tile * 3 * functions_; }
-  [[nodiscard]] CleaningRecord& record(std::size_t tile) noexcept { return records_[tile]; }
+  [[nodiscard]] SanitizeRecord& record(std::size_t tile) noexcept { return records_[tile]; }
 
   [[nodiscard]] SphericalHarmonics total() const;
-  [[nodiscard]] CleaningRecord total_record() const;
+  [[nodiscard]] SanitizeRecord total_record() const;
 
  private:
   std::size_t functions_;
   std::vector<double> values_;
-  std::vector<CleaningRecord> records_;
+  std::vector<SanitizeRecord> records_;
 };
 
 /// True if no sum is NaN or infinite: then no texel was either, and none overflowed.
@@ -59,7 +59,7 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
                              int positions, double* sums) noexcept;
 
 /// Puts the diagnostics' counts and fluxes together. `flux_per_weight`: what the records' flux is multiplied by.
-[[nodiscard]] ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const CleaningRecord& record,
+[[nodiscard]] ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
                                                    double flux_per_weight);
 
 }  // namespace welkin::projection

@@ -98,7 +98,7 @@ struct LatLongProjector::State {
 
   void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
   void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& room,
-               CleaningRecord& record) noexcept;
+               SanitizeRecord& record) noexcept;
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
   static void clear_lanes(Scratch& room) noexcept;
   bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
@@ -107,7 +107,7 @@ struct LatLongProjector::State {
   void fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold, const FetchAhead& ahead,
                      Scratch& room) noexcept;
   static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
-  void clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept;
+  void sanitize(const ColumnRun& run, Scratch& room, SanitizeRecord& record) noexcept;
   void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
   void sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept;
   void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
@@ -133,7 +133,7 @@ void LatLongProjector::State::project_block(int block, const LatLongView& rows, 
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(rows.format));
   const std::ptrdiff_t row_bytes = rows.row_stride_bytes != 0 ? rows.row_stride_bytes : texel_bytes * width;
   const auto* const pixels = static_cast<const std::byte*>(rows.pixels);
-  CleaningRecord& record = sums.record(static_cast<std::size_t>(block));
+  SanitizeRecord& record = sums.record(static_cast<std::size_t>(block));
   for (int index = 0; index < rows.height; ++index) {
     const int row = block * rows_per_block + index;
     const std::byte* const texels = pixels + index * row_bytes;
@@ -162,7 +162,7 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
 /// Leaves the row's sums over longitude in room.row_sums: the fast way, if the format allows it and the sums
 /// come out finite, else with every texel passing the policies.
 void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
-                                      Scratch& room, CleaningRecord& record) noexcept {
+                                      Scratch& room, SanitizeRecord& record) noexcept {
   const FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
   if (fold != nullptr) {
     clear_lanes(room);
@@ -179,7 +179,7 @@ void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* 
     const ColumnRun run = column_run(texels, format, row, chunk);
     clear_lanes(room);
     decode(run, format, room);
-    clean(run, room, record);
+    sanitize(run, room, record);
     fold_decoded(run, 0, room);
     sum_planes(run, {}, room);
     if (!fold_lanes(room, room.chunk_sums)) sum_in_double(run, room);
@@ -237,7 +237,7 @@ void LatLongProjector::State::decode(const ColumnRun& run, PixelFormat format, S
   }
 }
 
-void LatLongProjector::State::clean(const ColumnRun& run, Scratch& room, CleaningRecord& record) noexcept {
+void LatLongProjector::State::sanitize(const ColumnRun& run, Scratch& room, SanitizeRecord& record) noexcept {
   for (int half = 0; half < (run.second != nullptr ? 2 : 1); ++half) {
     const TexelRun texels{.rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
                           .count = run.count,
@@ -248,7 +248,7 @@ void LatLongProjector::State::clean(const ColumnRun& run, Scratch& room, Cleanin
                           .weight_step = 1,
                           .weight_scale = run.row_weight};
     if (!policy.gamma() && !kernels.any_outside(texels.rgb, 3 * run.count, policy.low(), policy.high())) continue;
-    policy.clean(texels, record);
+    policy.sanitize(texels, record);
   }
 }
 
@@ -310,7 +310,7 @@ void LatLongProjector::project_block(int block, const LatLongView& rows, std::si
 }
 
 Projection LatLongProjector::finish() {
-  const CleaningRecord record = state_->sums.total_record();
+  const SanitizeRecord record = state_->sums.total_record();
   throw_if_rejected(record, false);
   Projection projection{state_->sums.total(), {}};
   projection.diagnostics = diagnostics_of(projection.radiance, record, 1.0);

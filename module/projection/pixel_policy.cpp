@@ -26,7 +26,7 @@ bool RejectedTexel::before(const RejectedTexel& other) const noexcept {
   return std::tie(face, row, column) < std::tie(other.face, other.row, other.column);
 }
 
-void CleaningRecord::add(const CleaningRecord& other) noexcept {
+void SanitizeRecord::add(const SanitizeRecord& other) noexcept {
   nans += other.nans;
   infinities += other.infinities;
   negatives += other.negatives;
@@ -45,7 +45,8 @@ PixelPolicy::PixelPolicy(const ProjectionOptions& options)
   looks_at_every_texel_ = options.gamma || options.clamp.has_value() || options.negative != NegativePolicy::keep;
 }
 
-void PixelPolicy::clean_channel(float& value, int texel, const TexelRun& run, CleaningRecord& record) const noexcept {
+void PixelPolicy::sanitize_channel(float& value, int texel, const TexelRun& run,
+                                   SanitizeRecord& record) const noexcept {
   const auto reject = [&](RejectedTexel::Kind kind) {
     keep_first(record.rejected, {run.face, run.row, run.first_column + texel, kind});
   };
@@ -84,10 +85,10 @@ bool PixelPolicy::clamp(float* rgb) const noexcept {
   return changed;
 }
 
-void PixelPolicy::clean(const TexelRun& run, CleaningRecord& record) const noexcept {
+void PixelPolicy::sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept {
   for (int i = 0; i < run.count; ++i) {
     float* const rgb = run.rgb + static_cast<std::ptrdiff_t>(3) * i;
-    for (int c = 0; c < 3; ++c) clean_channel(rgb[c], i, run, record);
+    for (int c = 0; c < 3; ++c) sanitize_channel(rgb[c], i, run, record);
     const glm::dvec3 before(rgb[0], rgb[1], rgb[2]);
     if (!clamp(rgb)) continue;
     ++record.clamped;
@@ -96,7 +97,7 @@ void PixelPolicy::clean(const TexelRun& run, CleaningRecord& record) const noexc
   }
 }
 
-void throw_if_rejected(const CleaningRecord& record, bool cubemap) {
+void throw_if_rejected(const SanitizeRecord& record, bool cubemap) {
   if (!record.rejected) return;
   static constexpr std::array<const char*, 6> faces{"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
   static constexpr std::array<const char*, 3> kinds{"is NaN", "is infinite", "is negative"};

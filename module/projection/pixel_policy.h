@@ -22,7 +22,7 @@ struct RejectedTexel {
 };
 
 /// What was done to the texels of a tile.
-struct CleaningRecord {
+struct SanitizeRecord {
   std::uint64_t nans = 0;
   std::uint64_t infinities = 0;
   std::uint64_t negatives = 0;
@@ -30,7 +30,7 @@ struct CleaningRecord {
   glm::dvec3 flux_removed{};  ///< by the clamp, in units of the weights that were passed along
   std::optional<RejectedTexel> rejected;
 
-  void add(const CleaningRecord& other) noexcept;
+  void add(const SanitizeRecord& other) noexcept;
 };
 
 /// A run of decoded texels and where it came from.
@@ -49,7 +49,7 @@ class PixelPolicy {
  public:
   explicit PixelPolicy(const ProjectionOptions& options);
 
-  /// False if clean pixels pass unchanged, so that only a sum that is not finite calls for a look at them.
+  /// False if finite pixels pass unchanged, so that only a sum that is not finite calls for a look at them.
   [[nodiscard]] bool looks_at_every_texel() const noexcept { return looks_at_every_texel_; }
 
   /// Bounds between which a channel passes unchanged; NaN never does. Meaningless with gamma.
@@ -58,10 +58,10 @@ class PixelPolicy {
   [[nodiscard]] bool gamma() const noexcept { return options_.gamma; }
 
   /// Applies the policies in Babylon.js's order: NaN and infinities, gamma, clamp. Records what it did.
-  void clean(const TexelRun& run, CleaningRecord& record) const noexcept;
+  void sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept;
 
  private:
-  void clean_channel(float& value, int texel, const TexelRun& run, CleaningRecord& record) const noexcept;
+  void sanitize_channel(float& value, int texel, const TexelRun& run, SanitizeRecord& record) const noexcept;
   [[nodiscard]] bool clamp(float* rgb) const noexcept;
 
   ProjectionOptions options_;
@@ -72,7 +72,7 @@ class PixelPolicy {
 };
 
 /// Throws `Error` (rejected_pixel) if the record has a rejected texel. `cubemap`: whether to name a face.
-void throw_if_rejected(const CleaningRecord& record, bool cubemap);
+void throw_if_rejected(const SanitizeRecord& record, bool cubemap);
 
 // Refuses what no call can work on, before any work.
 

@@ -40,7 +40,7 @@ struct Found {
 /// A picture as the search sees it: the light of a texel is the largest of its channels.
 class Search {
  public:
-  Search(const projection::CleanSource& source, double alpha)
+  Search(const projection::SanitizedSource& source, double alpha)
       : source_(source), alpha_(alpha), scale_(1.0 / lobe_integral(alpha)) {
     double flux = 0.0;
     for (int row = 0; row < source.rows(); ++row) {
@@ -113,7 +113,7 @@ class Search {
     return {sum * scale_, darkest};
   }
 
-  const projection::CleanSource& source_;
+  const projection::SanitizedSource& source_;
   double alpha_;
   double scale_;
   double mean_ = 0.0;
@@ -125,7 +125,7 @@ class Search {
 
 }  // namespace
 
-std::vector<BrightTexel> find_bright_texels(const projection::CleanSource& source, double alpha, std::size_t most,
+std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha, std::size_t most,
                                             const Control& control) {
   // A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
   if (kPi / source.rows() > 2.0 * alpha || 2.0 * kPi / source.columns() > 2.0 * alpha) return {};

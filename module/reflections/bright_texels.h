@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/lobe_kernels.h"
 #include "welkin/control.h"
 #include "welkin/spherical_harmonics.h"
@@ -23,7 +23,7 @@ struct BrightTexel {
 
 /// Texels that are, or are part of, light so bright that float harmonics would lose what is dark beside it: at most
 /// `most`, by what they give. `source` is a lat-long, `alpha` the narrowest lobe's.
-[[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::CleanSource& source, double alpha,
+[[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha,
                                                           std::size_t most, const Control& control);
 
 /// Them as lights without extent for one mip's `add_lobes`: as many a texel as it takes to stand for its area.

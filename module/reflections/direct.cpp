@@ -48,7 +48,7 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-void integrate_batch(const projection::CleanSource& source, const LobeTexels& texels, double alpha,
+void integrate_batch(const projection::SanitizedSource& source, const LobeTexels& texels, double alpha,
                      std::span<const glm::dvec3> directions, const Control& control, std::vector<glm::dvec3>& result) {
   const auto rows = static_cast<std::size_t>(source.rows());
   const auto columns = static_cast<std::size_t>(source.columns());
@@ -88,7 +88,7 @@ int clamped(double place, int count) noexcept { return std::clamp(static_cast<in
 
 }  // namespace
 
-std::vector<glm::dvec3> integrate_lobes(const projection::CleanSource& source, double alpha,
+std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& source, double alpha,
                                         std::span<const glm::dvec3> directions, const Control& control) {
   const auto texels = source.cubemap() ? lobe_texels_of_cubemap(source.columns())
                                        : lobe_texels_of_lat_long(source.columns(), source.rows());
@@ -107,7 +107,7 @@ std::vector<glm::dvec3> integrate_lobes(const projection::CleanSource& source, d
   return result;
 }
 
-glm::dvec3 radiance_towards(const projection::CleanSource& source, const glm::dvec3& d) noexcept {
+glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm::dvec3& d) noexcept {
   const int columns = source.columns();
   if (!source.cubemap()) {
     const double longitude = math::turns_of(d.x, d.z);
@@ -414,7 +414,7 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
     throw Error(ErrorCode::invalid_argument, "roughness " + std::to_string(roughness) + " is not from 0 to 1");
   }
   const std::vector<glm::dvec3> units = unit_directions(directions);
-  const projection::CleanSource source(view, {}, {control.stop, {}});
+  const projection::SanitizedSource source(view, {}, {control.stop, {}});
   const double alpha = roughness * roughness;
   if (alpha >= kLeastAlpha) return reflections::integrate_lobes(source, alpha, units, control);
   std::vector<glm::dvec3> values;

@@ -7,17 +7,18 @@
 #include <span>
 #include <vector>
 
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "welkin/control.h"
 
 namespace welkin::reflections {
 
 /// Int L k / Int k at unit directions, over all texels as areas. `alpha` above 0.
-[[nodiscard]] std::vector<glm::dvec3> integrate_lobes(const projection::CleanSource& source, double alpha,
+[[nodiscard]] std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& source, double alpha,
                                                       std::span<const glm::dvec3> directions, const Control& control);
 
 /// The radiance of the texel that a unit direction lies in: the limit for roughness 0.
-[[nodiscard]] glm::dvec3 radiance_towards(const projection::CleanSource& source, const glm::dvec3& direction) noexcept;
+[[nodiscard]] glm::dvec3 radiance_towards(const projection::SanitizedSource& source,
+                                          const glm::dvec3& direction) noexcept;
 
 // How much of a lobe falls on each texel of a picture: the truth's inner part.
 

@@ -15,7 +15,7 @@
 #include "image/sphere_grid.h"
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
 #include "reflections/prefilter_plan.h"
@@ -73,11 +73,11 @@ void fill_level(const CubemapView& source, CubemapChain& chain, int level, const
   std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
 }
 
-/// One call's work. View: LatLongView or CubemapView, clean.
+/// One call's work. View: LatLongView or CubemapView, sanitized.
 template <class View>
 class Prefilter {
  public:
-  Prefilter(const View& view, const projection::CleanSource& source, const PrefilterOptions& options,
+  Prefilter(const View& view, const projection::SanitizedSource& source, const PrefilterOptions& options,
             PrefilterPlan plan, CubemapChain room)
       : view_(view), source_(source), options_(options), plan_(std::move(plan)) {
     const auto levels = static_cast<int>(plan_.mips.size());
@@ -119,7 +119,7 @@ class Prefilter {
   void finish();
 
   View view_;
-  const projection::CleanSource& source_;
+  const projection::SanitizedSource& source_;
   const PrefilterOptions& options_;
   PrefilterPlan plan_;
   Prefiltered result_;
@@ -140,16 +140,16 @@ void Prefilter<View>::end_mip(std::size_t level, const char* method, const Stopw
   mip.milliseconds = watch.milliseconds();
 }
 
-/// The environment as the transform reads it: a lat-long of clean pixels, its bright texels taken out.
+/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
 struct Rings {
   LatLongView view{};
   LatLongImage owned;  ///< holds the pixels where the caller's own would not do
-  std::unique_ptr<projection::CleanSource> clean;
+  std::unique_ptr<projection::SanitizedSource> sanitized;
 
   [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
 };
 
-LatLongImage copy_of(const projection::CleanSource& source) {
+LatLongImage copy_of(const projection::SanitizedSource& source) {
   LatLongImage image{source.columns(), source.rows(), {}};
   image.pixels.reserve(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   for (int row = 0; row < image.height; ++row)
@@ -158,15 +158,15 @@ LatLongImage copy_of(const projection::CleanSource& source) {
 }
 
 /// `source` itself if it is a lat-long, else the cubemap on rings.
-const projection::CleanSource& lat_long_of(const projection::CleanSource& source, const PrefilterPlan& plan,
-                                           Rings& rings, const Control& control) {
+const projection::SanitizedSource& lat_long_of(const projection::SanitizedSource& source, const PrefilterPlan& plan,
+                                               Rings& rings, const Control& control) {
   if (!source.cubemap()) return source;
   rings.owned = rings_of_cubemap(source.cube(), plan.rows_for_cubemap(source.columns()), control);
-  rings.clean = std::make_unique<projection::CleanSource>(rings.owned.view(), ProjectionOptions{}, control);
-  return *rings.clean;
+  rings.sanitized = std::make_unique<projection::SanitizedSource>(rings.owned.view(), ProjectionOptions{}, control);
+  return *rings.sanitized;
 }
 
-void take_out(const std::vector<BrightTexel>& texels, const projection::CleanSource& lat_long, Rings& rings) {
+void take_out(const std::vector<BrightTexel>& texels, const projection::SanitizedSource& lat_long, Rings& rings) {
   rings.view = lat_long.lat_long();
   if (texels.empty()) return;
   if (rings.owned.pixels.empty()) rings.owned = copy_of(lat_long);
@@ -181,7 +181,7 @@ template <class View>
 void Prefilter<View>::run_spectral(int bands, const Control& control) {
   const Stopwatch watch;
   Rings rings;
-  const projection::CleanSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
+  const projection::SanitizedSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
   bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
   take_out(bright_, lat_long, rings);
   memory_.take(rings.bytes());
@@ -303,12 +303,12 @@ Prefiltered run(const View& view, const PrefilterOptions& options, int bands, Cu
                 const Control& control) {
   image::check_view(view);
   PrefilterPlan plan = plan_prefilter(options);
-  const projection::CleanSource source(view, options.pixels, jobs::part_of(control, 0.0, 0.05));
+  const projection::SanitizedSource source(view, options.pixels, jobs::part_of(control, 0.0, 0.05));
   const Control rest = jobs::part_of(control, 0.05, 1.0);
   Prefiltered result;
   if (const float scale = safe_scale(source); scale != 1.0F) {
     const auto pixels = scaled(source, view, scale);
-    const projection::CleanSource scaled_source(pixels.view(), {}, {control.stop, {}});
+    const projection::SanitizedSource scaled_source(pixels.view(), {}, {control.stop, {}});
     result = Prefilter<View>(projection::view_of(scaled_source, view), scaled_source, options, std::move(plan),
                              std::move(room))
                  .run(bands, rest);
@@ -323,10 +323,10 @@ Prefiltered run(const View& view, const PrefilterOptions& options, int bands, Cu
 
 }  // namespace
 
-void describe_pixels(const ProjectionDiagnostics& cleaned, const glm::dvec3& clamped_flux,
+void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& clamped_flux,
                      PrefilteredSpecular& specular) {
   std::vector<PassRecord> passes = std::move(specular.pixels.passes);
-  specular.pixels = cleaned;
+  specular.pixels = sanitized;
   specular.pixels.passes = std::move(passes);
   specular.pixels.flux = 4.0 * std::numbers::pi * specular.mips.front().mean;
   specular.pixels.flux_before_clamp = specular.pixels.flux + clamped_flux;

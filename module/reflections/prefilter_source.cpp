@@ -49,14 +49,14 @@ constexpr float kDown = 0x1p-64F;
 constexpr float kDark = 1e-25F;
 constexpr float kUp = 0x1p100F;
 
-float largest_magnitude(const projection::CleanSource& source) noexcept {
+float largest_magnitude(const projection::SanitizedSource& source) noexcept {
   float largest = 0.0F;
   for (int row = 0; row < source.rows(); ++row)
     largest = std::max({largest, source.range(row).largest, -source.range(row).least});
   return largest;
 }
 
-std::vector<float> scaled_pixels(const projection::CleanSource& source, float scale) {
+std::vector<float> scaled_pixels(const projection::SanitizedSource& source, float scale) {
   const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
   std::vector<float> pixels;
   pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
@@ -69,17 +69,17 @@ std::vector<float> scaled_pixels(const projection::CleanSource& source, float sc
 
 }  // namespace
 
-float safe_scale(const projection::CleanSource& source) noexcept {
+float safe_scale(const projection::SanitizedSource& source) noexcept {
   const float largest = largest_magnitude(source);
   if (largest > kHuge) return kDown;
   return largest > 0.0F && largest < kDark ? kUp : 1.0F;
 }
 
-LatLongImage scaled(const projection::CleanSource& source, const LatLongView& /*view*/, float scale) {
+LatLongImage scaled(const projection::SanitizedSource& source, const LatLongView& /*view*/, float scale) {
   return {source.columns(), source.rows(), scaled_pixels(source, scale)};
 }
 
-CubemapImage scaled(const projection::CleanSource& source, const CubemapView& /*view*/, float scale) {
+CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView& /*view*/, float scale) {
   return {source.columns(), scaled_pixels(source, scale)};
 }
 

@@ -1,7 +1,7 @@
 // A cubemap on rings of latitude.
 #pragma once
 
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/prefilter.h"
 #include "welkin/control.h"
 #include "welkin/image.h"
@@ -17,11 +17,11 @@ namespace welkin::reflections {
 
 /// The power of two that a picture is to be multiplied by before it is transformed: 2^-64 where a magnitude is above
 /// 1e30, 2^100 where none is above 1e-25, 1 elsewhere and of black.
-[[nodiscard]] float safe_scale(const projection::CleanSource& source) noexcept;
+[[nodiscard]] float safe_scale(const projection::SanitizedSource& source) noexcept;
 
 /// The picture times that: exact, but for what is 1e50 times darker than the brightest.
-[[nodiscard]] LatLongImage scaled(const projection::CleanSource& source, const LatLongView& view, float scale);
-[[nodiscard]] CubemapImage scaled(const projection::CleanSource& source, const CubemapView& view, float scale);
+[[nodiscard]] LatLongImage scaled(const projection::SanitizedSource& source, const LatLongView& view, float scale);
+[[nodiscard]] CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView& view, float scale);
 
 /// What was made of such a picture over the same scale. No value rounds beyond the floats.
 void undo_scale(Prefiltered& result, float scale);

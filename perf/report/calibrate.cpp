@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "brdf/brdf_table.h"
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 #include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
 #include "transform/spectrum.h"
@@ -216,7 +216,7 @@ class Calibration {
   void measure_pixels() {
     const LatLongView view = image_.view();
     costs_.clean_texel =
-        fastest_nanoseconds([&] { const projection::CleanSource clean(view, {}, quiet()); }) / texels();
+        fastest_nanoseconds([&] { const projection::SanitizedSource sanitized(view, {}, quiet()); }) / texels();
     const auto projecting = [&](int bands) {
       return fastest_nanoseconds([&] { static_cast<void>(project(view, {.bands = bands}, quiet())); }) / texels();
     };

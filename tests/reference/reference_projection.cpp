@@ -154,7 +154,7 @@ void add_picture(const Domain& domain, const Picture& picture, Quadrature quadra
   }
 }
 
-/// Decodes and cleans a picture's texels.
+/// Decodes and sanitizes a picture's texels.
 Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelFormat format, int width, int height,
                      const Rectangle& extent, const projection::PixelPolicy& policy) {
   Picture picture{width, height, {}, extent};
@@ -166,8 +166,8 @@ Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelF
       image::decode_texels(format, static_cast<const std::byte*>(pixels) + row * row_bytes + column * texel_bytes, 1,
                            rgb);
       const float no_weight = 0.0F;
-      projection::CleaningRecord record;
-      policy.clean({rgb, 1, 0, row, column, &no_weight, 1, 0.0}, record);
+      projection::SanitizeRecord record;
+      policy.sanitize({rgb, 1, 0, row, column, &no_weight, 1, 0.0}, record);
       projection::throw_if_rejected(record, false);
       picture.radiance.emplace_back(rgb[0], rgb[1], rgb[2]);
     }

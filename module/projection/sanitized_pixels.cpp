@@ -1,4 +1,4 @@
-#include "projection/clean_pixels.h"
+#include "projection/sanitized_pixels.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -29,7 +29,7 @@ void for_rows(std::size_t rows, int columns, const Control& control, const Work&
 
 }  // namespace
 
-CleanSource::CleanSource(const LatLongView& view, const ProjectionOptions& options, const Control& control)
+SanitizedSource::SanitizedSource(const LatLongView& view, const ProjectionOptions& options, const Control& control)
     : cubemap_(false), columns_(view.width) {
   std::vector<const void*> rows;
   rows.reserve(static_cast<std::size_t>(view.height));
@@ -38,7 +38,7 @@ CleanSource::CleanSource(const LatLongView& view, const ProjectionOptions& optio
   lat_long_ = copy_.size() == 0 ? view : LatLongView{copy_.data(), view.width, view.height, 0, PixelFormat::rgb_f32};
 }
 
-CleanSource::CleanSource(const CubemapView& view, const ProjectionOptions& options, const Control& control)
+SanitizedSource::SanitizedSource(const CubemapView& view, const ProjectionOptions& options, const Control& control)
     : cubemap_(true), columns_(view.size) {
   std::vector<const void*> rows;
   rows.reserve(std::size_t{6} * static_cast<std::size_t>(view.size));
@@ -50,24 +50,24 @@ CleanSource::CleanSource(const CubemapView& view, const ProjectionOptions& optio
   for (std::size_t face = 0; face < 6; ++face) cube_.faces[face] = row(static_cast<int>(face) * view.size);
 }
 
-void CleanSource::read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
-                       const Control& control) {
+void SanitizedSource::read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+                           const Control& control) {
   ranges_.resize(rows.size());
   first_texels_.resize(rows.size());
   diagnostics_.texels = static_cast<std::uint64_t>(rows.size()) * static_cast<std::uint64_t>(columns_);
-  bool clean = false;
+  bool usable = false;
   if (format == PixelFormat::rgb_f32 && !options.gamma) {
     for (std::size_t row = 0; row < rows.size(); ++row) first_texels_[row] = static_cast<const float*>(rows[row]);
-    clean = measure(options, jobs::part_of(control, 0.0, 0.5));
+    usable = measure(options, jobs::part_of(control, 0.0, 0.5));
   }
-  if (!clean) {
+  if (!usable) {
     copy(format, rows, options, jobs::part_of(control, 0.5, 0.9));
     measure({}, jobs::part_of(control, 0.9, 1.0));
   }
   has_negatives_ = std::any_of(ranges_.begin(), ranges_.end(), [](const RowRange& r) { return r.least < 0.0F; });
 }
 
-bool CleanSource::measure(const ProjectionOptions& options, const Control& control) {
+bool SanitizedSource::measure(const ProjectionOptions& options, const Control& control) {
   const PixelPolicy policy(options);
   const ProjectionKernels& kernels = projection_kernels();
   std::vector<char> dirty(tiles_of(ranges_.size()), 0);
@@ -79,12 +79,12 @@ bool CleanSource::measure(const ProjectionOptions& options, const Control& contr
   return std::find(dirty.begin(), dirty.end(), 1) == dirty.end();
 }
 
-void CleanSource::copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
-                       const Control& control) {
+void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+                           const Control& control) {
   const PixelPolicy policy(options);
   const auto row_values = static_cast<std::size_t>(3 * columns_);
   copy_ = platform::AlignedBuffer<float>(rows.size() * row_values);
-  std::vector<CleaningRecord> records(tiles_of(rows.size()));
+  std::vector<SanitizeRecord> records(tiles_of(rows.size()));
   // Solid angles as the policy wants them; of a lat-long's row all alike.
   const auto weight_rows = cubemap_ ? static_cast<std::size_t>(columns_) : rows.size();
   const auto weight_columns = cubemap_ ? static_cast<std::size_t>(columns_) : std::size_t{1};
@@ -101,19 +101,19 @@ void CleanSource::copy(PixelFormat format, const std::vector<const void*>& rows,
   for_rows(rows.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
     float* const rgb = copy_.data() + row * row_values;
     image::decode_texels(format, rows[row], columns_, rgb);
-    policy.clean({.rgb = rgb,
-                  .count = columns_,
-                  .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
-                  .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
-                  .first_column = 0,
-                  .weights = weights.data() + (row % weight_rows) * weight_columns,
-                  .weight_step = cubemap_ ? 1 : 0,
-                  .weight_scale = 1.0},
-                 records[tile]);
+    policy.sanitize({.rgb = rgb,
+                     .count = columns_,
+                     .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
+                     .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
+                     .first_column = 0,
+                     .weights = weights.data() + (row % weight_rows) * weight_columns,
+                     .weight_step = cubemap_ ? 1 : 0,
+                     .weight_scale = 1.0},
+                    records[tile]);
     first_texels_[row] = rgb;
   });
-  CleaningRecord record;
-  for (const CleaningRecord& one : records) record.add(one);
+  SanitizeRecord record;
+  for (const SanitizeRecord& one : records) record.add(one);
   throw_if_rejected(record, cubemap_);
   diagnostics_.nans_replaced = record.nans;
   diagnostics_.infinities_replaced = record.infinities;

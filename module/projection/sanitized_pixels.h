@@ -12,20 +12,20 @@
 
 namespace welkin::projection {
 
-/// The caller's own pixels where they are clean RGB floats already, else a cleaned copy. Rows are counted face after
-/// face. The view's pixels must outlive this object.
-class CleanSource {
+/// The caller's own pixels where they are RGB floats that need no change, else a sanitized copy. Rows are counted face
+/// after face. The view's pixels must outlive this object.
+class SanitizedSource {
  public:
   /// Reads every pixel once. Throws `Error`: rejected_pixel, cancelled.
-  CleanSource(const LatLongView& view, const ProjectionOptions& options, const Control& control);
-  CleanSource(const CubemapView& view, const ProjectionOptions& options, const Control& control);
+  SanitizedSource(const LatLongView& view, const ProjectionOptions& options, const Control& control);
+  SanitizedSource(const CubemapView& view, const ProjectionOptions& options, const Control& control);
 
   [[nodiscard]] bool cubemap() const noexcept { return cubemap_; }
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return static_cast<int>(first_texels_.size()); }
   [[nodiscard]] const float* row(int row) const noexcept { return first_texels_[static_cast<std::size_t>(row)]; }
 
-  /// The clean pixels: of the one kind that this is.
+  /// The sanitized pixels: of the one kind that this is.
   [[nodiscard]] const LatLongView& lat_long() const noexcept { return lat_long_; }
   [[nodiscard]] const CubemapView& cube() const noexcept { return cube_; }
 
@@ -46,7 +46,7 @@ class CleanSource {
   [[nodiscard]] std::size_t bytes() const noexcept { return copy_.bytes(); }
 
  private:
-  /// Whether all rows are clean as they are; notes their ranges.
+  /// Whether no row needs a change; notes their ranges.
   bool measure(const ProjectionOptions& options, const Control& control);
   void copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
             const Control& control);
@@ -65,11 +65,11 @@ class CleanSource {
   glm::dvec3 clamped_flux_{};
 };
 
-/// The clean pixels of a source that was made of such a view.
-[[nodiscard]] inline const LatLongView& view_of(const CleanSource& source, const LatLongView& /*view*/) noexcept {
+/// The sanitized pixels of a source that was made of such a view.
+[[nodiscard]] inline const LatLongView& view_of(const SanitizedSource& source, const LatLongView& /*view*/) noexcept {
   return source.lat_long();
 }
-[[nodiscard]] inline const CubemapView& view_of(const CleanSource& source, const CubemapView& /*view*/) noexcept {
+[[nodiscard]] inline const CubemapView& view_of(const SanitizedSource& source, const CubemapView& /*view*/) noexcept {
   return source.cube();
 }
 
