@@ -115,7 +115,7 @@ class ResultCache {
   [[nodiscard]] CacheStatistics statistics() const;
 
  private:
-  class Store;
+  class WELKIN_HIDDEN Store;
   template <class View>
   [[nodiscard]] Projection project_view(const View& view, const ProjectionOptions& options, const LightChange& change,
                                         const Control& control);

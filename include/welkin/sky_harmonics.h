@@ -65,7 +65,7 @@ class SkyProjector {
   [[nodiscard]] const SkyHarmonicsOptions& options() const noexcept;
 
  private:
-  struct Prepared;
+  struct WELKIN_HIDDEN Prepared;
   friend struct SkyProjectorAccess;  ///< module/sky: coefficients before they are turned
   std::shared_ptr<const Prepared> prepared_;
 };
@@ -100,7 +100,7 @@ class SkyCurve {
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 
  private:
-  struct Nodes;
+  struct WELKIN_HIDDEN Nodes;
   std::shared_ptr<const Nodes> nodes_;
 };
 

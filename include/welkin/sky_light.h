@@ -140,7 +140,7 @@ class SkyLight {
   [[nodiscard]] std::exception_ptr error() const;
 
  private:
-  struct State;
+  struct WELKIN_HIDDEN State;
   std::unique_ptr<State> state_;
 };
 

@@ -63,7 +63,7 @@ class SkyView {
   [[nodiscard]] glm::dvec3 irradiance(const glm::dvec3& sun) const;
 
  private:
-  struct Slice;
+  struct WELKIN_HIDDEN Slice;
   friend struct SkyViewAccess;  ///< module/sky: the slice for quadratures
   std::shared_ptr<const Slice> slice_;
 };

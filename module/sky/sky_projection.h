@@ -91,7 +91,7 @@ namespace welkin {
 
 // What stands behind a projector.
 
-struct SkyProjectorAccess {
+struct WELKIN_HIDDEN SkyProjectorAccess {
   [[nodiscard]] static const sky::SkyProjection& projection(const SkyProjector& projector) noexcept;
 };
 

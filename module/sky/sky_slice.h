@@ -100,7 +100,7 @@ class SkySlice {
 namespace welkin {
 
 /// A view's slice.
-struct SkyViewAccess {
+struct WELKIN_HIDDEN SkyViewAccess {
   [[nodiscard]] static const sky::SkySlice& slice(const SkyView& view) noexcept;
 };
 

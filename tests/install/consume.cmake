@@ -1,26 +1,72 @@
-# Installs `build` below `work`, moves the installed tree (nothing in it may point to where it was), builds the
-# project `consumer` against it, and runs what comes out; the installed command too, if there is one.
-
-function(run)
-  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
-  if(NOT result EQUAL 0)
-    string(REPLACE ";" " " command "${ARGN}")
-    message(FATAL_ERROR "${command}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+# Installs `build` below `work`, moves the installed tree (nothing in it may point to where it was), and builds and runs
+# programs against it: with CMake examples/consumer and, with welkin::core alone, tests/install/core_only; with
+# pkg-config, where it is, a program in C++ and one in C. The installed command too, if there is one.
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${work})
 run(${CMAKE_COMMAND} --install ${build} --prefix ${work}/first_place)
 file(RENAME ${work}/first_place ${work}/installed)
-run(${CMAKE_COMMAND} -S ${consumer} -B ${work}/build -G ${generator} -DCMAKE_PREFIX_PATH=${work}/installed
-    -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=${build_type} -DCMAKE_CXX_FLAGS=${flags})
-run(${CMAKE_COMMAND} --build ${work}/build)
-run(${work}/build/consumer)
-message("${output}")
-if(NOT output MATCHES "irradiance on the ground")
-  message(FATAL_ERROR "the consumer printed something else")
+file(GLOB_RECURSE licence ${work}/installed/*/LICENSE)
+if(NOT licence)
+  message(FATAL_ERROR "the licence is not installed")
 endif()
+
+function(build_project project folder)
+  run(${CMAKE_COMMAND} -S ${project} -B ${folder} -G ${generator} -DCMAKE_PREFIX_PATH=${work}/installed
+      -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=${build_type} -DCMAKE_CXX_FLAGS=${flags} ${ARGN})
+  run(${CMAKE_COMMAND} --build ${folder})
+endfunction()
+
+function(run_consumer)
+  run(${ARGN})
+  message("${output}")
+  if(NOT output MATCHES "irradiance on the ground")
+    message(FATAL_ERROR "the consumer printed something else")
+  endif()
+endfunction()
+
+build_project(${source}/examples/consumer ${work}/consumer)
+run_consumer(${work}/consumer/consumer)
+
+# Core alone: what files need is as if it were not installed.
+set(absent)
+foreach(package IN ITEMS OpenEXR Imath SPNG ZLIB ZSTD WebP nlohmann_json XXHASH)
+  list(APPEND absent -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/core_only ${absent} -DPROGRAM=${source}/tests/parts/core_program.cpp)
+run(${work}/core_only/core_only)
+
+if(shared)
+  file(GLOB_RECURSE library ${work}/installed/*/libwelkin.so.${version} ${work}/installed/*/libwelkin-core.so.${version})
+  list(LENGTH library count)
+  if(NOT count EQUAL 2)
+    message(FATAL_ERROR "shared libraries of version ${version} are not installed: ${library}")
+  endif()
+endif()
+
+if(pkg_config)
+  file(GLOB_RECURSE description ${work}/installed/*/welkin.pc)
+  cmake_path(GET description PARENT_PATH folder)
+  cmake_path(GET folder PARENT_PATH libraries)
+  set(ENV{PKG_CONFIG_PATH} "${folder}:$ENV{PKG_CONFIG_PATH}")
+  set(ENV{LD_LIBRARY_PATH} "${libraries}:$ENV{LD_LIBRARY_PATH}")
+  separate_arguments(flags NATIVE_COMMAND "${flags}")
+  # build_with_pkg_config(PROGRAM MODULE COMPILER SOURCE FLAG...)
+  function(build_with_pkg_config program module program_compiler program_source)
+    run(${pkg_config} --cflags --libs ${module})
+    separate_arguments(given NATIVE_COMMAND "${output}")
+    run(${program_compiler} ${flags} ${ARGN} ${program_source} -o ${work}/${program} ${given})
+  endfunction()
+  build_with_pkg_config(consumer_by_pkg_config welkin ${compiler} ${source}/examples/consumer/main.cpp -std=c++20)
+  run_consumer(${work}/consumer_by_pkg_config)
+  set(program_in_c ${CMAKE_CURRENT_LIST_DIR}/program_in_c.c)
+  build_with_pkg_config(c_by_pkg_config welkin ${c_compiler} ${program_in_c} -std=c99 -DWITH_FILES)
+  run(${work}/c_by_pkg_config)
+  build_with_pkg_config(c_of_core_by_pkg_config welkin-core ${c_compiler} ${program_in_c} -std=c99)
+  run(${work}/c_of_core_by_pkg_config)
+endif()
+
 if(with_command)
   run(${work}/installed/bin/welkin sh --json)
 endif()

@@ -4,8 +4,9 @@
 #
 # `program`, linked with welkin::core, must need no library that files need, itself or by way of others; `archive`, core
 # itself (none of a shared build), must leave no name undefined that files or one of those libraries would define.
+cmake_minimum_required(VERSION 3.22)
 set(libraries OpenEXR Imath Iex IlmThread spng webp libz zstd json welkin-files "libwelkin[.]")
-set(names "welkin_" "welkin::" "Imf_" "Imath_" "Iex_" "IlmThread_" "spng_" "WebP" "ZSTD_" "nlohmann::" "(deflate|inflate|crc32|uncompress|compress)")
+set(names "welkin|Imf_|Imath_|Iex_|IlmThread_|nlohmann|^spng_|^WebP|^ZSTD_|^(deflate|inflate|crc32|compress|uncompress)")
 
 execute_process(COMMAND ${readelf} -d ${program} OUTPUT_VARIABLE direct COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ldd ${program} OUTPUT_VARIABLE all COMMAND_ERROR_IS_FATAL ANY)
@@ -21,15 +22,14 @@ foreach(library IN LISTS libraries)
 endforeach()
 
 if(archive)
-  # The linker's own view: all members of the archive together, in one object.
-  execute_process(COMMAND ${nm} --demangle --defined-only --extern-only --format=posix ${archive} OUTPUT_VARIABLE defined
+  execute_process(COMMAND ${nm} --defined-only --extern-only --format=posix ${archive} OUTPUT_VARIABLE defined
                   COMMAND_ERROR_IS_FATAL ANY)
-  execute_process(COMMAND ${nm} --demangle --undefined-only --format=posix ${archive} OUTPUT_VARIABLE undefined
+  execute_process(COMMAND ${nm} --undefined-only --format=posix ${archive} OUTPUT_VARIABLE undefined
                   COMMAND_ERROR_IS_FATAL ANY)
-  # A line is "name U" or "name T 0 1", and names have spaces and brackets; a list of lines needs no ";" in them.
   foreach(list IN ITEMS defined undefined)
-    string(REGEX REPLACE "[][;]" "_" ${list} "${${list}}")
-    string(REGEX REPLACE " [A-Za-z]( [0-9a-f]+)*[ ]*\n" ";" ${list} "${${list}}")
+    string(REGEX REPLACE "[^\n]*:\n" "" ${list} "${${list}}")                # "archive[member]:"
+    string(REGEX REPLACE "\n+" "\n" ${list} "${${list}}")
+    string(REGEX REPLACE " [A-Za-z][^\n]*\n" ";" ${list} "${${list}}")  # "name T 0 1c", "name U"
     list(REMOVE_DUPLICATES ${list})
   endforeach()
   list(LENGTH defined count)
@@ -37,11 +37,8 @@ if(archive)
     message(FATAL_ERROR "${archive} defines ${count} names: has anything been looked at?")
   endif()
   list(REMOVE_ITEM undefined ${defined})
-  foreach(name IN LISTS names)
-    set(found ${undefined})
-    list(FILTER found INCLUDE REGEX "^${name}")
-    if(found)
-      message(FATAL_ERROR "welkin::core is not whole without files; it leaves undefined: ${found}")
-    endif()
-  endforeach()
+  list(FILTER undefined INCLUDE REGEX "${names}")
+  if(undefined)
+    message(FATAL_ERROR "welkin::core is not whole without files; it leaves undefined: ${undefined}")
+  endif()
 endif()

@@ -1,14 +1,8 @@
 # Builds welkin::files with every codec switched off, as packages that are not there (a look at one of them is an
 # error), links `refusing.cpp` with that and with `core`, built elsewhere, and runs it.
 
-function(run)
-  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
-  if(NOT result EQUAL 0)
-    string(REPLACE ";" " " command "${ARGN}")
-    message(FATAL_ERROR "${command}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/../install/run.cmake)
 
 set(absent)
 foreach(package IN ITEMS OpenEXR Imath SPNG ZLIB ZSTD WebP)

@@ -33,7 +33,7 @@ enum class Priority { low, normal, high };
 
 namespace detail {
 
-class Scheduler;
+class WELKIN_HIDDEN Scheduler;
 class Computation;
 class JobRecord;
 // Lists whose nodes are made when a job is posted and then only change hands, so that what happens when it starts, is

@@ -1,0 +1,53 @@
+# One test program; its folders mirror module/. Each Catch2 test case is a ctest of its own.
+include(Catch)
+
+file(GLOB_RECURSE sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)
+list(FILTER sources EXCLUDE REGEX "^(exit|install|fuzz|parts|reference|textures)/")
+if(WELKIN_TEST_FOLDERS)
+  list(JOIN WELKIN_TEST_FOLDERS "|" folders)
+  list(FILTER sources INCLUDE REGEX "^(support|${folders})/")
+endif()
+if(NOT WELKIN_TOOLS)
+  list(FILTER sources EXCLUDE REGEX "^tools/")
+endif()
+if(NOT welkin_all_codecs)
+  # Most files that tests make or read are of one of the codecs. What a build without them does, tests/parts tells.
+  message(STATUS "A codec is left out: so are the tests that read or write files")
+  list(FILTER sources EXCLUDE REGEX "^(files|cache|tools)/|^same_as_before_(files|bakes)_|\
+^(bake/bake_sources|c/c_interface|harmonics/real_engines|image/pixels|image/resampling|projection/irradiance|\
+projection/sun_detection|reflections/prefilter|worker/errors|worker/results|worker/sources_and_handles)_test")
+endif()
+add_executable(welkin_tests ${sources})
+target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/module)
+if(TARGET Catch2::Catch2WithMain)
+  target_link_libraries(welkin_tests PRIVATE Catch2::Catch2WithMain)
+else()
+  target_link_libraries(welkin_tests PRIVATE Catch2::Catch2)
+endif()
+target_link_libraries(welkin_tests PRIVATE welkin_internal welkin_reference welkin_report welkin_test_map welkin_flags TBB::tbb
+                                           OpenEXR::OpenEXR SPNG::SPNG WebP::WebP nlohmann_json::nlohmann_json)
+# Where things are on this machine: in a header of its own, so that all other objects are the same in every clone.
+file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/places/places.h CONTENT
+"#pragma once
+#define WELKIN_TEST_DATA \"${CMAKE_CURRENT_SOURCE_DIR}/data\"
+#define WELKIN_SHARED \"${PROJECT_SOURCE_DIR}/../shared\"
+#define WELKIN_COMMAND \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin\"
+")
+target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/places)
+# What tests are made of is compiled once, run once: most of the compiler's time would be in optimising checks. (The
+# library is optimised as ever, and ISO arithmetic gives the same bits at any level.)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release>:-O1>)
+endif()
+# A quarter of a test's compile time. (With Catch2 2, main.cpp defines what the header makes of itself.)
+welkin_precompile_headers(welkin_tests support/catch.h support/standard_headers.h)
+set_source_files_properties(support/main.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+# Through a precompiled header GCC 12 warns of libstdc++'s own code, wrongly, where strings are joined (PR105651).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(welkin_tests PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
+endif()
+if(WELKIN_TOOLS)
+  # Tests of the command run the built programs.
+  add_dependencies(welkin_tests welkin_command welkin_report_command)
+endif()
+catch_discover_tests(welkin_tests PROPERTIES TIMEOUT 600)
