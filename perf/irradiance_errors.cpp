@@ -17,7 +17,7 @@ namespace welkin::perf {
 namespace {
 
 constexpr int kBands[] = {1, 2, 3, 4, 5, 7};
-constexpr Window kWindows[] = {Window::none, Window::hanning, Window::lanczos, Window::least};
+constexpr Window kWindows[] = {Window::none, Window::hanning, Window::lanczos, Window::min_laplacian};
 constexpr int kWindowedBands = 3;
 constexpr int kSunBands[] = {2, 3, 5};
 constexpr int kNormals = 500;
@@ -86,7 +86,8 @@ std::string sun_row(const Environment& environment, const ProjectionOptions& opt
                     const SphericalHarmonics& radiance, const std::vector<IrradianceError>& errors) {
   const std::optional<WithoutSun> rest = without_sun(environment, options, radiance);
   if (!rest) return "";
-  std::string row = "| " + name + " | " + percent(luminance(rest->sun.irradiance) / luminance(rest->sun.flux_before));
+  std::string row =
+      "| " + name + " | " + percent(luminance(rest->sun.irradiance) / luminance(rest->sun.total_radiance_before));
   for (const int bands : kSunBands) {
     const IrradianceError& before = errors[static_cast<std::size_t>(bands - 1)];
     const IrradianceError& after = rest->errors[static_cast<std::size_t>(bands - 1)];
@@ -124,7 +125,7 @@ Rows rows_of(const std::filesystem::path& file) {
     const Windowed windowed = apply_window(few, window);
     rows.windows += " " + percent(smallest(windowed.minimum_after / (std::numbers::pi * mean))) + " |";
     rows.windows += " " + percent(errors_of(environment, windowed.radiance).back().rms) + " |";
-    if (window == Window::least) rows.windows += " " + number("%.4f", windowed.parameter) + " |";
+    if (window == Window::min_laplacian) rows.windows += " " + number("%.4f", windowed.parameter) + " |";
   }
   return rows;
 }

@@ -197,10 +197,10 @@ class Scenes {
     const CubemapImage cube = to_cubemap(picture(512).view(), 128);
     const auto whole = measured(runs_, [&] { return bake(cube.view(), whole_bake()); });
     const SceneNeeds room{.glossy = RoughnessRange{0.3, 1.0}, .background = false, .brdf_table = false};
-    SceneNeeds apart = room;
-    apart.same_bits = false;
+    SceneNeeds own_chain = room;
+    own_chain.same_bits = false;
     add("probe of a static room, roughness above 0.3", cube.view(), room, whole);
-    add("the same, a chain of its own", cube.view(), apart, whole);
+    add("the same, a chain of its own", cube.view(), own_chain, whole);
     BakeResult changed = bake(cube.view(), whole_bake());
     EnvironmentChange change;
     change.turn = turn_about_y(30.0);

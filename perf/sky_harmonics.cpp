@@ -65,17 +65,17 @@ void add_sky_harmonics(const std::vector<int>& thread_counts) {
                   });
   }
   add_benchmark("SkyLight", "update", "3", 1, 1.0, 0.0, [=]() -> std::function<void()> {
-    struct Live {
+    struct DynamicSky {
       Worker worker{WorkerOptions{.threads = 1}};
       SkyLight sky;
       MovingSun sun;
-      Live() : sky(worker, earth_tables(), without_reflections()) {}
+      DynamicSky() : sky(worker, earth_tables(), without_reflections()) {}
     };
-    const auto live = std::make_shared<Live>();
-    while (!live->sky.update(1.0).settled) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto dynamic = std::make_shared<DynamicSky>();
+    while (!dynamic->sky.update(1.0).settled) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return [=] {
-      live->sky.set_sun(live->sun.next());
-      live->sky.update(0.016);
+      dynamic->sky.set_sun(dynamic->sun.next());
+      dynamic->sky.update(0.016);
     };
   });
 }

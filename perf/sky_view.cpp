@@ -75,15 +75,15 @@ void add_pictures(int threads) {
   };
   for (const int size : {32, 256}) {
     for (const bool disc : {false, true}) {
-      add("SkyCubemap", disc ? "disc" : "apart", size, 6.0 * size * size,
+      add("SkyCubemap", disc ? "disc" : "no_disc", size, 6.0 * size * size,
           [=](const SkyView& view, const glm::dvec3& sun) {
             benchmark::DoNotOptimize(sky_cubemap(view, sun, size, {.sun_disc = disc}));
           });
     }
   }
-  add("SkyLatLong", "apart", 512, 2.0 * 512 * 512,
+  add("SkyLatLong", "no_disc", 512, 2.0 * 512 * 512,
       [](const SkyView& view, const glm::dvec3& sun) { benchmark::DoNotOptimize(sky_lat_long(view, sun, 512)); });
-  add("SkySpecular", "apart", 32, 6.0 * 32 * 32, [](const SkyView& view, const glm::dvec3& sun) {
+  add("SkySpecular", "no_disc", 32, 6.0 * 32 * 32, [](const SkyView& view, const glm::dvec3& sun) {
     benchmark::DoNotOptimize(sky_specular(view, sun, {.size = 32}));
   });
 }

@@ -216,9 +216,10 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
   const SkyView space(earth_tables, 200'000.0);
   const SkyView custom(tables(custom_atmosphere(), tables_of(1)), 0.0);
   std::vector<NamedResult> results;
-  for (const SkyQuadrature quadrature : {SkyQuadrature::article, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
+  for (const SkyQuadrature quadrature : {SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
     for (const auto& [view_name, view] : {std::pair{"_ground", &ground}, std::pair{"_high", &high}}) {
-      std::string title = name(quadrature);
+      // Its hashes were recorded under its name of then.
+      std::string title = quadrature == SkyQuadrature::uniform ? "article" : name(quadrature);
       title += view_name;
       results.emplace_back(
           title, [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });

@@ -44,7 +44,7 @@ Examples:
   welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
-  welkin bake city.hdr -o out --take-out-sun          the sun as a light apart
+  welkin bake city.hdr -o out --take-out-sun          the sun as a separate light
   welkin bake city.hdr -o out --no-glossy --explain   less than all, and why
   welkin bake city.hdr -o out --glossy 0.4,1          the mips that are looked up
   welkin bake city.hdr -o out --needs scene.json --plan-only
@@ -156,13 +156,13 @@ std::string file_lines(const OutputFolder& folder) {
 }
 
 std::string mip_lines(const std::vector<MipRecord>& mips) {
-  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  texels apart  largest error, about\n";
+  std::string text = "\nSpecular mips\n  mip  size  roughness  made by    bands  bright texels  largest error, about\n";
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
             pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(mip.method, 10) +
             pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
-            pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 14) +
+            pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 15) +
             pad_left(significant(mip.error_estimate, 2), 22) + '\n';
   }
   return text;

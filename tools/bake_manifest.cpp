@@ -106,8 +106,8 @@ Json diagnostics_json(const Baked& baked) {
           {"infinities_replaced", diagnostics.infinities_replaced},
           {"negatives_replaced", diagnostics.negatives_replaced},
           {"clamped", diagnostics.texels_clamped},
-          {"flux_before_clamp", json_triple(diagnostics.flux_before_clamp)},
-          {"flux", json_triple(diagnostics.flux)},
+          {"total_radiance_before_clamp", json_triple(diagnostics.total_radiance_before_clamp)},
+          {"total_radiance", json_triple(diagnostics.total_radiance)},
           {"harmonics_error_estimate", diagnostics.error_estimate},
           {"peak_bytes", baked.light.peak_bytes}};
 }

@@ -240,8 +240,8 @@ void use_stored_light(Baked& baked, const Control& control) {
   BakeResult& light = baked.light;
   light.radiance = with_bands(baked.stored_light->radiance, bands);
   const ProjectionDiagnostics& stored = baked.stored_light->diagnostics;
-  light.diagnostics.flux = stored.flux;
-  light.diagnostics.flux_before_clamp = stored.flux_before_clamp;
+  light.diagnostics.total_radiance = stored.total_radiance;
+  light.diagnostics.total_radiance_before_clamp = stored.total_radiance_before_clamp;
   light.diagnostics.error_estimate = stored.error_estimate;
   if (baked.options.irradiance_size == 0 || baked.options.irradiance_method != IrradianceMethod::harmonics) return;
   light.irradiance =

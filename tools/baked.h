@@ -17,7 +17,7 @@ struct Baked {
   Source source;
   std::optional<SkyReport> sky;  ///< of a computed one
   LatLongImage picture;          ///< of it, if it is to be kept
-  bool sun_wanted = false;       ///< it was to be taken out, or is apart
+  bool sun_wanted = false;       ///< it was to be taken out, or was never in the pixels
   std::optional<Sun> sun;
   BakeOptions whole;    ///< all that the options ask for
   BakeOptions options;  ///< what the scene needs of it

@@ -19,15 +19,15 @@ constexpr const char* kInfoFooter =
   Reads header and pixels as they are, nothing replaced or clamped: size,
   layout and what told it, channels, compression, parts, layers, mip levels; the
   least, greatest and mean value; NaN, infinite and negative values; the total
-  flux; the brightest texel.
+  radiance; the brightest texel.
 
 Examples:
   welkin info city.hdr                        for a person
   welkin info city.exr --json                 for a program
   welkin info faces.exr --layout vertical-strip
 
-Units: values as in the file; the mean is weighted by solid angle; the flux is
-  the integral over the sphere, 4 pi times the mean. Rows count from the top,
+Units: values as in the file; the mean is weighted by solid angle; the total
+  radiance is the integral over the sphere, 4 pi times the mean. Rows count from the top,
   columns from the left, both from 0.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
@@ -69,10 +69,14 @@ Json channels_json(const EnvironmentInfo& file) {
 }
 
 Json pixels_json(const EnvironmentStatistics& pixels) {
-  return {{"texels", pixels.texels},          {"minimum", json_triple(pixels.minimum)},
-          {"mean", json_triple(pixels.mean)}, {"maximum", json_triple(pixels.maximum)},
-          {"flux", json_triple(pixels.flux)}, {"nans", pixels.nans},
-          {"infinities", pixels.infinities},  {"negatives", pixels.negatives}};
+  return {{"texels", pixels.texels},
+          {"minimum", json_triple(pixels.minimum)},
+          {"mean", json_triple(pixels.mean)},
+          {"maximum", json_triple(pixels.maximum)},
+          {"total_radiance", json_triple(pixels.total_radiance)},
+          {"nans", pixels.nans},
+          {"infinities", pixels.infinities},
+          {"negatives", pixels.negatives}};
 }
 
 Json brightest_json(const EnvironmentStatistics& pixels) {
@@ -145,7 +149,7 @@ std::string cells(const glm::dvec3& rgb) {
 std::string range_lines(const EnvironmentStatistics& pixels) {
   return "\n" + line("", "             r             g             b") + line("minimum", cells(pixels.minimum)) +
          line("maximum", cells(pixels.maximum)) + line("mean", cells(pixels.mean) + "   weighted by solid angle") +
-         line("flux", cells(pixels.flux) + "   integral over the sphere");
+         line("total", cells(pixels.total_radiance) + "   integral of radiance over the sphere");
 }
 
 std::string odd_values_text(const EnvironmentStatistics& pixels) {

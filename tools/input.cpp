@@ -214,7 +214,7 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
 std::string sun_text(const std::optional<Sun>& sun, bool z_is_up) {
   if (!sun) return "Sun: none found; nothing was taken out\n";
   const bool was_in_pixels = sun->texels > 0;
-  return std::string(was_in_pixels ? "Sun, taken out" : "Sun, apart") + "\n  towards     " +
+  return std::string(was_in_pixels ? "Sun, taken out" : "Sun, not in the pixels") + "\n  towards     " +
          direction_text(sun->direction, z_is_up) + "\n  irradiance  " + significant(sun->irradiance) +
          "  on a surface that faces it\n  radiance    " + significant(sun->radiance) + "  its mean\n  extent      " +
          significant(sun->solid_angle) + " sr" +

@@ -110,7 +110,7 @@ struct SunChoice {
 /// of that.
 void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes = {});
 
-/// Some lines for a person about the sun that was taken out or is apart, or that there was none.
+/// Some lines for a person about the sun that was taken out or was never in the pixels, or that there was none.
 [[nodiscard]] std::string sun_text(const std::optional<Sun>& sun, bool z_is_up);
 
 }  // namespace welkin::tool

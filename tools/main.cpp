@@ -30,7 +30,7 @@ Files: OpenEXR, Radiance .hdr, PFM, PNG. A sphere is a lat-long picture, or six
 faces in a strip, a cross or six files; header, shape or name tell which.
 
 Units: radiance is whatever the file holds, W/(m2 sr) say; irradiance is then
-W/m2, flux W/m2 too. Skies are computed in W/(m2 sr nm) or cd/m2. Directions: y is up, a lat-long's centre looks along +z.
+W/m2, total radiance W/m2 too. Skies are computed in W/(m2 sr nm) or cd/m2. Directions: y is up, a lat-long's centre looks along +z.
 
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;

@@ -14,9 +14,9 @@ void read_range(const Json& value, const std::string& where, std::optional<Rough
     return;
   }
   RoughnessRange range;
-  read_object(value, where, {number("least", range.least), number("greatest", range.greatest)});
-  if (!(range.least >= 0.0 && range.least <= range.greatest && range.greatest <= 1.0)) {
-    throw Flaw{where + " goes from " + std::to_string(range.least) + " to " + std::to_string(range.greatest) +
+  read_object(value, where, {number("minimum", range.minimum), number("maximum", range.maximum)});
+  if (!(range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0)) {
+    throw Flaw{where + " goes from " + std::to_string(range.minimum) + " to " + std::to_string(range.maximum) +
                "; roughness must rise, from 0 to 1"};
   }
   target = range;
@@ -102,7 +102,7 @@ CostModel NeedsChoice::costs() const { return costs_file ? read_costs(*costs_fil
 
 void add_needs_options(Options& table, NeedsChoice& choice) {
   const auto set_range = [&choice](const std::vector<double>& range) {
-    if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the least roughness first"};
+    if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
   table.push_back({.names = "--needs",
@@ -113,7 +113,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
       {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
   table.push_back({.names = "--glossy",
                    .target = On<std::vector<double>>(set_range),
-                   .text = "The least and the greatest roughness of materials: mips beyond are not made",
+                   .text = "The lowest and the highest roughness of materials: mips beyond are not made",
                    .type = "LEAST,GREATEST",
                    .bounds = finite_between(0.0, 1.0),
                    .list = List::commas,
@@ -144,7 +144,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
 
 Json needs_json(const SceneNeeds& needs) {
   Json glossy = nullptr;
-  if (needs.glossy) glossy = {{"least", needs.glossy->least}, {"greatest", needs.glossy->greatest}};
+  if (needs.glossy) glossy = {{"minimum", needs.glossy->minimum}, {"maximum", needs.glossy->maximum}};
   Json budget = nullptr;
   if (needs.error_budget) budget = *needs.error_budget;
   return {{"diffuse_bands", needs.diffuse_bands},

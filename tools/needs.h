@@ -38,7 +38,7 @@ struct NeedsChoice {
 
 void add_needs_options(Options& table, NeedsChoice& choice);
 
-/// Every member; "glossy" is {"least", "greatest"}, or null where there are no glossy materials;
+/// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials;
 /// "error_budget" a number or null.
 [[nodiscard]] Json needs_json(const SceneNeeds& needs);
 /// What is missing is as in a default `SceneNeeds`. Throws `Error`: file_access, limit_exceeded (more than a megabyte),

@@ -37,7 +37,7 @@ Examples:
                                               cube faces made for Babylon.js
   welkin sh city.hdr --yaw 90 --mirror        turned and mirrored first
   welkin sh city.hdr --take-out-sun           the sun as a directional light
-  welkin sh city.hdr --window least           no negative irradiance
+  welkin sh city.hdr --window min-laplacian   no negative irradiance
   welkin sh city.hdr --bands 1 --json         the ambient colour alone
   welkin sh city.hdr --clamp 100              cut the sun off; says what it cost
   welkin sh city.hdr --quadrature midpoint --clamp 4096
@@ -240,7 +240,7 @@ void add_window_options(Options& table, ShOptions& options) {
                      {{name(Window::none), Window::none},
                       {name(Window::hanning), Window::hanning},
                       {name(Window::lanczos), Window::lanczos},
-                      {name(Window::least), Window::least}},
+                      {name(Window::min_laplacian), Window::min_laplacian}},
                      "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0"));
   table.push_back({.names = "--window-width",
                    .target = &options.window_width,

@@ -144,11 +144,11 @@ std::string window_lines(const ShReport& report) {
     const glm::dvec3& value = windowed.minimum_before;
     const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
     return least + significant(value) +
-           (negative ? "\n  negative: the few bands ring; --window least mends that" : "") + '\n';
+           (negative ? "\n  negative: the few bands ring; --window min-laplacian mends that" : "") + '\n';
   }
   std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
                      significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
-                     (report.window == Window::least ? "lambda " : "width ") + significant(windowed.parameter) +
+                     (report.window == Window::min_laplacian ? "lambda " : "width ") + significant(windowed.parameter) +
                      "; bands times";
   for (const double factor : windowed.factors) text += ' ' + significant(factor, 4);
   return text + ")\n";
@@ -188,9 +188,9 @@ std::string clamp_sentence(const ShReport& report) {
   if (!report.options.clamp) return "no clamp was asked for";
   const std::string limit = "the clamp at " + significant(report.options.clamp->maximum);
   if (diagnostics.texels_clamped == 0) return limit + " changed no texel";
-  const double before =
-      diagnostics.flux_before_clamp.x + diagnostics.flux_before_clamp.y + diagnostics.flux_before_clamp.z;
-  const double after = diagnostics.flux.x + diagnostics.flux.y + diagnostics.flux.z;
+  const double before = diagnostics.total_radiance_before_clamp.x + diagnostics.total_radiance_before_clamp.y +
+                        diagnostics.total_radiance_before_clamp.z;
+  const double after = diagnostics.total_radiance.x + diagnostics.total_radiance.y + diagnostics.total_radiance.z;
   return limit + " changed " + counted(diagnostics.texels_clamped, "texel") + " and took away " +
          significant(100.0 * (before - after) / before, 3) + " % of the light";
 }
@@ -204,7 +204,7 @@ std::string diagnostics_lines(const ShReport& report) {
           ", " + name(active_instruction_set()) + '\n';
   text += "  " + replaced_sentence(diagnostics) + '\n';
   text += "  " + clamp_sentence(report) + '\n';
-  text += "  total flux (integral over the sphere) " + significant(diagnostics.flux) + '\n';
+  text += "  total radiance (integral over the sphere) " + significant(diagnostics.total_radiance) + '\n';
   text += "  estimated relative error of the coefficients " + significant(diagnostics.error_estimate, 2) + '\n';
   std::size_t width = kPassWidth;
   for (const PassRecord& pass : diagnostics.passes) width = std::max(width, pass.name.size() + 1);
@@ -272,8 +272,8 @@ Json diagnostics_json(const ShReport& report) {
           {"infinities_replaced", diagnostics.infinities_replaced},
           {"negatives_replaced", diagnostics.negatives_replaced},
           {"clamped", diagnostics.texels_clamped},
-          {"flux_before_clamp", json_triple(diagnostics.flux_before_clamp)},
-          {"flux", json_triple(diagnostics.flux)},
+          {"total_radiance_before_clamp", json_triple(diagnostics.total_radiance_before_clamp)},
+          {"total_radiance", json_triple(diagnostics.total_radiance)},
           {"average", json_triple(average_radiance(report.projection.radiance))},
           {"error_estimate", diagnostics.error_estimate},
           {"settings", settings_json(report)},
@@ -323,8 +323,8 @@ Json sun_json(const std::optional<Sun>& sun) {
           {"solid_angle", sun->solid_angle},
           {"angular_radius_degrees", sun->angular_radius_degrees},
           {"texels", sun->texels},
-          {"flux_before", json_triple(sun->flux_before)},
-          {"flux_after", json_triple(sun->flux_after)}};
+          {"total_radiance_before", json_triple(sun->total_radiance_before)},
+          {"total_radiance_after", json_triple(sun->total_radiance_after)}};
 }
 
 Json irradiance_errors_json(const std::vector<IrradianceError>& errors) {

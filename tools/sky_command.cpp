@@ -25,8 +25,9 @@ constexpr const char* kSkyFooter =
   its gases (Rayleigh) and aerosol (Mie), absorbed by ozone, reflected by the
   ground, scattered again, as often as --orders says. Tables of it are made, or
   taken from a file; then, for a sun and a height, it prints the sky's spherical
-  harmonics as 'welkin sh' does for a photograph, the sun apart as a directional
-  light; or bakes them to a folder as 'welkin bake' does; or draws a day.
+  harmonics as 'welkin sh' does for a photograph, the sun by itself as a
+  directional light; or bakes them to a folder as 'welkin bake' does; or draws a
+  day.
 
 Examples:
   welkin sky --sun-elevation 20              a table for a person
@@ -52,12 +53,13 @@ Units: radiance W/(m2 sr nm) at the wavelengths that stand for r, g and b;
   irradiance W/(m2 nm). With --colour srgb luminance, cd/m2, in linear sRGB, and
   illuminance, lux. Lengths are metres.
 
-JSON: as 'welkin sh --json' prints it, the sun always apart in "sun" {direction,
-  irradiance, radiance, solid_angle, angular_radius_degrees, flux_after (of the
-  sky), flux_before (with the sun)}, and "sky" {atmosphere, unit, colour,
-  sun_elevation_degrees, sun_azimuth_degrees, altitude_m, orders, last_change,
-  ground, sky_irradiance, quadrature, tables, parameters}. error_estimate is that
-  of the quadrature alone; docs/sky.md has the tables' errors.
+JSON: as 'welkin sh --json' prints it, the sun always in "sun" {direction,
+  irradiance, radiance, solid_angle, angular_radius_degrees,
+  total_radiance_after (of the sky), total_radiance_before (with the sun)}, and
+  "sky" {atmosphere, unit, colour, sun_elevation_degrees, sun_azimuth_degrees,
+  altitude_m, orders, last_change, ground, sky_irradiance, quadrature, tables,
+  parameters}. error_estimate is that of the quadrature alone; docs/sky.md has
+  the tables' errors.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
@@ -153,7 +155,7 @@ void add_table_options(Options& table, SkyOptions& options) {
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
   table.push_back(
       choice<SkyQuadrature>("--quadrature", options.quadrature,
-                            {{name(SkyQuadrature::article), SkyQuadrature::article},
+                            {{name(SkyQuadrature::uniform), SkyQuadrature::uniform},
                              {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
                              {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
                             "Directions that the harmonics are summed over: evenly in angles; by Gauss nodes; the same "
@@ -165,7 +167,7 @@ void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
   table.push_back({.names = "--directions",
                    .target = On<std::vector<int>>(set_counts),
                    .text =
-                       "How many: ZENITHS on either side of the horizon (article: over both), 2 to 128, and AZIMUTHS "
+                       "How many: ZENITHS on either side of the horizon (uniform: over both), 2 to 128, and AZIMUTHS "
                        "over half the circle, 2 to 256, the other half being its mirror image; default 16,16",
                    .type = "Z,A",
                    .list = List::commas_or_spaces,
@@ -221,8 +223,9 @@ void add_folder_options(Options& table, SkyOptions& options) {
                    .text = "Height of sky.exr, from which all else is made; its width is twice that; default 256",
                    .type = "N",
                    .bounds = whole_between(1, kLargestPicture)});
-  table.push_back(
-      {.names = "--sun-disc", .target = &options.sun_disc, .text = "The sun's disc in the picture; else it is apart"});
+  table.push_back({.names = "--sun-disc",
+                   .target = &options.sun_disc,
+                   .text = "The sun's disc in the picture; else it is left out"});
   add_result_options(table, options.bake);
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");
 }
@@ -270,8 +273,8 @@ double relative_difference(const SphericalHarmonics& coarse, const SphericalHarm
   double difference = 0.0;
   double power = 0.0;
   for (std::size_t i = 0; i < fine.coefficients().size(); ++i) {
-    const glm::dvec3 apart = coarse.coefficients()[i] - fine.coefficients()[i];
-    difference += glm::dot(apart, apart);
+    const glm::dvec3 change = coarse.coefficients()[i] - fine.coefficients()[i];
+    difference += glm::dot(change, change);
     power += glm::dot(fine.coefficients()[i], fine.coefficients()[i]);
   }
   return power > 0.0 ? std::sqrt(difference / power) : 0.0;
@@ -290,12 +293,12 @@ double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const 
 void describe_light(const Sky& sky, ShReport& report) {
   const double sphere = std::sqrt(4.0 * std::numbers::pi);  // band 0 is the mean radiance times that
   ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
-  diagnostics.flux = sphere * report.projection.radiance.coefficients().front();
-  diagnostics.flux_before_clamp = diagnostics.flux;
+  diagnostics.total_radiance = sphere * report.projection.radiance.coefficients().front();
+  diagnostics.total_radiance_before_clamp = diagnostics.total_radiance;
   report.sun_wanted = true;
   report.sun = sky.view.sun(sky.sun);
-  report.sun->flux_after = diagnostics.flux;
-  report.sun->flux_before = diagnostics.flux + report.sun->irradiance;
+  report.sun->total_radiance_after = diagnostics.total_radiance;
+  report.sun->total_radiance_before = diagnostics.total_radiance + report.sun->irradiance;
 }
 
 /// Makes or loads tables, projects the sky, turns it to the engine's axes, windows. Shows a progress bar on a terminal.

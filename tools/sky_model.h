@@ -100,7 +100,7 @@ struct Sky {
 /// Throws what choosing the atmosphere, making, loading and saving tables, and `SkyView` throw.
 [[nodiscard]] Sky make_sky(const SkyParameters& parameters, const Control& control);
 
-/// A lat-long twice as wide as `height`, its sun inside or apart.
+/// A lat-long twice as wide as `height`, with its sun or without.
 [[nodiscard]] ComputedPicture sky_picture(const Sky& sky, int height, bool sun_disc, const Control& control);
 
 /// The environment of a command to which no file is given: Earth's sky in W/m2/sr/nm at 680, 550, 440 nm, the sun in it

@@ -45,7 +45,8 @@ struct BakeOptions {
   /// Bands that are projected at least, of which the first `bands` are kept: the same bits as those of a bake with that
   /// many, from which fewer bands by themselves differ by rounding.
   int projected_bands = 0;
-  bool flux = true;  ///< of no bands one is projected all the same, for the diagnostics' flux; off: it stays 0
+  /// Of no bands one is projected all the same, for the diagnostics' total radiance; off: that stays 0.
+  bool total_radiance = true;
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 
@@ -69,7 +70,7 @@ struct BakeResult {
   /// cubemap come from it and not from the pixels, which end at 255.
   std::optional<BabylonPolynomial> stored_polynomial;
 
-  /// Pixels read, replaced and clamped; flux and error estimate as `project` has them; each pass ("clean",
+  /// Pixels read, replaced and clamped; total radiance and error estimate as `project` has them; each pass ("clean",
   /// "background", "background mips", "specular", "project", "irradiance", "brdf", of files "read" before them) with
   /// its wall time: as passes overlap, times add up to more than the bake took.
   ProjectionDiagnostics diagnostics;

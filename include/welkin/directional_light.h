@@ -56,8 +56,8 @@ struct Sun {
   double solid_angle = 0.0;  ///< of the texels of the spot, steradians
   double angular_radius_degrees = 0.0;  ///< of a disc with that solid angle
   std::uint64_t texels = 0;             ///< that were changed: of the spot and of its rim
-  glm::dvec3 flux_before{};             ///< of the map, integral over the sphere
-  glm::dvec3 flux_after{};              ///< of the map without its sun; before = after + irradiance, to 1e-6
+  glm::dvec3 total_radiance_before{};   ///< of the map, integral over the sphere
+  glm::dvec3 total_radiance_after{};    ///< of the map without its sun; before = after + irradiance, to 1e-6
 };
 
 /// Finds the sun and takes it out, in place: the spot's texels and those that touch it, which its edge covers in part,
@@ -65,11 +65,11 @@ struct Sun {
 /// they were darker. None, and nothing changed, if there is no sun by the options. Of several the brightest is taken;
 /// another call takes the next. `pixels` are RGB floats in Welkin's axes.
 ///
-/// An engine adds the sun back as a directional light that makes `irradiance` on a surface which faces it; so the flux
-/// is the map's again. The sun itself, a disc of angular radius a, makes (1 + cos a) / 2 of that, as not all of it is
-/// straight ahead: 2e-5 less for half a degree, 7e-4 for three. In bands: band l of a spot with mean squared radius r^2
-/// (radians) is smaller than the light's by the factor 1 - l(l+1) r^2 / 4, which for a disc of half a degree takes 6e-5
-/// from band 2.
+/// An engine adds the sun back as a directional light that makes `irradiance` on a surface which faces it; so the total
+/// radiance is the map's again. The sun itself, a disc of angular radius a, makes (1 + cos a) / 2 of that, as not all
+/// of it is straight ahead: 2e-5 less for half a degree, 7e-4 for three. In bands: band l of a spot with mean squared
+/// radius r^2 (radians) is smaller than the light's by the factor 1 - l(l+1) r^2 / 4, which for a disc of half a degree
+/// takes 6e-5 from band 2.
 ///
 /// A texel with a channel that is NaN or infinite is left alone, is nobody's neighbour, and is in no sum: replace a
 /// sun that overflowed (65504 is the largest half) before. Negatives are kept; they are never made brighter.
@@ -82,9 +82,9 @@ struct Sun {
 
 /// The coefficients of a sun's light, to be added to those of its map: a uniform disc of its solid angle that holds its
 /// irradiance (radiance times solid angle), in closed form; with solid angle 0 a light from one direction. `radiance`,
-/// `angular_radius_degrees` and the fluxes are not read. Relative error below 1e-13 from a point to the whole sphere.
-/// Throws `Error` (invalid_argument) for a direction without length, a solid angle outside 0 to 4 pi, or a wrong
-/// number of bands.
+/// `angular_radius_degrees` and the total radiances are not read. Relative error below 1e-13 from a point to the whole
+/// sphere. Throws `Error` (invalid_argument) for a direction without length, a solid angle outside 0 to 4 pi, or a
+/// wrong number of bands.
 [[nodiscard]] SphericalHarmonics sun_harmonics(const Sun& sun, int bands);
 
 }  // namespace welkin

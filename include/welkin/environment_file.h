@@ -106,7 +106,7 @@ struct EnvironmentStatistics {
   std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
   glm::dvec3 minimum{}, maximum{};
   glm::dvec3 mean{};             ///< weighted by solid angle: the sphere's average radiance
-  glm::dvec3 flux{};             ///< integral over the sphere: 4 pi times the mean
+  glm::dvec3 total_radiance{};   ///< integral over the sphere: 4 pi times the mean
   std::uint64_t nans = 0;        ///< channel values
   std::uint64_t infinities = 0;  ///< channel values
   std::uint64_t negatives = 0;   ///< channel values

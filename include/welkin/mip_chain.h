@@ -12,7 +12,7 @@ namespace WELKIN_EXPORT welkin {
 
 enum class MipFilter {
   box,          ///< the plain mean of the texels below: what graphics APIs do
-  solid_angle,  ///< their mean by solid angle: keeps the sphere's flux on every level
+  solid_angle,  ///< their mean by solid angle: keeps the sphere's total radiance on every level
 };
 
 /// Copies `source` to level 0 and fills the levels below from it, each from the one above. Odd sizes: a texel below

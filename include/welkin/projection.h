@@ -90,8 +90,9 @@ struct ProjectionDiagnostics {
   std::uint64_t infinities_replaced = 0;  ///< channel values
   std::uint64_t negatives_replaced = 0;   ///< channel values
   std::uint64_t texels_clamped = 0;       ///< texels that the clamp changed
-  glm::dvec3 flux_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
-  glm::dvec3 flux{};               ///< the same as it was projected
+  glm::dvec3
+      total_radiance_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
+  glm::dvec3 total_radiance{};        ///< the same as it was projected
 
   /// Estimated relative error |c - c*| / |c*| of the radiance coefficients, c* being the exact integral of
   /// the source's texels as areas: rounding, the midpoint rule, and what a reduction lost. An estimate.

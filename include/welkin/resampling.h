@@ -13,13 +13,12 @@ namespace WELKIN_EXPORT welkin {
 enum class ResampleFilter {
   /// Each texel is the mean of the source over the texel's area. The source's texels are areas too, with ramps between
   /// neighbours: where the result is finer than the source as wide as linear interpolation has them, where it is
-  /// coarser
-  /// none. Every texel of the source keeps its flux (a lone one of any brightness to 1e-6, at poles, seams, edges and
-  /// corners alike); a uniform source stays exactly what it is; nothing becomes negative that was not. Edges of texels
-  /// are followed in steps, to less than half a texel of the result.
+  /// coarser none. Every texel of the source keeps its total radiance (a lone one of any brightness to 1e-6, at poles,
+  /// seams, edges and corners alike); a uniform source stays exactly what it is; nothing becomes negative that was not.
+  /// Edges of texels are followed in steps, to less than half a texel of the result.
   area,
   /// Bilinear interpolation at the centre of each texel of the result: fast, smooth, and right where the result is as
-  /// fine as the source or finer; a source that is finer is passed over in part, and flux is not kept.
+  /// fine as the source or finer; a source that is finer is passed over in part, and total radiance is not kept.
   bilinear,
 };
 
@@ -32,18 +31,19 @@ enum class ResampleFilter {
 ///
 /// From a lat-long to a cubemap, with one of a cube's 48 symmetries for a turn (the identity is one): as `filter` says.
 /// From a cubemap to one of half the size, a quarter and so on, likewise turned: by mean over the texel's area,
-/// weighted by solid angle, so that flux is kept to rounding.
+/// weighted by solid angle, so that total radiance is kept to rounding.
 ///
 /// From a cubemap to a lat-long by `area`, likewise turned: each texel is the mean of the cube's texels, as areas of
-/// one value each, over its own area. Flux is kept to rounding; where the result is finer, the cube's texels show.
+/// one value each, over its own area. Total radiance is kept to rounding; where the result is finer, the cube's texels
+/// show.
 ///
 /// Else each texel of the result is the mean, by solid angle, of the source's bilinear interpolation over the texel's
 /// area, at evenly spaced samples. Along either edge these are the source's texels a radian where they lie closest
 /// (cube: size; lat-long: width / 2 pi or height / pi, the larger) over the result's where they lie widest apart (cube:
 /// size / 2; lat-long: width / 2 pi across, height / pi down), rounded up, and at least 2. So no texel of the source is
-/// passed over, and flux is kept to the error of the interpolation; but not close to the poles of a lat-long source.
-/// Its texels there are narrower than samples lie apart, and one that differs much from its row may count many times or
-/// not at all (from 256 x 128 to 16 x 16 x 6 in the first row 0 to 26 times, in the fifth 0.2 to 4 times).
+/// passed over, and total radiance is kept to the error of the interpolation; but not close to the poles of a lat-long
+/// source. Its texels there are narrower than samples lie apart, and one that differs much from its row may count many
+/// times or not at all (from 256 x 128 to 16 x 16 x 6 in the first row 0 to 26 times, in the fifth 0.2 to 4 times).
 ///
 /// Faces are interpolated across their edges, a lat-long across its poles and its seam; NaN and infinities spread to
 /// the texels that they touch, by area to some more. Cost: by area some 30 ns a texel of the result and thread,

@@ -50,7 +50,7 @@ struct LightChange {
 };
 
 /// A light changed without a look at its pixels: exposure is a factor, rotation a transform of the coefficients, both
-/// in double. The diagnostics' flux follows the exposure. Throws `Error` (invalid_argument).
+/// in double. The diagnostics' total radiance follows the exposure. Throws `Error` (invalid_argument).
 [[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
 
 /// Each call gives the bits of the call of the same name without a cache; hits differ in their passes (action "reuse",

@@ -12,8 +12,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// Perceptual roughness, as artists set it.
 struct RoughnessRange {
-  double least = 0.0;
-  double greatest = 1.0;
+  double minimum = 0.0;
+  double maximum = 1.0;
 
   friend bool operator==(const RoughnessRange&, const RoughnessRange&) = default;
 };
@@ -50,8 +50,8 @@ struct SceneNeeds {
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
 };
 
-/// Throws `Error` (invalid_argument) that names the member unless 0 <= diffuse_bands <= kMaximumBands and 0 <= least <=
-/// greatest <= 1, and 1e-6 <= error_budget <= 1.
+/// Throws `Error` (invalid_argument) that names the member unless 0 <= diffuse_bands <= kMaximumBands, 0 <= minimum <=
+/// maximum <= 1, and 1e-6 <= error_budget <= 1.
 void check(const SceneNeeds& needs);
 
 }  // namespace welkin

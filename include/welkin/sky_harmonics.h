@@ -21,7 +21,7 @@ namespace WELKIN_EXPORT welkin {
 /// azimuths only, and no coefficient that is odd in the azimuth from the sun is computed.
 enum class SkyQuadrature {
   /// Uniform in angles, weighted by solid angle: 16 zenith angles x 32 azimuths (16 looked at) are the article's
-  article,
+  uniform,
   /// Gauss-Legendre in t, cosine = horizon +- t^2, on either side of the horizon, times a trapezoid in azimuth
   gauss,
   /// The same zenith angles, azimuths closer together about the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t),
@@ -30,13 +30,13 @@ enum class SkyQuadrature {
   gauss_split,
 };
 
-/// "article", "gauss", "gauss-split"
+/// "uniform", "gauss", "gauss-split"
 [[nodiscard]] const char* name(SkyQuadrature quadrature) noexcept;
 
 struct SkyHarmonicsOptions {
   int bands = 3;  ///< 1 to kMaximumBands
   SkyQuadrature quadrature = SkyQuadrature::gauss_split;
-  int zeniths = 16;   ///< Gauss nodes on either side of the horizon; article: over both. 2 to 128
+  int zeniths = 16;   ///< Gauss nodes on either side of the horizon; uniform: over both. 2 to 128
   int azimuths = 16;  ///< over half the circle, mirrored: 2 to 256
 
   friend bool operator==(const SkyHarmonicsOptions&, const SkyHarmonicsOptions&) = default;
@@ -54,9 +54,9 @@ class SkyProjector {
   /// Throws `Error`: invalid_argument, limit_exceeded (more than 1 GiB for what is made ready).
   explicit SkyProjector(SkyView view, const SkyHarmonicsOptions& options = {});
 
-  /// Radiance coefficients of the sky with the sun towards a direction; disc apart. Writes bands^2 triples; allocates
-  /// nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span, a
-  /// direction that is not finite or has no length.
+  /// Radiance coefficients of the sky with the sun towards a direction, without its disc. Writes bands^2 triples;
+  /// allocates nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span,
+  /// a direction that is not finite or has no length.
   void project(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
   [[nodiscard]] SphericalHarmonics project(const glm::dvec3& sun) const;
 

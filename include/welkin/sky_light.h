@@ -1,4 +1,4 @@
-// The sky as an engine's live object: set the sun, get the light, every frame.
+// The dynamic sky of an engine's loop: set the sun, get the light, every frame.
 //
 //   welkin::Worker worker;
 //   welkin::SkyLight sky(worker, welkin::earth());
@@ -71,7 +71,7 @@ struct SkyLightFrame {
   bool ready = false;    ///< false until the first curve has come: all is black
   bool settled = false;  ///< nothing is being made or blended: the light is exactly what the direct calls give
 
-  SphericalHarmonics radiance;  ///< sky and ground, intensity included; the disc apart
+  SphericalHarmonics radiance;  ///< sky and ground, intensity included, without the sun's disc
   Sun sun;                      ///< as a directional light, intensity included
 
   /// Newer and older; both weights add up to 1 once there are any, times the intensity.

@@ -38,7 +38,7 @@ struct BakeSkyCurve {
   friend bool operator==(const BakeSkyCurve&, const BakeSkyCurve&) = default;
 };
 
-/// `sky_specular`, the disc apart. Handed out by pointer.
+/// `sky_specular`, without the sun's disc. Handed out by pointer.
 struct SkySpecular {
   std::shared_ptr<const SkyTables> tables;
   double altitude_m = 0.0;

@@ -10,8 +10,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the disc is apart unless asked for.
-/// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+/// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the sun's disc is left out unless asked
+/// for. Throws `Error`: invalid_argument, limit_exceeded, cancelled.
 [[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun,
                                                const PrefilterOptions& options, const SkyPictureOptions& picture = {},
                                                const Control& control = {});

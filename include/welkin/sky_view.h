@@ -19,7 +19,8 @@ struct SkyViewOptions {
 
 /// What pictures show.
 struct SkyPictureOptions {
-  /// The sun's disc, as texels that it covers by area: their flux is the directional light's. Off: the disc is apart.
+  /// The sun's disc, as texels that it covers by area: their total radiance is the directional light's irradiance. Off:
+  /// the disc is left out.
   bool sun_disc = false;
 };
 
@@ -45,7 +46,7 @@ class SkyView {
   [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept;
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`; its disc is apart. Not
+  /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`, without its disc. Not
   /// negative, finite. Allocates nothing. Directions of any length are taken, one without is the zenith. Below the
   /// lowest sun of the tables it is that one's sky, faded to nothing at the nadir. Cost: some 0.3 us.
   [[nodiscard]] glm::dvec3 radiance(const glm::dvec3& direction, const glm::dvec3& sun) const;
@@ -56,7 +57,7 @@ class SkyView {
   void radiance(std::span<const glm::vec3> directions, const glm::dvec3& sun, std::span<glm::vec3> rgb) const;
 
   /// The sun as a directional light at this height: direction, irradiance through the air (0 below the horizon, in part
-  /// while it sets), mean radiance, solid angle of its disc. `texels` and fluxes are not set.
+  /// while it sets), mean radiance, solid angle of its disc. `texels` and total radiances are not set.
   [[nodiscard]] Sun sun(const glm::dvec3& sun) const;
 
   /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table; 0 from above the air.
@@ -68,9 +69,10 @@ class SkyView {
   std::shared_ptr<const Slice> slice_;
 };
 
-/// The radiance at texels' centres (the sun's disc, if asked for, by area: its flux is that of `SkyView::sun` at any
-/// size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on any number of threads;
-/// some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to 16384), cancelled.
+/// The radiance at texels' centres (the sun's disc, if asked for, by area: its total radiance is the irradiance of
+/// `SkyView::sun` at any size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on
+/// any number of threads; some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to
+/// 16384), cancelled.
 [[nodiscard]] CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size,
                                        const SkyPictureOptions& options = {}, const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height,

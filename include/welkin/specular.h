@@ -21,7 +21,7 @@ namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
   automatic,  ///< for each mip the fastest within both bounds; below roughness 0.055 sampled, which is not within
-  spectral,   ///< product with the kernel's spectrum in harmonics; brightest texels apart, each by its lobe
+  spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
   sampled,    ///< filtered importance sampling (Krivanek and Colbert 2008; Karis 2013): one list of taps a mip
   reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
 };
@@ -60,7 +60,7 @@ struct MipRecord {
   double roughness = 0.0;       ///< perceptual
   std::string method;           ///< "copy" or a `PrefilterMethod`'s name
   int bands = 0;                ///< spectral: harmonic bands that were used
-  int bright_texels = 0;        ///< spectral: texels whose lobes were added apart
+  int bright_texels = 0;        ///< spectral: texels whose lobes were added one by one
   int samples = 0;              ///< sampled: taps a texel
   double error_estimate = 0.0;  ///< predicted largest relative error
   glm::dvec3 mean{};            ///< by solid angle: in truth the same on every mip (the kernel keeps energy)

@@ -209,14 +209,14 @@ typedef struct welkin_projection_options {
 typedef struct welkin_projection {
   uint32_t struct_size;
   int32_t bands;
-  uint64_t texels;              /* read and projected */
-  uint64_t nans_replaced;       /* channel values */
-  uint64_t infinities_replaced; /* channel values */
-  uint64_t negatives_replaced;  /* channel values */
-  uint64_t texels_clamped;      /* texels that the clamp changed */
-  double flux_before_clamp[3];  /* r, g, b: integral of radiance over the sphere, before the clamp */
-  double flux[3];               /* the same as it was projected */
-  double error_estimate;        /* estimated relative error of the coefficients */
+  uint64_t texels;                       /* read and projected */
+  uint64_t nans_replaced;                /* channel values */
+  uint64_t infinities_replaced;          /* channel values */
+  uint64_t negatives_replaced;           /* channel values */
+  uint64_t texels_clamped;               /* texels that the clamp changed */
+  double total_radiance_before_clamp[3]; /* r, g, b: integral of radiance over the sphere, before the clamp */
+  double total_radiance[3];              /* the same as it was projected */
+  double error_estimate;                 /* estimated relative error of the coefficients */
 
   /* Of radiance: r, g, b of coefficient (l, m) from 3 (l (l + 1) + m) on; bands^2 triples, zeros behind. Real,
    * orthonormal, without Condon-Shortley phase; Y(1, -1..1) ~ y, z, x. */

@@ -224,8 +224,8 @@ class Baking {
       diagnostics.texels = shape_.texels();
     }
     if (plan_.stored_harmonics) {
-      diagnostics.flux = stored_.harmonics->at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
-      diagnostics.flux_before_clamp = diagnostics.flux;
+      diagnostics.total_radiance = stored_.harmonics->at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+      diagnostics.total_radiance_before_clamp = diagnostics.total_radiance;
     }
     diagnostics.passes.clear();
     if (options_.bands > 0) result_.radiance = std::move(projection_->radiance);

@@ -206,8 +206,8 @@ BakeStep project_step(const BakeOptions& options, const BakePlan& plan) {
     if (plan.projecting.bands > options.bands) bands += " of " + std::to_string(plan.projecting.bands);
     return step(BakePass::project, PassAction::run, bands + " from the source's own texels");
   }
-  if (!options.flux) return skipped(BakePass::project);
-  return step(BakePass::project, PassAction::run, "1 band, for the flux: no coefficients were asked for");
+  if (!options.total_radiance) return skipped(BakePass::project);
+  return step(BakePass::project, PassAction::run, "1 band, for the total radiance: no coefficients were asked for");
 }
 
 BakeStep irradiance_step(const BakeOptions& options) {

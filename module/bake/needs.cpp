@@ -18,9 +18,9 @@ void check(const SceneNeeds& needs) {
   if (needs.error_budget) budget::check_budget({.relative = *needs.error_budget});
   if (!needs.glossy) return;
   const RoughnessRange& range = *needs.glossy;
-  if (range.least >= 0.0 && range.least <= range.greatest && range.greatest <= 1.0) return;
-  throw Error(ErrorCode::invalid_argument, "glossy materials' roughness is from " + std::to_string(range.least) +
-                                               " to " + std::to_string(range.greatest) + "; it must rise, from 0 to 1");
+  if (range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0) return;
+  throw Error(ErrorCode::invalid_argument, "glossy materials' roughness is from " + std::to_string(range.minimum) +
+                                               " to " + std::to_string(range.maximum) + "; it must rise, from 0 to 1");
 }
 
 }  // namespace welkin
@@ -48,7 +48,7 @@ void need_diffuse(const SceneNeeds& needs, NeededOptions& needed) {
     options.projected_bands = std::max(options.projected_bands, options.bands);
   options.bands = std::min(options.bands, needs.diffuse_bands);
   if (needs.diffuse_bands == 0 && had_bands) {
-    options.flux = false;
+    options.total_radiance = false;
     needed.left_out.push_back({BakePass::project, "no diffuse light is used"});
   }
   if (!had_irradiance || (needs.irradiance_cubemap && needs.diffuse_bands > 1)) return;
@@ -100,10 +100,10 @@ UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRang
   const auto mips = static_cast<int>(roughness.size());
   const auto at = [&](int mip) { return roughness[static_cast<std::size_t>(mip)]; };
   int first = 0;
-  while (first + 1 < mips && at(first + 1) <= range.least) ++first;
+  while (first + 1 < mips && at(first + 1) <= range.minimum) ++first;
   while (first > 0 && at(first - 1) == at(first)) --first;  // a lookup may find either
   int last = mips - 1;
-  while (last > first && at(last - 1) >= range.greatest) --last;
+  while (last > first && at(last - 1) >= range.maximum) --last;
   while (last + 1 < mips && at(last + 1) == at(last)) ++last;
   return {first, mips - 1 - last};
 }

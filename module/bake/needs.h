@@ -36,7 +36,7 @@ struct NeededOptions {
 /// `instead` says what to do.
 void refuse_budget(const SceneNeeds& needs, const std::string& instead);
 
-/// Mips, of a table of roughness that rises, that no lookup from `range.least` to `range.greatest` touches.
+/// Mips, of a table of roughness that rises, that no lookup from `range.minimum` to `range.maximum` touches.
 struct UnusedMips {
   int sharp = 0;
   int rough = 0;

@@ -254,8 +254,8 @@ Plan plan_change(const BakeOptions& baked, const EnvironmentChange& change, cons
 void apply_change(BakeResult& result, const BakeOptions& baked, const EnvironmentChange& change,
                   const Control& control) {
   check(change);
-  result.diagnostics.flux *= change.scale;
-  result.diagnostics.flux_before_clamp *= change.scale;
+  result.diagnostics.total_radiance *= change.scale;
+  result.diagnostics.total_radiance_before_clamp *= change.scale;
   if (!result.radiance) return;
   SphericalHarmonics radiance = *result.radiance;
   if (turns(change)) radiance = transform(radiance, change.turn);

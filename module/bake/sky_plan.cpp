@@ -129,7 +129,7 @@ class SkyPlanner {
 
   /// A quadrature looks at so many directions for each sun, and both sides of the horizon.
   static double directions(const SkyHarmonicsOptions& harmonics) {
-    const double sides = harmonics.quadrature == SkyQuadrature::article ? 1.0 : 2.0;
+    const double sides = harmonics.quadrature == SkyQuadrature::uniform ? 1.0 : 2.0;
     return sides * harmonics.zeniths * harmonics.azimuths;
   }
 

@@ -20,7 +20,7 @@ namespace welkin::budget {
 struct EnvironmentEnergies {
   transforms::Spectrum spectrum;  ///< of all of it
   std::vector<double> whole;
-  std::vector<double> rest;   ///< without the texels that the prefilter keeps apart and blurs exactly
+  std::vector<double> rest;   ///< without the texels that the prefilter extracts and blurs exactly
   std::vector<double> rings;  ///< of what the rings lose that a cubemap goes through, at least; empty for a lat-long
 };
 

@@ -40,8 +40,8 @@ void write_projection(welkin_projection* projection, const Projection& light) {
   values.infinities_replaced = diagnostics.infinities_replaced;
   values.negatives_replaced = diagnostics.negatives_replaced;
   values.texels_clamped = diagnostics.texels_clamped;
-  write_triple(diagnostics.flux_before_clamp, values.flux_before_clamp);
-  write_triple(diagnostics.flux, values.flux);
+  write_triple(diagnostics.total_radiance_before_clamp, values.total_radiance_before_clamp);
+  write_triple(diagnostics.total_radiance, values.total_radiance);
   values.error_estimate = diagnostics.error_estimate;
   double* place = values.coefficients;
   for (const glm::dvec3& rgb : light.radiance.coefficients()) {

@@ -7,7 +7,7 @@
 namespace welkin::c_interface {
 namespace {
 
-/// A thread's last error. The text is kept apart from its storage: there may be no memory to say so.
+/// A thread's last error. The text is kept separate from its storage: there may be no memory to say so.
 struct LastError {
   welkin_status status = WELKIN_OK;
   const char* text = "";

@@ -207,7 +207,7 @@ class CachedBake {
     missing.specular.reset();
     if (chain_ && !chain_->complete()) missing.specular = chain_->missing();
     if (irradiance_) missing.irradiance_size = 0;
-    missing.flux = false;
+    missing.total_radiance = false;
     baking::StoredResults stored;
     if (projection_) stored.harmonics = &projection_->radiance;
     baking::bake_source(result_, view_, missing, stored, {}, control);

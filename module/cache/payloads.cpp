@@ -38,8 +38,8 @@ template <class Archive, class Diagnostics>
 void diagnostics(Archive& archive, Diagnostics& value) {
   archive(value.texels, value.nans_replaced, value.infinities_replaced, value.negatives_replaced, value.texels_clamped,
           value.error_estimate);
-  vector_3(archive, value.flux_before_clamp);
-  vector_3(archive, value.flux);
+  vector_3(archive, value.total_radiance_before_clamp);
+  vector_3(archive, value.total_radiance);
   archive.list(value.passes);
 }
 
@@ -179,7 +179,7 @@ Bytes encode(const projection::FaceSums& sums) {
   saver.writer.raw(sums.values.data(), sums.values.size() * sizeof(double));
   for (const projection::SanitizeRecord& record : sums.records) {
     saver(record.nans, record.infinities, record.negatives, record.clamped);
-    vector_3(saver, record.flux_removed);
+    vector_3(saver, record.radiance_removed);
   }
   return saver.writer.take();
 }
@@ -195,7 +195,7 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
   loader.reader.raw(sums->values.data(), sums->values.size() * sizeof(double));
   for (projection::SanitizeRecord& record : sums->records) {
     loader(record.nans, record.infinities, record.negatives, record.clamped);
-    vector_3(loader, record.flux_removed);
+    vector_3(loader, record.radiance_removed);
   }
   return if_complete(loader, std::shared_ptr<const projection::FaceSums>(std::move(sums)));
 }

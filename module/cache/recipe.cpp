@@ -92,7 +92,7 @@ ContentHash hash_options(const BrdfTableOptions& options) {
 
 ContentHash hash_options(const BakeOptions& options) {
   const auto& [background_size, background, background_mips, mip_filter, specular, irradiance_size, irradiance_method,
-               bands, projected_bands, flux, brdf, pixels, memory_limit_bytes] = options;
+               bands, projected_bands, total_radiance, brdf, pixels, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   std::optional<ContentHash> prefilter;
   if (specular) {
@@ -104,7 +104,7 @@ ContentHash hash_options(const BakeOptions& options) {
   if (brdf) table = hash_options(*brdf);
   OptionWriter writer("bake");
   writer.all(background_size, background, background_mips, mip_filter, prefilter, irradiance_size, irradiance_method,
-             bands, projected_bands, flux, table, cache::pixel_key(pixels));
+             bands, projected_bands, total_radiance, table, cache::pixel_key(pixels));
   return writer.hash();
 }
 

@@ -40,31 +40,32 @@ template <class... Values>
 // What sanitizing a picture's pixels came to, kept so that what was made of them can be described without them.
 
 struct SanitizedPixels {
-  ProjectionDiagnostics diagnostics;  ///< its fluxes are not filled in
-  glm::dvec3 clamped_flux{};          ///< that the clamp took away
+  ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
+  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
 };
 
 [[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const ProjectionOptions& options) {
   return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(options)})};
 }
 
-/// Store: `ResultCache::Store`. The entry is a projection's, whose flux before clamping is what the clamp took away.
+/// Store: `ResultCache::Store`. The entry is a projection's, whose total radiance before clamping is what the clamp
+/// took away.
 template <class Store>
 [[nodiscard]] std::optional<SanitizedPixels> find_sanitized(Store& store, const EntryName& name) {
   constexpr int bands = 1;
   auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
   if (!found) return std::nullopt;
   SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
-  std::swap(sanitized.diagnostics.flux_before_clamp, sanitized.clamped_flux);
+  std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
   return sanitized;
 }
 
 template <class Store>
 SanitizedPixels store_sanitized(Store& store, const EntryName& name, const projection::SanitizedSource& source) {
   Projection entry{SphericalHarmonics(1), source.diagnostics()};
-  entry.diagnostics.flux_before_clamp = source.clamped_flux();
+  entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
   store.store(name, encode(entry));
-  return {source.diagnostics(), source.clamped_flux()};
+  return {source.diagnostics(), source.clamped_radiance()};
 }
 
 }  // namespace welkin::cache

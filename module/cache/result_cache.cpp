@@ -89,8 +89,8 @@ Projection changed(const Projection& projection, const LightChange& change) {
   Projection result = projection;
   if (change.exposure != 1.0) {
     result.radiance = scale(result.radiance, glm::dvec3(change.exposure));
-    result.diagnostics.flux *= change.exposure;
-    result.diagnostics.flux_before_clamp *= change.exposure;
+    result.diagnostics.total_radiance *= change.exposure;
+    result.diagnostics.total_radiance_before_clamp *= change.exposure;
     result.diagnostics.passes.push_back({"exposure", "run", "a factor to the coefficients"});
   }
   if (change.rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) {
@@ -199,7 +199,7 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
     }
   }
   PrefilteredSpecular specular = chain.take();
-  reflections::describe_pixels(sanitized->diagnostics, sanitized->clamped_flux, specular);
+  reflections::describe_pixels(sanitized->diagnostics, sanitized->clamped_radiance, specular);
   specular.peak_bytes += sanitized_bytes;
   finished(control);
   return specular;

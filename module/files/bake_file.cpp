@@ -113,8 +113,8 @@ baking::UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& ne
 
 bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
   if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
-  return std::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->least &&
-         file.roughness.back() >= needs.glossy->greatest;
+  return std::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
+         file.roughness.back() >= needs.glossy->maximum;
 }
 
 baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {

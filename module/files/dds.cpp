@@ -110,8 +110,6 @@ TextureLayout read_dds_layout(platform::ByteFile& file) {
 
 namespace {
 
-// DDS: see dds_format.h.
-
 struct Shape {
   int width;
   int height;

@@ -123,8 +123,8 @@ namespace {
 struct RowStatistics {
   glm::dvec3 minimum{std::numeric_limits<double>::infinity()};
   glm::dvec3 maximum{-std::numeric_limits<double>::infinity()};
-  glm::dvec3 flux{};         // sum of value times solid angle
-  glm::dvec3 solid_angle{};  // of the finite values
+  glm::dvec3 total_radiance{};  // sum of value times solid angle
+  glm::dvec3 solid_angle{};     // of the finite values
   std::uint64_t nans = 0, infinities = 0, negatives = 0;
   double brightest_luminance = -std::numeric_limits<double>::infinity();
   int brightest_column = 0;
@@ -146,7 +146,7 @@ void add_value(RowStatistics& row, int channel, float value, double solid_angle)
   row.negatives += value < 0.0F ? 1U : 0U;
   row.minimum[channel] = std::min(row.minimum[channel], wide);
   row.maximum[channel] = std::max(row.maximum[channel], wide);
-  row.flux[channel] += wide * solid_angle;
+  row.total_radiance[channel] += wide * solid_angle;
   row.solid_angle[channel] += solid_angle;
 }
 
@@ -228,7 +228,7 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
       total.minimum[channel] = std::min(total.minimum[channel], row.minimum[channel]);
       total.maximum[channel] = std::max(total.maximum[channel], row.maximum[channel]);
     }
-    total.flux += row.flux;
+    total.total_radiance += row.total_radiance;
     total.solid_angle += row.solid_angle;
     total.nans += row.nans;
     total.infinities += row.infinities;
@@ -247,10 +247,10 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
     if (total.solid_angle[channel] > 0.0) {  // else the channel has no finite value, and its numbers stay 0
       result.minimum[channel] = total.minimum[channel];
       result.maximum[channel] = total.maximum[channel];
-      result.mean[channel] = total.flux[channel] / total.solid_angle[channel];
+      result.mean[channel] = total.total_radiance[channel] / total.solid_angle[channel];
     }
   }
-  result.flux = 4.0 * std::numbers::pi * result.mean;
+  result.total_radiance = 4.0 * std::numbers::pi * result.mean;
   result.nans = total.nans;
   result.infinities = total.infinities;
   result.negatives = total.negatives;

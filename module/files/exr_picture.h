@@ -49,7 +49,7 @@ struct ExrChannels {
 inline constexpr std::uint64_t kMaximumUnitBytes = std::uint64_t{512} << 20U;
 
 /// One part, layer and level of a scanline or tiled file. The picture is `info.width` x `info.height`; what is
-/// stored is data_width x data_height, and usually the same rectangle (see exr_windows.h).
+/// stored is data_width x data_height, and usually the same rectangle.
 struct ExrPicture {
   EnvironmentInfo info;  ///< complete, layout included
   int part = 0;

@@ -303,8 +303,6 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file) {
 
 namespace {
 
-// KTX 2.0: see ktx2_format.h.
-
 using Bytes = std::vector<std::uint8_t>;
 
 void pad_to(Bytes& bytes, std::size_t multiple) { bytes.resize((bytes.size() + multiple - 1) / multiple * multiple); }

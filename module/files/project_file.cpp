@@ -151,8 +151,8 @@ Projection reused(const RowSource& source, const SphericalHarmonics& radiance, c
   for (int l = 0; l < options.bands; ++l) {
     for (int m = -l; m <= l; ++m) projection.radiance.at(l, m) = radiance.at(l, m);
   }
-  projection.diagnostics.flux = radiance.at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
-  projection.diagnostics.flux_before_clamp = projection.diagnostics.flux;
+  projection.diagnostics.total_radiance = radiance.at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+  projection.diagnostics.total_radiance_before_clamp = projection.diagnostics.total_radiance;
   projection.diagnostics.error_estimate = six_digits;
   put_first(projection,
             {{"read", "run", kind_of(source.info()) + "; the manifest alone", 0.0},

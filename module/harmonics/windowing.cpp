@@ -31,7 +31,7 @@ double factor(Window window, int l, double parameter) {
   switch (window) {
     case Window::hanning: return l == 0 ? 1.0 : hanning(l, parameter);
     case Window::lanczos: return lanczos(l, parameter);
-    case Window::least: return harmonics::least_window_factor(l, parameter);
+    case Window::min_laplacian: return harmonics::min_laplacian_factor(l, parameter);
     default: return 1.0;
   }
 }
@@ -42,7 +42,7 @@ const char* name(Window window) noexcept {
   switch (window) {
     case Window::hanning: return "hanning";
     case Window::lanczos: return "lanczos";
-    case Window::least: return "least";
+    case Window::min_laplacian: return "min-laplacian";
     default: return "none";
   }
 }
@@ -56,7 +56,7 @@ Windowed apply_window(const SphericalHarmonics& radiance, Window window, double 
   const SphericalHarmonics irradiance = irradiance_from_radiance(radiance);
   Windowed result;
   if (window == Window::hanning || window == Window::lanczos) result.parameter = width > 0.0 ? width : radiance.bands();
-  if (window == Window::least) result.parameter = harmonics::least_window_lambda(irradiance);
+  if (window == Window::min_laplacian) result.parameter = harmonics::min_laplacian_lambda(irradiance);
   for (int l = 0; l < radiance.bands(); ++l) result.factors.push_back(factor(window, l, result.parameter));
   result.radiance = harmonics::with_factors(radiance, result.factors);
   result.minimum_before = minimum(irradiance).value;
@@ -101,7 +101,7 @@ double sum_of_bands(const BandValues& values, bool positive, double lambda) {
   double sum = 0.0;
   for (int l = 1; l < kMaximumBands; ++l) {
     const double value = values[static_cast<std::size_t>(l)];
-    if ((value > 0.0) == positive) sum += value * least_window_factor(l, lambda);
+    if ((value > 0.0) == positive) sum += value * min_laplacian_factor(l, lambda);
   }
   return sum;
 }
@@ -140,7 +140,7 @@ double first_lambda_at(const BandValues& values, double target, double lambda) {
 
 }  // namespace
 
-double least_window_factor(int l, double lambda) noexcept {
+double min_laplacian_factor(int l, double lambda) noexcept {
   const double laplacian = static_cast<double>(l) * (l + 1.0);
   return 1.0 / (1.0 + lambda * laplacian * laplacian);
 }
@@ -153,7 +153,7 @@ SphericalHarmonics with_factors(const SphericalHarmonics& harmonics, const std::
   return result;
 }
 
-double least_window_lambda(const SphericalHarmonics& irradiance) {
+double min_laplacian_lambda(const SphericalHarmonics& irradiance) {
   double lambda = 0.0;
   std::vector<double> factors(static_cast<std::size_t>(irradiance.bands()), 1.0);
   for (int round = 0; round < kMostRounds; ++round) {
@@ -173,7 +173,7 @@ double least_window_lambda(const SphericalHarmonics& irradiance) {
     if (!(next > lambda)) return lambda;
     lambda = next;
     for (int l = 0; l < irradiance.bands(); ++l) {
-      factors[static_cast<std::size_t>(l)] = least_window_factor(l, lambda);
+      factors[static_cast<std::size_t>(l)] = min_laplacian_factor(l, lambda);
     }
   }
   return lambda;

@@ -53,7 +53,7 @@ class SoftCells {
 //
 // Every texel of the lat-long has its share of the sphere, smooth where the cube is finer (SoftCells); every texel of
 // the cube is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the
-// sphere once: so a uniform source stays uniform and each source texel's flux arrives, whatever the sizes.
+// sphere once: so a uniform source stays uniform and each source texel's total radiance arrives, whatever the sizes.
 //
 // A tile's weights serve all its mirror images and quarter turns: 16 of them, where the lat-long's width divides by
 // four. On side faces, but for the line next to +Y, a tile is a rectangle; its weights are products of shares in height

@@ -126,15 +126,16 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 }
 
 ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
-                                     double flux_per_weight) {
+                                     double steradians_per_weight) {
   ProjectionDiagnostics diagnostics;
   diagnostics.nans_replaced = record.nans;
   diagnostics.infinities_replaced = record.infinities;
   diagnostics.negatives_replaced = record.negatives;
   diagnostics.texels_clamped = record.clamped;
   // c(0,0) = Int L Y(0,0), and Y(0,0) = 1 / sqrt(4 pi).
-  diagnostics.flux = radiance.at(0, 0) * (2.0 * std::sqrt(std::numbers::pi));
-  diagnostics.flux_before_clamp = diagnostics.flux + record.flux_removed * flux_per_weight;
+  diagnostics.total_radiance = radiance.at(0, 0) * (2.0 * std::sqrt(std::numbers::pi));
+  diagnostics.total_radiance_before_clamp =
+      diagnostics.total_radiance + record.radiance_removed * steradians_per_weight;
   return diagnostics;
 }
 

@@ -58,8 +58,9 @@ class TileSums {
 void weighted_sums_in_double(const double* planes, int class_count, const float* weights, const ClassCounts& counts,
                              int positions, double* sums) noexcept;
 
-/// Puts the diagnostics' counts and fluxes together. `flux_per_weight`: what the records' flux is multiplied by.
+/// Puts the diagnostics' counts and total radiances together. `steradians_per_weight`: what the records' total radiance
+/// is multiplied by.
 [[nodiscard]] ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
-                                                   double flux_per_weight);
+                                                   double steradians_per_weight);
 
 }  // namespace welkin::projection

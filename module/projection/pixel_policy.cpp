@@ -31,7 +31,7 @@ void SanitizeRecord::add(const SanitizeRecord& other) noexcept {
   infinities += other.infinities;
   negatives += other.negatives;
   clamped += other.clamped;
-  flux_removed += other.flux_removed;
+  radiance_removed += other.radiance_removed;
   if (other.rejected) keep_first(rejected, *other.rejected);
 }
 
@@ -93,7 +93,7 @@ void PixelPolicy::sanitize(const TexelRun& run, SanitizeRecord& record) const no
     if (!clamp(rgb)) continue;
     ++record.clamped;
     const double weight = static_cast<double>(run.weights[i * run.weight_step]) * run.weight_scale;
-    record.flux_removed += weight * (before - glm::dvec3(rgb[0], rgb[1], rgb[2]));
+    record.radiance_removed += weight * (before - glm::dvec3(rgb[0], rgb[1], rgb[2]));
   }
 }
 

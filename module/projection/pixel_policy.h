@@ -27,7 +27,7 @@ struct SanitizeRecord {
   std::uint64_t infinities = 0;
   std::uint64_t negatives = 0;
   std::uint64_t clamped = 0;
-  glm::dvec3 flux_removed{};  ///< by the clamp, in units of the weights that were passed along
+  glm::dvec3 radiance_removed{};  ///< by the clamp, in units of the weights that were passed along
   std::optional<RejectedTexel> rejected;
 
   void add(const SanitizeRecord& other) noexcept;
@@ -40,7 +40,7 @@ struct TexelRun {
   int face;
   int row;
   int first_column;
-  const float* weights;  ///< of each texel in the flux
+  const float* weights;  ///< of each texel in the total radiance
   int weight_step;       ///< 1, or -1 where the run is mirrored against its weights
   double weight_scale;   ///< factor to all weights
 };

@@ -119,7 +119,7 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
   diagnostics_.infinities_replaced = record.infinities;
   diagnostics_.negatives_replaced = record.negatives;
   diagnostics_.texels_clamped = record.clamped;
-  clamped_flux_ = record.flux_removed;
+  clamped_radiance_ = record.radiance_removed;
 }
 
 }  // namespace welkin::projection

@@ -38,10 +38,11 @@ class SanitizedSource {
   [[nodiscard]] const RowRange& range(int row) const noexcept { return ranges_[static_cast<std::size_t>(row)]; }
   [[nodiscard]] bool has_negatives() const noexcept { return has_negatives_; }
 
-  /// What was read and replaced; its fluxes are left at zero, but for what a clamp took away: see `clamped_flux`.
+  /// What was read and replaced; its total radiances are left at zero, but for what a clamp took away: see
+  /// `clamped_radiance`.
   [[nodiscard]] const ProjectionDiagnostics& diagnostics() const noexcept { return diagnostics_; }
   /// Integral over the sphere of what the clamp took away.
-  [[nodiscard]] const glm::dvec3& clamped_flux() const noexcept { return clamped_flux_; }
+  [[nodiscard]] const glm::dvec3& clamped_radiance() const noexcept { return clamped_radiance_; }
 
   [[nodiscard]] std::size_t bytes() const noexcept { return copy_.bytes(); }
 
@@ -62,7 +63,7 @@ class SanitizedSource {
   bool has_negatives_ = false;
   platform::AlignedBuffer<float> copy_;
   ProjectionDiagnostics diagnostics_;
-  glm::dvec3 clamped_flux_{};
+  glm::dvec3 clamped_radiance_{};
 };
 
 /// The sanitized pixels of a source that was made of such a view.

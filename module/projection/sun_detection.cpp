@@ -96,12 +96,12 @@ Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion
 }
 
 std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const SunOptions& options) {
-  MapFlux map(grid, pixels);
+  MapTotals map(grid, pixels);
   const std::int64_t brightest = map.brightest();
   if (brightest < 0) return std::nullopt;
   const double peak = luminance(radiance_of(pixels + 3 * brightest));
-  const glm::dvec3 flux = map.flux();
-  const double mean = luminance(flux) / map.solid_angle();
+  const glm::dvec3 total_radiance = map.total_radiance();
+  const double mean = luminance(total_radiance) / map.solid_angle();
   if (!(peak > 0.0) || peak < options.minimum_contrast * mean) return std::nullopt;
 
   const auto region =
@@ -111,15 +111,15 @@ std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const S
   const std::vector<Replacement> changes = replacements(*region, pixels);
   Sun sun = sum_up(grid, pixels, *region, changes);
   const double taken = luminance(sun.irradiance);
-  if (!(taken > 0.0) || taken < options.minimum_share * luminance(flux)) return std::nullopt;
+  if (!(taken > 0.0) || taken < options.minimum_share * luminance(total_radiance)) return std::nullopt;
 
   for (const Replacement& change : changes) {
     float* rgb = pixels + 3 * change.texel;
     for (int channel = 0; channel < 3; ++channel) rgb[channel] = change.radiance[channel];
   }
   map.update(texels_of(changes));
-  sun.flux_before = flux;
-  sun.flux_after = map.flux();
+  sun.total_radiance_before = total_radiance;
+  sun.total_radiance_after = map.total_radiance();
   return sun;
 }
 
@@ -149,7 +149,7 @@ constexpr int kTexelsPerTile = 32768;  // some 50 microseconds
 
 }  // namespace
 
-MapFlux::MapFlux(const image::TexelGrid& grid, const float* pixels) : grid_(grid), pixels_(pixels) {
+MapTotals::MapTotals(const image::TexelGrid& grid, const float* pixels) : grid_(grid), pixels_(pixels) {
   const std::int64_t texels_per_class = std::int64_t{grid.columns()} * grid.rows_of(0).count;
   classes_per_tile_ = static_cast<int>(std::max<std::int64_t>(1, kTexelsPerTile / texels_per_class));
   tiles_.resize(static_cast<std::size_t>((grid.row_classes() + classes_per_tile_ - 1) / classes_per_tile_));
@@ -163,7 +163,7 @@ MapFlux::MapFlux(const image::TexelGrid& grid, const float* pixels) : grid_(grid
   });
 }
 
-void MapFlux::update(std::span<const std::int64_t> changed_texels) {
+void MapTotals::update(std::span<const std::int64_t> changed_texels) {
   std::vector<bool> stale(tiles_.size());
   for (const std::int64_t texel : changed_texels) {
     const int row_class = grid_.class_of(static_cast<int>(texel / grid_.columns()));
@@ -175,7 +175,7 @@ void MapFlux::update(std::span<const std::int64_t> changed_texels) {
   }
 }
 
-void MapFlux::read_tile(std::size_t tile, std::span<double> steradians) {
+void MapTotals::read_tile(std::size_t tile, std::span<double> steradians) {
   Tile sums;
   const int first = static_cast<int>(tile) * classes_per_tile_;
   const int last = std::min(first + classes_per_tile_, grid_.row_classes());
@@ -186,13 +186,13 @@ void MapFlux::read_tile(std::size_t tile, std::span<double> steradians) {
   tiles_[tile] = sums;
 }
 
-void MapFlux::read_row(int row, std::span<const double> steradians, Tile& sums) const {
+void MapTotals::read_row(int row, std::span<const double> steradians, Tile& sums) const {
   const std::int64_t first = std::int64_t{row} * grid_.columns();
   const float* rgb = pixels_ + 3 * first;
   for (std::size_t column = 0; column < steradians.size(); ++column, rgb += 3) {
     if (!is_finite(rgb)) continue;
     const glm::dvec3 radiance = radiance_of(rgb);
-    sums.flux += steradians[column] * radiance;
+    sums.total_radiance += steradians[column] * radiance;
     sums.solid_angle += steradians[column];
     const double brightness = luminance(radiance);
     const std::int64_t texel = first + static_cast<std::int64_t>(column);
@@ -204,19 +204,19 @@ void MapFlux::read_row(int row, std::span<const double> steradians, Tile& sums) 
   }
 }
 
-glm::dvec3 MapFlux::flux() const noexcept {
+glm::dvec3 MapTotals::total_radiance() const noexcept {
   glm::dvec3 sum{};
-  for (const Tile& tile : tiles_) sum += tile.flux;
+  for (const Tile& tile : tiles_) sum += tile.total_radiance;
   return sum;
 }
 
-double MapFlux::solid_angle() const noexcept {
+double MapTotals::solid_angle() const noexcept {
   double sum = 0.0;
   for (const Tile& tile : tiles_) sum += tile.solid_angle;
   return sum;
 }
 
-std::int64_t MapFlux::brightest() const noexcept {
+std::int64_t MapTotals::brightest() const noexcept {
   const Tile* best = nullptr;
   for (const Tile& tile : tiles_) {
     if (tile.brightest < 0) continue;

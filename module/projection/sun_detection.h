@@ -28,16 +28,16 @@ namespace welkin::projection {
 
 /// Sums over the finite texels of a map, and which of them is the brightest. Cut into tiles by the map's shape, each
 /// with a slot of its own, so that the same bits come out for any number of threads.
-class MapFlux {
+class MapTotals {
  public:
   /// Reads all pixels (RGB floats in the order of the grid), in the caller's arena. They must outlive this object.
-  MapFlux(const image::TexelGrid& grid, const float* pixels);
+  MapTotals(const image::TexelGrid& grid, const float* pixels);
 
   /// Reads again the tiles in which these texels lie: afterwards all is as if the map had been read anew.
   void update(std::span<const std::int64_t> changed_texels);
 
   /// Integral of radiance over the sphere.
-  [[nodiscard]] glm::dvec3 flux() const noexcept;
+  [[nodiscard]] glm::dvec3 total_radiance() const noexcept;
 
   /// Steradians of the finite texels.
   [[nodiscard]] double solid_angle() const noexcept;
@@ -47,7 +47,7 @@ class MapFlux {
 
  private:
   struct Tile {
-    glm::dvec3 flux{};
+    glm::dvec3 total_radiance{};
     double solid_angle = 0.0;
     double brightest_luminance = 0.0;
     std::int64_t brightest = -1;

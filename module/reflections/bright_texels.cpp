@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Float arithmetic loses some 3e-7 of the brightest light to everything on its ring of latitude. Blurred light of 500
-/// times the mean so costs 1e-4 of the mean, or a hundredth of what is dark: well below that a light is kept apart, or
+/// times the mean so costs 1e-4 of the mean, or a hundredth of what is dark: well below that a light is extracted, or
 /// where a quarter of all light lies in one lobe, with every texel that makes a tenth of that by itself. What is left
 /// of one is as bright as the darkest texel about it.
 constexpr double kPeak = 100.0;
@@ -42,12 +42,12 @@ class Search {
  public:
   Search(const projection::SanitizedSource& source, double alpha)
       : source_(source), alpha_(alpha), scale_(1.0 / lobe_integral(alpha)) {
-    double flux = 0.0;
+    double total_radiance = 0.0;
     for (int row = 0; row < source.rows(); ++row) {
       solid_angle_.push_back(image::lat_long_texel_solid_angle(source.columns(), source.rows(), row));
-      flux += solid_angle_.back() * source.columns() * source.range(row).mean;
+      total_radiance += solid_angle_.back() * source.columns() * source.range(row).mean;
     }
-    mean_ = std::max(0.0, flux / (4.0 * kPi));
+    mean_ = std::max(0.0, total_radiance / (4.0 * kPi));
     threshold_ = mean_ * std::clamp(kPart * 4.0 * kPi * lobe(1.0, alpha) * scale_, kLeastPeak, kPeak);
     for (int column = 0; column < source.columns(); ++column)
       longitudes_.push_back(math::sine_cosine_of_turns((column + 0.5) / source.columns()));

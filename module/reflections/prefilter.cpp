@@ -185,7 +185,7 @@ void Prefilter<View>::run_spectral(int bands, const Control& control) {
   bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
   take_out(bright_, lat_long, rings);
   memory_.take(rings.bytes());
-  note("bright texels", std::to_string(bright_.size()) + " apart", watch.milliseconds());
+  note("bright texels", std::to_string(bright_.size()) + " extracted", watch.milliseconds());
 
   const Stopwatch analysis;
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
@@ -317,19 +317,19 @@ Prefiltered run(const View& view, const PrefilterOptions& options, int bands, Cu
     result = Prefilter<View>(projection::view_of(source, view), source, options, std::move(plan), std::move(room))
                  .run(bands, rest);
   }
-  describe_pixels(source.diagnostics(), source.clamped_flux(), result.specular);
+  describe_pixels(source.diagnostics(), source.clamped_radiance(), result.specular);
   return result;
 }
 
 }  // namespace
 
-void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& clamped_flux,
+void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& clamped_radiance,
                      PrefilteredSpecular& specular) {
   std::vector<PassRecord> passes = std::move(specular.pixels.passes);
   specular.pixels = sanitized;
   specular.pixels.passes = std::move(passes);
-  specular.pixels.flux = 4.0 * std::numbers::pi * specular.mips.front().mean;
-  specular.pixels.flux_before_clamp = specular.pixels.flux + clamped_flux;
+  specular.pixels.total_radiance = 4.0 * std::numbers::pi * specular.mips.front().mean;
+  specular.pixels.total_radiance_before_clamp = specular.pixels.total_radiance + clamped_radiance;
 }
 
 Prefiltered prefilter(const LatLongView& source, const PrefilterOptions& options, int bands, CubemapChain room,

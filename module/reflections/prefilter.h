@@ -23,9 +23,9 @@ struct Prefiltered {
 [[nodiscard]] Prefiltered prefilter(const CubemapView& source, const PrefilterOptions& options, int bands,
                                     CubemapChain room, const Control& control);
 
-/// Fills in `pixels`, but for its passes: what was read, as sanitizing found it. The flux is that of the mip with the
-/// most texels: centres stand for texels there.
-void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& clamped_flux,
+/// Fills in `pixels`, but for its passes: what was read, as sanitizing found it. The total radiance is that of the mip
+/// with the most texels: centres stand for texels there.
+void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& clamped_radiance,
                      PrefilteredSpecular& specular);
 
 }  // namespace welkin::reflections

@@ -177,7 +177,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
       for (std::size_t i = 0; i < total_.rayleigh.size(); ++i) total_.rayleigh[i] += source_.rayleigh[i];
       for (std::size_t i = 0; i < total_.aerosol.size(); ++i) total_.aerosol[i] += source_.aerosol[i];
     }
-    const double added = flux();
+    const double added = total_scattered();
     orders_ = order;
     last_change_ = all > 0.0 ? added / all : (order == 1 ? 1.0 : 0.0);
     all += added;
@@ -371,7 +371,7 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
 }
 
 // Of all heights and suns alike.
-double SourceSolver::flux() const noexcept {
+double SourceSolver::total_scattered() const noexcept {
   double sum = 0.0;
   for (const double value : scalar_) sum += value;
   return sum;

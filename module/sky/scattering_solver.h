@@ -56,7 +56,7 @@ class SourceSolver {
   void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
-  [[nodiscard]] double flux() const noexcept;
+  [[nodiscard]] double total_scattered() const noexcept;
 
   const Air& air_;
   const TableMapping& mapping_;

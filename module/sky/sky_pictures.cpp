@@ -85,7 +85,7 @@ void for_rows(int rows, int columns, const Control& control, const Row& row) {
                   });
 }
 
-/// Adds the sun's disc: each texel gets the share of the directional light's flux that it covers of the disc.
+/// Adds the sun's disc: each texel gets the share of the directional light's irradiance that it covers of the disc.
 template <class Covered>
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
               std::vector<float>& pixels) {

@@ -13,7 +13,7 @@ namespace welkin {
 
 const char* name(SkyQuadrature quadrature) noexcept {
   switch (quadrature) {
-    case SkyQuadrature::article: return "article";
+    case SkyQuadrature::uniform: return "uniform";
     case SkyQuadrature::gauss: return "gauss";
     case SkyQuadrature::gauss_split: return "gauss-split";
   }
@@ -36,13 +36,13 @@ void check(const SkyHarmonicsOptions& options) {
   check_range("zeniths", options.zeniths, 2, 128);
   check_range("azimuths", options.azimuths, 2, 256);
   switch (options.quadrature) {
-    case SkyQuadrature::article:
+    case SkyQuadrature::uniform:
     case SkyQuadrature::gauss:
     case SkyQuadrature::gauss_split: return;
   }
   throw Error(ErrorCode::invalid_argument, "sky harmonics: quadrature " +
                                                std::to_string(static_cast<int>(options.quadrature)) +
-                                               " is none; article, gauss and gauss-split are");
+                                               " is none; uniform, gauss and gauss-split are");
 }
 
 void add_ring(RingRule& rings, double cosine, double weight) {
@@ -63,7 +63,7 @@ RingRule gauss_rings(int count, double horizon, double end) {
   return rings;
 }
 
-void add_article_rings(SkyRule& rule, int count, double horizon) {
+void add_uniform_rings(SkyRule& rule, int count, double horizon) {
   for (int k = 0; k < count; ++k) {
     const math::SineCosine zenith = math::sine_cosine_of_turns((2.0 * k + 1.0) / (4.0 * count));
     const double weight = zenith.sine * std::numbers::pi / count;
@@ -106,8 +106,8 @@ AzimuthRule azimuth_rule(int count, double clustering) {
 SkyRule sky_rule(const SkyHarmonicsOptions& options, double horizon, double top, double asymmetry) {
   check(options);
   SkyRule rule;
-  if (options.quadrature == SkyQuadrature::article) {
-    add_article_rings(rule, options.zeniths, horizon);
+  if (options.quadrature == SkyQuadrature::uniform) {
+    add_uniform_rings(rule, options.zeniths, horizon);
   } else {
     rule.above = gauss_rings(options.zeniths, horizon, top);
     rule.below = gauss_rings(options.zeniths, horizon, -1.0);

@@ -1,7 +1,7 @@
 // From pixels to harmonics.
 //
 // Texels are areas, so c(l, m) = sum over rows of F(m, row) Int P(l, m) sin(theta) d theta, F the row's Fourier
-// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (legendre_factors.h) asks for
+// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (ring_legendre.h) asks for
 //   K(l) = sum over edges between rows of (F(below) - F(above)) sin^2(theta) P(l, m) at the edge:
 // the functions are needed at edges only, the result is exact at any size and any number of bands, and what is
 // transformed are differences of neighbouring rows, taken between the pixels themselves before anything rounds.

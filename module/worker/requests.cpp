@@ -22,8 +22,8 @@ std::shared_ptr<const Owner> kept(Owner&& owner) {
 std::uint64_t bytes_of_rows(std::uint64_t rows, int width, std::ptrdiff_t stride, PixelFormat format) noexcept {
   const std::uint64_t packed = static_cast<std::uint64_t>(width > 0 ? width : 0) * bytes_per_texel(format);
   const auto forward = static_cast<std::uint64_t>(stride);
-  const std::uint64_t apart = stride < 0 ? 0 - forward : forward;  // even of the most negative one
-  return rows * (apart > packed ? apart : packed);
+  const std::uint64_t distance = stride < 0 ? 0 - forward : forward;  // even of the most negative one
+  return rows * (distance > packed ? distance : packed);
 }
 
 std::uint64_t positive(int value) noexcept { return value > 0 ? static_cast<std::uint64_t>(value) : 0; }

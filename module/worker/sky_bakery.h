@@ -1,4 +1,4 @@
-// What a live sky has made on a worker: one thing at a time, always the latest that is wished for.
+// What a dynamic sky has made on a worker: one thing at a time, always the latest that is wished for.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ struct SkyBakeCounts {
   std::uint64_t posts = 0, tables = 0, curves = 0, speculars = 0, given_up = 0, failures = 0;
 };
 
-/// Shared by the live object and the request that is in the worker's hands, whichever lives longer.
+/// Shared by the dynamic sky and the request that is in the worker's hands, whichever lives longer.
 class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
  public:
   SkyBakery(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables);

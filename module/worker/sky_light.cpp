@@ -19,7 +19,7 @@ namespace {
 constexpr double kLargestIntensity = 1e12;
 
 [[noreturn]] void refuse(const std::string& what, double value, const std::string& would_do) {
-  throw Error(ErrorCode::invalid_argument, "live sky: " + what + " " + std::to_string(value) + "; " + would_do);
+  throw Error(ErrorCode::invalid_argument, "dynamic sky: " + what + " " + std::to_string(value) + "; " + would_do);
 }
 
 void check_range(const char* what, double value, double least, double most) {
@@ -169,7 +169,7 @@ SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightO
 
 SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options) {
   if (!tables)
-    throw Error(ErrorCode::invalid_argument, "live sky: the tables are a null pointer; precompute_sky makes some");
+    throw Error(ErrorCode::invalid_argument, "dynamic sky: the tables are a null pointer; precompute_sky makes some");
   SkyLightOptions with_tables = checked(options);
   with_tables.tables = tables->options;
   check_tables(tables->atmosphere, tables->options);

@@ -198,7 +198,7 @@ Measurement row(const std::string& method, const std::string& setting, const Irr
 }
 
 /// The errors of what is left without the sun, which a light of its own gives back exactly, over the whole's.
-std::vector<Measurement> with_sun_apart(const PassContext& context, const SphericalHarmonics& whole) {
+std::vector<Measurement> with_sun_extracted(const PassContext& context, const SphericalHarmonics& whole) {
   const LatLongImage& image = context.environment.image;
   LatLongImage rest = image;
   if (!take_out_sun(rest)) return {};
@@ -213,7 +213,7 @@ std::vector<Measurement> with_sun_apart(const PassContext& context, const Spheri
       if (take_out_sun(copy)) rest = std::move(copy);
       (void)project(rest.view(), with_bands(bands));
     });
-    all.push_back(row("harmonics and the sun apart", band_words(bands), errors[static_cast<std::size_t>(bands - 1)],
+    all.push_back(row("harmonics and the sun extracted", band_words(bands), errors[static_cast<std::size_t>(bands - 1)],
                       seconds, share));
   }
   return all;
@@ -230,7 +230,7 @@ std::vector<Measurement> by_bands(const PassContext& context) {
     all.push_back(row("harmonics", band_words(error.bands), error, seconds));
   }
   progress(context, 1, 3);
-  for (const Window window : {Window::hanning, Window::lanczos, Window::least}) {
+  for (const Window window : {Window::hanning, Window::lanczos, Window::min_laplacian}) {
     const SphericalHarmonics three = project(view).radiance;
     const std::vector<IrradianceError> windowed =
         irradiance_errors(view, apply_window(three, window).radiance, kNormals);
@@ -238,8 +238,8 @@ std::vector<Measurement> by_bands(const PassContext& context) {
     all.push_back(row("harmonics, windowed", std::string("3 bands, ") + name(window), windowed.back(), seconds));
   }
   progress(context, 2, 3);
-  const std::vector<Measurement> apart = with_sun_apart(context, radiance);
-  all.insert(all.end(), apart.begin(), apart.end());
+  const std::vector<Measurement> extracted = with_sun_extracted(context, radiance);
+  all.insert(all.end(), extracted.begin(), extracted.end());
   return all;
 }
 
@@ -247,8 +247,8 @@ std::vector<Measurement> by_bands(const PassContext& context) {
 
 std::vector<PassRunner> irradiance_passes() {
   return {{{"irradiance", "Irradiance by bands",
-            "Harmonics of a lat-long in memory, as diffuse light: few bands leave some of it out. With the sun apart "
-            "it is found, taken out of a copy and given to a directional light first.",
+            "Harmonics of a lat-long in memory, as diffuse light: few bands leave some of it out. Where the sun is "
+            "extracted, it is found, taken out of a copy and given to a directional light first.",
             "Over normals: root mean square of the difference over that of the true irradiance; the largest difference "
             "over the same."},
            2.0,

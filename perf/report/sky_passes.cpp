@@ -77,14 +77,14 @@ std::vector<Measurement> by_table_size(const PassContext& context) {
 std::vector<SkySetting> sky_settings() {
   std::vector<SkySetting> settings;
   const auto add = [&](SkyQuadrature quadrature, int zeniths, int azimuths) {
-    const int rings = quadrature == SkyQuadrature::article ? zeniths : 2 * zeniths;
+    const int rings = quadrature == SkyQuadrature::uniform ? zeniths : 2 * zeniths;
     settings.push_back({welkin::name(quadrature),
                         std::to_string(zeniths) + "x" + std::to_string(azimuths),
                         std::to_string(rings * azimuths * 2),
                         {.bands = 3, .quadrature = quadrature, .zeniths = zeniths, .azimuths = azimuths}});
   };
-  add(SkyQuadrature::article, 16, 16);
-  add(SkyQuadrature::article, 64, 64);
+  add(SkyQuadrature::uniform, 16, 16);
+  add(SkyQuadrature::uniform, 64, 64);
   for (const int size : {8, 16, 32}) add(SkyQuadrature::gauss, size, size);
   for (const int size : {8, 12, 16, 32}) add(SkyQuadrature::gauss_split, size, size);
   return settings;

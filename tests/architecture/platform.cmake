@@ -10,7 +10,7 @@ set(pattern_system_call
     "${before}(clock_gettime|gmtime_r|localtime_r|mkdtemp|mkstemp|nanosleep|pclose|popen|setenv|sigaction|unsetenv) *\\(")
 set(pattern_intrinsics "#include <([a-z]*intrin|cpuid|arm_neon)\\.h>")
 set(pattern_assembly "${before}(__asm__|__asm|asm)[^A-Za-z0-9_]")
-set(pattern_compiler "__attribute__|__builtin_|__declspec|#pragma (GCC|clang)|_Pragma")
+set(pattern_compiler "\\[\\[(gnu|clang|msvc)::|__attribute__|__builtin_|__declspec|#pragma (GCC|clang)|_Pragma")
 set(kinds system_header system_call intrinsics assembly compiler)
 
 # Where a kind is allowed besides module/platform: what users include says for itself what it exports, and the two

@@ -57,7 +57,7 @@ void check_white_furnace(const View& view, const BakeOptions& options) {
     CHECK(off(level_values(result.specular->cubemap, mip), radiance) < 1e-5);
   }
   CHECK(off(result.irradiance.pixels, irradiance) < 1e-5);
-  for (int c = 0; c < 3; ++c) CHECK(result.diagnostics.flux[c] == Approx(4.0 * irradiance[c]).epsilon(1e-6));
+  for (int c = 0; c < 3; ++c) CHECK(result.diagnostics.total_radiance[c] == Approx(4.0 * irradiance[c]).epsilon(1e-6));
 }
 
 std::span<const float> span_of(const CubemapImage& image) { return image.pixels; }
@@ -105,7 +105,7 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   CHECK(same_bytes(result.radiance->coefficients(), projection.radiance.coefficients()));
   CHECK(same_bits(result.irradiance, irradiance_cubemap(irradiance_from_radiance(projection.radiance), 5)));
   CHECK(result.brdf == brdf_table(*options.brdf));
-  CHECK(same_bits(result.diagnostics.flux, projection.diagnostics.flux));
+  CHECK(same_bits(result.diagnostics.total_radiance, projection.diagnostics.total_radiance));
   CHECK(result.diagnostics.texels == 80 * 40);
   CHECK(result.peak_bytes > 12 * 80 * 40);
   CHECK(result.peak_bytes <= bake_bytes(picture.view(), options));

@@ -37,7 +37,8 @@ inline bool same_bits(const BakeResult& a, const BakeResult& b) {
   const bool same_diagnostics =
       x.texels == y.texels && x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
       x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
-      same_bits(x.flux, y.flux) && same_bits(x.flux_before_clamp, y.flux_before_clamp) &&
+      same_bits(x.total_radiance, y.total_radiance) &&
+      same_bits(x.total_radiance_before_clamp, y.total_radiance_before_clamp) &&
       std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
                  [](const PassRecord& p, const PassRecord& q) {
                    return p.name == q.name && (p.name == "brdf" || (p.action == q.action && p.reason == q.reason));

@@ -199,18 +199,18 @@ TEST_CASE("An environment that was turned and scaled is not projected again", "[
   }
   for (std::size_t k = 0; k < result.irradiance.pixels.size(); ++k)
     CHECK(result.irradiance.pixels[k] == Approx(anew.irradiance.pixels[k]).epsilon(1e-5));
-  CHECK(result.diagnostics.flux.x == Approx(anew.diagnostics.flux.x));
+  CHECK(result.diagnostics.total_radiance.x == Approx(anew.diagnostics.total_radiance.x));
   EnvironmentChange wrong;
   wrong.scale = glm::dvec3(-1.0);
   CHECK(thrown_by([&] { apply_change(result, options, wrong); }).code == ErrorCode::invalid_argument);
   result.radiance.reset();  // nothing is left that could be turned
-  const glm::dvec3 flux = result.diagnostics.flux;
+  const glm::dvec3 total_radiance = result.diagnostics.total_radiance;
   wrong.scale = glm::dvec3(1.0);
   wrong.turn[0][0] = 3.0;
   CHECK(thrown_by([&] { apply_change(result, options, wrong); }).code == ErrorCode::invalid_argument);
   CHECK(thrown_by([&] { static_cast<void>(plan_change(options, wrong)); }).code == ErrorCode::invalid_argument);
   apply_change(result, options, change);
-  CHECK(result.diagnostics.flux == flux * change.scale);
+  CHECK(result.diagnostics.total_radiance == total_radiance * change.scale);
 }
 
 // Promise: a plan says of every pass whether it runs and why, and what a scene does not use falls away.
@@ -279,7 +279,7 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
   // of 0.0, 0.1, 0.3, 0.5, 0.8, 1.0: a lookup between two mips reads both
   for (const Case& each : {Case{{0.0, 1.0}, 0, 0}, Case{{0.4, 1.0}, 2, 0}, Case{{0.3, 0.8}, 2, 1},
                            Case{{0.0, 0.0}, 0, 5}, Case{{1.0, 1.0}, 5, 0}, Case{{0.05, 0.31}, 0, 2}}) {
-    INFO(each.range.least << " to " << each.range.greatest);
+    INFO(each.range.minimum << " to " << each.range.maximum);
     const Plan planned = plan(kPanorama, {.glossy = each.range}, six_mip_bake());
     CHECK(planned.options.specular->leave_out_sharp == each.sharp);
     CHECK(planned.options.specular->leave_out_rough == each.rough);
@@ -433,7 +433,7 @@ void check_within(const Image& image, double budget, Picked& picked) {
 
 }  // namespace
 
-TEST_CASE("A bake that spends an error budget is within it", "[plan][estimates]") {
+TEST_CASE("A bake that spends an error budget is within it", "[plan][budget]") {
   RandomEnvironments random(91);
   Picked picked;
   for (int trial = 0; trial < 6; ++trial) {
@@ -452,7 +452,7 @@ TEST_CASE("A bake that spends an error budget is within it", "[plan][estimates]"
   CHECK(picked.bounds >= 3);
 }
 
-TEST_CASE("A budget picks what a smooth environment can do with, and says so", "[plan][estimates]") {
+TEST_CASE("A budget picks what a smooth environment can do with, and says so", "[plan][budget]") {
   const LatLongImage image = grey(64);
   const Plan planned = plan(image.view(), {.error_budget = 0.01}, four_mip_bake());
   const Plan exact = plan(image.view(), {}, four_mip_bake());
@@ -472,7 +472,7 @@ TEST_CASE("A budget picks what a smooth environment can do with, and says so", "
   }
 }
 
-TEST_CASE("Where no estimate is under the budget, all stays as it was", "[plan][estimates]") {
+TEST_CASE("Where no estimate is under the budget, all stays as it was", "[plan][budget]") {
   const LatLongImage image = spotted(64);
   const Plan strict = plan(image.view(), {.diffuse_bands = 9, .error_budget = 1e-6}, four_mip_bake());
   CHECK(strict.options.bands == 9);
@@ -506,7 +506,7 @@ TEST_CASE("Where no estimate is under the budget, all stays as it was", "[plan][
   CHECK(says(plan(image.view(), {.error_budget = 0.5}, few), "specular", "the method that was asked for"));
 }
 
-TEST_CASE("A budget spends only what the scene needs", "[plan][estimates]") {
+TEST_CASE("A budget spends only what the scene needs", "[plan][budget]") {
   const LatLongImage image = grey(32);
   const Plan light =
       plan(image.view(), {.diffuse_bands = 0, .glossy = std::nullopt, .error_budget = 0.01}, four_mip_bake());
@@ -516,7 +516,7 @@ TEST_CASE("A budget spends only what the scene needs", "[plan][estimates]") {
   CHECK(rough.options.specular->size == 4);  // a chain of its own: there are no bits to keep
 }
 
-TEST_CASE("A budget without pixels, or out of range, is refused", "[plan][estimates]") {
+TEST_CASE("A budget without pixels, or out of range, is refused", "[plan][budget]") {
   const LatLongImage image = grey(8);
   for (const double budget : {0.0, -0.1, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
     const ThrownError error = thrown_by([&] { static_cast<void>(plan(image.view(), {.error_budget = budget})); });
@@ -534,7 +534,7 @@ TEST_CASE("A budget without pixels, or out of range, is refused", "[plan][estima
   CHECK(sky.says("choose_sky_tables"));
 }
 
-TEST_CASE("Planning by a budget can be stopped", "[plan][estimates]") {
+TEST_CASE("Planning by a budget can be stopped", "[plan][budget]") {
   const LatLongImage image = grey(64);
   std::stop_source stop;
   stop.request_stop();

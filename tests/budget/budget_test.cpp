@@ -40,7 +40,7 @@ CubemapImage grey(int size, float value) {
 
 }  // namespace
 
-TEST_CASE("Budgets and probes out of range are refused", "[estimates]") {
+TEST_CASE("Budgets and probes out of range are refused", "[budget]") {
   const CubemapImage image = grey(4, 1.0F);
   for (const double wrong : {0.0, -1.0, 9e-7, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
     CHECK(thrown_by([&] { (void)choose_projection(image.view(), {}, {.relative = wrong}); }).code ==
@@ -62,7 +62,7 @@ TEST_CASE("Budgets and probes out of range are refused", "[estimates]") {
   CHECK(thrown_by([&] { (void)choose_sky_orders(earth(), {}, tiny_tables()); }).code == ErrorCode::invalid_argument);
 }
 
-TEST_CASE("Light from everywhere needs one band and the smallest level", "[estimates]") {
+TEST_CASE("Light from everywhere needs one band and the smallest level", "[budget]") {
   const CubemapImage image = grey(16, 2.0F);
   const auto bands = choose_irradiance_bands(image.view(), {.relative = 1e-3});
   CHECK(bands.met);
@@ -82,7 +82,7 @@ TEST_CASE("Light from everywhere needs one band and the smallest level", "[estim
   CHECK(dark.estimated_error == 0.0);
 }
 
-TEST_CASE("A budget that nothing meets names the best there is", "[estimates]") {
+TEST_CASE("A budget that nothing meets names the best there is", "[budget]") {
   CubemapImage image = grey(8, 0.0F);
   image.pixels[100] = 1e6F;
   const auto bands = choose_irradiance_bands(image.view(), {.relative = 1e-6});
@@ -92,7 +92,7 @@ TEST_CASE("A budget that nothing meets names the best there is", "[estimates]") 
   CHECK(bands.tried.size() == 9);
 }
 
-TEST_CASE("A chain's levels above the one that is picked are not read", "[estimates][projection]") {
+TEST_CASE("A chain's levels above the one that is picked are not read", "[budget][projection]") {
   const CubemapImage image = grey(64, 1.0F);
   const CubemapChain chain = build_mips(image.view());
   std::vector<CubemapView> views = chain.views();
@@ -115,7 +115,7 @@ constexpr double kFloor = 2e-6;
 
 }  // namespace
 
-TEST_CASE("A level of the mip chain is picked by what finer ones would change", "[estimates][projection]") {
+TEST_CASE("A level of the mip chain is picked by what finer ones would change", "[budget][projection]") {
   RandomEnvironments random(71);
   Honesty all("projection, levels of a chain");
   Honesty picked("projection, the level that is picked");
@@ -141,7 +141,7 @@ TEST_CASE("A level of the mip chain is picked by what finer ones would change", 
 }
 
 // docs/error_budget.md, "what fools it": the promise above ends here, and by how much.
-TEST_CASE("Stripes a texel wide leave no trace on the levels below", "[estimates][projection]") {
+TEST_CASE("Stripes a texel wide leave no trace on the levels below", "[budget][projection]") {
   CubemapImage image{64, std::vector<float>(std::size_t{18} * 64 * 64)};
   for (std::size_t k = 0; k < image.pixels.size(); ++k) image.pixels[k] = k / 3 % 2 == 0 ? 0.0F : 1.0F;
   const CubemapChain chain = build_mips(image.view());
@@ -201,11 +201,11 @@ void compare_family(ErrorMeasure measure, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("Bands of irradiance are picked by the power of the others", "[estimates][irradiance]") {
+TEST_CASE("Bands of irradiance are picked by the power of the others", "[budget][irradiance]") {
   compare_family(ErrorMeasure::rms, "rms");
 }
 
-TEST_CASE("Bands of irradiance are picked by the worst normal", "[estimates][irradiance]") {
+TEST_CASE("Bands of irradiance are picked by the worst normal", "[budget][irradiance]") {
   compare_family(ErrorMeasure::maximum, "maximum");
 }
 
@@ -274,7 +274,7 @@ void compare(const Image& image, const std::string& what, double roughness, cons
 
 }  // namespace
 
-TEST_CASE("Bounds of the prefilter are picked by the environment's spectrum", "[estimates][specular]") {
+TEST_CASE("Bounds of the prefilter are picked by the environment's spectrum", "[budget][specular]") {
   RandomEnvironments random(73);
   Counts counts;
   // Of fewer than two none may have a source size to judge.
@@ -298,7 +298,7 @@ TEST_CASE("Bounds of the prefilter are picked by the environment's spectrum", "[
   CHECK(counts.sizes.median() <= 10.0);
 }
 
-TEST_CASE("An estimate does not depend on the exposure", "[estimates][specular]") {
+TEST_CASE("An estimate does not depend on the exposure", "[budget][specular]") {
   RandomEnvironments random(91);
   const LatLongImage image = random.lat_long(16, 16);
   const PrefilterOptions options{.size = kSize, .mips = 1, .roughness = {0.3}};
@@ -319,7 +319,7 @@ TEST_CASE("An estimate does not depend on the exposure", "[estimates][specular]"
   CHECK(choose_prefilter(black.view(), options, {.relative = 1e-3}).met);
 }
 
-TEST_CASE("A smooth environment asks for looser bounds than a sun", "[estimates][specular]") {
+TEST_CASE("A smooth environment asks for looser bounds than a sun", "[budget][specular]") {
   const int height = 64;
   LatLongImage image{2 * height, height, std::vector<float>(std::size_t{6} * height * height)};
   for (std::size_t k = 0; k < image.pixels.size(); ++k) image.pixels[k] = 1.0F;
@@ -372,7 +372,7 @@ std::string text(const SkyHarmonicsOptions& setting) {
 
 }  // namespace
 
-TEST_CASE("Directions of a sky's harmonics are picked by finer ones", "[estimates][sky]") {
+TEST_CASE("Directions of a sky's harmonics are picked by finer ones", "[budget][sky]") {
   RandomAtmospheres random(74);
   Honesty all("sky quadrature");
   Honesty picked("sky quadrature, picked");
@@ -401,7 +401,7 @@ TEST_CASE("Directions of a sky's harmonics are picked by finer ones", "[estimate
   CHECK(picked.share() >= 0.99);
 }
 
-TEST_CASE("Sizes of a sky's tables are picked by smaller ones", "[estimates][sky]") {
+TEST_CASE("Sizes of a sky's tables are picked by smaller ones", "[budget][sky]") {
   RandomAtmospheres random(75);
   Honesty all("sky table sizes");
   Honesty picked("sky table sizes, picked");
@@ -435,7 +435,7 @@ TEST_CASE("Sizes of a sky's tables are picked by smaller ones", "[estimates][sky
   CHECK(picked.share() >= 0.99);
 }
 
-TEST_CASE("Orders of scattering are picked by how they fall", "[estimates][sky]") {
+TEST_CASE("Orders of scattering are picked by how they fall", "[budget][sky]") {
   RandomAtmospheres random(76);
   Honesty all("orders of scattering");
   Honesty picked("orders of scattering, picked");

@@ -398,8 +398,8 @@ void require_same(const welkin_projection& light, const Projection& expected) {
   REQUIRE(light.infinities_replaced == diagnostics.infinities_replaced);
   REQUIRE(light.negatives_replaced == diagnostics.negatives_replaced);
   REQUIRE(light.texels_clamped == diagnostics.texels_clamped);
-  REQUIRE(same_triple(light.flux_before_clamp, diagnostics.flux_before_clamp));
-  REQUIRE(same_triple(light.flux, diagnostics.flux));
+  REQUIRE(same_triple(light.total_radiance_before_clamp, diagnostics.total_radiance_before_clamp));
+  REQUIRE(same_triple(light.total_radiance, diagnostics.total_radiance));
   REQUIRE(same_bits(light.error_estimate, diagnostics.error_estimate));
 }
 

@@ -27,8 +27,8 @@ namespace {
 
 bool same_light(const Projection& a, const Projection& b) {
   return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) &&
-         same_bits(a.diagnostics.flux, b.diagnostics.flux) &&
-         same_bits(a.diagnostics.flux_before_clamp, b.diagnostics.flux_before_clamp) &&
+         same_bits(a.diagnostics.total_radiance, b.diagnostics.total_radiance) &&
+         same_bits(a.diagnostics.total_radiance_before_clamp, b.diagnostics.total_radiance_before_clamp) &&
          same_bits(a.diagnostics.error_estimate, b.diagnostics.error_estimate) &&
          a.diagnostics.texels == b.diagnostics.texels && a.diagnostics.texels_clamped == b.diagnostics.texels_clamped &&
          a.diagnostics.nans_replaced == b.diagnostics.nans_replaced &&
@@ -167,7 +167,7 @@ TEST_CASE("cache: every option of a bake is part of some key") {
   all[11].specular->size = 10;
   all[12].pixels.negative = NegativePolicy::replace;
   all[13].bands = all[13].irradiance_size = 0;
-  all[13].flux = false;
+  all[13].total_radiance = false;
   all[14] = all[13];
   all[14].specular.reset();
   all[14].background = false;
@@ -333,7 +333,8 @@ bool same_mip(const MipRecord& a, const MipRecord& b) {
 bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnostics& b) {
   return a.texels == b.texels && a.nans_replaced == b.nans_replaced && a.infinities_replaced == b.infinities_replaced &&
          a.negatives_replaced == b.negatives_replaced && a.texels_clamped == b.texels_clamped &&
-         same_bits(a.flux, b.flux) && same_bits(a.flux_before_clamp, b.flux_before_clamp) &&
+         same_bits(a.total_radiance, b.total_radiance) &&
+         same_bits(a.total_radiance_before_clamp, b.total_radiance_before_clamp) &&
          same_bits(a.error_estimate, b.error_estimate);
 }
 

@@ -246,9 +246,9 @@ double corner_solid_angle(double u, double v) { return std::atan2(u * v, std::sq
 
 bool same(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {
   return a.texels == b.texels && a.minimum == b.minimum && a.maximum == b.maximum && a.mean == b.mean &&
-         a.flux == b.flux && a.nans == b.nans && a.infinities == b.infinities && a.negatives == b.negatives &&
-         a.brightest_column == b.brightest_column && a.brightest_row == b.brightest_row && a.brightest == b.brightest &&
-         a.brightest_direction == b.brightest_direction;
+         a.total_radiance == b.total_radiance && a.nans == b.nans && a.infinities == b.infinities &&
+         a.negatives == b.negatives && a.brightest_column == b.brightest_column && a.brightest_row == b.brightest_row &&
+         a.brightest == b.brightest && a.brightest_direction == b.brightest_direction;
 }
 
 }  // namespace
@@ -327,7 +327,7 @@ TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
   const double out = image::lat_long_texel_solid_angle(64, 32, 4) + image::lat_long_texel_solid_angle(64, 32, 5);
   const double rest = 4.0 * kPi - out;
   CHECK(close(found.mean.r, (0.25 * (rest - bright) + 5.0 * bright) / rest, 1e-12));
-  CHECK(close(found.flux.r, 4.0 * kPi * found.mean.r, 1e-15));
+  CHECK(close(found.total_radiance.r, 4.0 * kPi * found.mean.r, 1e-15));
 }
 
 TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[codec]") {
@@ -338,7 +338,7 @@ TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[code
                                 std::vector<float>(static_cast<std::size_t>(width * height), 0.75F)));
     const EnvironmentStatistics found = measure_environment(path);
     CHECK(close(found.mean.g, 0.75, 1e-14));
-    CHECK(close(found.flux.b, 3.0 * kPi, 1e-14));
+    CHECK(close(found.total_radiance.b, 3.0 * kPi, 1e-14));
     CHECK(found.brightest_column == 0);
     CHECK(found.brightest_row == 0);
   }
@@ -353,7 +353,7 @@ TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
   CHECK(found.nans == 24);
   CHECK(found.minimum == glm::dvec3(0.0));
   CHECK(found.maximum == glm::dvec3(0.0));
-  CHECK(found.flux == glm::dvec3(0.0));
+  CHECK(found.total_radiance == glm::dvec3(0.0));
 }
 
 TEST_CASE("statistics are the same bits on any number of threads and however the file is cut", "[codec]") {

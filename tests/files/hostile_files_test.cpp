@@ -393,7 +393,7 @@ TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming]")
       const Projection light = project_file(path);
       const double row = 2.0 * 3.14159265358979 * 3.14159265358979 / 8192.0;  // steradians of one row at the horizon
       success = light.diagnostics.texels == std::uint64_t{16384} * 8192 &&
-                std::abs(light.diagnostics.flux.g / row - 1.0) < 1e-6;
+                std::abs(light.diagnostics.total_radiance.g / row - 1.0) < 1e-6;
     });
     return success;
   };

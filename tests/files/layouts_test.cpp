@@ -254,7 +254,7 @@ TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][
       CHECK(found.maximum == wanted.maximum);
       for (int channel = 0; channel < 3; ++channel) {
         CHECK(found.mean[channel] == Approx(wanted.mean[channel]).epsilon(1e-13));
-        CHECK(found.flux[channel] == Approx(wanted.flux[channel]).epsilon(1e-13));
+        CHECK(found.total_radiance[channel] == Approx(wanted.total_radiance[channel]).epsilon(1e-13));
       }
       CHECK(found.brightest == wanted.brightest);
       CHECK(found.brightest_direction == wanted.brightest_direction);

@@ -214,7 +214,7 @@ TEST_CASE("six files have the light and the statistics of their strip", "[codec]
   const EnvironmentStatistics wanted = measure_environment(strip);
   CHECK(found.texels == wanted.texels);
   CHECK(found.mean == wanted.mean);
-  CHECK(found.flux == wanted.flux);
+  CHECK(found.total_radiance == wanted.total_radiance);
   CHECK(found.brightest_row == wanted.brightest_row);
   CHECK(found.brightest_column == wanted.brightest_column);
   CHECK(found.brightest_direction == wanted.brightest_direction);

@@ -181,7 +181,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
   const Projection reused = project_file(path);
   CHECK(distance(reused.radiance, radiance) < 1e-14);
   CHECK(pass_named(reused, "project").action == "reuse");
-  CHECK(glm::length(reused.diagnostics.flux - radiance.at(0, 0) * std::sqrt(4.0 * 3.14159265358979)) < 1e-9);
+  CHECK(glm::length(reused.diagnostics.total_radiance - radiance.at(0, 0) * std::sqrt(4.0 * 3.14159265358979)) < 1e-9);
   ProjectionOptions options;
   options.bands = 2;
   CHECK(project_file(path, {}, options).radiance.bands() == 2);

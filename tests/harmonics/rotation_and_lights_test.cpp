@@ -381,7 +381,8 @@ TEST_CASE("A sun without extent is a directional light", "[sh][sun]") {
   CHECK(glm::length(found->irradiance - sun.irradiance) < 1e-13);
 }
 
-TEST_CASE("A sun's flux is its irradiance, and what it gives to a surface facing it has a closed form", "[sh][sun]") {
+TEST_CASE("A sun's total radiance is its irradiance, and what it gives to a surface facing it has a closed form",
+          "[sh][sun]") {
   for (const double solid_angle : {6.8e-5, 0.5, 3.0}) {
     const Sun sun = sun_of({0, 1, 0}, solid_angle);
     const SphericalHarmonics radiance = sun_harmonics(sun, 16);

@@ -315,7 +315,7 @@ TEST_CASE("a uniform environment: irradiance pi L, reflected L, average L, which
 TEST_CASE("a distant point light: irradiance is the clamped cosine's series", "[sh]") {
   const glm::dvec3 light{2.0 / 7.0, 3.0 / 7.0, -6.0 / 7.0};
   const auto irradiance_of_light = [&light](int bands) {
-    SphericalHarmonics radiance(bands);  // a delta of unit flux
+    SphericalHarmonics radiance(bands);  // a delta of unit total radiance
     const std::vector<double> values = basis(light, bands);
     for (std::size_t i = 0; i < values.size(); ++i) radiance.coefficients()[i] = glm::dvec3(values[i]);
     return irradiance_from_radiance(radiance);

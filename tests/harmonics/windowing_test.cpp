@@ -159,7 +159,8 @@ TEST_CASE("Slopes and curvatures agree with differences", "[sh][minimum]") {
   }
 }
 
-// Promise: each window's factors are its formula's; the least window is the least that leaves no irradiance negative.
+// Promise: each window's factors are its formula's; the minimum-Laplacian window is the gentlest that leaves no
+// irradiance negative.
 
 namespace {
 
@@ -170,7 +171,7 @@ SphericalHarmonics sunny(const glm::dvec3& direction, const glm::dvec3& irradian
 
 glm::dvec3 least_irradiance(const SphericalHarmonics& radiance, double lambda) {
   std::vector<double> factors;
-  for (int l = 0; l < radiance.bands(); ++l) factors.push_back(harmonics::least_window_factor(l, lambda));
+  for (int l = 0; l < radiance.bands(); ++l) factors.push_back(harmonics::min_laplacian_factor(l, lambda));
   return minimum(irradiance_from_radiance(harmonics::with_factors(radiance, factors))).value;
 }
 
@@ -203,7 +204,7 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
   CHECK(none.parameter == 0.0);
   CHECK(none.factors == std::vector<double>(6, 1.0));
   CHECK(none.minimum_before == none.minimum_after);
-  const Windowed least = apply_window(light, Window::least);
+  const Windowed least = apply_window(light, Window::min_laplacian);
   for (int l = 0; l < 6; ++l) {
     CHECK(least.factors[static_cast<std::size_t>(l)] ==
           Approx(1.0 / (1.0 + least.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
@@ -219,14 +220,14 @@ TEST_CASE("Three bands of a sun are negative behind it, by a known amount", "[sh
   CHECK(apply_window(with_bands(sun, 2), Window::none).minimum_before.x == Approx(-0.25).epsilon(1e-13));
 }
 
-TEST_CASE("The least window of a lone sun in two bands is known", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window of a lone sun in two bands is known", "[sh][window]") {
   // 1/4 - w/2 >= 0: w = 1/2 = 1 / (1 + 4 lambda), lambda = 1/4.
-  const Windowed found = apply_window(point_light({0, 0, 1}, {1, 2, 3}, 2), Window::least);
+  const Windowed found = apply_window(point_light({0, 0, 1}, {1, 2, 3}, 2), Window::min_laplacian);
   CHECK(found.parameter == Approx(0.25).epsilon(1e-8));
   CHECK(found.factors[1] == Approx(0.5).epsilon(1e-8));
 }
 
-TEST_CASE("The least window is found where the minimum falls before it rises", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window is found where the minimum falls before it rises", "[sh][window]") {
   // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: least at z = -1, where the window takes band 2's help away first.
   const auto light = [](double constant) {
     SphericalHarmonics radiance(3);
@@ -238,22 +239,22 @@ TEST_CASE("The least window is found where the minimum falls before it rises", "
   CHECK(least_irradiance(light(0.5), 0.0).x == Approx(-0.2).epsilon(1e-12));
   CHECK(least_irradiance(light(0.5), 0.01).x < -0.24);
   for (const double constant : {0.2, 0.5, 0.69}) {
-    const double lambda = apply_window(light(constant), Window::least).parameter;
+    const double lambda = apply_window(light(constant), Window::min_laplacian).parameter;
     CAPTURE(constant, lambda);
     CHECK(std::abs(constant - 1.0 / (1.0 + 4.0 * lambda) + 0.3 / (1.0 + 36.0 * lambda)) < 1e-9);
     CHECK(least_irradiance(light(constant), 0.999 * lambda).x < 0.0);
   }
-  CHECK(apply_window(light(0.7001), Window::least).parameter == 0.0);  // although windows in between would ring
+  CHECK(apply_window(light(0.7001), Window::min_laplacian).parameter == 0.0);  // although windows in between would ring
 }
 
-TEST_CASE("The least window leaves nothing negative, and a lesser one does", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser one does", "[sh][window]") {
   RandomLight light(41);
   for (const int bands : {2, 3, 4, 5, 7, 16}) {
     for (const double strength : {6.0, 20.0, 1e3, 222208.0, 1e30}) {
       const SphericalHarmonics radiance =
           add(sunny(light.direction(), strength * glm::dvec3(1.0, 0.8, 0.6), bands),
               scale(point_light(light.direction(), glm::dvec3(0.3, 0.5, 0.4), bands), glm::dvec3(strength)));
-      const Windowed found = apply_window(radiance, Window::least);
+      const Windowed found = apply_window(radiance, Window::min_laplacian);
       const glm::dvec3 mean = kPi * average_radiance(radiance);
       CAPTURE(bands, strength, found.parameter);
       for (int c = 0; c < 3; ++c) CHECK(found.minimum_after[c] >= -1e-9 * mean[c]);
@@ -271,44 +272,46 @@ TEST_CASE("The least window leaves nothing negative, and a lesser one does", "[s
   }
 }
 
-TEST_CASE("The least window is the same for the turned light", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window is the same for the turned light", "[sh][window]") {
   RandomLight light(42);
   for (const int bands : {3, 5}) {
     const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, bands);
-    const double lambda = apply_window(radiance, Window::least).parameter;
+    const double lambda = apply_window(radiance, Window::min_laplacian).parameter;
     for (int k = 0; k < 5; ++k) {
-      CHECK(apply_window(rotate(radiance, light.turn()), Window::least).parameter == Approx(lambda).epsilon(1e-7));
+      CHECK(apply_window(rotate(radiance, light.turn()), Window::min_laplacian).parameter ==
+            Approx(lambda).epsilon(1e-7));
     }
   }
 }
 
-TEST_CASE("The least window does not depend on the light's unit, and is 0 where nothing is negative", "[sh][window]") {
+TEST_CASE("The minimum-Laplacian window does not depend on the light's unit, and is 0 where nothing is negative",
+          "[sh][window]") {
   RandomLight light(43);
   const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, 3);
-  const double lambda = apply_window(radiance, Window::least).parameter;
+  const double lambda = apply_window(radiance, Window::min_laplacian).parameter;
   for (const double size : {0x1p100, 0x1p-100}) {
-    CHECK(apply_window(scale(radiance, glm::dvec3(size)), Window::least).parameter == lambda);
+    CHECK(apply_window(scale(radiance, glm::dvec3(size)), Window::min_laplacian).parameter == lambda);
   }
-  CHECK(apply_window(sunny({1, 0, 0}, {1, 1, 1}, 3), Window::least).parameter == 0.0);
-  CHECK(apply_window(SphericalHarmonics(16), Window::least).parameter == 0.0);
-  CHECK(apply_window(constant_radiance({1, 0, 2}, 16), Window::least).parameter == 0.0);
+  CHECK(apply_window(sunny({1, 0, 0}, {1, 1, 1}, 3), Window::min_laplacian).parameter == 0.0);
+  CHECK(apply_window(SphericalHarmonics(16), Window::min_laplacian).parameter == 0.0);
+  CHECK(apply_window(constant_radiance({1, 0, 2}, 16), Window::min_laplacian).parameter == 0.0);
 }
 
 TEST_CASE("One channel that is dark does not hinder the others", "[sh][window]") {
-  const Windowed found = apply_window(point_light({0, 1, 0}, {5, 0, 1}, 3), Window::least);
+  const Windowed found = apply_window(point_light({0, 1, 0}, {5, 0, 1}, 3), Window::min_laplacian);
   CHECK(found.parameter > 0.0);
   CHECK(found.minimum_after.g == 0.0);
 }
 
 TEST_CASE("Wider windows keep more, and each lifts the minimum behind a sun", "[sh][window]") {
   const SphericalHarmonics sun = sunny({0, 1, 0}, {1000, 900, 800}, 3);
-  const Windowed least = apply_window(sun, Window::least);
+  const Windowed least = apply_window(sun, Window::min_laplacian);
   for (const Window window : {Window::hanning, Window::lanczos}) {
     const Windowed narrow = apply_window(sun, window, 1.5);
     CHECK(narrow.minimum_after.r > narrow.minimum_before.r);
     CHECK(norm(narrow.radiance) < norm(apply_window(sun, window, 5.0).radiance));
   }
-  CHECK(std::string(name(Window::least)) == "least");
+  CHECK(std::string(name(Window::min_laplacian)) == "min-laplacian");
   CHECK(least.minimum_before.r < 0.0);
 }
 
@@ -320,16 +323,18 @@ TEST_CASE("Windows that cannot be are refused, with what would do", "[sh][window
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("width"));
   }
-  const ThrownError negative = thrown_by([&] { (void)apply_window(constant_radiance({1, -1, 1}, 3), Window::least); });
+  const ThrownError negative = thrown_by([&] {
+    (void)apply_window(constant_radiance({1, -1, 1}, 3), Window::min_laplacian);
+  });
   CHECK(negative.code == ErrorCode::invalid_argument);
   CHECK(negative.says("green"));
   CHECK(negative.says("NegativePolicy::replace"));
   SphericalHarmonics no_mean = sun;
   no_mean.at(0, 0).b = 0.0;
-  CHECK(thrown_by([&] { (void)apply_window(no_mean, Window::least); }).says("blue"));
+  CHECK(thrown_by([&] { (void)apply_window(no_mean, Window::min_laplacian); }).says("blue"));
   SphericalHarmonics broken = sun;
   broken.at(1, 0).r = nan;
-  CHECK(thrown_by([&] { (void)apply_window(broken, Window::least); }).says("not finite"));
+  CHECK(thrown_by([&] { (void)apply_window(broken, Window::min_laplacian); }).says("not finite"));
 }
 
 }  // namespace welkin::test

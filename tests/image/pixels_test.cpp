@@ -172,7 +172,7 @@ std::span<const float> face_values(const CubemapChain& chain, int level, int fac
 }
 
 /// Int radiance over the sphere, texels as areas, or over a plain mean's equal ones.
-double flux(const CubemapChain& chain, int level, MipFilter filter) {
+double total_radiance(const CubemapChain& chain, int level, MipFilter filter) {
   const int size = chain.level_size(level);
   std::vector<double> angles(static_cast<std::size_t>(size), 1.0 / (size * size));
   double sum = 0.0;
@@ -242,15 +242,15 @@ TEST_CASE("Each mip is the mean of the one above over each texel's area", "[mips
   }
 }
 
-TEST_CASE("Every level has the flux of the first", "[mips]") {
+TEST_CASE("Every level has the total radiance of the first", "[mips]") {
   for (const MipFilter filter : kFilters) {
     for (const int size : {1, 2, 3, 7, 64, 257}) {
       const TestCubemap map = make_cubemap(Content::one_texel_sun, size, 3, 8);
       const CubemapChain chain = build_mips(map.view(), filter);
-      const double wanted = flux(chain, 0, filter);
+      const double wanted = total_radiance(chain, 0, filter);
       for (int level = 1; level < chain.levels(); ++level) {
         CAPTURE(size, level, static_cast<int>(filter));
-        CHECK(flux(chain, level, filter) == Approx(wanted).epsilon(4e-7));
+        CHECK(total_radiance(chain, level, filter) == Approx(wanted).epsilon(4e-7));
       }
     }
   }

@@ -108,7 +108,7 @@ TEST_CASE("Resampling keeps a smooth environment's harmonics", "[resampling]") {
   CHECK(relative_difference(project(to_lat_long(cube.view(), 64, 32).view()).radiance, wanted) < 2e-3);
 }
 
-TEST_CASE("Reducing noise keeps its flux", "[resampling]") {
+TEST_CASE("Reducing noise keeps its total radiance", "[resampling]") {
   // Every texel of the source enters with about its solid angle: what is left is the error of evenly spaced samples.
   const LatLongImage noise{256, 128, some_pixels(256, 128)};
   const glm::dvec3 wanted = project(noise.view()).radiance.coefficients()[0];
@@ -206,7 +206,7 @@ LatLongImage black(int width, int height) {
   return {width, height, std::vector<float>(static_cast<std::size_t>(3 * width * height), 0.0F)};
 }
 
-glm::dvec3 flux(const CubemapImage& map) {
+glm::dvec3 total_radiance(const CubemapImage& map) {
   std::vector<double> angles(static_cast<std::size_t>(map.size));
   glm::dvec3 sum(0.0);
   for (int row = 0; row < map.size; ++row) {
@@ -238,19 +238,19 @@ glm::dvec3 middle_of_light(const CubemapImage& map) {
   return sum;
 }
 
-/// The relative error of a lone texel's flux.
+/// The relative error of a lone texel's total radiance.
 double lone_texel_error(int width, int height, int column, int row, int size) {
   LatLongImage map = black(width, height);
   map.pixels[static_cast<std::size_t>(3 * (row * width + column) + 1)] = 1e6F;
   const CubemapImage cube = to_cubemap(map.view(), size);
   for (const float value : cube.pixels) REQUIRE(value >= 0.0F);
   const double wanted = 1e6 * image::lat_long_texel_solid_angle(width, height, row);
-  return std::abs(flux(cube).y / wanted - 1.0);
+  return std::abs(total_radiance(cube).y / wanted - 1.0);
 }
 
 }  // namespace
 
-TEST_CASE("A lone bright texel keeps its flux wherever it lies", "[area]") {
+TEST_CASE("A lone bright texel keeps its total radiance wherever it lies", "[area]") {
   struct Shape {
     int width, height;
   };
@@ -273,7 +273,7 @@ TEST_CASE("A lone bright texel keeps its flux wherever it lies", "[area]") {
   }
 }
 
-TEST_CASE("A lone bright texel keeps its flux at random places, sizes and at all seams", "[area]") {
+TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes and at all seams", "[area]") {
   std::mt19937 generator(11);
   const auto upto = [&](int count) { return static_cast<int>(generator() % static_cast<unsigned>(count)); };
   for (int k = 0; k < 60; ++k) {
@@ -403,7 +403,7 @@ TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and 
   force_instruction_set(before);
 }
 
-TEST_CASE("A cube's lone bright texel keeps its flux in a lat-long, by area", "[area]") {
+TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by area", "[area]") {
   for (const int size : {1, 2, 3, 8, 15, 24}) {
     for (const auto& [width, height] : {std::pair{4 * size, 2 * size}, {7, 3}, {33, 50}, {64, 32}}) {
       double worst = 0.0;
@@ -417,9 +417,9 @@ TEST_CASE("A cube's lone bright texel keeps its flux in a lat-long, by area", "[
         for (int at = 0; at < width * height; ++at) {
           const double value = map.pixels[static_cast<std::size_t>(3 * at + 1)];
           REQUIRE(value >= 0.0);
-          const double flux_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
-          sum.y += flux_there;
-          place += flux_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
+          const double total_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
+          sum.y += total_there;
+          place += total_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
         }
         std::vector<double> angles(static_cast<std::size_t>(size));
         image::cubemap_row_solid_angles(texel / size % size, angles);

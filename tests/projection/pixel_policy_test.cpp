@@ -201,8 +201,9 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
       const Projection unclamped = project(cubemap.view());
       CHECK(found.diagnostics.texels_clamped > 0);
       for (int c = 0; c < 3; ++c) {
-        CHECK(found.diagnostics.flux[c] < found.diagnostics.flux_before_clamp[c]);
-        CHECK(found.diagnostics.flux_before_clamp[c] == Approx(unclamped.diagnostics.flux[c]).epsilon(1e-6));
+        CHECK(found.diagnostics.total_radiance[c] < found.diagnostics.total_radiance_before_clamp[c]);
+        CHECK(found.diagnostics.total_radiance_before_clamp[c] ==
+              Approx(unclamped.diagnostics.total_radiance[c]).epsilon(1e-6));
       }
       CHECK(relative_error(found.radiance, reference_projection(cubemap.view(), options)) < 5e-7);
     }
@@ -210,7 +211,8 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
     ProjectionOptions options;
     options.clamp = RadianceClamp{4096.0F, preserve};
     const Projection found = project(lat_long.view(), options);
-    CHECK(found.diagnostics.flux_before_clamp.x == Approx(project(lat_long.view()).diagnostics.flux.x).epsilon(1e-6));
+    CHECK(found.diagnostics.total_radiance_before_clamp.x ==
+          Approx(project(lat_long.view()).diagnostics.total_radiance.x).epsilon(1e-6));
     CHECK(relative_error(found.radiance, reference_projection(lat_long.view(), options)) < 5e-7);
   }
 }
@@ -298,8 +300,9 @@ TEST_CASE("A colour-preserving clamp scales texels and reports what it took", "[
       CHECK(found.diagnostics.texels_clamped == above);
       CHECK(relative_error(found.radiance, expected.radiance) < 1e-6);
       for (int c = 0; c < 3; ++c) {
-        CHECK(found.diagnostics.flux[c] == Approx(expected.diagnostics.flux[c]).epsilon(1e-6));
-        CHECK(found.diagnostics.flux_before_clamp[c] == Approx(whole.diagnostics.flux[c]).epsilon(1e-6));
+        CHECK(found.diagnostics.total_radiance[c] == Approx(expected.diagnostics.total_radiance[c]).epsilon(1e-6));
+        CHECK(found.diagnostics.total_radiance_before_clamp[c] ==
+              Approx(whole.diagnostics.total_radiance[c]).epsilon(1e-6));
       }
     }
   }

@@ -323,12 +323,12 @@ TEST_CASE("A mirror image flips the signs of odd coefficients", "[sh][property]"
   }
 }
 
-TEST_CASE("The flux is the sum of radiance times solid angle", "[sh][property]") {
+TEST_CASE("The total radiance is the sum of radiance times solid angle", "[sh][property]") {
   const TestCubemap uniform = make_cubemap(Content::uniform, 50, 3, 0);
   const ProjectionDiagnostics diagnostics = project(uniform.view()).diagnostics;
-  CHECK(diagnostics.flux.x == Approx(0.5 * 4.0 * std::numbers::pi).epsilon(1e-7));
-  CHECK(diagnostics.flux.z == Approx(2.0 * 4.0 * std::numbers::pi).epsilon(1e-7));
-  CHECK(diagnostics.flux_before_clamp == diagnostics.flux);
+  CHECK(diagnostics.total_radiance.x == Approx(0.5 * 4.0 * std::numbers::pi).epsilon(1e-7));
+  CHECK(diagnostics.total_radiance.z == Approx(2.0 * 4.0 * std::numbers::pi).epsilon(1e-7));
+  CHECK(diagnostics.total_radiance_before_clamp == diagnostics.total_radiance);
 }
 
 TEST_CASE("Low-order radiance comes back from its own projection", "[sh][property]") {

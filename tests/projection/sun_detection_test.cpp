@@ -168,8 +168,8 @@ TEST_CASE("The sun has the same bits on any number of threads", "[image][sun]") 
   REQUIRE((expected && found));
   CHECK(found->direction == expected->direction);
   CHECK(found->irradiance == expected->irradiance);
-  CHECK(found->flux_before == expected->flux_before);
-  CHECK(found->flux_after == expected->flux_after);
+  CHECK(found->total_radiance_before == expected->total_radiance_before);
+  CHECK(found->total_radiance_after == expected->total_radiance_after);
   CHECK(shared.pixels == alone.pixels);
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("Of two suns the brighter is taken, then the other", "[image][sun]") {
   REQUIRE((first && second));
   CHECK(degrees_between(first->direction, kThere) < 0.1);
   CHECK(degrees_between(second->direction, kHere) < 0.1);
-  CHECK(first->flux_after == second->flux_before);
+  CHECK(first->total_radiance_after == second->total_radiance_before);
   CHECK_FALSE(take_out_sun(image));
 }
 
@@ -249,7 +249,7 @@ TEST_CASE("Texels without a value are passed over", "[image][sun]") {
   REQUIRE(sun);
   CHECK(std::isinf(image.pixels[static_cast<std::size_t>(3 * middle)]));
   CHECK(image.pixels[static_cast<std::size_t>(3 * middle + 1)] == 1e5F);
-  CHECK(std::isfinite(sun->flux_before.x));
+  CHECK(std::isfinite(sun->total_radiance_before.x));
   CHECK(degrees_between(sun->direction, kHere) < 0.2);
 
   // A sun with nothing but NaN around it has no radiance to be replaced by.
@@ -333,14 +333,14 @@ void check_energy(Image image, bool expect_sun) {
   CHECK(brighter == 0);
   CHECK(changed == (sun ? sun->texels : 0));
   if (!sun) return;
-  const glm::dvec3 flux_before = flux_of(before);
-  const glm::dvec3 flux_after = flux_of(image);
+  const glm::dvec3 total_radiance_before = total_radiance_of(before);
+  const glm::dvec3 total_radiance_after = total_radiance_of(image);
   for (int c = 0; c < 3; ++c) {
     CAPTURE(c);
-    CHECK(sun->flux_before[c] == Approx(flux_before[c]).epsilon(1e-9));
-    CHECK(sun->flux_after[c] == Approx(flux_after[c]).epsilon(1e-9));
-    CHECK(flux_before[c] == Approx(flux_after[c] + sun->irradiance[c]).epsilon(1e-9));
-    CHECK(sun->flux_before[c] == Approx(sun->flux_after[c] + sun->irradiance[c]).epsilon(1e-12));
+    CHECK(sun->total_radiance_before[c] == Approx(total_radiance_before[c]).epsilon(1e-9));
+    CHECK(sun->total_radiance_after[c] == Approx(total_radiance_after[c]).epsilon(1e-9));
+    CHECK(total_radiance_before[c] == Approx(total_radiance_after[c] + sun->irradiance[c]).epsilon(1e-9));
+    CHECK(sun->total_radiance_before[c] == Approx(sun->total_radiance_after[c] + sun->irradiance[c]).epsilon(1e-12));
     CHECK(sun->irradiance[c] == Approx(sun->radiance[c] * sun->solid_angle).epsilon(1e-14));
   }
 }
@@ -502,7 +502,7 @@ void print_row(const std::string& name, const LatLongImage& before) {
       name.c_str(), before.width, std::atan2(sun->direction.x, sun->direction.z) * 180.0 / std::numbers::pi,
       std::asin(sun->direction.y) * 180.0 / std::numbers::pi, sun->irradiance.r, sun->irradiance.g, sun->irradiance.b,
       colour.r, colour.g, colour.b, sun->solid_angle, static_cast<int>(sun->texels), sun->angular_radius_degrees,
-      100.0 * projection::luminance(sun->irradiance) / projection::luminance(sun->flux_before),
+      100.0 * projection::luminance(sun->irradiance) / projection::luminance(sun->total_radiance_before),
       100.0 * error.with_sun_in_map, 100.0 * error.with_sun_as_light);
 }
 
@@ -532,8 +532,10 @@ TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun]
     if (!sun || size_and_share.first == 0.0) continue;
     CHECK(sun->angular_radius_degrees > 0.25);
     CHECK(sun->angular_radius_degrees < size_and_share.first);
-    CHECK(projection::luminance(sun->irradiance) > size_and_share.second * projection::luminance(sun->flux_before));
-    CHECK(glm::length(sun->flux_before - sun->flux_after - sun->irradiance) < 1e-12 * glm::length(sun->flux_before));
+    CHECK(projection::luminance(sun->irradiance) >
+          size_and_share.second * projection::luminance(sun->total_radiance_before));
+    CHECK(glm::length(sun->total_radiance_before - sun->total_radiance_after - sun->irradiance) <
+          1e-12 * glm::length(sun->total_radiance_before));
     const Improvement error = improvement(before, after, *sun, 12);
     CHECK(error.with_sun_as_light < 1.001 * error.with_sun_in_map);  // no change where the sun has lost its green
   }

@@ -181,12 +181,12 @@ TEST_CASE("A lat-long is averaged to four by two targets", "[sh][target]") {
   }
 }
 
-TEST_CASE("Averaging keeps the flux", "[sh][target]") {
+TEST_CASE("Averaging keeps the total radiance", "[sh][target]") {
   const TestCubemap cubemap = make_cubemap(Content::one_texel_sun, 150, 3, 1);
   const ProjectionDiagnostics whole = project(cubemap.view()).diagnostics;
   for (const int target : {1, 7, 64, 149}) {
     const ProjectionDiagnostics reduced = project(cubemap.view(), with_target(target)).diagnostics;
-    CHECK(reduced.flux.x == Approx(whole.flux.x).epsilon(1e-6));
+    CHECK(reduced.total_radiance.x == Approx(whole.total_radiance.x).epsilon(1e-6));
     CHECK(reduced.error_estimate > whole.error_estimate);
   }
 }

@@ -133,9 +133,9 @@ Picture reduce(const Domain& domain, const Picture& picture, int width, int heig
 
 void add_picture(const Domain& domain, const Picture& picture, Quadrature quadrature, SphericalHarmonics& sum) {
   std::vector<double> basis(sum.coefficients().size());
-  const auto add = [&](const glm::dvec3& direction, const glm::dvec3& flux) {
+  const auto add = [&](const glm::dvec3& direction, const glm::dvec3& total_radiance) {
     math::evaluate_basis(direction.x, direction.y, direction.z, sum.bands(), basis.data());
-    for (std::size_t k = 0; k < basis.size(); ++k) sum.coefficients()[k] += flux * basis[k];
+    for (std::size_t k = 0; k < basis.size(); ++k) sum.coefficients()[k] += total_radiance * basis[k];
   };
   const TexelRule rule = texel_rule(std::min(picture.width, picture.height));
   std::size_t index = 0;

@@ -26,8 +26,8 @@ struct ReferenceSkyOptions {
 };
 
 /// Singly scattered sunlight that arrives from `direction` at `altitude_m` (0 to 1e9, space included), at each of the
-/// wavelengths: W/m2/sr/nm. The sun's disc is apart. `direction` and `sun` (towards it) are unit vectors within 1e-6.
-/// Some 0.1 to 1 ms for the Earth. Throws `Error` (invalid_argument).
+/// wavelengths: W/m2/sr/nm. The sun's disc is left out. `direction` and `sun` (towards it) are unit vectors within
+/// 1e-6. Some 0.1 to 1 ms for the Earth. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& direction, const glm::dvec3& sun,
                                                          const ReferenceSkyOptions& options = {});
@@ -39,11 +39,11 @@ struct ReferenceHarmonicsOptions {
   ReferenceSkyOptions radiance{};
 };
 
-/// Radiance coefficients of singly scattered sunlight, disc apart: `reference_sky_radiance` integrated ring by ring
-/// with the places and weights of `SkyQuadrature::gauss_split`, nothing taken out. What tables and projectors are
-/// measured against. Of the Earth's nine at the default setting 1e-5 by day, 1e-4 in twilight (against twice as many
-/// places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads. Throws
-/// `Error`: invalid_argument (also for other than three wavelengths), cancelled.
+/// Radiance coefficients of singly scattered sunlight, without the sun's disc: `reference_sky_radiance` integrated ring
+/// by ring with the places and weights of `SkyQuadrature::gauss_split`, nothing taken out. What tables and projectors
+/// are measured against. Of the Earth's nine at the default setting 1e-5 by day, 1e-4 in twilight (against twice as
+/// many places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads.
+/// Throws `Error`: invalid_argument (also for other than three wavelengths), cancelled.
 [[nodiscard]] SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& sun,
                                                          const ReferenceHarmonicsOptions& options = {},

@@ -257,7 +257,7 @@ TEST_CASE("One small light gives the closed form of the lobe", "[specular][truth
   for (std::size_t c = 0; c < 3; ++c)
     image.pixels[3 * (static_cast<std::size_t>(row) * 512 + static_cast<std::size_t>(column)) + c] = 1e6F;
   const glm::dvec3 light = image::lat_long_direction(512, 256, column + 0.5, row + 0.5);
-  const double flux = 1e6 * image::lat_long_texel_solid_angle(512, 256, row);
+  const double total_radiance = 1e6 * image::lat_long_texel_solid_angle(512, 256, row);
   for (const double roughness : {0.5, 1.0}) {
     const double alpha = roughness * roughness;
     const auto directions = some_directions(40);
@@ -266,7 +266,7 @@ TEST_CASE("One small light gives the closed form of the lobe", "[specular][truth
       const double cosine = glm::dot(light, directions[k]);
       if (std::abs(cosine) < 0.02) continue;  // the horizon cuts the texel
       CAPTURE(roughness, cosine);
-      const double expected = flux * reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
+      const double expected = total_radiance * reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
       CHECK(values[k].g == Approx(expected).epsilon(2e-4).margin(1e-12));
     }
   }

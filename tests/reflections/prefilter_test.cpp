@@ -357,7 +357,7 @@ TEST_CASE("Tighter bounds are met too", "[specular][prefilter][truth]") {
 TEST_CASE("A light in the dark gives the lobe's closed form, near and far", "[specular][prefilter][truth]") {
   const TestLatLong source = black_with_one_light(512, 256, 117, 60, 1e6F);
   const glm::dvec3 light = image::lat_long_direction(512, 256, 117.5, 60.5);
-  const double flux = 1e6 * image::lat_long_texel_solid_angle(512, 256, 60);
+  const double total_radiance = 1e6 * image::lat_long_texel_solid_angle(512, 256, 60);
   const PrefilteredSpecular result =
       prefilter_specular(source.view(), {.size = 64, .roughness = {0.25, 0.5, 0.75, 1.0}});
   for (int level = 0; level < 4; ++level) {
@@ -367,7 +367,7 @@ TEST_CASE("A light in the dark gives the lobe's closed form, near and far", "[sp
     double worst = 0.0;
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const double cosine = glm::dot(light, directions[k]);
-      const double expected = flux * reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
+      const double expected = total_radiance * reflections::lobe(cosine, alpha) / reflections::lobe_integral(alpha);
       const double got = static_cast<double>(result.cubemap.face(level, 0)[3 * k]);
       REQUIRE(got >= 0.0);
       if (cosine < 0.02) continue;  // the light's own width matters at the horizon, and below there is none
@@ -561,7 +561,7 @@ TEST_CASE("Values at the end of the floats do not end at infinity", "[specular][
     const auto y = level_values(result.cubemap, level);
     for (std::size_t k = 0; k < x.size(); ++k) REQUIRE(y[k] == x[k] * 0x1p126F);
   }
-  CHECK(result.pixels.flux == plain.pixels.flux * 0x1p126);
+  CHECK(result.pixels.total_radiance == plain.pixels.total_radiance * 0x1p126);
 }
 
 TEST_CASE("The darkest floats lose no digits that floats have", "[specular][prefilter]") {
@@ -576,15 +576,15 @@ TEST_CASE("The darkest floats lose no digits that floats have", "[specular][pref
     const auto y = level_values(result.cubemap, level);
     for (std::size_t k = 0; k < x.size(); ++k) REQUIRE(y[k] == std::ldexp(x[k], -115));
   }
-  CHECK(result.pixels.flux == plain.pixels.flux * 0x1p-115);
+  CHECK(result.pixels.total_radiance == plain.pixels.total_radiance * 0x1p-115);
 }
 
-TEST_CASE("The flux that is reported is the picture's", "[specular][prefilter]") {
+TEST_CASE("The total radiance that is reported is the picture's", "[specular][prefilter]") {
   const TestLatLong source = sun_at(32, 38, 1e4F, 0.2F);
   const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 64});
   const double sun = 1e4 * image::lat_long_texel_solid_angle(256, 128, 38);
   const double sky = 0.2F * (4.0 * 3.14159265358979323846 - image::lat_long_texel_solid_angle(256, 128, 38));
-  CHECK(std::abs(result.pixels.flux.x / (sun + sky) - 1.0) < 1e-5);
+  CHECK(std::abs(result.pixels.total_radiance.x / (sun + sky) - 1.0) < 1e-5);
 }
 
 }  // namespace welkin::test

@@ -60,7 +60,7 @@ TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 
   const SkyProjector converged(view, {3, SkyQuadrature::gauss_split, 128, 128});
   const SkyProjector split(view);
   const SkyProjector plain(view, {3, SkyQuadrature::gauss, 16, 16});
-  const SkyProjector article(view, {3, SkyQuadrature::article, 16, 16});
+  const SkyProjector uniform(view, {3, SkyQuadrature::uniform, 16, 16});
   const SkyProjector plainly_converged(view, {3, SkyQuadrature::gauss, 128, 256});
   for (const double elevation : kElevations) {
     CAPTURE(elevation);
@@ -69,8 +69,8 @@ TEST_CASE("the default quadrature is within 0.2 % of the integral from 90 to -6 
     CHECK(difference(plainly_converged.project(sun), truth) < 2e-4);  // the lobe's closed form is no other integral
     CHECK(difference(split.project(sun), truth) < 2e-3);
     CHECK(difference(plain.project(sun), truth) < 5e-3);
-    CHECK(difference(article.project(sun), truth) > 5e-3);  // why it is not the default
-    CHECK(difference(article.project(sun), truth) < 0.3);
+    CHECK(difference(uniform.project(sun), truth) > 5e-3);  // why it is not the default
+    CHECK(difference(uniform.project(sun), truth) < 0.3);
   }
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics]") {
   for (const double altitude : {0.0, 1.8, 1000.0, 12'000.0, 59'000.0}) {
     for (const SkyHarmonicsOptions& options :
          {SkyHarmonicsOptions{}, SkyHarmonicsOptions{16, SkyQuadrature::gauss, 5, 7},
-          SkyHarmonicsOptions{4, SkyQuadrature::article, 17, 33},
+          SkyHarmonicsOptions{4, SkyQuadrature::uniform, 17, 33},
           SkyHarmonicsOptions{1, SkyQuadrature::gauss_split, 2, 2}}) {
       const SkyProjector projector(SkyView(small_earth(), altitude), options);
       const sky::SkyProjection& projection = SkyProjectorAccess::projection(projector);
@@ -170,7 +170,7 @@ TEST_CASE("all instruction sets give the same sky harmonics", "[sky][harmonics][
     const WithInstructionSet scope(set);
     CAPTURE(name(set));
     std::vector<SphericalHarmonics> results;
-    for (const SkyQuadrature quadrature : {SkyQuadrature::article, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
+    for (const SkyQuadrature quadrature : {SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
       const SkyProjector projector(view, {5, quadrature, 19, 21});
       for (const double elevation : kElevations) results.push_back(projector.project(sun_direction(elevation, 33.0)));
     }

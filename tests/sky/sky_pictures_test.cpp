@@ -43,7 +43,7 @@ const SkyView& view_at(double altitude) {
 }
 
 /// Integral over the sphere, and what its sun adds to that without it.
-glm::dvec3 flux_of(const image::TexelGrid& grid, const std::vector<float>& pixels) {
+glm::dvec3 total_radiance_of(const image::TexelGrid& grid, const std::vector<float>& pixels) {
   std::vector<std::int64_t> texels;
   for (std::int64_t i = 0; i < grid.texels(); ++i) texels.push_back(i);
   const std::vector<double> areas = image::solid_angles_of(grid, texels);
@@ -54,7 +54,7 @@ glm::dvec3 flux_of(const image::TexelGrid& grid, const std::vector<float>& pixel
   return sum;
 }
 
-void check_disc_flux(const glm::dvec3& with, const glm::dvec3& without, const glm::dvec3& irradiance) {
+void check_disc_irradiance(const glm::dvec3& with, const glm::dvec3& without, const glm::dvec3& irradiance) {
   for (int c = 0; c < 3; ++c) {
     CAPTURE(c, with[c], without[c], irradiance[c]);
     CHECK(std::abs(with[c] - without[c] - irradiance[c]) <= 1e-5 * (irradiance[c] + without[c]));
@@ -123,7 +123,7 @@ TEST_CASE("sky pictures: the same bits on any threads and instruction set", "[sk
   force_instruction_set(before);
 }
 
-TEST_CASE("sky pictures: the disc's flux is the directional light's", "[sky][view][pictures]") {
+TEST_CASE("sky pictures: the disc's total radiance is the directional light's irradiance", "[sky][view][pictures]") {
   for (const double altitude : {0.0, 900.0, 400'000.0}) {
     const SkyView& view = view_at(altitude);
     // High, low, half set, a sliver, below the horizon of the ground but not of the hill, straight up, gone.
@@ -135,12 +135,14 @@ TEST_CASE("sky pictures: the disc's flux is the directional light's", "[sky][vie
         const CubemapImage with = sky_cubemap(view, sun, size, {.sun_disc = true});
         const image::TexelGrid cube = image::TexelGrid::cubemap(size);
         CHECK(all_sound(with.pixels));
-        check_disc_flux(flux_of(cube, with.pixels), flux_of(cube, sky_cubemap(view, sun, size).pixels), irradiance);
+        check_disc_irradiance(total_radiance_of(cube, with.pixels),
+                              total_radiance_of(cube, sky_cubemap(view, sun, size).pixels), irradiance);
         if (size > 7) continue;
         const LatLongImage map = sky_lat_long(view, sun, size, {.sun_disc = true});
         const image::TexelGrid grid = image::TexelGrid::lat_long(2 * size, size);
         CHECK(all_sound(map.pixels));
-        check_disc_flux(flux_of(grid, map.pixels), flux_of(grid, sky_lat_long(view, sun, size).pixels), irradiance);
+        check_disc_irradiance(total_radiance_of(grid, map.pixels),
+                              total_radiance_of(grid, sky_lat_long(view, sun, size).pixels), irradiance);
       }
     }
   }

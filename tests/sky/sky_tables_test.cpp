@@ -182,9 +182,9 @@ TEST_CASE("weights of a sky's quadratures add up to the sphere", "[sky][harmonic
         for (const double cosine : rule.above.cosines) CHECK(cosine >= horizon);
         for (const double cosine : rule.below.cosines) CHECK(cosine <= horizon);
       }
-      const sky::SkyRule article = sky::sky_rule({3, SkyQuadrature::article, zeniths, 16}, horizon, 1.0, 0.8);
+      const sky::SkyRule uniform = sky::sky_rule({3, SkyQuadrature::uniform, zeniths, 16}, horizon, 1.0, 0.8);
       const double midpoint = pi / (2.0 * zeniths) / std::sin(pi / (2.0 * zeniths)) * 2.0;
-      CHECK(sum(article.above.weights) + sum(article.below.weights) == Approx(midpoint).epsilon(1e-12));
+      CHECK(sum(uniform.above.weights) + sum(uniform.below.weights) == Approx(midpoint).epsilon(1e-12));
     }
   }
 }

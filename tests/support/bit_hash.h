@@ -129,7 +129,7 @@ inline void add_bits(BitHash& hash, const Environment& environment) {
 }
 inline void add_bits(BitHash& hash, const EnvironmentStatistics& s) {
   for (const std::uint64_t count : {s.texels, s.nans, s.infinities, s.negatives}) hash.add_word(count);
-  for (const glm::dvec3& v : {s.minimum, s.maximum, s.mean, s.flux, s.brightest, s.brightest_direction}) {
+  for (const glm::dvec3& v : {s.minimum, s.maximum, s.mean, s.total_radiance, s.brightest, s.brightest_direction}) {
     add_bits(hash, v);
   }
   add_bits(hash, s.brightest_column);
@@ -142,8 +142,8 @@ inline void add_bits(BitHash& hash, const ProjectionDiagnostics& d) {
        {d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped}) {
     hash.add_word(count);
   }
-  add_bits(hash, d.flux_before_clamp);
-  add_bits(hash, d.flux);
+  add_bits(hash, d.total_radiance_before_clamp);
+  add_bits(hash, d.total_radiance);
   add_bits(hash, d.error_estimate);
 }
 inline void add_bits(BitHash& hash, const Projection& projection) {
@@ -171,7 +171,8 @@ inline void add_bits(BitHash& hash, const BrdfTable& table) {
   for (const float value : table.values) add_bits(hash, value);
 }
 inline void add_bits(BitHash& hash, const Sun& sun) {
-  for (const glm::dvec3& v : {sun.direction, sun.irradiance, sun.radiance, sun.flux_before, sun.flux_after}) {
+  for (const glm::dvec3& v :
+       {sun.direction, sun.irradiance, sun.radiance, sun.total_radiance_before, sun.total_radiance_after}) {
     add_bits(hash, v);
   }
   add_bits(hash, sun.solid_angle);

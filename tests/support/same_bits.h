@@ -32,8 +32,8 @@ inline bool same_bits(const Projection& a, const Projection& b) {
   return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) && x.texels == y.texels &&
          x.nans_replaced == y.nans_replaced && x.infinities_replaced == y.infinities_replaced &&
          x.negatives_replaced == y.negatives_replaced && x.texels_clamped == y.texels_clamped &&
-         same_bits(x.flux_before_clamp, y.flux_before_clamp) && same_bits(x.flux, y.flux) &&
-         same_bits(x.error_estimate, y.error_estimate) &&
+         same_bits(x.total_radiance_before_clamp, y.total_radiance_before_clamp) &&
+         same_bits(x.total_radiance, y.total_radiance) && same_bits(x.error_estimate, y.error_estimate) &&
          std::equal(x.passes.begin(), x.passes.end(), y.passes.begin(), y.passes.end(),
                     [](const PassRecord& p, const PassRecord& q) {
                       return p.name == q.name && p.action == q.action && p.reason == q.reason;
@@ -57,9 +57,10 @@ inline bool same_bits(const Environment& a, const Environment& b) {
 
 inline bool same_bits(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {
   return a.texels == b.texels && same_bits(a.minimum, b.minimum) && same_bits(a.maximum, b.maximum) &&
-         same_bits(a.mean, b.mean) && same_bits(a.flux, b.flux) && a.nans == b.nans && a.infinities == b.infinities &&
-         a.negatives == b.negatives && a.brightest_column == b.brightest_column && a.brightest_row == b.brightest_row &&
-         same_bits(a.brightest, b.brightest) && same_bits(a.brightest_direction, b.brightest_direction);
+         same_bits(a.mean, b.mean) && same_bits(a.total_radiance, b.total_radiance) && a.nans == b.nans &&
+         a.infinities == b.infinities && a.negatives == b.negatives && a.brightest_column == b.brightest_column &&
+         a.brightest_row == b.brightest_row && same_bits(a.brightest, b.brightest) &&
+         same_bits(a.brightest_direction, b.brightest_direction);
 }
 
 }  // namespace welkin::test

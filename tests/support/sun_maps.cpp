@@ -121,7 +121,7 @@ std::int64_t nearest_texel(const image::TexelGrid& grid, const glm::dvec3& direc
   return nearest;
 }
 
-glm::dvec3 flux_of(const LatLongImage& image) {
+glm::dvec3 total_radiance_of(const LatLongImage& image) {
   glm::dvec3 sum{};
   for (int row = 0; row < image.height; ++row) {
     const double top = std::cos(kPi * row / image.height);
@@ -134,7 +134,7 @@ glm::dvec3 flux_of(const LatLongImage& image) {
   return sum;
 }
 
-glm::dvec3 flux_of(const CubemapImage& image) {
+glm::dvec3 total_radiance_of(const CubemapImage& image) {
   const int size = image.size;
   const auto edge = [&](int i) { return 2.0 * i / size - 1.0; };
   glm::dvec3 sum{};

@@ -29,8 +29,8 @@ double disc_solid_angle(double radius_degrees);
 std::int64_t nearest_texel(const image::TexelGrid& grid, const glm::dvec3& direction);
 
 /// Integral over the sphere, of texels whose three channels are finite, by closed forms of the texels' solid angles.
-glm::dvec3 flux_of(const LatLongImage& image);
-glm::dvec3 flux_of(const CubemapImage& image);
+glm::dvec3 total_radiance_of(const LatLongImage& image);
+glm::dvec3 total_radiance_of(const CubemapImage& image);
 
 /// Degrees between two unit vectors.
 double degrees_between(const glm::dvec3& a, const glm::dvec3& b);

@@ -163,7 +163,7 @@ TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
   CHECK(refused(R"({"diffuse_bands": 2.5})", "needs.diffuse_bands"));
   CHECK(refused(R"({"diffuse_bands": 99})", "needs.diffuse_bands"));
   CHECK(refused(R"({"background": "yes"})", "needs.background"));
-  CHECK(refused(R"({"glossy": {"least": 0.9, "greatest": 0.1}})", "needs.glossy"));
+  CHECK(refused(R"({"glossy": {"minimum": 0.9, "maximum": 0.1}})", "needs.glossy"));
   CHECK(refused(R"({"glossy": {"smallest": 0.1}})", "smallest"));
   CHECK(refused(R"({"error_budget": 0})", "needs.error_budget"));
   CHECK(refused(R"({"error_budget": "1 %"})", "needs.error_budget"));
@@ -314,7 +314,7 @@ TEST_CASE("What a scene needs is taken from the bake of everything", "[command][
   const std::string bake =
       quoted(environment(folder)) + " --size 64 --roughness 0,0.3,0.6,1 --formats ktx2 --no-brdf --no-previews ";
   bake_into(folder.path() / "all", bake + with_cache(folder));
-  std::ofstream(folder.path() / "needs.json") << R"({"glossy": {"least": 0.6}, "irradiance_cubemap": false})";
+  std::ofstream(folder.path() / "needs.json") << R"({"glossy": {"minimum": 0.6}, "irradiance_cubemap": false})";
   const std::string some = bake + "--needs " + quoted(folder.path() / "needs.json") + ' ';
   const nlohmann::json cached = bake_into(folder.path() / "cached", some + with_cache(folder));
   const nlohmann::json plain = bake_into(folder.path() / "plain", some);

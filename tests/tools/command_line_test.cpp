@@ -56,7 +56,7 @@ TEST_CASE("command: sky --help names every option", "[tools][sky]") {
                              "--layout full|compact",
                              "--table-size",
                              "--tables FILE",
-                             "--quadrature article|gauss|gauss-split",
+                             "--quadrature uniform|gauss|gauss-split",
                              "--directions",
                              "--json",
                              "--bands",

@@ -68,14 +68,14 @@ TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
   CHECK(std::abs(brightest.at("direction").at(1).get<double>() - std::sin(latitude)) < 1e-12);
 }
 
-TEST_CASE("info --json: flux is 4 pi times the mean", "[tools]") {
+TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "strip.pfm";
   write_pfm(file, 5, 30, grey_picture(5, 30, 3.0F));
   const nlohmann::json document = info_json(file);
   CHECK(document.at("source").at("layout") == "vertical-strip");
   CHECK(std::abs(document.at("pixels").at("mean").at(0).get<double>() - 3.0) < 1e-9);
-  CHECK(std::abs(document.at("pixels").at("flux").at(0).get<double>() - 12.0 * std::numbers::pi) < 1e-8);
+  CHECK(std::abs(document.at("pixels").at("total_radiance").at(0).get<double>() - 12.0 * std::numbers::pi) < 1e-8);
 }
 
 TEST_CASE("info: a table for a person", "[tools]") {
@@ -116,11 +116,11 @@ TEST_CASE("command: sh and info agree on the light of real environments", "[tool
     REQUIRE(info.exit_code == 0);
     const nlohmann::json content = nlohmann::json::parse(info.output);
     CHECK(content.at("source") == light.at("source"));
-    // c(0,0) is the flux divided by sqrt(4 pi); files with values to replace would differ.
+    // c(0,0) is the total radiance divided by sqrt(4 pi); files with values to replace would differ.
     if (light.at("diagnostics").at("replaced") != 0) continue;
     const double constant = light.at("radiance").at(0).at(1).get<double>();
-    const double flux = content.at("pixels").at("flux").at(1).get<double>();
-    CHECK(std::abs(constant * std::sqrt(4.0 * std::numbers::pi) - flux) <= 1e-6 * std::abs(flux));
+    const double total_radiance = content.at("pixels").at("total_radiance").at(1).get<double>();
+    CHECK(std::abs(constant * std::sqrt(4.0 * std::numbers::pi) - total_radiance) <= 1e-6 * std::abs(total_radiance));
   }
 }
 

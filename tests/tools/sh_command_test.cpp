@@ -137,7 +137,7 @@ TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
   const auto clamped = run_sh_json("--negative replace --clamp 100 " + quoted(file)).at("diagnostics");
   CHECK(clamped.at("replaced") == 3);
   CHECK(clamped.at("settings").at("clamp") == 100.0);
-  CHECK(triple(clamped.at("flux")).x < triple(clamped.at("flux_before_clamp")).x);
+  CHECK(triple(clamped.at("total_radiance")).x < triple(clamped.at("total_radiance_before_clamp")).x);
   const auto preserved = run_sh_json("--preserve-clamped " + quoted(file)).at("diagnostics");
   CHECK(preserved.at("settings").at("clamp") == 4096.0);
   CHECK(preserved.at("settings").at("preserve_clamped") == true);
@@ -329,7 +329,7 @@ TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools]")
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools]") {
   const nlohmann::json plain = run_sh_json("");
   CHECK(plain.at("window").at("name") == "none");
-  for (const char* window : {"hanning", "lanczos", "least"}) {
+  for (const char* window : {"hanning", "lanczos", "min-laplacian"}) {
     INFO(window);
     const nlohmann::json json = run_sh_json(std::string("--window ") + window);
     const auto& factors = json.at("window").at("factors");
@@ -343,7 +343,7 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
           triple(plain.at("window").at("minimum_irradiance_before")));
     CHECK(json.at("window").contains("minimum_irradiance_after"));
   }
-  CHECK(contains(run_welkin("sh --window least").output, "after it (least"));
+  CHECK(contains(run_welkin("sh --window min-laplacian").output, "after it (min-laplacian"));
   CHECK(run_welkin("sh --window-width 0").exit_code == 2);
 }
 
@@ -353,9 +353,10 @@ TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by
   const glm::dvec3 direction = triple(json.at("sun").at("direction"));
   CHECK(direction.y == Approx(std::sin(40.0 / 180.0 * std::acos(-1.0))).margin(0.01));
   const nlohmann::json whole = run_sh_json("");
-  const glm::dvec3 lost = triple(whole.at("diagnostics").at("flux")) - triple(json.at("diagnostics").at("flux"));
+  const glm::dvec3 lost =
+      triple(whole.at("diagnostics").at("total_radiance")) - triple(json.at("diagnostics").at("total_radiance"));
   const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
-  CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("flux"))));
+  CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("total_radiance"))));
   CHECK(contains(run_welkin("sh --take-out-sun").output, "Sun, taken out"));
 }
 
@@ -420,11 +421,11 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
   CHECK(contains(result.output, "Sun, taken out"));
   const nlohmann::json whole = run_sh_json(quoted(sky) + " --take-out-sun --sun-radius 10");
   REQUIRE(whole.at("sun").is_object());
-  const glm::dvec3 flux = triple(run_sh_json(quoted(sky)).at("diagnostics").at("flux"));
-  const glm::dvec3 left = triple(run_sh_json(quoted(rest)).at("diagnostics").at("flux"));
+  const glm::dvec3 total_radiance = triple(run_sh_json(quoted(sky)).at("diagnostics").at("total_radiance"));
+  const glm::dvec3 left = triple(run_sh_json(quoted(rest)).at("diagnostics").at("total_radiance"));
   const glm::dvec3 sun = triple(whole.at("sun").at("irradiance"));
-  CHECK(glm::length(flux - left - sun) < 1e-6 * glm::length(flux));
-  CHECK(glm::length(left - triple(whole.at("diagnostics").at("flux"))) < 1e-9 * glm::length(flux));
+  CHECK(glm::length(total_radiance - left - sun) < 1e-6 * glm::length(total_radiance));
+  CHECK(glm::length(left - triple(whole.at("diagnostics").at("total_radiance"))) < 1e-9 * glm::length(total_radiance));
   CHECK(run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --sun-radius 10").exit_code == 2);
 }
 

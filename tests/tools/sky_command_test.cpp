@@ -97,13 +97,13 @@ TEST_CASE("sky --json: the library's light to the last bit", "[tools][sky]") {
     double elevation, azimuth, altitude;
     SkyHarmonicsOptions options;
   };
-  SkyHarmonicsOptions article;
-  article.quadrature = SkyQuadrature::article;
+  SkyHarmonicsOptions uniform;
+  uniform.quadrature = SkyQuadrature::uniform;
   SkyHarmonicsOptions coarse{.bands = 2, .quadrature = SkyQuadrature::gauss, .zeniths = 8, .azimuths = 9};
   const auto tables = small_sky();
   for (const Case& each : {Case{"--sun-elevation 20", 20.0, 0.0, 0.0, {}},
                            Case{"--sun-elevation -4 --sun-azimuth 115", -4.0, 115.0, 0.0, {}},
-                           Case{"--sun-elevation 60 --altitude 8000 --quadrature article", 60.0, 0.0, 8000.0, article},
+                           Case{"--sun-elevation 60 --altitude 8000 --quadrature uniform", 60.0, 0.0, 8000.0, uniform},
                            Case{"--sun-elevation 3 --quadrature gauss --directions 8,9 --bands 2", 3, 0, 0, coarse}}) {
     INFO(each.arguments);
     const nlohmann::json json = sky_json(each.arguments);
@@ -186,12 +186,13 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky]") {
   CHECK(rgb_of(air_only.at("radiance").at(0)).x < rgb_of(plain.at("radiance").at(0)).x);
 }
 
-TEST_CASE("sky: the flux is the sky's, and with the sun's before", "[tools][sky]") {
+TEST_CASE("sky: the total radiance is the sky's, and with the sun's before", "[tools][sky]") {
   const nlohmann::json json = sky_json("--sun-elevation 20");
-  const glm::dvec3 flux = rgb_of(json.at("diagnostics").at("flux"));
-  CHECK(flux.x == Approx(std::sqrt(4.0 * std::acos(-1.0)) * rgb_of(json.at("radiance").at(0)).x).epsilon(1e-12));
-  CHECK(rgb_of(json.at("sun").at("flux_after")) == flux);
-  CHECK(rgb_of(json.at("sun").at("flux_before")) == flux + rgb_of(json.at("sun").at("irradiance")));
+  const glm::dvec3 total_radiance = rgb_of(json.at("diagnostics").at("total_radiance"));
+  CHECK(total_radiance.x ==
+        Approx(std::sqrt(4.0 * std::acos(-1.0)) * rgb_of(json.at("radiance").at(0)).x).epsilon(1e-12));
+  CHECK(rgb_of(json.at("sun").at("total_radiance_after")) == total_radiance);
+  CHECK(rgb_of(json.at("sun").at("total_radiance_before")) == total_radiance + rgb_of(json.at("sun").at("irradiance")));
   CHECK(json.at("diagnostics").at("error_estimate").get<double>() < 0.01);
   const nlohmann::json coarse = sky_json("--sun-elevation 20 --quadrature gauss --directions 2,2");
   CHECK(coarse.at("diagnostics").at("error_estimate").get<double>() > 0.01);
@@ -288,7 +289,7 @@ TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
                                        std::string("--sweep-tiles 3"),
                                        "-o " + out + " --format c",
                                        "-o " + out + " " + day,
-                                       "-o " + out + " --window least",
+                                       "-o " + out + " --window min-laplacian",
                                        "-o " + out + " --quadrature gauss",
                                        "-o " + out + " --directions 8,8",
                                        day + std::string(" --json"),
@@ -296,7 +297,7 @@ TEST_CASE("sky: options that do not go together are refused", "[tools][sky]") {
                                        day + std::string(" --quadrature gauss"),
                                        day + std::string(" --directions 8,8"),
                                        day + std::string(" --bands 2"),
-                                       day + std::string(" --window least"),
+                                       day + std::string(" --window min-laplacian"),
                                        day + std::string(" --for unity"),
                                        "-o " + out + " --size 0",
                                        "-o " + out + " --picture-height 0",
@@ -318,8 +319,8 @@ TEST_CASE("sky: a table for a person says what sky it is", "[tools][sky]") {
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (const char* part : {"computed sky", "sun 20 degrees up", "altitude 0 m", "2 orders", "ground albedo 0.1",
-                           "4 x 16 x 8 x 4", "W/m2/sr/nm at 680, 550, 440 nm", "Sun, apart", "degrees radius",
-                           "radiance r, g, b", "directions asked", "gauss"}) {
+                           "4 x 16 x 8 x 4", "W/m2/sr/nm at 680, 550, 440 nm", "Sun, not in the pixels",
+                           "degrees radius", "radiance r, g, b", "directions asked", "gauss"}) {
     INFO(part);
     CHECK(contains(result.output, part));
   }

@@ -55,7 +55,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   }
 }
 
-TEST_CASE("sky -o: sky.exr is the library's picture, the sun apart unless asked for", "[tools][sky][bake]") {
+TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
   const auto tables = small_sky();

@@ -1,4 +1,4 @@
-// Promise: a live sky does what a change asks for and no more, never holds up a frame, and lets nothing pop.
+// Promise: a dynamic sky does what a change asks for and no more, never holds up a frame, and lets nothing pop.
 
 #include "welkin/sky_light.h"
 
@@ -58,7 +58,7 @@ double largest_step(const SphericalHarmonics& a, const SphericalHarmonics& b) {
 
 }  // namespace
 
-TEST_CASE("at rest a live sky is what the direct calls give", "[live]") {
+TEST_CASE("at rest a dynamic sky is what the direct calls give", "[dynamic_sky]") {
   Worker worker(options_with(2));
   const SkyLightOptions options = quick();
   SkyLight sky(worker, earth(), options);
@@ -86,7 +86,7 @@ TEST_CASE("at rest a live sky is what the direct calls give", "[live]") {
   CHECK(sky.counters().curves_baked == 1);
 }
 
-TEST_CASE("a sun that only turns makes no work", "[live]") {
+TEST_CASE("a sun that only turns makes no work", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   sky.set_sun(20.0, 0.0);
@@ -112,7 +112,7 @@ TEST_CASE("a sun that only turns makes no work", "[live]") {
   CHECK(glm::distance(frame.reflections[0].rotation * glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 0)) < 1e-15);
 }
 
-TEST_CASE("intensity is a factor, and what is below the threshold is nothing", "[live]") {
+TEST_CASE("intensity is a factor, and what is below the threshold is nothing", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   sky.set_sun(50.0, 10.0);
@@ -139,7 +139,7 @@ TEST_CASE("intensity is a factor, and what is below the threshold is nothing", "
   CHECK(sky.counters().elevations > counters.elevations);
 }
 
-TEST_CASE("a rising sun takes its light from the curve at once, and reflections later", "[live]") {
+TEST_CASE("a rising sun takes its light from the curve at once, and reflections later", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   sky.set_sun(20.0, 0.0);
@@ -160,7 +160,7 @@ TEST_CASE("a rising sun takes its light from the curve at once, and reflections 
   CHECK(sky.counters().tables_baked == 0);
 }
 
-TEST_CASE("of a storm of moves the last one wins, and few are worked on", "[live]") {
+TEST_CASE("of a storm of moves the last one wins, and few are worked on", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   REQUIRE(settle(sky));
@@ -186,7 +186,7 @@ TEST_CASE("of a storm of moves the last one wins, and few are worked on", "[live
   CHECK(glm::distance(sky.light().sun.direction, sun_direction(12.0, 34.0)) < 1e-14);
 }
 
-TEST_CASE("a sun that never rests still gets new reflections", "[live]") {
+TEST_CASE("a sun that never rests still gets new reflections", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.blend_seconds = 0.0;
@@ -202,7 +202,7 @@ TEST_CASE("a sun that never rests still gets new reflections", "[live]") {
   }));
 }
 
-TEST_CASE("an altitude that never rests does not keep reflections waiting", "[live]") {
+TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.curve.nodes = 4096;  // much longer than a frame of this test
@@ -219,7 +219,7 @@ TEST_CASE("an altitude that never rests does not keep reflections waiting", "[li
   }));
 }
 
-TEST_CASE("light stays finite for the brightest intensity, the smallest disc and the longest direction", "[live]") {
+TEST_CASE("light stays finite for the brightest intensity, the smallest disc and the longest direction", "[dynamic_sky]") {
   Worker worker(options_with(1));
   auto point_like = std::make_shared<SkyTables>(*tiny_sky());
   point_like->atmosphere.sun_angular_radius_degrees = 1e-150;
@@ -238,7 +238,7 @@ TEST_CASE("light stays finite for the brightest intensity, the smallest disc and
   }
 }
 
-TEST_CASE("nothing pops when altitude or atmosphere change", "[live]") {
+TEST_CASE("nothing pops when altitude or atmosphere change", "[dynamic_sky]") {
   Worker worker(options_with(2));
   SkyLight sky(worker, tiny_sky(), quick());
   sky.set_sun(15.0, 0.0);
@@ -261,7 +261,7 @@ TEST_CASE("nothing pops when altitude or atmosphere change", "[live]") {
   CHECK(largest <= whole * (frame_seconds / quick().blend_seconds) * (1.0 + 1e-9));
 }
 
-TEST_CASE("a new atmosphere stops what is made for the old one", "[live]") {
+TEST_CASE("a new atmosphere stops what is made for the old one", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.tables.heights = 32;
@@ -278,7 +278,7 @@ TEST_CASE("a new atmosphere stops what is made for the old one", "[live]") {
   CHECK_FALSE(sky.light().ready);
 }
 
-TEST_CASE("a live sky may go while its jobs run, and so may the worker's work", "[live]") {
+TEST_CASE("a dynamic sky may go while its jobs run, and so may the worker's work", "[dynamic_sky]") {
   Worker worker(options_with(1));
   for (int k = 0; k < 20; ++k) {
     SkyLight sky(worker, earth(), quick());
@@ -297,7 +297,7 @@ TEST_CASE("a live sky may go while its jobs run, and so may the worker's work", 
   CHECK_FALSE(sky.light().settled);
 }
 
-TEST_CASE("an update allocates nothing and never waits", "[live]") {
+TEST_CASE("an update allocates nothing and never waits", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   sky.set_sun(20.0, 0.0);
@@ -315,7 +315,7 @@ TEST_CASE("an update allocates nothing and never waits", "[live]") {
   CHECK(blended);
 }
 
-TEST_CASE("what a bake throws reaches the caller, and what was there stays", "[live]") {
+TEST_CASE("what a bake throws reaches the caller, and what was there stays", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.specular.rms_error = -1.0;  // the prefilter refuses that
@@ -329,7 +329,7 @@ TEST_CASE("what a bake throws reaches the caller, and what was there stays", "[l
   REQUIRE(eventually([&] { return sky.counters().failures == 2; }));
 }
 
-TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[live]") {
+TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLight sky(worker, tiny_sky(), quick());
   REQUIRE(settle(sky));
@@ -346,7 +346,7 @@ TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[
   CHECK(sky.counters().posts > before.posts);
 }
 
-TEST_CASE("what a full worker lets go of is asked for again", "[live]") {
+TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
   WorkerOptions full = options_with(1);
   full.most_jobs = 1;
   full.when_full = WhenFull::refuse;
@@ -368,7 +368,7 @@ TEST_CASE("what a full worker lets go of is asked for again", "[live]") {
   CHECK(sky->light().ready);
 }
 
-TEST_CASE("a live sky without reflections posts none", "[live]") {
+TEST_CASE("a dynamic sky without reflections posts none", "[dynamic_sky]") {
   Worker worker(options_with(1));
   SkyLightOptions options = quick();
   options.specular.size = 0;
@@ -382,7 +382,7 @@ TEST_CASE("a live sky without reflections posts none", "[live]") {
   CHECK_FALSE(sky.light().reflections[0].specular);
 }
 
-TEST_CASE("live skies refuse nonsense at once", "[live]") {
+TEST_CASE("dynamic skies refuse nonsense at once", "[dynamic_sky]") {
   Worker worker(options_with(1));
   const auto refused = [&](const auto& change) {
     SkyLightOptions options = quick();

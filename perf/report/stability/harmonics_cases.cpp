@@ -213,12 +213,12 @@ SphericalHarmonics one_sided_light(int bands) { return point_light(glm::normaliz
 /// The gradient's lambda in closed form: 1 / (1 + 4 lambda) = (1 + 1e-9) / ratio (the tolerance that is promised).
 double gradient_lambda_error(double ratio) {
   const double truth = 0.25 * (ratio / (1.0 + 1e-9) - 1.0);
-  return relative_error(apply_window(gradient(ratio, {0.48, 0.6, 0.64}), Window::least).parameter, truth);
+  return relative_error(apply_window(gradient(ratio, {0.48, 0.6, 0.64}), Window::min_laplacian).parameter, truth);
 }
 
 /// How far below zero the irradiance still goes, over its mean, by looking in many directions.
 double left_below_zero(const SphericalHarmonics& light) {
-  const SphericalHarmonics irradiance = irradiance_from_radiance(apply_window(light, Window::least).radiance);
+  const SphericalHarmonics irradiance = irradiance_from_radiance(apply_window(light, Window::min_laplacian).radiance);
   const double mean = average_radiance(irradiance).x;
   double least = 0.0;
   for (const glm::dvec3& d : spread_directions(2000)) least = std::min(least, evaluate(irradiance, d).x);
@@ -262,7 +262,7 @@ double refusals() {
     return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)apply_window(light, window, width); });
   };
   const SphericalHarmonics light = gradient(2.0, {0, 1, 0});
-  return refused(dark, Window::least, 0.0) + refused(broken, Window::least, 0.0) +
+  return refused(dark, Window::min_laplacian, 0.0) + refused(broken, Window::min_laplacian, 0.0) +
          refused(light, Window::hanning, -1.0) +
          refused(light, Window::lanczos, std::numeric_limits<double>::infinity());
 }
@@ -281,19 +281,19 @@ double width_error() {
 /// The same light, turned, asks for the same window.
 double turned_lambda_error(int bands) {
   const SphericalHarmonics light = one_sided_light(bands);
-  const double lambda = apply_window(light, Window::least).parameter;
+  const double lambda = apply_window(light, Window::min_laplacian).parameter;
   const glm::dquat turn(0.3, 0.4, -0.2, 0.7);
-  return relative_error(apply_window(rotate(light, turn), Window::least).parameter, lambda);
+  return relative_error(apply_window(rotate(light, turn), Window::min_laplacian).parameter, lambda);
 }
 
 /// Factors 2^-300 to 2^300 on the light change nothing but its size.
 double scaled_lambda_error() {
   const SphericalHarmonics light = one_sided_light(3);
-  const double lambda = apply_window(light, Window::least).parameter;
+  const double lambda = apply_window(light, Window::min_laplacian).parameter;
   double worst = 0.0;
   for (const double factor : {0x1p-300, 0x1p300}) {
-    worst =
-        worse(worst, relative_error(apply_window(scale(light, glm::dvec3(factor)), Window::least).parameter, lambda));
+    worst = worse(
+        worst, relative_error(apply_window(scale(light, glm::dvec3(factor)), Window::min_laplacian).parameter, lambda));
   }
   return worst;
 }
@@ -313,7 +313,8 @@ void add_window_cases(StabilityCases& cases) {
                                            {"1e6", 1e6, 1e-8},
                                            {"1e12", 1e12, 1e-8}}) {
     add(std::string("lambda-gradient-") + text,
-        "least window of a gradient whose least irradiance is 1 - (" + std::string(text) + ") of its mean",
+        "minimum-Laplacian window of a gradient whose smallest irradiance is 1 - (" + std::string(text) +
+            ") of its mean",
         "closed form of lambda", bound, [ratio = ratio] { return gradient_lambda_error(ratio); });
     add(std::string("least-gradient-") + text, "no irradiance below -1e-9 of its mean after it", "2000 directions",
         1.0000001e-9, [ratio = ratio] {

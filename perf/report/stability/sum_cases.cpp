@@ -142,10 +142,10 @@ double growth(const std::function<double(int)>& error, const std::vector<int>& s
 /// Mean of the sphere on each mip against that of the first.
 double mips_drift(int size, const Control& control) {
   const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, 0, control);
-  const glm::dvec3 first = project(chain.view(0)).diagnostics.flux;
+  const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
   double worst = 0.0;
   for (int level = 1; level < chain.levels(); ++level) {
-    worst = worse(worst, relative_error(project(chain.view(level)).diagnostics.flux, first));
+    worst = worse(worst, relative_error(project(chain.view(level)).diagnostics.total_radiance, first));
   }
   return worst;
 }
@@ -200,12 +200,12 @@ void add_accumulation_cases(StabilityCases& cases) {
             constant_error, {16, 64, 256, 1024, 2048, 4096, 8192});
   add_sized(cases, "tenth-lat-long", "the same on a lat-long, twice as wide as high", "closed form",
             constant_lat_long_error, {16, 64, 256, 1024, 2048, 4096});
-  cases.push_back({"accumulation/mips-256", "the sphere's flux is the same on every mip of 256",
-                   "flux of the first mip", StabilityUnit::relative, 1e-6,
+  cases.push_back({"accumulation/mips-256", "the sphere's total radiance is the same on every mip of 256",
+                   "total radiance of the first mip", StabilityUnit::relative, 1e-6,
                    [](const Control& control) { return mips_drift(256, control); }});
   cases.push_back({"accumulation/mips-2048",
-                   "the sphere's flux is the same on every mip of 2048",
-                   "flux of the first mip",
+                   "the sphere's total radiance is the same on every mip of 2048",
+                   "total radiance of the first mip",
                    StabilityUnit::relative,
                    1e-6,
                    [](const Control& control) { return mips_drift(2048, control); },
@@ -380,8 +380,8 @@ double round_trip_error() {
   const CubemapImage back =
       to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), {}, ResampleFilter::area).view(), 1);
   double worst = 0.0;
-  const glm::dvec3 before = project(map.view()).diagnostics.flux;
-  worst = relative_error(project(back.view()).diagnostics.flux, before);
+  const glm::dvec3 before = project(map.view()).diagnostics.total_radiance;
+  worst = relative_error(project(back.view()).diagnostics.total_radiance, before);
   return worst;
 }
 
@@ -475,8 +475,9 @@ void add_size_cases(StabilityCases& cases) {
   cases.push_back({"sizes/small-results", "resampling, mips and BRDF tables of 1 and 2 texels are finite, not negative",
                    "what the sizes ask for", StabilityUnit::count, 0.0,
                    [](const Control&) { return small_results(); }});
-  cases.push_back({"sizes/round-trip-1", "a cubemap of 1 to a lat-long and back keeps its flux", "flux of the source",
-                   StabilityUnit::relative, 1e-6, [](const Control&) { return round_trip_error(); }});
+  cases.push_back({"sizes/round-trip-1", "a cubemap of 1 to a lat-long and back keeps its total radiance",
+                   "total radiance of the source", StabilityUnit::relative, 1e-6,
+                   [](const Control&) { return round_trip_error(); }});
   cases.push_back({"sizes/irradiance-1", "irradiance cubemap of 1 texel of a uniform cubemap of 1", "closed form: 2 pi",
                    StabilityUnit::ulps, 4.0, [](const Control&) { return one_texel_irradiance(); }});
 }

@@ -15,7 +15,7 @@ static void check_uniform_light(const welkin_projection* light, int bands) {
   CHECK(light->bands == bands);
   for (int channel = 0; channel < 3; ++channel) {
     const double radiance = channel + 1;
-    CHECK(close_to(light->flux[channel], 4.0 * pi * radiance, 1e-5));
+    CHECK(close_to(light->total_radiance[channel], 4.0 * pi * radiance, 1e-5));
     CHECK(close_to(light->coefficients[channel], constant * radiance, 1e-5));
     for (int i = 1; i < bands * bands; ++i) CHECK(close_to(light->coefficients[3 * i + channel], 0.0, 1e-5));
   }
@@ -34,8 +34,8 @@ static void cubemaps(void) {
   CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&cubemap, 1, &options, NULL, &light));
   CHECK(light.bands == 16);
   CHECK(light.texels_clamped == 6 * 16 * 16);
-  CHECK(close_to(light.flux[2], 4.0 * pi * 2.0, 1e-5));
-  CHECK(close_to(light.flux_before_clamp[2], 4.0 * pi * 3.0, 1e-5));
+  CHECK(close_to(light.total_radiance[2], 4.0 * pi * 2.0, 1e-5));
+  CHECK(close_to(light.total_radiance_before_clamp[2], 4.0 * pi * 3.0, 1e-5));
   free(pixels_of(&cubemap));
 }
 
@@ -62,7 +62,7 @@ static void lat_longs(void) {
                                     .height = height};
   welkin_projection light = {.struct_size = sizeof light};
   CHECK_STATUS(WELKIN_OK, welkin_project_lat_long(&lat_long, NULL, NULL, &light));
-  CHECK(close_to(light.flux[1], 4.0 * pi, 1e-5));
+  CHECK(close_to(light.total_radiance[1], 4.0 * pi, 1e-5));
 }
 
 /* A PFM, little-endian: this program's processor is. */

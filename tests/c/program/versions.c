@@ -62,7 +62,7 @@ static void longer_ones_must_be_zero(void) {
   mips[0].known.struct_size = mips[1].known.struct_size = sizeof *mips;
   const welkin_projection_options reduced = {.struct_size = sizeof reduced, .target_size = 2};
   CHECK_STATUS(WELKIN_OK, welkin_project_cubemap(&mips[0].known, 2, &reduced, NULL, &light));
-  CHECK(close_to(light.flux[0], 8.0 * 3.14159265358979, 1e-4)); /* the second level was found where it lies */
+  CHECK(close_to(light.total_radiance[0], 8.0 * 3.14159265358979, 1e-4)); /* the second level was found where it lies */
   mips[1].known.struct_size = sizeof(welkin_cubemap);
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_project_cubemap(&mips[0].known, 2, &reduced, NULL, &light));
   free(pixels_of(&mips[0].known));
