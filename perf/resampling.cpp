@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "image/cubemap.h"
+#include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "subjects.h"

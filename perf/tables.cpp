@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "projection/lat_long_weights.h"
+#include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"
 #include "subjects.h"
 

@@ -6,6 +6,9 @@
 
 #include "bake/bake_plan.h"
 #include "welkin/bake.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/plan.h"
 #include "welkin/scene_needs.h"
 
 namespace welkin::baking {
@@ -45,5 +48,18 @@ struct UnusedMips {
 
 /// Takes those out of the options; with `same_bits` as left out, else as a chain of its own.
 void leave_out(const UnusedMips& unused, bool same_bits, PrefilterOptions& options);
+
+// What a scene may lose, spent: the cheapest setting of each pass that this environment allows.
+
+/// Bands of diffuse light up to those that are there, and the prefilter's bounds: picked, and said in `needed.chosen`.
+/// `budget`: relative rms. Throws `Error` as `choose_prefilter` and `choose_irradiance_bands`.
+void spend_budget(const LatLongView& view, double budget, NeededOptions& needed, const Control& control);
+void spend_budget(const CubemapView& view, double budget, NeededOptions& needed, const Control& control);
+
+// Plans put together: what photographs, files and changes have in common.
+
+/// `stored`: what the source brings along and may be taken.
+[[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored,
+                               const CostModel& costs);
 
 }  // namespace welkin::baking

@@ -1,5 +1,5 @@
 // Plans for people.
-#include "bake/plan.h"
+#include "welkin/plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "bake/bake_plan.h"
-#include "bake/spend_budget.h"
+#include "bake/needs.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
-#include "welkin/plan.h"
 
 namespace welkin {
 namespace baking {

@@ -1,6 +1,4 @@
 // How many bands irradiance needs.
-#include "budget/irradiance_budget.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "budget/projection_budget.h"
+#include "budget/budget.h"
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
+#include "projection/irradiance.h"
 #include "projection/sanitized_pixels.h"
-#include "projection/direct_irradiance.h"
 #include "projection/sun_detection.h"
 #include "welkin/error.h"
 

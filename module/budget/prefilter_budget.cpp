@@ -1,6 +1,4 @@
 // How loose the prefilter's bounds may be, and how small its source.
-#include "budget/prefilter_budget.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "budget/projection_budget.h"
+#include "budget/budget.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "reflections/bright_texels.h"
 #include "reflections/lobe.h"
-#include "reflections/prefilter_source.h"
+#include "reflections/prefilter.h"
 #include "transform/transform_kernels.h"
 #include "welkin/mip_chain.h"
 #include "welkin/resampling.h"

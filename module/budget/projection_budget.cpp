@@ -1,6 +1,4 @@
 // How small an environment may be before it is projected.
-#include "budget/projection_budget.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "budget/budget.h"
 #include "jobs/tiles.h"
 #include "projection/pixel_policy.h"
 #include "welkin/error.h"

@@ -1,6 +1,4 @@
 // Directions of a sky's harmonics: one quadrature against finer ones.
-#include "budget/sky_budget.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "budget/projection_budget.h"
+#include "budget/budget.h"
 #include "jobs/tiles.h"
 #include "welkin/error.h"
 

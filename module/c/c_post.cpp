@@ -1,12 +1,11 @@
 // Posts of pixels and of functions.
-#include "c/c_post.h"
-
 #include <cstddef>
 #include <string>
 #include <utility>
 
-#include "c/c_environments.h"
+#include "c/c_projection.h"
 #include "c/c_support.h"
+#include "c/c_worker.h"
 #include "welkin/requests.h"
 #include "welkin/welkin.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bake/bake_plan.h"
-#include "cache/payloads.h"
 #include "cache/recipe.h"
 #include "cache/result_cache.h"
 #include "jobs/tiles.h"

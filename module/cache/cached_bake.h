@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
+#include "cache/recipe.h"
 #include "welkin/content_hash.h"
 #include "welkin/specular.h"
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cache/payloads.h"
+#include "cache/recipe.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"

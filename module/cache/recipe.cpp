@@ -1,12 +1,242 @@
-// Which fields of the options a result depends on. Each struct is taken apart by a structured binding: a field that is
-// added and not thought of here does not compile.
 #include "cache/recipe.h"
 
-#include "cache/payloads.h"
+#include <utility>
+
+#include "sky/table_sizes.h"
 #include "welkin/content_hash.h"
+
+namespace welkin::cache {
+
+void ByteWriter::raw(const void* bytes, std::size_t count) {
+  if (count == 0) return;
+  const auto* const first = static_cast<const std::uint8_t*>(bytes);
+  bytes_.insert(bytes_.end(), first, first + count);
+}
+
+namespace {
+
+constexpr std::size_t kSmallChange = 4096;
+
+// One list of fields for both ways. Archive: `Saver` or `Loader`.
+template <class Archive, class Vector>
+void vector_3(Archive& archive, Vector& value) {
+  archive(value.x, value.y, value.z);
+}
+
+template <class Archive, class Pass>
+void one(Archive& archive, Pass& pass) requires std::is_same_v<std::remove_const_t<Pass>, PassRecord> {
+  archive(pass.name, pass.action, pass.reason, pass.milliseconds);
+}
+
+template <class Archive, class Mip>
+void one(Archive& archive, Mip& mip) requires std::is_same_v<std::remove_const_t<Mip>, MipRecord> {
+  archive(mip.size, mip.roughness, mip.method, mip.bands, mip.bright_texels, mip.samples, mip.error_estimate,
+          mip.milliseconds);
+  vector_3(archive, mip.mean);
+}
+
+template <class Archive, class Diagnostics>
+void diagnostics(Archive& archive, Diagnostics& value) {
+  archive(value.texels, value.nans_replaced, value.infinities_replaced, value.negatives_replaced, value.texels_clamped,
+          value.error_estimate);
+  vector_3(archive, value.total_radiance_before_clamp);
+  vector_3(archive, value.total_radiance);
+  archive.list(value.passes);
+}
+
+class Saver {
+ public:
+  explicit Saver(std::size_t expected_bytes) : writer(expected_bytes + kSmallChange) {}
+  template <class... Values>
+  void operator()(const Values&... values) {
+    (writer.put(values), ...);
+  }
+  template <class Value>
+  void list(const std::vector<Value>& values) {
+    writer.put(values.size());
+    for (const Value& value : values) one(*this, value);
+  }
+  void floats(const std::vector<float>& values) {
+    writer.put(values.size());
+    writer.floats(values);
+  }
+  ByteWriter writer;
+};
+
+class Loader {
+ public:
+  explicit Loader(ByteSpan bytes) : reader(bytes) {}
+  template <class... Values>
+  void operator()(Values&... values) {
+    (reader.get(values), ...);
+  }
+  template <class Value>
+  void list(std::vector<Value>& values) {
+    values.resize(reader.count(8));
+    for (Value& value : values) one(*this, value);
+  }
+  void floats(std::vector<float>& values) {
+    values.resize(reader.count(sizeof(float)));
+    reader.floats(values);
+  }
+  ByteReader reader;
+};
+
+std::size_t mip_values(int size) {
+  return std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+}
+
+std::size_t chain_values(const CubemapChain& chain) { return chain.bytes() / sizeof(float); }
+
+void save(Saver& saver, const CubemapChain& chain) {
+  saver(chain.size(), chain.levels());
+  if (chain.levels() > 0) saver.writer.floats({chain.face(0, 0), chain_values(chain)});
+}
+
+/// `size` and `levels` of a chain that there can be.
+CubemapChain load_chain(Loader& loader, int size, int levels) {
+  int stored_size = 0;
+  int stored_levels = 0;
+  loader(stored_size, stored_levels);
+  if (stored_size != size || stored_levels != levels) {
+    loader.reader.fail();
+    return {};
+  }
+  std::uint64_t values = 0;  // before any memory is taken for them
+  for (int level = 0; level < levels; ++level) {
+    const auto edge = static_cast<std::uint64_t>(std::max(1, size >> level));
+    values += 18 * edge * edge;
+  }
+  if (values > loader.reader.remaining() / sizeof(float)) {
+    loader.reader.fail();
+    return {};
+  }
+  CubemapChain chain(size, levels);
+  loader.reader.floats({chain.face(0, 0), chain_values(chain)});
+  return chain;
+}
+
+template <class Result>
+std::optional<Result> if_complete(const Loader& loader, Result result) {
+  if (!loader.reader.complete()) return std::nullopt;
+  return std::optional<Result>(std::move(result));
+}
+
+}  // namespace
+
+Bytes encode(const Projection& projection) {
+  Saver saver(24 * projection.radiance.coefficients().size());
+  saver(projection.radiance.bands());
+  for (const glm::dvec3& coefficient : projection.radiance.coefficients()) vector_3(saver, coefficient);
+  diagnostics(saver, projection.diagnostics);
+  return saver.writer.take();
+}
+
+std::optional<Projection> decode_projection(ByteSpan bytes, int bands) {
+  Loader loader(bytes);
+  int stored_bands = 0;
+  loader(stored_bands);
+  if (stored_bands != bands) return std::nullopt;
+  Projection projection{SphericalHarmonics(bands), {}};
+  for (glm::dvec3& coefficient : projection.radiance.coefficients()) vector_3(loader, coefficient);
+  diagnostics(loader, projection.diagnostics);
+  return if_complete(loader, std::move(projection));
+}
+
+Bytes encode(const CubemapChain& chain) {
+  Saver saver(chain.bytes());
+  save(saver, chain);
+  return saver.writer.take();
+}
+
+std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels) {
+  Loader loader(bytes);
+  CubemapChain chain = load_chain(loader, size, levels);
+  return if_complete(loader, std::move(chain));
+}
+
+Bytes encode_mip(const MipRecord& mip, const float* texels) {
+  const std::size_t values = mip_values(mip.size);
+  Saver saver(values * sizeof(float));
+  one(saver, mip);
+  saver.writer.floats({texels, values});
+  return saver.writer.take();
+}
+
+std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels) {
+  Loader loader(bytes);
+  MipRecord mip;
+  one(loader, mip);
+  mip.milliseconds = 0.0;
+  const std::size_t values = mip_values(size);
+  if (mip.size != size || loader.reader.remaining() != values * sizeof(float)) return std::nullopt;
+  loader.reader.floats({texels, values});
+  return if_complete(loader, std::move(mip));
+}
+
+Bytes encode(const projection::FaceSums& sums) {
+  Saver saver(sums.bytes());
+  saver(sums.functions, sums.records.size());
+  saver.writer.raw(sums.values.data(), sums.values.size() * sizeof(double));
+  for (const projection::SanitizeRecord& record : sums.records) {
+    saver(record.nans, record.infinities, record.negatives, record.clamped);
+    vector_3(saver, record.radiance_removed);
+  }
+  return saver.writer.take();
+}
+
+std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
+                                                                            std::size_t tiles) {
+  Loader loader(bytes);
+  std::size_t functions = 0;
+  loader(functions);
+  if (functions != static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands)) return std::nullopt;
+  if (loader.reader.count(3 * functions * sizeof(double)) != tiles) return std::nullopt;
+  auto sums = std::make_shared<projection::FaceSums>(tiles, bands);
+  loader.reader.raw(sums->values.data(), sums->values.size() * sizeof(double));
+  for (projection::SanitizeRecord& record : sums->records) {
+    loader(record.nans, record.infinities, record.negatives, record.clamped);
+    vector_3(loader, record.radiance_removed);
+  }
+  return if_complete(loader, std::shared_ptr<const projection::FaceSums>(std::move(sums)));
+}
+
+Bytes encode(const SkyTables& tables) {
+  Saver saver(tables.bytes());
+  saver(tables.orders, tables.last_change);
+  saver.list(tables.passes);
+  for (const auto* values : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
+    saver.floats(*values);
+  }
+  return saver.writer.take();
+}
+
+std::optional<SkyTables> decode_sky_tables(ByteSpan bytes, const Atmosphere& atmosphere,
+                                           const SkyTableOptions& options) {
+  Loader loader(bytes);
+  SkyTables tables;
+  tables.atmosphere = atmosphere;
+  tables.options = options;
+  loader(tables.orders, tables.last_change);
+  loader.list(tables.passes);
+  for (auto* values : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
+    loader.floats(*values);
+  }
+  const bool as_asked = tables.transmittance.size() == sky::transmittance_floats(options) &&
+                        tables.scattering.size() == 4 * sky::scattering_texels(options) &&
+                        tables.single_mie.size() == sky::single_mie_floats(atmosphere, options) &&
+                        tables.irradiance.size() == sky::irradiance_floats(options);
+  if (!as_asked) return std::nullopt;
+  return if_complete(loader, std::move(tables));
+}
+
+}  // namespace welkin::cache
 
 namespace welkin {
 namespace {
+
+// Which fields of the options a result depends on. Each struct is taken apart by a structured binding: a field that is
+// added and not thought of here does not compile.
 
 using cache::ByteWriter;
 

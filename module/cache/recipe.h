@@ -1,20 +1,164 @@
-// What passes over the pixels have in common.
+// Values to bytes, and back with every length looked at: what is hashed, and what entries hold.
 #pragma once
 
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
+#include "projection/project.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/content_hash.h"
+#include "welkin/cubemap_chain.h"
+#include "welkin/projection.h"
+#include "welkin/sky_tables.h"
+#include "welkin/specular.h"
 #include "welkin/version.h"
 
 namespace welkin::cache {
+
+static_assert(std::endian::native == std::endian::little, "entries need their byte order turned here");
+
+/// Appends. Every value has one form: whole numbers and enumerators 8 bytes, real ones those of a double, and what has
+/// a length states it first, so that no two lists of values have the same bytes.
+class ByteWriter {
+ public:
+  /// Results that are megabytes are appended without growing step by step.
+  explicit ByteWriter(std::size_t expected_bytes = 0) { bytes_.reserve(expected_bytes); }
+
+  template <class Value>
+  requires std::is_arithmetic_v<Value> || std::is_enum_v<Value>
+  void put(Value value) {
+    if constexpr (std::is_floating_point_v<Value>) {
+      append(std::bit_cast<std::uint64_t>(static_cast<double>(value)));
+    } else {
+      append(static_cast<std::uint64_t>(value));
+    }
+  }
+  void put(std::string_view text) {
+    put(text.size());
+    raw(text.data(), text.size());
+  }
+  void put(const char* text) { put(std::string_view(text)); }
+  void put(const std::string& text) { put(std::string_view(text)); }
+
+  template <class Value>
+  void put(const std::vector<Value>& values) {
+    put(values.size());
+    for (const Value& value : values) put(value);
+  }
+  template <class Value>
+  void put(const std::optional<Value>& value) {
+    put(value.has_value());
+    if (value) put(*value);
+  }
+
+  /// As they lie in memory.
+  void floats(std::span<const float> values) { raw(values.data(), values.size_bytes()); }
+  /// Not inline: GCC 12 warns of writes past the end of vectors whose first capacity it knows.
+  void raw(const void* bytes, std::size_t count);
+
+  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const noexcept { return bytes_; }
+  [[nodiscard]] std::vector<std::uint8_t> take() noexcept { return std::move(bytes_); }
+
+ private:
+  void append(std::uint64_t bits) { raw(&bits, sizeof bits); }
+
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Takes values back in the same order. Once something was not there, everything is zero and `sound` says so.
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
+
+  template <class Value>
+  requires std::is_arithmetic_v<Value>
+  void get(Value& value) {
+    std::uint64_t bits = 0;
+    raw(&bits, sizeof bits);
+    if constexpr (std::is_floating_point_v<Value>) {
+      value = static_cast<Value>(std::bit_cast<double>(bits));
+    } else {
+      value = static_cast<Value>(bits);
+      if (static_cast<std::uint64_t>(value) != bits) fail();
+    }
+  }
+  void get(std::string& text) {
+    const std::size_t length = count(1);
+    text.resize(length);
+    raw(text.data(), length);
+  }
+
+  /// A length of values that take at least `value_bytes` each: no more than the rest could hold.
+  [[nodiscard]] std::size_t count(std::size_t value_bytes) {
+    std::uint64_t stated = 0;
+    get(stated);
+    if (stated > rest_.size() / value_bytes) fail();
+    return sound_ ? static_cast<std::size_t>(stated) : 0;
+  }
+
+  void floats(std::span<float> values) { raw(values.data(), values.size_bytes()); }
+  void raw(void* bytes, std::size_t wanted) {
+    if (wanted == 0) return;
+    if (wanted > rest_.size()) {
+      fail();
+      std::memset(bytes, 0, wanted);
+      return;
+    }
+    std::memcpy(bytes, rest_.data(), wanted);
+    rest_ = rest_.subspan(wanted);
+  }
+
+  void fail() noexcept {
+    sound_ = false;
+    rest_ = {};
+  }
+  [[nodiscard]] std::size_t remaining() const noexcept { return rest_.size(); }
+  [[nodiscard]] bool sound() const noexcept { return sound_; }
+  /// Everything was there and nothing is left.
+  [[nodiscard]] bool complete() const noexcept { return sound_ && rest_.empty(); }
+
+ private:
+  std::span<const std::uint8_t> rest_;
+  bool sound_ = true;
+};
+
+// Results as bytes, and back. Decoding takes any bytes: what is not a whole and sound result of the shape that was
+// asked for is nothing.
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteSpan = std::span<const std::uint8_t>;
+
+[[nodiscard]] Bytes encode(const Projection& projection);
+[[nodiscard]] Bytes encode(const CubemapChain& chain);
+/// `texels`: the six faces, 18 times the square of `mip.size`.
+[[nodiscard]] Bytes encode_mip(const MipRecord& mip, const float* texels);
+[[nodiscard]] Bytes encode(const projection::FaceSums& sums);
+/// Without atmosphere and options, which whoever asks has.
+[[nodiscard]] Bytes encode(const SkyTables& tables);
+
+[[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
+[[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels);
+/// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
+[[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels);
+[[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
+                                                                                          std::size_t tiles);
+/// With their atmosphere and options.
+[[nodiscard]] std::optional<SkyTables> decode_sky_tables(ByteSpan bytes, const Atmosphere& atmosphere,
+                                                         const SkyTableOptions& options);
+
+// What passes over the pixels have in common.
 
 /// Of clamp, gamma and policies alone.
 [[nodiscard]] ContentHash pixel_key(const ProjectionOptions& options);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
 #include "cache/recipe.h"
 #include "welkin/result_cache.h"
 

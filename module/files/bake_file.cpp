@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "bake/bake_plan.h"
-#include "bake/plan.h"
+#include "bake/needs.h"
 #include "files/env_manifest.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"

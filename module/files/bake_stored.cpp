@@ -10,7 +10,7 @@
 
 #include "bake/bake_plan.h"
 #include "files/env_manifest.h"
-#include "files/texture_reader.h"
+#include "files/textures.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "welkin/babylon_environment.h"

@@ -2,10 +2,9 @@
 #include <limits>
 #include <string>
 
-#include "c/c_environments.h"
-#include "c/c_post.h"
 #include "c/c_projection.h"
 #include "c/c_support.h"
+#include "c/c_worker.h"
 #include "welkin/environment_file.h"
 #include "welkin/file_requests.h"
 #include "welkin/welkin.h"

@@ -5,8 +5,7 @@
 #include <array>
 
 #include "files/env_pictures.h"
-#include "files/supercompression.h"
-#include "files/texture_writer.h"
+#include "files/textures.h"
 #include "files/write_environment.h"
 
 namespace welkin::files {

@@ -1,11 +1,8 @@
 // The header of a DDS file.
-#include "files/dds.h"
-
 #include <algorithm>
 #include <array>
 
-#include "files/texture_reader.h"
-#include "files/texture_writer.h"
+#include "files/textures.h"
 #include "platform/file.h"
 
 namespace welkin::files {

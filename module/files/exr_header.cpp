@@ -1,5 +1,3 @@
-#include "files/exr_header.h"
-
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfVersion.h>
@@ -11,9 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/exr_levels.h"
-#include "files/exr_picture.h"
-#include "files/exr_reader.h"
+#include "files/exr.h"
 
 namespace welkin::files {
 namespace {

@@ -1,11 +1,10 @@
-#include "files/exr_levels.h"
-
 #include <ImfStandardAttributes.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "files/exr.h"
 #include "files/primaries.h"
 #include "platform/file.h"
 

@@ -1,5 +1,3 @@
-#include "files/exr_picture.h"
-
 #include <ImfStandardAttributes.h>
 
 #include <algorithm>
@@ -7,12 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "files/exr_header.h"
-#include "files/exr_levels.h"
-#include "files/exr_reader.h"
+#include "files/exr.h"
 #include "files/layout.h"
 #include "files/row_source.h"
-#include "files/texture_reader.h"
+#include "files/textures.h"
 #include "platform/file.h"
 
 namespace welkin::files {

@@ -1,5 +1,3 @@
-#include "files/exr_reader.h"
-
 #include <ImfChannelList.h>
 #include <ImfChromaticities.h>
 #include <ImfHeader.h>
@@ -15,9 +13,7 @@
 #include <vector>
 
 #include "files/codecs.h"
-#include "files/exr_levels.h"
-#include "files/exr_picture.h"
-#include "files/exr_statics.h"
+#include "files/exr.h"
 #include "files/primaries.h"
 
 namespace welkin::files {

@@ -1,6 +1,4 @@
 // OpenEXR: R, G, B as half or float, scanlines, ZIP.
-#include "files/exr_writer.h"
-
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -18,9 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "files/exr_statics.h"
-#include "files/texel_formats.h"
-#include "files/texture_writer.h"
+#include "files/exr.h"
+#include "files/textures.h"
 #include "files/write_environment.h"
 #include "image/pixels.h"
 #include "welkin/image.h"

@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "files/hdr_header.h"
-#include "files/hdr_scanlines.h"
 #include "files/layout.h"
 #include "files/primaries.h"
 #include "files/write_environment.h"

@@ -1,11 +1,10 @@
-#include "files/hdr_header.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
 
+#include "files/hdr.h"
 #include "files/row_source.h"
 
 namespace welkin::files {

@@ -1,5 +1,3 @@
-#include "files/hdr_scanlines.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <cstring>
 #include <utility>
 #include <vector>
+
+#include "files/hdr.h"
 
 namespace welkin::files {
 namespace {

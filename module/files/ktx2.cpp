@@ -1,6 +1,4 @@
 // The header of a KTX2 file.
-#include "files/ktx2.h"
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -10,10 +8,7 @@
 
 #include "files/codecs.h"
 #include "files/stop.h"
-#include "files/supercompression.h"
-#include "files/texel_formats.h"
-#include "files/texture_reader.h"
-#include "files/texture_writer.h"
+#include "files/textures.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
 

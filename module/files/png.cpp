@@ -1,5 +1,7 @@
 // PNG through libspng: environments as rows (written as sRGB, 8 or 16 bits a channel, no alpha), and the small pictures
 // of .env files.
+#include "files/png.h"
+
 #include <spng.h>
 
 #include <algorithm>
@@ -15,7 +17,6 @@
 #include "files/codecs.h"
 #include "files/env_pictures.h"
 #include "files/layout.h"
-#include "files/png_decoder.h"
 #include "files/primaries.h"
 #include "files/stop.h"
 #include "files/write_environment.h"

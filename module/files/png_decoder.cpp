@@ -1,5 +1,3 @@
-#include "files/png_decoder.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "files/png.h"
 #include "files/row_source.h"
 #include "image/pixels.h"
 

@@ -15,7 +15,7 @@
 #include "files/face_files.h"
 #include "files/hdr.h"
 #include "files/pfm.h"
-#include "files/texture_reader.h"
+#include "files/textures.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
 

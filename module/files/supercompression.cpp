@@ -1,9 +1,8 @@
-#include "files/supercompression.h"
-
 #include <limits>
 #include <string>
 
 #include "files/stop.h"
+#include "files/textures.h"
 #include "platform/file.h"
 
 namespace welkin::files {

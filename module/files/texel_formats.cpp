@@ -1,10 +1,9 @@
-#include "files/texel_formats.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 
+#include "files/textures.h"
 #include "image/pixels.h"
 #include "platform/file.h"
 

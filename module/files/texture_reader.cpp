@@ -1,5 +1,3 @@
-#include "files/texture_reader.h"
-
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -8,8 +6,7 @@
 
 #include "files/layout.h"
 #include "files/stop.h"
-#include "files/supercompression.h"
-#include "files/texel_formats.h"
+#include "files/textures.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "welkin/cubemap_chain.h"

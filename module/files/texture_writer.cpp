@@ -1,5 +1,3 @@
-#include "files/texture_writer.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -8,7 +6,7 @@
 
 #include "files/codecs.h"
 #include "files/stop.h"
-#include "files/supercompression.h"
+#include "files/textures.h"
 #include "image/pixels.h"
 #include "platform/file.h"
 #include "welkin/cubemap_chain.h"

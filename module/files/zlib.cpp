@@ -6,7 +6,7 @@
 #include <zlib.h>
 
 #include "files/stop.h"
-#include "files/supercompression.h"
+#include "files/textures.h"
 
 namespace welkin::files {
 namespace {

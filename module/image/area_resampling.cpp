@@ -10,7 +10,6 @@
 #include <numbers>
 #include <vector>
 
-#include "image/area_weight_table.h"
 #include "image/area_weights.h"
 #include "image/geometry.h"
 #include "image/image_kernels.h"

@@ -24,7 +24,6 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
-#include "projection/face_sums.h"
 #include "projection/pixel_policy.h"
 #include "projection/project.h"
 #include "projection/projection_kernels.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "projection/face_sums.h"
+#include "projection/project.h"
 #include "welkin/control.h"
 #include "welkin/image_view.h"
 #include "welkin/projection.h"

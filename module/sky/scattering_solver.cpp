@@ -6,7 +6,7 @@
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/table_sizes.h"
 #include "sky/vertical_harmonics.h"

@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/sky_geometry.h"
 #include "welkin/control.h"

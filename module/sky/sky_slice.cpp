@@ -9,7 +9,6 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
-#include "sky/phase.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
 #include "sky/sunlight.h"

@@ -10,7 +10,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"

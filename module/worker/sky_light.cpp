@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "math/elementary.h"
-#include "sky/sky_quadrature.h"
+#include "sky/sky_projection.h"
 #include "sky/sunlight.h"
 #include "welkin/error.h"
 #include "worker/sky_bakery.h"

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "brdf/brdf_kernels.h"
-#include "brdf/brdf_quadrature.h"
 #include "brdf/brdf_table.h"
 #include "perf/report/brdf_truth.h"
 #include "simd/dispatch.h"

@@ -1,5 +1,7 @@
 // Error budgets: estimates are upper bounds in 99 % of random cases, and what is picked meets its budget.
 
+#include "budget/budget.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,8 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "budget/projection_budget.h"
-#include "budget/sky_budget.h"
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "reflections/prefilter_support.h"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
+#include "cache/recipe.h"
 #include "support/catch.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"

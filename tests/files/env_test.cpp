@@ -1,5 +1,7 @@
 // `.env` files: ours come back, and Babylon.js's own are read as it means them.
 
+#include "files/env.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,7 +11,6 @@
 #include <sstream>
 #include <tuple>
 
-#include "files/rgbd.h"
 #include "places.h"
 #include "support/catch.h"
 #include "support/chains.h"

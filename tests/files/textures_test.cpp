@@ -1,4 +1,6 @@
 // Textures: texel for texel back, rounded to the nearest, and calls that stop inside a level.
+#include "files/textures.h"
+
 #include <Imath/half.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -14,10 +16,8 @@
 #include <vector>
 
 #include "files/crc32.h"
+#include "files/env.h"
 #include "files/env_pictures.h"
-#include "files/rgbd.h"
-#include "files/supercompression.h"
-#include "files/texel_formats.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
@@ -564,8 +564,9 @@ TEST_CASE("pictures of an .env stop in the middle of a face", "[codec][env]") {
   Bytes back(rgba.size());
   files::decode_rgba({png, size, "sky.env", "its face"}, back.data());
   CHECK(back == rgba);
-  const ThrownError read = stopped_while(
-      [&](const std::stop_token& stop) { files::decode_rgba({png, size, "sky.env", "its face"}, back.data(), stop); });
+  const ThrownError read = stopped_while([&](const std::stop_token& stop) {
+    files::decode_rgba({png, size, "sky.env", "its face"}, back.data(), stop);
+  });
   CHECK(read.says("cancelled"));
 }
 

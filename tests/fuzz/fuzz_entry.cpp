@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
+#include "cache/recipe.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "cache/entry_store.h"
-#include "cache/payloads.h"
+#include "cache/recipe.h"
 #include "support/chains.h"
 #include "support/exr_files.h"
 #include "support/hdr_files.h"

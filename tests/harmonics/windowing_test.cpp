@@ -7,7 +7,6 @@
 #include <limits>
 #include <vector>
 
-#include "harmonics/minimum.h"
 #include "harmonics/windowing.h"
 #include "math/elementary.h"
 #include "support/catch.h"

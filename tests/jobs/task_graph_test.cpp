@@ -1,5 +1,7 @@
 // The graph that a bake's passes run in.
 
+#include "jobs/task_graph.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
@@ -15,7 +17,6 @@
 #include <thread>
 #include <vector>
 
-#include "jobs/pass_graph.h"
 #include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/heap.h"

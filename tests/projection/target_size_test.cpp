@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "places.h"
-#include "projection/lat_long_weights.h"
+#include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"

@@ -6,7 +6,6 @@
 
 #include "reference/reference_quadrature.h"
 #include "sky/air.h"
-#include "sky/phase.h"
 
 namespace welkin::sky {
 namespace {

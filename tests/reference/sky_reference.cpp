@@ -15,7 +15,7 @@
 #include "reference/reference_quadrature.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
-#include "sky/sky_quadrature.h"
+#include "sky/sky_projection.h"
 #include "welkin/error.h"
 
 namespace welkin {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "sky/air.h"
-#include "sky/phase.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
 #include "support/thrown_error.h"

@@ -12,7 +12,6 @@
 #include "reference/reference_air.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"
-#include "sky/phase.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/random_atmospheres.h"

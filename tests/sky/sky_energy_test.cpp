@@ -8,7 +8,7 @@
 
 #include "math/quadrature.h"
 #include "reference/sky_reference.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/table_mapping.h"
 #include "support/catch.h"

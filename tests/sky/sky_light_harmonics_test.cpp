@@ -13,7 +13,6 @@
 #include "reference/sky_reference.h"
 #include "sky/sky_curve.h"
 #include "sky/sky_projection.h"
-#include "sky/sky_quadrature.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/heap.h"

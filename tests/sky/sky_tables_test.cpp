@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "math/quadrature.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/sky_geometry.h"
-#include "sky/sky_quadrature.h"
+#include "sky/sky_projection.h"
 #include "sky/table_mapping.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"

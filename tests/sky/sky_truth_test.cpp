@@ -11,7 +11,7 @@
 #include "math/quadrature.h"
 #include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_tables_for_tests.h"
 #include "sky/table_mapping.h"

@@ -17,7 +17,7 @@
 
 #include "jobs/tiles.h"
 #include "reference/sky_reference.h"
-#include "sky/phase.h"
+#include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_slice.h"
 #include "sky/sky_tables_for_tests.h"

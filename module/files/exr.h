@@ -1,0 +1,316 @@
+// When OpenEXR's own static objects are made. Included by one source of the readers and one of the writers: whichever
+// of them a program links brings this along.
+#pragma once
+
+#include <Iex.h>
+#include <IlmThreadPool.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfTileDescription.h>
+#include <half.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <glm/mat3x3.hpp>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/row_source.h"
+#include "platform/compiler.h"
+#include "platform/file.h"
+#include "welkin/environment_file.h"
+
+namespace welkin::files {
+
+/// OpenEXR makes its attribute types and its pool of threads (that has none) when they are first used. They would be
+/// destroyed before a worker that is a global object, whose threads may still read or write files. So they are made
+/// before every static object of the program, and destroyed after it.
+WELKIN_RUN_BEFORE_STATIC_OBJECTS static void make_openexr_statics() {
+  Imf::staticInitialize();
+  (void)IlmThread::ThreadPool::globalThreadPool();
+}
+
+// The attributes of an OpenEXR header, walked before the OpenEXR library sees them.
+
+/// Walks the header's attributes from the current position (behind magic number and version) to their end,
+/// and checks that what OpenEXR 3 will allocate for each is no more than the bytes that the file has for it.
+///
+/// The library allocates by the sizes it is told and for most types reads what the type takes, whatever
+/// size was stated. So it can be led to read a value's bytes as the next attribute's header, and to allocate
+/// gigabytes for a file of a few hundred bytes. Where every stated size is the one that is consumed, the
+/// library's walk is this one. Throws `Error` (corrupt_file) naming the attribute.
+void check_exr_attributes(platform::ByteFile& file);
+
+// The parts of an OpenEXR file: all headers, checked before the library makes room for what they claim.
+
+struct ExrPart {
+  Imf::Header header;
+  bool tiled = false;
+  bool deep = false;   ///< holds samples at depths, or is of a type that is not known: no picture
+  std::string name{};  ///< fit to be printed; empty in a single-part file that has none
+};
+
+struct ExrParts {
+  std::vector<ExrPart> parts;  ///< at least one
+  bool multi_part = false;
+  std::uint64_t header_bytes = 0;  ///< of all headers in the file
+};
+
+/// Reads magic number, version and all headers. `file` stands at its beginning. Windows are not checked yet.
+/// Throws `Error`: unsupported_file for a version that is not known, corrupt_file.
+[[nodiscard]] ExrParts read_exr_parts(platform::ByteFile& file);
+
+/// Checks what the library will allocate for every part when it opens the file: its tables of offsets, eight bytes a
+/// chunk, which the file must be long enough to hold. Returns their bytes. `file` stands behind the headers.
+/// Throws `Error`: corrupt_file.
+std::uint64_t check_exr_tables(const ExrParts& parts, const platform::ByteFile& file);
+
+/// The part by name or number that is asked for; if `asked_for` is empty, the first that holds colour (in `layer` if
+/// that is not empty), else the first that holds luminance. Deep parts are skipped.
+/// Throws `Error`: unsupported_file naming the parts.
+[[nodiscard]] std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& path,
+                                          const std::string& asked_for, const std::string& layer);
+
+// Which of an OpenEXR part's channels make the picture.
+
+struct ExrChannels {
+  enum class Kind {
+    colour,            ///< names: red, green, blue
+    luminance,         ///< names[0]: Y
+    luminance_chroma,  ///< names: RY, Y, BY; one of the chroma channels may be absent
+  };
+  Kind kind = Kind::colour;
+  std::array<std::string, 3> names{};
+};
+
+/// A layer is what stands before a channel's last dot: "env" of "env.R", "a.b" of "a.b.R". Views other than the
+/// default one of a multi-view file are named the same way ("left.R"), and are layers here.
+///
+/// A layer is a picture if it has R, G and B (also written r g b, red green blue, Red Green Blue, as compositors do)
+/// or else Y, perhaps with RY and BY. X, Y and Z together are a vector, as renderers write for normals and positions,
+/// and no picture. Alpha, depth and the like are read past; colour is taken as it is, premultiplied or not.
+
+/// Whether there is a picture in `layer` (in any, if that is empty): one in colour, or any other.
+[[nodiscard]] bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour);
+
+/// Fills in `info.channels` and `info.layers` and chooses: the layer that is asked for; else the channels without
+/// one; else the only layer in colour; else the only layer. Needs `info.path`.
+/// uint is read as the numbers that it states, as half and float are.
+/// Throws `Error` (unsupported_file) naming what there is and, if layers are to choose from, --layer.
+[[nodiscard]] ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& channels,
+                                              const std::string& layer);
+
+// What an OpenEXR header promises, checked before any pixel memory is made for it.
+
+/// The largest block of scanlines or tile, uncompressed and with all channels, that is decoded. 65536 texels
+/// of four float channels at DWAB's 256 scanlines take half of it.
+inline constexpr std::uint64_t kMaximumUnitBytes = std::uint64_t{512} << 20U;
+
+/// One part, layer and level of a scanline or tiled file. The picture is `info.width` x `info.height`; what is
+/// stored is data_width x data_height, and usually the same rectangle.
+struct ExrPicture {
+  EnvironmentInfo info;  ///< complete, layout included
+  int part = 0;
+  bool tiled = false;
+  int level = 0;  ///< (level, level) of a mip or rip map
+  ExrChannels channels;
+  std::optional<glm::dmat3> to_rec709;
+  bool prefiltered = false;  ///< an attribute speaks of roughness
+  bool cube_frames = false;  ///< a strip whose faces are turned as OpenEXR's envmap attribute means them
+  int first_column = 0;      ///< the data window's left and top, in the file's coordinates
+  int first_row = 0;
+  int data_width = 0;  ///< at the level
+  int data_height = 0;
+  int column_offset = 0;  ///< of the picture's (0, 0) in the stored texels; negative if that is not stored
+  int row_offset = 0;
+  int unit_rows = 1;              ///< rows that decode together, at most the data's height
+  std::uint64_t unit_bytes = 0;   ///< of one block of scanlines or tile, uncompressed, all channels
+  std::uint64_t table_bytes = 0;  ///< of all parts' headers and tables of offsets, which every reader holds
+
+  [[nodiscard]] bool is_framed() const noexcept {
+    return column_offset != 0 || row_offset != 0 || data_width != info.width || data_height != info.height;
+  }
+};
+
+/// Reads and checks all of a file's headers and chooses part, layer, level and window. `file` stands at its beginning.
+/// Throws as `inspect_environment`.
+[[nodiscard]] ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options);
+
+// Which rectangle of an OpenEXR file is the picture.
+
+/// The picture's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
+/// inclusive. Texels of the picture that are not stored are black.
+struct ExrWindows {
+  Imath::Box2i picture;
+  Imath::Box2i data;
+};
+
+/// The picture is the data window, wherever it lies, unless the file says that it is a frame around or inside of it:
+/// the display window is the picture if
+/// - the header has no envmap attribute, which makes the data window the map (ImfEnvmap.h), and no mip chain, which
+///   belongs to the data window,
+/// - the windows differ in size and overlap,
+/// - it has the shape of a layout (2:1, 1:6, 6:1, 4:3, 3:4): of the one that is asked for, if one is, and
+/// - the data window has not the shape of another layout, if none is asked for.
+/// So overscan is cut off and a cropped render is put back in its place; either is said in `info.notes`.
+///
+/// Both windows are then at most kMaximumWidth x kMaximumHeight, and of a picture above 16384 x 8192 texels at least
+/// a 64th is stored, so that a few bytes cannot make hours of work.
+/// Throws `Error`: corrupt_file for an empty data window, unsupported_file for what is too large.
+[[nodiscard]] ExrWindows choose_exr_windows(EnvironmentInfo& info, const Imf::Header& header, bool has_levels,
+                                            Layout asked_for);
+
+// Sizes of an OpenEXR picture's levels and how many pieces (chunks) it is stored in.
+
+/// Scanlines that a compression packs together; 0 if the compression is not known.
+[[nodiscard]] int scanlines_per_block(Imf::Compression compression) noexcept;
+
+/// "none", "zip", ..; nullptr if it is not known.
+[[nodiscard]] const char* compression_name(Imf::Compression compression) noexcept;
+
+/// The levels of a picture of width x height, full size first: of a mip map all, of a rip map those that shrink both
+/// ways, else one. Each edge halves from level to level, rounded as the file says, down to 1
+/// (ImfTileDescription.h; the chain ends where the longer edge of a mip map, the shorter one of a rip map is 1).
+[[nodiscard]] std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height);
+
+/// Entries in the table of offsets of a part whose header is sane, as many as the library will make. A number that is
+/// too large to count is large enough: the result is a double so that nothing can wrap around.
+[[nodiscard]] double chunk_count(const Imf::Header& header, bool tiled);
+
+// The colours that an OpenEXR header says its numbers mean.
+
+/// The matrix to Rec. 709, or none if nothing is to be done: no chromaticities attribute (which means Rec. 709), the
+/// numbers wanted as they are, luminance alone, which is grey in any primaries, or a matrix that would change nothing
+/// but roundings. What was done is said in
+/// `info.notes`.
+///
+/// White becomes white: the adoptedNeutral attribute's, if there is one, as in OpenEXR's own ImfAcesFile, else the
+/// chromaticities'. whiteLuminance (candelas a square metre of (1, 1, 1)) changes no number.
+/// Throws `Error` (corrupt_file) naming the attribute if it makes no colours.
+[[nodiscard]] std::optional<glm::dmat3> exr_colour_matrix(EnvironmentInfo& info, const Imf::Header& header,
+                                                          ExrChannels::Kind kind, Primaries wanted);
+
+// The seam to the OpenEXR library: its stream over our file, and its exceptions as ours. Included by the
+// exr_ sources alone, which alone know the library.
+
+class ExrStream final : public Imf::IStream {
+ public:
+  /// `file` outlives the stream.
+  explicit ExrStream(platform::ByteFile& file) : Imf::IStream(file.path().string().c_str()), file_(file) {}
+
+  bool read(char bytes[], int count) override {
+    if (count < 0) {
+      throw platform::file_error(ErrorCode::corrupt_file, file_.path(), "holds a block of negative size");
+    }
+    file_.read(bytes, static_cast<std::size_t>(count));
+    return file_.remaining() > 0;
+  }
+  std::uint64_t tellg() override { return file_.position(); }
+  void seekg(std::uint64_t position) override { file_.seek(position); }
+
+ private:
+  platform::ByteFile& file_;
+};
+
+/// Runs `work`, which calls OpenEXR, and turns whatever that throws into `Error`s that name the file.
+template <typename Work>
+auto call_openexr(const std::filesystem::path& path, const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const Error&) {
+    throw;
+  } catch (const Iex::ErrnoExc& failure) {
+    throw platform::file_error(ErrorCode::file_access, path,
+                               std::string("OpenEXR says: ") + platform::printable(failure.what()));
+  } catch (const std::bad_alloc&) {
+    throw platform::file_error(ErrorCode::limit_exceeded, path,
+                               "decoding it takes more memory than there is; free some, or save it with smaller tiles");
+  } catch (const std::exception& failure) {
+    throw platform::file_error(
+        ErrorCode::corrupt_file, path,
+        std::string("is damaged, fetch or export it again; OpenEXR says: ") + platform::printable(failure.what()));
+  }
+}
+
+// A handle on one part of an OpenEXR file: one for every reader.
+
+/// Decoding is done by whoever calls, on as many readers as it likes: the library's own thread pool is left
+/// as the program has it, and no reader asks for any of it.
+///
+/// Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
+/// whose writer was stopped), the library finds the blocks itself on opening.
+struct ExrFile {
+  /// Throws `Error`: file_access if the file is not the one that `picture` was made from.
+  explicit ExrFile(const ExrPicture& picture);
+
+  platform::ByteFile bytes;
+  ExrStream stream;
+  Imf::MultiPartInputFile file;
+};
+
+/// Where the library is to put a channel: texel (column, row) of the file's coordinates at `first`, the next ones
+/// `texel_bytes` and `row_bytes` on. (It expects the address that texel (0, 0) would have, which may lie outside of
+/// anything, and so is worked out in integers.) Channels sampled at every second texel have `sampling` 2.
+[[nodiscard]] Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
+                                   std::size_t row_bytes, int sampling = 1);
+
+// OpenEXR pictures of luminance and subsampled chroma, as RGB rows.
+
+/// A reader of the stored rows (data_width x data_height) as RGB in the file's primaries, to the very halves that
+/// OpenEXR's RgbaInputFile gives: the same functions (ImfRgbaYca.h) in the same order. Rows decode in blocks, and a
+/// block needs 14 more rows above and below, which the next block takes over.
+/// `picture` outlives the reader. Throws as `RowSource::open_reader`.
+[[nodiscard]] std::unique_ptr<RowReader> open_luminance_chroma(const ExrPicture& picture);
+
+/// What such a reader holds beside the library's own blocks, in bytes.
+[[nodiscard]] std::uint64_t luminance_chroma_bytes(int width) noexcept;
+
+/// Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
+[[nodiscard]] int luminance_chroma_rows(int unit_rows) noexcept;
+
+// What the writers of OpenEXR files share.
+
+class ExrOutputStream final : public Imf::OStream {
+ public:
+  /// `file` outlives the stream.
+  explicit ExrOutputStream(platform::WholeFile& file) : Imf::OStream(file.path().string().c_str()), file_(file) {}
+
+  void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
+  std::uint64_t tellp() override { return file_.position(); }
+  void seekp(std::uint64_t position) override { file_.seek(position); }
+
+ private:
+  platform::WholeFile& file_;
+};
+
+/// To the file's type, counting what is clamped. What is finite stays finite: above the largest half, rounding would
+/// make it infinite. NaN and infinities stay.
+void convert_for_exr(const float* from, std::size_t count, float* to, std::uint64_t& clamped) noexcept;
+void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept;
+
+/// Makes OpenEXR's failures `Error`s that name the file. OpenEXR's file objects write their table of offsets when they
+/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `WholeFile::finish`.
+template <typename Write>
+std::uint64_t write_exr_with_library(const platform::WholeFile& file, const Write& write) {
+  try {
+    return write();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Iex::BaseExc& failure) {
+    throw platform::file_error(
+        ErrorCode::file_access, file.path(),
+        std::string("could not be written; OpenEXR says: ") + platform::printable(failure.what()));
+  }
+}
+
+}  // namespace welkin::files

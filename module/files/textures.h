@@ -1,0 +1,296 @@
+// KTX2's levels, packed by zlib or Zstandard.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/row_source.h"
+#include "platform/file.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::files {
+
+/// Not for `none`. A megabyte at a time, and `stop` is looked at before each. Throws `Error` (cancelled),
+/// `std::bad_alloc`.
+[[nodiscard]] std::vector<std::uint8_t> pack(Supercompression supercompression, const std::vector<std::uint8_t>& bytes,
+                                             const std::stop_token& stop = {});
+
+/// Fills `bytes`, whose size is what must come out; nothing is written or allocated beyond it. `path` is for messages.
+/// `stop` is looked at before each megabyte that zlib unpacks, and before all that Zstandard does, which is some ten
+/// times as fast. Throws `Error` (corrupt_file, cancelled).
+void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
+            const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const std::stop_token& stop = {});
+
+// One function a library and way; a build can leave out either library (codecs.h).
+
+[[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+[[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
+                 std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+void unpack_zstd(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
+                 std::vector<std::uint8_t>& bytes);
+
+inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes between two looks at the stop token
+
+/// What a library says of a level that it cannot unpack.
+[[noreturn]] void refuse_packed_level(const std::filesystem::path& path, const char* library,
+                                      const std::string& reason);
+
+/// The most bytes that so many packed ones can stand for.
+[[nodiscard]] std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t packed_bytes) noexcept;
+
+// How texels lie in KTX2 and DDS files, and the way from floats and back.
+
+/// What is read; the first four are what is written (`TexelFormat`).
+enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb };
+
+[[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
+
+/// "rgba16f", ..., "rgba8", "rgba8 srgb"
+[[nodiscard]] const char* name(TexelKind kind) noexcept;
+
+/// 4, 8 or 16.
+[[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
+
+/// Bytes of a level of six faces; `size` up to 16384.
+[[nodiscard]] std::uint64_t level_bytes(TexelKind kind, int size) noexcept;
+
+/// Texels from packed RGB floats, alpha 1. Returns how many channel values the format could not hold: what is above its
+/// largest value becomes that, NaN becomes 0, and negatives 0 in the unsigned formats. Floats are kept as they are.
+std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t count, std::uint8_t* texels) noexcept;
+
+/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over.
+void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
+
+// Floats of few bits, as graphics APIs define them, each rounded to the nearest value that there is.
+
+inline constexpr float kLargestHalf = 65504.0F;
+inline constexpr float kLargestFloat11 = 65024.0F;      ///< 6 bits of mantissa
+inline constexpr float kLargestFloat10 = 64512.0F;      ///< 5 bits of mantissa
+inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
+
+/// IEEE 754 binary16, ties to even. `value`: finite, magnitude at most `kLargestHalf`.
+[[nodiscard]] std::uint16_t half_from_float(float value) noexcept;
+
+/// VK_FORMAT_B10G11R11_UFLOAT_PACK32: red in bits 0 to 10, green 11 to 21, blue 22 to 31, ties to even.
+/// Finite values from 0 to the largest of each.
+[[nodiscard]] std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_b10g11r11(std::uint32_t texel) noexcept;
+
+/// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32: mantissas of red in bits 0 to 8, green 9 to 17, blue 18 to 26, one exponent in 27
+/// to 31; a value is mantissa x 2^(exponent - 24). By the formulas of the Vulkan specification ("RGB to shared exponent
+/// conversion"): halves are rounded up. Finite values from 0 to `kLargestSharedFloat`.
+[[nodiscard]] std::uint32_t pack_e5b9g9r9(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_e5b9g9r9(std::uint32_t texel) noexcept;
+
+// Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
+//
+//   "DDS ", header, DX10 header, then face after face, each with its levels from the largest to the smallest
+
+inline constexpr std::uint32_t kDdsMagic = 0x20534444;    // "DDS "
+inline constexpr std::uint32_t kFourCcDx10 = 0x30315844;  // "DX10"
+inline constexpr std::uint32_t kDdsHeaderBytes = 124;
+inline constexpr std::uint32_t kDdsPixelFormatBytes = 32;
+inline constexpr std::uint64_t kDdsFirstTexel = 4 + kDdsHeaderBytes + 20;
+
+// dwFlags, ddspf.dwFlags, dwCaps, dwCaps2.
+inline constexpr std::uint32_t kDdsCaps = 0x1, kDdsHeight = 0x2, kDdsWidth = 0x4, kDdsPitch = 0x8;
+inline constexpr std::uint32_t kDdsPixelFormat = 0x1000, kDdsMipMapCount = 0x20000;
+inline constexpr std::uint32_t kDdsHasFourCc = 0x4;
+inline constexpr std::uint32_t kDdsComplex = 0x8, kDdsTexture = 0x1000, kDdsMipMap = 0x400000;
+inline constexpr std::uint32_t kDdsCubemap = 0x200, kDdsAllFaces = 0xFC00;
+
+// resourceDimension, miscFlag.
+inline constexpr std::uint32_t kDdsTexture2d = 3, kDdsTextureCube = 0x4;
+
+/// DXGI_FORMAT.
+[[nodiscard]] std::uint32_t dxgi_format(TexelKind kind) noexcept;
+[[nodiscard]] std::optional<TexelKind> kind_of_dxgi_format(std::uint32_t format) noexcept;
+
+// KTX 2.0 (Khronos, "KTX File Format Specification", version 2.0): the constants of its header, and the data format
+// descriptors (Khronos Data Format Specification 1.3, basic descriptor block).
+//
+//   identifier, header, level index, descriptor, key/value data, levels from the smallest to the largest
+
+inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32,
+                                                              0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
+inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
+inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
+
+/// VkFormat.
+[[nodiscard]] std::uint32_t vulkan_format(TexelKind kind) noexcept;
+[[nodiscard]] std::optional<TexelKind> kind_of_vulkan_format(std::uint32_t format) noexcept;
+
+/// Bytes of what is turned for the other byte order: a channel, or a packed texel.
+[[nodiscard]] std::uint32_t ktx2_type_size(TexelKind kind) noexcept;
+
+/// supercompressionScheme.
+[[nodiscard]] std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept;
+[[nodiscard]] std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept;
+
+/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
+[[nodiscard]] std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression supercompression);
+
+// Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
+
+/// What a header says. Every place lies inside the file, and every level has the bytes that its size takes.
+struct TextureLayout {
+  struct Level {
+    std::array<std::uint64_t, 6> faces{};  ///< first bytes, in the file; not of a supercompressed level
+    std::uint64_t first_byte = 0;          ///< of a supercompressed level, whose six faces unpack together
+    std::uint64_t packed_bytes = 0;
+  };
+
+  std::string container;  ///< "KTX2", "DDS"
+  TexelKind kind = TexelKind::rgba16f;
+  Supercompression supercompression = Supercompression::none;
+  int size = 0;               ///< texels along an edge of level 0
+  std::vector<Level> levels;  ///< largest first
+  bool has_metadata = false;  ///< whether the container has a place for it
+  std::map<std::string, std::string> metadata;
+
+  [[nodiscard]] int level_size(int level) const noexcept { return size >> level > 1 ? size >> level : 1; }
+};
+
+/// "none", "zlib", "zstd"
+[[nodiscard]] const char* name(Supercompression supercompression) noexcept;
+
+/// Read a header and check it whole; no texel is read. The file stands at its beginning. Throw `Error`:
+/// corrupt_file, unsupported_file, file_access.
+[[nodiscard]] TextureLayout read_ktx2_layout(platform::ByteFile& file);
+[[nodiscard]] TextureLayout read_dds_layout(platform::ByteFile& file);
+
+/// Of either, by the first bytes; unsupported_file if it is neither.
+[[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file);
+[[nodiscard]] bool is_texture(platform::ByteFile& file);
+
+/// Throws unsupported_file unless a header's sizes are those of a cubemap from 1 to 16384 texels, whole or not.
+void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
+                         std::uint64_t levels);
+
+// Texels out of a KTX2 or DDS file.
+
+/// Each thread has its own. Holds an unpacked level, if the file's are packed, until another is asked for.
+class TextureReader {
+ public:
+  /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
+  TextureReader(const std::filesystem::path& path, const TextureLayout& layout, std::stop_token stop = {})
+      : file_(path), layout_(layout), stop_(std::move(stop)) {}
+
+  /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
+  void read(int level, int face, int first_row, int rows, float* rgb);
+
+ private:
+  void unpack_level(int level);
+
+  platform::ByteFile file_;
+  const TextureLayout& layout_;
+  std::stop_token stop_;
+  std::vector<std::uint8_t> texels_;
+  int unpacked_level_ = -1;
+};
+
+/// The most that a reader holds while it reads so many rows of a level at once.
+[[nodiscard]] std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept;
+
+// KTX2 and DDS cubemaps as rows.
+
+/// A file that `is_texture`. Its six faces are those of `CubemapView` and come as a vertical strip. Packed levels are
+/// unpacked whole. 8-bit texels are linear or sRGB as the format says, or as ReadOptions.transfer has it. Throws as
+/// `inspect_environment`.
+[[nodiscard]] std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options);
+
+// Whether a file's chain of levels is one of plain mips.
+
+/// Whether a key of a file's metadata speaks of roughness ("welkin.roughness"): then the smaller levels are blurred for
+/// reflections, and none of them stands for the picture.
+[[nodiscard]] inline bool speaks_of_roughness(std::string key) {
+  std::transform(key.begin(), key.end(), key.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return key.find("roughness") != std::string::npos;
+}
+
+// What the writers of textures share.
+
+/// A texture that is about to be written; all that was checked.
+struct TextureJob {
+  platform::WholeFile& file;
+  std::span<const CubemapView> mips;
+  const TextureOptions& options;
+  const Control& control;
+};
+
+/// A picture of one level that is about to be written as a texture.
+struct PictureJob {
+  platform::WholeFile& file;
+  const LatLongView& picture;  ///< any picture: rows, not directions
+  const TextureOptions& options;
+  const Control& control;
+};
+
+/// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
+/// `write_texture` does.
+std::uint64_t write_ktx2(const TextureJob& job);
+std::uint64_t write_dds(const TextureJob& job);
+std::uint64_t write_exr_cube(const TextureJob& job);
+std::uint64_t write_ktx2(const PictureJob& job);
+std::uint64_t write_dds(const PictureJob& job);
+
+/// Throws `Error` (cancelled), and tells the share that is done.
+void report_share(const Control& control, double done);
+
+/// Turns a level's face into texels, a block of rows after the other.
+class TexelEncoder {
+ public:
+  explicit TexelEncoder(TexelFormat format) : format_(format) {}
+
+  /// Some rows of a face, to `texels`: rows x view.size texels.
+  void encode(const CubemapView& view, int face, int first_row, int rows, std::uint8_t* texels);
+
+  void encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels);
+
+  [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
+
+ private:
+  void encode_row(PixelFormat format, const void* row, int width, std::uint8_t* texels);
+
+  TexelFormat format_;
+  std::vector<float> rgb_;  // a row
+  std::uint64_t clamped_ = 0;
+};
+
+/// How far texels have come, for the progress of a whole chain.
+class TexelProgress {
+ public:
+  TexelProgress(std::span<const CubemapView> mips, const Control& control);
+  /// Before `texels` more are written. Throws as `report_share`.
+  void next(std::uint64_t texels);
+
+ private:
+  const Control& control_;
+  double total_ = 0.0;
+  double done_ = 0.0;
+};
+
+/// Writes a face as it lies in the file, unpacked.
+void write_face(platform::WholeFile& file, const CubemapView& view, int face, TexelFormat format, TexelEncoder& encoder,
+                TexelProgress& progress);
+
+/// Writes a picture likewise.
+void write_picture(const PictureJob& job, TexelEncoder& encoder);
+
+}  // namespace welkin::files
