@@ -1,4 +1,4 @@
-// Promise: computed skies have the bits of before (see same_as_before_test.cpp).
+// Promise: computed skies have the bits of before (see projections_test.cpp).
 #include <array>
 #include <memory>
 #include <utility>

@@ -1,5 +1,5 @@
 // Promise: files that are written have the bytes of before, and what is read from them the bits
-// (see same_as_before_test.cpp).
+// (see projections_test.cpp).
 //
 // Bytes that zlib or Zstandard packed are those of its version: they are on record in a group with that version's name,
 // and not compared where it is another one. What is unpacked from them is compared everywhere.

@@ -1,5 +1,5 @@
 // Promise: bakes, whole, planned, from files, from the cache and in a worker, have the bits of before
-// (see same_as_before_test.cpp).
+// (see projections_test.cpp).
 #include <filesystem>
 #include <functional>
 #include <memory>

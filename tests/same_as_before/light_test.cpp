@@ -1,5 +1,5 @@
 // Promise: what is done with harmonics, irradiance, suns and content hashes has the bits of before
-// (see same_as_before_test.cpp).
+// (see projections_test.cpp).
 #include <array>
 #include <memory>
 #include <utility>

@@ -1,4 +1,4 @@
-// Promise: resampled, prefiltered and tabulated pictures have the bits of before (see same_as_before_test.cpp).
+// Promise: resampled, prefiltered and tabulated pictures have the bits of before (see projections_test.cpp).
 #include <array>
 #include <utility>
 
