@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "image/geometry.h"
-#include "transform/frame_transform.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
@@ -27,6 +26,7 @@
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "transform/frame_transform.h"
 #include "welkin/control.h"
 #include "welkin/face_harmonics.h"
 #include "welkin/instruction_set.h"

@@ -219,7 +219,8 @@ TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dy
   }));
 }
 
-TEST_CASE("light stays finite for the brightest intensity, the smallest disc and the longest direction", "[dynamic_sky]") {
+TEST_CASE("light stays finite for the brightest intensity, the smallest disc and the longest direction",
+          "[dynamic_sky]") {
   Worker worker(options_with(1));
   auto point_like = std::make_shared<SkyTables>(*tiny_sky());
   point_like->atmosphere.sun_angular_radius_degrees = 1e-150;
