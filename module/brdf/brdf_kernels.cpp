@@ -7,9 +7,9 @@
 namespace welkin::brdf::WELKIN_ISA {
 namespace {
 
-using simd::Architecture, simd::Lanes, simd::kLanes, simd::kWidth;
+using simd::kLanes, simd::kWidth, simd::Lanes;
 
-using IntegerLanes = xsimd::batch<std::int32_t, Architecture>;
+using IntegerLanes = xsimd::batch<std::int32_t, Lanes::arch_type>;
 
 constexpr float kPi = 3.14159265F;
 

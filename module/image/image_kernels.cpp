@@ -11,8 +11,9 @@
 namespace welkin::image::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::Lanes, simd::Texels, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kParts,
-    simd::kWidth, simd::load_texels, simd::weighted_columns, simd::weighted_ring;
+using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kParts, simd::kWidth, simd::Lanes,
+    simd::load_texels, simd::Quad, simd::repeated, simd::store_rgb, simd::Texels, simd::weighted_columns,
+    simd::weighted_ring;
 
 /// What is left to be added over the four texels.
 WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
@@ -27,15 +28,13 @@ WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
   return weighted_columns(sum(upper, lower), run.column_weights + 4 * static_cast<std::ptrdiff_t>(point));
 }
 
-#if defined(__AVX512F__)
+#if defined(WELKIN_VEC_FOLDS_FOUR)
 
 /// Points `point` to `point` + 3: the folds of all four at once, then the unused fourth values squeezed out.
-WELKIN_INLINE void sample_four(const GridRun& run, int point, __m512 lowest, float* rgb) {
-  const __m512 rgba = folded(spread_value(run, point), spread_value(run, point + 1), spread_value(run, point + 2),
-                             spread_value(run, point + 3));
-  const __m512i order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
-  const __m512 packed = _mm512_permutexvar_ps(order, _mm512_max_ps(rgba, lowest));
-  _mm512_mask_storeu_ps(rgb, 0x0FFF, packed);
+WELKIN_INLINE void sample_four(const GridRun& run, int point, Lanes lowest, float* rgb) {
+  const Lanes rgba = folded(spread_value(run, point), spread_value(run, point + 1), spread_value(run, point + 2),
+                            spread_value(run, point + 3));
+  simd::store_four_rgb(xsimd::max(rgba, lowest), rgb);
 }
 
 #endif
@@ -44,17 +43,17 @@ void sample_grid(const GridRun& run, float* rgb) {
   constexpr float most_negative = -std::numeric_limits<float>::infinity();
   const float lowest = run.not_negative ? 0.0F : most_negative;
   int point = 0;
-#if defined(__AVX512F__)
-  for (; point + 4 <= run.count; point += 4) sample_four(run, point, _mm512_set1_ps(lowest), rgb + 3 * point);
+#if defined(WELKIN_VEC_FOLDS_FOUR)
+  for (; point + 4 <= run.count; point += 4) sample_four(run, point, Lanes(lowest), rgb + 3 * point);
 #else
   // Four values are written; the fourth is the next point's red, which comes later.
   for (; point + 1 < run.count; ++point) {
-    _mm_storeu_ps(rgb + 3 * point, _mm_max_ps(folded(spread_value(run, point)), _mm_set1_ps(lowest)));
+    xsimd::max(folded(spread_value(run, point)), Quad(lowest)).store_unaligned(rgb + 3 * point);
   }
 #endif
   for (; point < run.count; ++point) {
     alignas(16) float value[4];
-    _mm_store_ps(value, _mm_max_ps(folded(spread_value(run, point)), _mm_set1_ps(lowest)));
+    xsimd::max(folded(spread_value(run, point)), Quad(lowest)).store_aligned(value);
     for (int c = 0; c < 3; ++c) rgb[3 * point + c] = value[c];
   }
 }
@@ -162,32 +161,7 @@ struct Spread {
   Texels differences;  ///< which bits differ between its texels
 };
 
-WELKIN_INLINE bool uniform(const Spread& spread) {
-  const Lanes* const part = spread.differences.part;
-#if defined(__AVX512F__)
-  const __m512i bits = _mm512_castps_si512(part[0]);
-  return _mm512_test_epi32_mask(bits, bits) == 0;
-#elif defined(__AVX2__)
-  const __m256i bits = _mm256_castps_si256(part[0] | part[1]);
-  return _mm256_testz_si256(bits, bits) != 0;
-#else
-  const __m128 bits = (part[0] | part[1]) | (part[2] | part[3]);
-  return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(bits), _mm_setzero_si128())) == 0xFFFF;
-#endif
-}
-
-/// One texel in all four places.
-WELKIN_INLINE Texels repeated(const float* texel) {
-  Texels result;
-#if defined(__AVX512F__)
-  result.part[0] = Lanes(_mm512_broadcast_f32x4(_mm_loadu_ps(texel)));
-#elif defined(__AVX2__)
-  result.part[0] = result.part[1] = Lanes(_mm256_broadcast_ps(reinterpret_cast<const __m128*>(texel)));
-#else
-  for (Lanes& part : result.part) part = Lanes(_mm_loadu_ps(texel));
-#endif
-  return result;
-}
+WELKIN_INLINE bool uniform(const Spread& spread) { return no_bit_set(spread.differences); }
 
 template <bool mirrored>
 WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
@@ -228,13 +202,11 @@ WELKIN_INLINE Spread spread_value(const PatchRun& run, int point) {
 template <bool mirrored, bool product, int known_rows>
 WELKIN_INLINE void sample_one(const PatchRun& run, int point, float* rgb) {
   const Spread spread = spread_value<mirrored, product, known_rows>(run, point);
-  const __m128 value = uniform(spread) ? _mm_loadu_ps(first_texel<mirrored>(run, point)) : folded(spread.total);
-  float* const target = rgb + point * run.rgb_step;
-  _mm_storel_pi(reinterpret_cast<__m64*>(target), value);
-  _mm_store_ss(target + 2, _mm_movehl_ps(value, value));
+  const Quad value = uniform(spread) ? Quad::load_unaligned(first_texel<mirrored>(run, point)) : folded(spread.total);
+  store_rgb(value, rgb + point * run.rgb_step);
 }
 
-#if defined(__AVX512F__)
+#if defined(WELKIN_VEC_FOLDS_FOUR)
 
 /// Points `point` to `point` + 3, next to each other or not.
 template <bool mirrored, bool product, int known_rows>
@@ -244,27 +216,19 @@ WELKIN_INLINE void sample_four(const PatchRun& run, int point, float* rgb) {
   fetch_line(reinterpret_cast<const char*>(first_texel<mirrored>(run, point) + rows * run.row_stride), 0);
   Spread spread[4];
   for (int k = 0; k < 4; ++k) spread[k] = spread_value<mirrored, product, known_rows>(run, point + k);
-  __m512 rgba = folded(spread[0].total, spread[1].total, spread[2].total, spread[3].total);
+  Lanes rgba = folded(spread[0].total, spread[1].total, spread[2].total, spread[3].total);
   if (uniform(spread[0]) || uniform(spread[1]) || uniform(spread[2]) || uniform(spread[3])) {
     for (int k = 0; k < 4; ++k) {
-      const auto place = static_cast<__mmask16>(uniform(spread[k]) ? 0xF << 4 * k : 0);
-      rgba = _mm512_mask_broadcast_f32x4(rgba, place, _mm_loadu_ps(first_texel<mirrored>(run, point + k)));
+      rgba = simd::with_texel(rgba, k, uniform(spread[k]), first_texel<mirrored>(run, point + k));
     }
   }
   // Next to each other: the unused fourth values squeezed out.
   if (run.rgb_step == 3) {
-    const __m512i order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
-    _mm512_mask_storeu_ps(rgb + 3 * static_cast<std::ptrdiff_t>(point), 0x0FFF, _mm512_permutexvar_ps(order, rgba));
+    simd::store_four_rgb(rgba, rgb + 3 * static_cast<std::ptrdiff_t>(point));
   } else if (run.rgb_step == -3) {
-    const __m512i order = _mm512_setr_epi32(12, 13, 14, 8, 9, 10, 4, 5, 6, 0, 1, 2, 3, 7, 11, 15);
-    _mm512_mask_storeu_ps(rgb - 3 * (static_cast<std::ptrdiff_t>(point) + 3), 0x0FFF,
-                          _mm512_permutexvar_ps(order, rgba));
+    simd::store_four_rgb<true>(rgba, rgb - 3 * (static_cast<std::ptrdiff_t>(point) + 3));
   } else {
-    float* const target = rgb + point * run.rgb_step;
-    _mm_mask_storeu_ps(target, 0x7, _mm512_castps512_ps128(rgba));
-    _mm_mask_storeu_ps(target + run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 1));
-    _mm_mask_storeu_ps(target + 2 * run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 2));
-    _mm_mask_storeu_ps(target + 3 * run.rgb_step, 0x7, _mm512_extractf32x4_ps(rgba, 3));
+    simd::store_four_rgb_apart(rgba, rgb + point * run.rgb_step, run.rgb_step);
   }
 }
 
@@ -274,7 +238,7 @@ template <bool mirrored, bool product, int known_rows>
 void sample_each(const PatchRun& the_run, float* rgb) {
   const PatchRun run = the_run;  // a copy of its own, which no store to rgb can change
   int point = 0;
-#if defined(__AVX512F__)
+#if defined(WELKIN_VEC_FOLDS_FOUR)
   for (; point + 4 <= run.count; point += 4) sample_four<mirrored, product, known_rows>(run, point, rgb);
 #endif
   for (; point < run.count; ++point) sample_one<mirrored, product, known_rows>(run, point, rgb);

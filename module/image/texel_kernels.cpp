@@ -11,7 +11,7 @@
 namespace welkin::image::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kLanes, simd::kWidth;
+using simd::DoubleLanes, simd::kDoubleWidth, simd::kLanes, simd::kWidth, simd::Lanes;
 
 /// |u| of the texel in a left half's column: N - 1 - 2 column is an integer, so u is rounded once or twice.
 WELKIN_INLINE double centre(int size, int index) {

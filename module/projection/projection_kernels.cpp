@@ -9,8 +9,9 @@
 namespace welkin::projection::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::Lanes, simd::Rgb, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kWidth,
-    simd::load_rgb, simd::load_rgba, simd::load_widened;
+using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kNarrowWidth, simd::kWidth,
+    simd::Lanes, simd::load_rgb, simd::load_rgba, simd::load_widened, simd::NarrowLanes, simd::Pair, simd::Rgb,
+    simd::sum;
 
 constexpr int kClassesOfQuadrants = 4;
 constexpr int kClassesOfHalves = 2;
@@ -104,13 +105,9 @@ void fold_halves(const void* first, const void* second, const FetchAhead& ahead,
 /// sums[k] += lanes[k] + lanes[k + 8]: that sum in float, the addition to `sums` in double.
 WELKIN_INLINE void add_to_double_lanes(const float* lanes, double* sums) {
   alignas(64) float halves[kSumLanes];
-#if defined(__AVX512F__)
-  _mm256_store_ps(halves, _mm256_add_ps(_mm256_load_ps(lanes), _mm256_load_ps(lanes + kSumLanes)));
-#else
-  for (int k = 0; k < kSumLanes; k += kWidth) {
-    (Lanes::load_aligned(lanes + k) + Lanes::load_aligned(lanes + k + kSumLanes)).store_aligned(halves + k);
+  for (int k = 0; k < kSumLanes; k += kNarrowWidth) {
+    (NarrowLanes::load_aligned(lanes + k) + NarrowLanes::load_aligned(lanes + k + kSumLanes)).store_aligned(halves + k);
   }
-#endif
   for (int k = 0; k < kSumLanes; k += kDoubleWidth) {
     (DoubleLanes::load_aligned(sums + k) + load_widened(halves + k)).store_aligned(sums + k);
   }
@@ -245,10 +242,9 @@ void weighted_sums(const float* planes, int class_count, const float* weights, c
 void fold_sum_lanes(const double* lanes, int count, double* sums) {
   // Two lanes at a time is all that is left to do side by side; every build does it in these registers.
   for (int i = 0; i < count; ++i, lanes += kSumLanes) {
-    const __m128d even = _mm_add_pd(_mm_loadu_pd(lanes), _mm_loadu_pd(lanes + 4));
-    const __m128d odd = _mm_add_pd(_mm_loadu_pd(lanes + 2), _mm_loadu_pd(lanes + 6));
-    const __m128d both = _mm_add_pd(even, odd);
-    sums[i] = _mm_cvtsd_f64(_mm_add_sd(both, _mm_unpackhi_pd(both, both)));
+    const Pair even = Pair::load_unaligned(lanes) + Pair::load_unaligned(lanes + 4);
+    const Pair odd = Pair::load_unaligned(lanes + 2) + Pair::load_unaligned(lanes + 6);
+    sums[i] = sum(even + odd);
   }
 }
 

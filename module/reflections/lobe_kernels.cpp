@@ -6,7 +6,7 @@
 namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
-using simd::Lanes, simd::kWidth;
+using simd::kWidth, simd::Lanes;
 
 /// 0, 1, 2, ...
 WELKIN_INLINE Lanes counting() {

@@ -5,9 +5,9 @@
 namespace welkin::sky::WELKIN_ISA {
 namespace {
 
-using simd::Architecture, simd::Lanes, simd::kLanes, simd::kWidth;
+using simd::kLanes, simd::kWidth, simd::Lanes, simd::Quad;
 
-using Indices = xsimd::batch<std::int32_t, Architecture>;
+using Indices = xsimd::batch<std::int32_t, Lanes::arch_type>;
 
 WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
 /// A place among nodes: the one below, and the fraction towards the next.
@@ -22,9 +22,7 @@ WELKIN_INLINE Place place_among(Lanes position, int nodes) {
   return {node, inside - xsimd::to_float(node)};
 }
 
-WELKIN_INLINE __m128 between(__m128 low, __m128 high, __m128 fraction) {
-  return _mm_add_ps(low, _mm_mul_ps(fraction, _mm_sub_ps(high, low)));
-}
+WELKIN_INLINE Quad between(Quad low, Quad high, Quad fraction) { return low + fraction * (high - low); }
 
 /// Four channels' weights, again and again.
 struct Repeated {
@@ -80,11 +78,11 @@ WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
 }
 
 /// Four channels at a place of a row.
-WELKIN_INLINE __m128 colour_at(const float* row, std::int32_t node, __m128 fraction) {
-  return between(_mm_loadu_ps(row + 4 * node), _mm_loadu_ps(row + 4 * node + 4), fraction);
+WELKIN_INLINE Quad colour_at(const float* row, std::int32_t node, Quad fraction) {
+  return between(Quad::load_unaligned(row + 4 * node), Quad::load_unaligned(row + 4 * node + 4), fraction);
 }
 
-WELKIN_INLINE void add_to(float* sum, __m128 value) { _mm_storeu_ps(sum, _mm_add_ps(_mm_loadu_ps(sum), value)); }
+WELKIN_INLINE void add_to(float* sum, Quad value) { (Quad::load_unaligned(sum) + value).store_unaligned(sum); }
 
 // Places are computed across texels; then each texel takes its four channels with one load a node, which beats
 // gathering them channel by channel on every instruction set.
@@ -93,8 +91,8 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
   alignas(64) std::int32_t node[kWidth];
   alignas(64) float fraction[kWidth];
   alignas(64) float shares[kWidth];
-  const __m128 rayleigh = _mm_set1_ps(sample.rayleigh);
-  const __m128 aerosol = _mm_set1_ps(sample.aerosol);
+  const Quad rayleigh(sample.rayleigh);
+  const Quad aerosol(sample.aerosol);
   for (int i = 0; i < suns.count; i += kWidth) {
     const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
     const Lanes above = mu - Lanes(sample.horizon);
@@ -106,9 +104,9 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
     place.fraction.store_aligned(fraction);
     for (int k = 0; k < kWidth; ++k) {
       if (shares[k] == 0.0F) continue;
-      const __m128 light = _mm_mul_ps(_mm_set1_ps(shares[k]), colour_at(slice, node[k], _mm_set1_ps(fraction[k])));
-      add_to(sums + 8 * (i + k), _mm_mul_ps(rayleigh, light));
-      add_to(sums + 8 * (i + k) + 4, _mm_mul_ps(aerosol, light));
+      const Quad light = Quad(shares[k]) * colour_at(slice, node[k], Quad(fraction[k]));
+      add_to(sums + 8 * (i + k), rayleigh * light);
+      add_to(sums + 8 * (i + k) + 4, aerosol * light);
     }
   }
 }
@@ -129,10 +127,10 @@ void add_source(const SourceSample& sample, const SunAxis& axis, int size, int n
     (Indices::load_unaligned(suns.row + i) + place.node).store_aligned(node);
     place.fraction.store_aligned(fraction);
     for (int k = 0; k < kWidth; ++k) {
-      const __m128 along = _mm_set1_ps(fraction[k]);
-      const __m128 low = colour_at(picture, node[k], along);
-      const __m128 high = colour_at(picture, node[k] + next_row, along);
-      add_to(sums + 4 * (i + k), between(low, high, _mm_set1_ps(suns.row_fraction[i + k])));
+      const Quad along(fraction[k]);
+      const Quad low = colour_at(picture, node[k], along);
+      const Quad high = colour_at(picture, node[k] + next_row, along);
+      add_to(sums + 4 * (i + k), between(low, high, Quad(suns.row_fraction[i + k])));
     }
   }
 }

@@ -7,7 +7,8 @@
 namespace welkin::sky::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kLanes, simd::kWidth;
+using simd::DoubleLanes, simd::kDoubleWidth, simd::kLanes, simd::kNarrowWidth, simd::kWidth, simd::Lanes,
+    simd::NarrowLanes;
 
 constexpr double kPi = 3.14159265358979324;
 constexpr double kTiny = 1e-300;  // below any number that matters, above what divides to infinity
@@ -141,45 +142,35 @@ WELKIN_INLINE CubicTaps taps_at(double position, int count) {
 
 /// A row in registers.
 struct Row {
-#if defined(__AVX__)
-  __m256 all;
-#else
-  __m128 low, high;
-#endif
+  static constexpr int kRegisters = kSkyRow / kNarrowWidth;
+  NarrowLanes part[kRegisters];
 };
 
-#if defined(__AVX__)
-WELKIN_INLINE Row nothing() { return {_mm256_setzero_ps()}; }
-WELKIN_INLINE Row load_row(const float* row) { return {_mm256_loadu_ps(row)}; }
+WELKIN_INLINE Row nothing() {
+  Row row;
+  for (NarrowLanes& part : row.part) part = NarrowLanes(0.0F);
+  return row;
+}
+WELKIN_INLINE Row load_row(const float* from) {
+  Row row;
+  for (int i = 0; i < Row::kRegisters; ++i) row.part[i] = NarrowLanes::load_unaligned(from + i * kNarrowWidth);
+  return row;
+}
 WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
-  return {_mm256_add_ps(sum.all, _mm256_mul_ps(_mm256_set1_ps(weight), row.all))};
+  for (int i = 0; i < Row::kRegisters; ++i) sum.part[i] = sum.part[i] + NarrowLanes(weight) * row.part[i];
+  return sum;
 }
 WELKIN_INLINE Row limited(Row row, Row a, Row b) {
-  const __m256 least = _mm256_mul_ps(_mm256_set1_ps(kLeast), _mm256_min_ps(a.all, b.all));
-  const __m256 most = _mm256_mul_ps(_mm256_set1_ps(kMost), _mm256_max_ps(a.all, b.all));
-  return {_mm256_min_ps(_mm256_max_ps(row.all, least), most)};
-}
-WELKIN_INLINE void store_row(Row row, float* to) { _mm256_storeu_ps(to, row.all); }
-#else
-WELKIN_INLINE Row nothing() { return {_mm_setzero_ps(), _mm_setzero_ps()}; }
-WELKIN_INLINE Row load_row(const float* row) { return {_mm_loadu_ps(row), _mm_loadu_ps(row + 4)}; }
-WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
-  const __m128 factor = _mm_set1_ps(weight);
-  return {_mm_add_ps(sum.low, _mm_mul_ps(factor, row.low)), _mm_add_ps(sum.high, _mm_mul_ps(factor, row.high))};
-}
-WELKIN_INLINE __m128 limited(__m128 value, __m128 a, __m128 b) {
-  const __m128 least = _mm_mul_ps(_mm_set1_ps(kLeast), _mm_min_ps(a, b));
-  const __m128 most = _mm_mul_ps(_mm_set1_ps(kMost), _mm_max_ps(a, b));
-  return _mm_min_ps(_mm_max_ps(value, least), most);
-}
-WELKIN_INLINE Row limited(Row row, Row a, Row b) {
-  return {limited(row.low, a.low, b.low), limited(row.high, a.high, b.high)};
+  for (int i = 0; i < Row::kRegisters; ++i) {
+    const NarrowLanes least = NarrowLanes(kLeast) * xsimd::min(a.part[i], b.part[i]);
+    const NarrowLanes most = NarrowLanes(kMost) * xsimd::max(a.part[i], b.part[i]);
+    row.part[i] = xsimd::min(xsimd::max(row.part[i], least), most);
+  }
+  return row;
 }
 WELKIN_INLINE void store_row(Row row, float* to) {
-  _mm_storeu_ps(to, row.low);
-  _mm_storeu_ps(to + 4, row.high);
+  for (int i = 0; i < Row::kRegisters; ++i) row.part[i].store_unaligned(to + i * kNarrowWidth);
 }
-#endif
 
 /// Of four rows the weighted sum, within reach of the two in the middle of which the position lies.
 WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {

@@ -5,7 +5,7 @@
 namespace welkin::transforms::WELKIN_ISA {
 namespace {
 
-using simd::Lanes, simd::kWidth;
+using simd::Block, simd::kBlock, simd::kWidth, simd::Lanes, simd::transpose;
 
 struct Complex {
   Lanes re, im;
@@ -344,84 +344,27 @@ WELKIN_INLINE float* place_of(float* planes, int width, int index) {
   return planes + std::ptrdiff_t{kComplexFloats} * (std::ptrdiff_t{index % 3} * width + index / 3);
 }
 
-#if defined(__AVX512F__)
-constexpr int kBlock = 16;  // floats of each row that are transposed together, and lanes
-
-struct Block {
-  __m512 row[kBlock];
-};
-
-WELKIN_INLINE void transpose(Block& block) {
-  __m512 pairs[kBlock];
-  for (int i = 0; i < kBlock; i += 4) {
-    const __m512 ab_low = _mm512_unpacklo_ps(block.row[i], block.row[i + 1]);
-    const __m512 ab_high = _mm512_unpackhi_ps(block.row[i], block.row[i + 1]);
-    const __m512 cd_low = _mm512_unpacklo_ps(block.row[i + 2], block.row[i + 3]);
-    const __m512 cd_high = _mm512_unpackhi_ps(block.row[i + 2], block.row[i + 3]);
-    const auto join = [](__m512 a, __m512 b, bool high) WELKIN_INLINE_LAMBDA {
-      const __m512d x = _mm512_castps_pd(a);
-      const __m512d y = _mm512_castps_pd(b);
-      return _mm512_castpd_ps(high ? _mm512_unpackhi_pd(x, y) : _mm512_unpacklo_pd(x, y));
-    };
-    pairs[i] = join(ab_low, cd_low, false);  // block b of pairs[i + c]: column 4b + c of rows i to i + 3
-    pairs[i + 1] = join(ab_low, cd_low, true);
-    pairs[i + 2] = join(ab_high, cd_high, false);
-    pairs[i + 3] = join(ab_high, cd_high, true);
-  }
-  for (int c = 0; c < 4; ++c) {
-    const __m512 low01 = _mm512_shuffle_f32x4(pairs[c], pairs[4 + c], 0x44);
-    const __m512 high01 = _mm512_shuffle_f32x4(pairs[c], pairs[4 + c], 0xEE);
-    const __m512 low23 = _mm512_shuffle_f32x4(pairs[8 + c], pairs[12 + c], 0x44);
-    const __m512 high23 = _mm512_shuffle_f32x4(pairs[8 + c], pairs[12 + c], 0xEE);
-    block.row[c] = _mm512_shuffle_f32x4(low01, low23, 0x88);
-    block.row[4 + c] = _mm512_shuffle_f32x4(low01, low23, 0xDD);
-    block.row[8 + c] = _mm512_shuffle_f32x4(high01, high23, 0x88);
-    block.row[12 + c] = _mm512_shuffle_f32x4(high01, high23, 0xDD);
-  }
-}
-WELKIN_INLINE __m512 load_row(const float* from) { return _mm512_loadu_ps(from); }
-WELKIN_INLINE void store_lanes(__m512 value, float* to) { _mm512_store_ps(to, value); }
-WELKIN_INLINE void store_row(__m512 value, float* to) { _mm512_storeu_ps(to, value); }
-WELKIN_INLINE __m512 sum(__m512 a, __m512 b) { return _mm512_add_ps(a, b); }
-WELKIN_INLINE __m512 difference(__m512 a, __m512 b) { return _mm512_sub_ps(a, b); }
-WELKIN_INLINE __m512 zero() { return _mm512_setzero_ps(); }
-#else
-constexpr int kBlock = 4;
-
-struct Block {
-  __m128 row[kBlock];
-};
-
-WELKIN_INLINE void transpose(Block& block) {
-  _MM_TRANSPOSE4_PS(block.row[0], block.row[1], block.row[2], block.row[3]);
-}
-WELKIN_INLINE __m128 load_row(const float* from) { return _mm_loadu_ps(from); }
-WELKIN_INLINE void store_lanes(__m128 value, float* to) { _mm_store_ps(to, value); }
-WELKIN_INLINE void store_row(__m128 value, float* to) { _mm_storeu_ps(to, value); }
-WELKIN_INLINE __m128 sum(__m128 a, __m128 b) { return _mm_add_ps(a, b); }
-WELKIN_INLINE __m128 difference(__m128 a, __m128 b) { return _mm_sub_ps(a, b); }
-WELKIN_INLINE __m128 zero() { return _mm_setzero_ps(); }
-#endif
-
 void load_row_quads(const RowQuads& rows, int width, float* planes) {
   const int floats = 3 * width;
   const int whole = floats - floats % kBlock;
   for (int index = 0; index < whole; index += kBlock) {
     for (int lane = 0; lane < kRingLanes; lane += kBlock) {
-      Block even;
-      Block odd;
+      Block even[kBlock];
+      Block odd[kBlock];
       for (int k = 0; k < kBlock; ++k) {
-        const auto north = difference(load_row(rows.a[lane + k] + index), load_row(rows.b[lane + k] + index));
-        const auto south = difference(load_row(rows.c[lane + k] + index), load_row(rows.d[lane + k] + index));
-        even.row[k] = sum(north, south);
-        odd.row[k] = difference(north, south);
+        const Block north =
+            Block::load_unaligned(rows.a[lane + k] + index) - Block::load_unaligned(rows.b[lane + k] + index);
+        const Block south =
+            Block::load_unaligned(rows.c[lane + k] + index) - Block::load_unaligned(rows.d[lane + k] + index);
+        even[k] = north + south;
+        odd[k] = north - south;
       }
       transpose(even);
       transpose(odd);
       for (int k = 0; k < kBlock; ++k) {
         float* const to = place_of(planes, width, index + k) + lane;
-        store_lanes(even.row[k], to);
-        store_lanes(odd.row[k], to + kRingLanes);
+        even[k].store_aligned(to);
+        odd[k].store_aligned(to + kRingLanes);
       }
     }
   }
@@ -443,17 +386,17 @@ void store_rings(const float* red, const float* green, const float* blue, int wi
     float* const* const to = half == 0 ? rows.north : rows.south;
     for (int column = 0; column < whole; column += texels) {
       for (int lane = 0; lane < kRingLanes; lane += kBlock) {
-        Block block;
+        Block block[kBlock];
         for (int t = 0; t < texels; ++t) {
           const std::ptrdiff_t at = std::ptrdiff_t{kComplexFloats} * (column + t) + half * kRingLanes + lane;
-          block.row[4 * t] = load_row(red + at);
-          block.row[4 * t + 1] = load_row(green + at);
-          block.row[4 * t + 2] = load_row(blue + at);
-          block.row[4 * t + 3] = zero();
+          block[4 * t] = Block::load_unaligned(red + at);
+          block[4 * t + 1] = Block::load_unaligned(green + at);
+          block[4 * t + 2] = Block::load_unaligned(blue + at);
+          block[4 * t + 3] = Block(0.0F);
         }
         transpose(block);
         for (int k = 0; k < kBlock; ++k) {
-          if (to[lane + k] != nullptr) store_row(block.row[k], to[lane + k] + std::ptrdiff_t{4} * column);
+          if (to[lane + k] != nullptr) block[k].store_unaligned(to[lane + k] + std::ptrdiff_t{4} * column);
         }
       }
     }

@@ -8,19 +8,10 @@
 namespace welkin::transforms::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::Lanes, simd::kDoubleWidth, simd::kWidth;
+using simd::Block, simd::DoubleLanes, simd::kBlock, simd::kDoubleWidth, simd::kWidth, simd::Lanes, simd::narrow,
+    simd::sum_rows;
 
 constexpr int kNumbers = 6;  // three channels, real and imaginary
-
-WELKIN_INLINE Lanes narrow(DoubleLanes low, DoubleLanes high) {
-#if defined(__AVX512F__)
-  return Lanes(_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1));
-#elif defined(__AVX2__)
-  return Lanes(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1));
-#else
-  return Lanes(_mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high)));
-#endif
-}
 
 /// Two consecutive degrees, for as many rings as a register has floats, in double. `at`: [2][kRingLanes].
 struct DoubleState {
@@ -116,44 +107,11 @@ struct Sums<0> {
 
 /// sums[i] += the 16 lanes of row i: lanes k and k + 8 first, then k and k + 4, k + 2, k + 1. 16 rows.
 WELKIN_INLINE void add_folded(const float* rows, float* sums) {
-#if defined(__AVX512F__)
-  const auto quarter = [&](int first) WELKIN_INLINE_LAMBDA {  // 4 rows, 4 lanes left of each
-    const __m512 a = _mm512_load_ps(rows + first * kRingLanes);
-    const __m512 b = _mm512_load_ps(rows + (first + 1) * kRingLanes);
-    const __m512 c = _mm512_load_ps(rows + (first + 2) * kRingLanes);
-    const __m512 d = _mm512_load_ps(rows + (first + 3) * kRingLanes);
-    const __m512 ab = _mm512_add_ps(_mm512_shuffle_f32x4(a, b, 0x44), _mm512_shuffle_f32x4(a, b, 0xEE));
-    const __m512 cd = _mm512_add_ps(_mm512_shuffle_f32x4(c, d, 0x44), _mm512_shuffle_f32x4(c, d, 0xEE));
-    return _mm512_add_ps(_mm512_shuffle_f32x4(ab, cd, 0x88), _mm512_shuffle_f32x4(ab, cd, 0xDD));
-  };
-  // Block b of quarter i is row 4i + b. Interleaving the quarters brings the same lane of four rows together.
-  const __m512 q0 = quarter(0);
-  const __m512 q1 = quarter(4);
-  const __m512 q2 = quarter(8);
-  const __m512 q3 = quarter(12);
-  const __m512 s02 = _mm512_add_ps(_mm512_unpacklo_ps(q0, q2), _mm512_unpackhi_ps(q0, q2));  // lanes 0+2 | 1+3
-  const __m512 s13 = _mm512_add_ps(_mm512_unpacklo_ps(q1, q3), _mm512_unpackhi_ps(q1, q3));
-  const __m512 folded = _mm512_add_ps(_mm512_unpacklo_ps(s02, s13), _mm512_unpackhi_ps(s02, s13));
-  // Element i of block b is row 4i + b.
-  const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
-  const __m512 in_order = _mm512_permutexvar_ps(order, folded);
-  _mm512_store_ps(sums, _mm512_add_ps(_mm512_load_ps(sums), in_order));
-#else
-  const auto row_lanes = [&](int row) WELKIN_INLINE_LAMBDA {
-    const float* const r = rows + row * kRingLanes;
-    return _mm_add_ps(_mm_add_ps(_mm_load_ps(r), _mm_load_ps(r + 8)),
-                      _mm_add_ps(_mm_load_ps(r + 4), _mm_load_ps(r + 12)));
-  };
-  for (int row = 0; row < 16; row += 4) {
-    __m128 a = row_lanes(row);
-    __m128 b = row_lanes(row + 1);
-    __m128 c = row_lanes(row + 2);
-    __m128 d = row_lanes(row + 3);
-    _MM_TRANSPOSE4_PS(a, b, c, d);
-    const __m128 folded = _mm_add_ps(_mm_add_ps(a, c), _mm_add_ps(b, d));
-    _mm_store_ps(sums + row, _mm_add_ps(_mm_load_ps(sums + row), folded));
+  for (int row = 0; row < 16; row += kBlock) {
+    Block sums_of_rows;
+    sum_rows(rows + row * kRingLanes, sums_of_rows);
+    (Block::load_aligned(sums + row) + sums_of_rows).store_aligned(sums + row);
   }
-#endif
 }
 
 constexpr int kStateDoubles = 2 * kRingLanes;

@@ -1,0 +1,92 @@
+// SSE2, the baseline of x86-64: 4 floats a register. What these names mean is said in vec.h.
+#pragma once
+
+#include "simd/vec_x86.h"
+
+namespace welkin::simd {
+inline namespace WELKIN_ISA {
+
+using Lanes = Quad;
+using DoubleLanes = Pair;
+using NarrowLanes = Lanes;
+using Block = Quad;
+
+using Rgb = RgbOf<Lanes>;
+using Texels = TexelsOf<Lanes>;
+
+namespace detail {
+
+template <bool reversed>
+WELKIN_INLINE Lanes ordered(__m128 v) {
+  return Lanes(reversed ? _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 1, 2, 3)) : v);
+}
+
+template <bool reversed>
+WELKIN_INLINE Rgb rgb_from_packed(__m128 v0, __m128 v1, __m128 v2) {
+  // v0 = r0 g0 b0 r1, v1 = g1 b1 r2 g2, v2 = b2 r3 g3 b3
+  const __m128 r2r3 = _mm_shuffle_ps(v1, v2, _MM_SHUFFLE(1, 1, 2, 2));
+  const __m128 g0g1 = _mm_shuffle_ps(v0, v1, _MM_SHUFFLE(0, 0, 1, 1));
+  const __m128 g2g3 = _mm_shuffle_ps(v1, v2, _MM_SHUFFLE(2, 2, 3, 3));
+  const __m128 b0b1 = _mm_shuffle_ps(v0, v1, _MM_SHUFFLE(1, 1, 2, 2));
+  return {ordered<reversed>(_mm_shuffle_ps(v0, r2r3, _MM_SHUFFLE(2, 0, 3, 0))),
+          ordered<reversed>(_mm_shuffle_ps(g0g1, g2g3, _MM_SHUFFLE(2, 0, 2, 0))),
+          ordered<reversed>(_mm_shuffle_ps(b0b1, v2, _MM_SHUFFLE(3, 0, 2, 0)))};
+}
+
+template <bool reversed>
+WELKIN_INLINE Rgb rgb_from_rgba(__m128 v0, __m128 v1, __m128 v2, __m128 v3) {
+  const __m128 rg_low = _mm_unpacklo_ps(v0, v1);
+  const __m128 rg_high = _mm_unpacklo_ps(v2, v3);
+  const __m128 b_low = _mm_unpackhi_ps(v0, v1);
+  const __m128 b_high = _mm_unpackhi_ps(v2, v3);
+  return {ordered<reversed>(_mm_movelh_ps(rg_low, rg_high)), ordered<reversed>(_mm_movehl_ps(rg_high, rg_low)),
+          ordered<reversed>(_mm_movelh_ps(b_low, b_high))};
+}
+
+WELKIN_INLINE __m128 load(const float* p) { return _mm_loadu_ps(p); }
+
+/// Four binary16 values, exactly: exponent and mantissa moved to their places are the value times 2^-112
+/// (denormals too), and a multiplication by a power of two is exact. Infinities and NaNs get theirs back.
+WELKIN_INLINE __m128 load(const std::uint16_t* p) {
+  const __m128i half = _mm_unpacklo_epi16(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)), _mm_setzero_si128());
+  const __m128i magnitude = _mm_and_si128(half, _mm_set1_epi32(0x7FFF));
+  const __m128i sign = _mm_slli_epi32(_mm_and_si128(half, _mm_set1_epi32(0x8000)), 16);
+  const __m128 scaled =
+      _mm_mul_ps(_mm_castsi128_ps(_mm_slli_epi32(magnitude, 13)), _mm_castsi128_ps(_mm_set1_epi32(0x77800000)));
+  const __m128i special = _mm_and_si128(_mm_cmpgt_epi32(magnitude, _mm_set1_epi32(0x7BFF)), _mm_set1_epi32(0x7F800000));
+  return _mm_or_ps(scaled, _mm_castsi128_ps(_mm_or_si128(sign, special)));
+}
+
+}  // namespace detail
+
+WELKIN_INLINE DoubleLanes load_widened(const float* first) {
+  return DoubleLanes(_mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(first)))));
+}
+
+WELKIN_INLINE Lanes narrow(DoubleLanes low, DoubleLanes high) {
+  return Lanes(_mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high)));
+}
+
+WELKIN_INLINE Texels repeated(const float* texel) {
+  const Lanes one = Lanes::load_unaligned(texel);
+  return {one, one, one, one};
+}
+
+template <bool reversed = false>
+WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
+  Texels result;
+  for (int k = 0; k < 4; ++k) result.part[k] = texels.part[k] * Lanes(weights[reversed ? 3 - k : k]);
+  return result;
+}
+
+WELKIN_INLINE Quad folded(const Texels& texels) {
+  return (texels.part[0] + texels.part[2]) + (texels.part[1] + texels.part[3]);
+}
+
+WELKIN_INLINE bool no_bit_set(const Texels& texels) {
+  const __m128 bits = (texels.part[0] | texels.part[1]) | (texels.part[2] | texels.part[3]);
+  return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(bits), _mm_setzero_si128())) == 0xFFFF;
+}
+
+}  // namespace WELKIN_ISA
+}  // namespace welkin::simd

@@ -1,0 +1,72 @@
+// What the x86 instruction sets have in common: registers of 128 bits, and fetching ahead. Included by vec_*.h.
+#pragma once
+
+#include <immintrin.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <xsimd/xsimd.hpp>
+
+#include "platform/compiler.h"
+#include "simd/dispatch.h"
+
+namespace welkin::simd {
+inline namespace WELKIN_ISA {
+
+/// Four floats and two doubles, with which every build works alike where no more can be done side by side.
+using Quad = xsimd::batch<float, xsimd::sse2>;
+using Pair = xsimd::batch<double, xsimd::sse2>;
+
+/// One register for each channel.
+template <class Register>
+struct RgbOf {
+  Register red, green, blue;
+};
+
+/// Four texels of four floats side by side: the 16 logical lanes.
+template <class Register>
+struct TexelsOf {
+  Register part[static_cast<std::size_t>(kLanes) / Register::size];
+};
+
+/// Asks for the line-th cache line after an address; no address is wrong.
+WELKIN_INLINE void fetch_line(const char* address, int line) {
+  constexpr int line_bytes = 64;
+  _mm_prefetch(address + static_cast<std::ptrdiff_t>(line) * line_bytes, _MM_HINT_T0);
+}
+
+/// The first double plus the second.
+WELKIN_INLINE double sum(Pair values) { return _mm_cvtsd_f64(_mm_add_sd(values, _mm_unpackhi_pd(values, values))); }
+
+/// The first three of four floats.
+WELKIN_INLINE void store_rgb(Quad values, float* rgb) {
+  _mm_storel_pi(reinterpret_cast<__m64*>(rgb), values);
+  _mm_store_ss(rgb + 2, _mm_movehl_ps(values, values));
+}
+
+WELKIN_INLINE void transpose(Quad (&rows)[4]) {
+  __m128 a = rows[0];
+  __m128 b = rows[1];
+  __m128 c = rows[2];
+  __m128 d = rows[3];
+  _MM_TRANSPOSE4_PS(a, b, c, d);
+  rows[0] = Quad(a);
+  rows[1] = Quad(b);
+  rows[2] = Quad(c);
+  rows[3] = Quad(d);
+}
+
+/// sums = the 16 lanes of each of four rows: lanes k and k + 8 first, then k and k + 4, k + 2, k + 1.
+WELKIN_INLINE void sum_rows(const float* rows, Quad& sums) {
+  const auto row_lanes = [&](int row) WELKIN_INLINE_LAMBDA {
+    const float* const r = rows + row * kLanes;
+    return (Quad::load_aligned(r) + Quad::load_aligned(r + 8)) +
+           (Quad::load_aligned(r + 4) + Quad::load_aligned(r + 12));
+  };
+  Quad four[4] = {row_lanes(0), row_lanes(1), row_lanes(2), row_lanes(3)};
+  transpose(four);
+  sums = (four[0] + four[2]) + (four[1] + four[3]);
+}
+
+}  // namespace WELKIN_ISA
+}  // namespace welkin::simd
