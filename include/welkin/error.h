@@ -14,7 +14,7 @@ enum class ErrorCode {
   rejected_pixel,    ///< a texel that the caller's policy rejects; the message names face, row and column
   file_access,       ///< a file that cannot be opened, read or written
   corrupt_file,      ///< a file that breaks its own format, or ends too early
-  unsupported_file,  ///< a sound file of a kind that Welkin does not read, or whose layout it cannot tell
+  unsupported_file,  ///< a sound file of a kind that Welkin (so built) does not read, or whose layout is unclear
   limit_exceeded,    ///< a file or request that would need more memory than the stated limit
   cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
   replaced,          ///< a newer request with the same key took this job's place

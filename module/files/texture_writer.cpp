@@ -66,7 +66,7 @@ void check_options(const std::filesystem::path& path, const Container& container
     refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
   }
   if (options.supercompression != Supercompression::none) {
-    require_codec(codec_of(options.supercompression), path, "leave the supercompression out or use the other one");
+    require_codec(codec_of(options.supercompression), path, "leave the supercompression out");
   }
   for (const auto& [key, value] : options.metadata) {
     const bool reserved = key.starts_with("KTX") || key.starts_with("ktx");
