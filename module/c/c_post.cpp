@@ -41,7 +41,7 @@ class FunctionRequest {
 }  // namespace
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace)
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_post_project_cubemap(welkin_worker* worker, const welkin_cubemap* mips, int32_t mip_count,
                                           const welkin_projection_options* options, const welkin_post_options* post,

@@ -97,7 +97,8 @@ ProjectionOptions projection_options(const welkin_projection_options* options) {
 
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace): entries have no namespace to be in
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers): entries
+                                      // have no namespace to be in
 
 welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_count,
                                      const welkin_projection_options* options, const welkin_control* control,
@@ -173,8 +174,6 @@ SphericalHarmonics read_harmonics(std::int32_t bands, const double* coefficients
 }
 
 }  // namespace welkin::c_interface
-
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace)
 
 welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radiance, double* irradiance) {
   return guarded([&] {

@@ -169,7 +169,7 @@ Control control_of(const welkin_control* control) { return control == nullptr ? 
 
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace)
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 int32_t welkin_control_stop_requested(const welkin_control* control) {
   return control != nullptr && control->control.stop.stop_requested() ? 1 : 0;

@@ -39,7 +39,7 @@ std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {
 }  // namespace
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace)
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_worker_create(const welkin_worker_options* options, welkin_worker** worker) {
   return guarded([&] {
@@ -97,8 +97,6 @@ welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_
     return WELKIN_OK;
   });
 }
-
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace)
 
 namespace {
 

@@ -143,4 +143,17 @@ double turns_of(double y, double x) noexcept {
 
 double arc_sine(double x) noexcept { return turns_of(x, std::sqrt((1.0 - x) * (1.0 + x))) * (2.0 * std::numbers::pi); }
 
+double dot(const std::vector<double>& a, const std::vector<double>& b) noexcept {
+  constexpr std::size_t kSums = 8;
+  double sums[kSums] = {};
+  std::size_t i = 0;
+  for (; i + kSums <= a.size(); i += kSums) {
+    for (std::size_t k = 0; k < kSums; ++k) sums[k] += a[i + k] * b[i + k];
+  }
+  for (std::size_t k = 0; i < a.size(); ++i, ++k) sums[k] += a[i] * b[i];
+  double sum = 0.0;
+  for (const double one : sums) sum += one;
+  return sum;
+}
+
 }  // namespace welkin::math

@@ -1,5 +1,8 @@
-// The exponential function, with the same last bit on every machine.
+// Functions and sums with the same last bit on every machine: exponential, logarithm, sine and cosine and the ways back
+// to the angle, scalar products.
 #pragma once
+
+#include <vector>
 
 namespace welkin::math {
 
@@ -7,13 +10,9 @@ namespace welkin::math {
 /// normal. Uses + - * and the number's own exponent.
 [[nodiscard]] double exponential(double x) noexcept;
 
-// The natural logarithm, with the same last bit on every machine.
-
 /// ln x for finite, normal x > 0. Absolute error below 4e-16 + 2e-16 |ln x|. Uses + - * / and the number's own
 /// exponent.
 [[nodiscard]] double logarithm(double x) noexcept;
-
-// Sine, cosine and the ways back to the angle, with the same last bit on every machine.
 
 struct SineCosine {
   double sine;
@@ -30,5 +29,9 @@ struct SineCosine {
 
 /// Arc sine of 0 <= x <= 1, radians; absolute error below 5e-16. Uses + - * / and square roots.
 [[nodiscard]] double arc_sine(double x) noexcept;
+
+/// Sum of a[i] b[i] over all of `a`, in eight running sums so that the processor need not wait for each; they are added
+/// in order. `b` is at least as long as `a`.
+[[nodiscard]] double dot(const std::vector<double>& a, const std::vector<double>& b) noexcept;
 
 }  // namespace welkin::math

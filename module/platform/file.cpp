@@ -94,7 +94,7 @@ std::optional<std::uint64_t> SharedFile::size() const noexcept {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
-bool SharedFile::read(void* bytes, std::size_t count) noexcept {
+bool SharedFile::read(void* bytes, std::size_t count) const noexcept {
   auto* to = static_cast<std::uint8_t*>(bytes);
   while (count > 0) {
     const ssize_t got = ::read(descriptor_, to, count);
@@ -105,7 +105,7 @@ bool SharedFile::read(void* bytes, std::size_t count) noexcept {
   return true;
 }
 
-void SharedFile::touch() noexcept { static_cast<void>(futimens(descriptor_, nullptr)); }
+void SharedFile::touch() const noexcept { static_cast<void>(futimens(descriptor_, nullptr)); }
 
 namespace {
 

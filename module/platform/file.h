@@ -65,10 +65,10 @@ class SharedFile {
   [[nodiscard]] std::optional<std::uint64_t> size() const noexcept;
 
   /// Reads exactly `count` bytes from where the last read ended. False if the file ends before, or cannot be read.
-  [[nodiscard]] bool read(void* bytes, std::size_t count) noexcept;
+  [[nodiscard]] bool read(void* bytes, std::size_t count) const noexcept;
 
   /// Sets the time of its last change to now, where the system allows it.
-  void touch() noexcept;
+  void touch() const noexcept;
 
  private:
   int descriptor_;

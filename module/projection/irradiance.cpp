@@ -58,7 +58,6 @@ namespace {
 
 constexpr std::size_t kBatch = 512;  ///< normals that are worked on at a time: bounds the memory, 12 MiB of slots
 constexpr std::size_t kMostTiles = 1024;
-constexpr std::size_t kLanes = 8;  ///< sums that run side by side, so that the processor need not wait for each
 
 /// A picture row by row, sanitized, whatever its layout.
 struct Source {
@@ -117,19 +116,6 @@ bool fill_cosines(const projection::CosineTexels& texels, int row, const glm::dv
   return largest > 0.0;
 }
 
-/// Sum of a[i] b[i] in kLanes running sums, which are added in order.
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double lanes[kLanes] = {};
-  std::size_t i = 0;
-  for (; i + kLanes <= a.size(); i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) lanes[k] += a[i + k] * b[i + k];
-  }
-  for (std::size_t k = 0; i < a.size(); ++i, ++k) lanes[k] += a[i] * b[i];
-  double sum = 0.0;
-  for (const double lane : lanes) sum += lane;
-  return sum;
-}
-
 std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
   projection::require_possible(static_cast<std::ptrdiff_t>(normals.size()));
   std::vector<glm::dvec3> units;
@@ -165,7 +151,8 @@ void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, 
       read_row(source, policy, static_cast<int>(row), room, records[tile]);
       for (std::size_t n = 0; n < normals.size(); ++n) {
         if (!fill_cosines(source.texels, static_cast<int>(row), normals[n], room)) continue;
-        slot[n] += glm::dvec3(dot(room.cosine, room.red), dot(room.cosine, room.green), dot(room.cosine, room.blue));
+        slot[n] += glm::dvec3(math::dot(room.cosine, room.red), math::dot(room.cosine, room.green),
+                              math::dot(room.cosine, room.blue));
       }
     }
   });

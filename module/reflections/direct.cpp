@@ -24,7 +24,6 @@ namespace {
 
 constexpr std::size_t kBatch = 512;  ///< directions at a time: bounds the memory, 12 MiB of slots
 constexpr std::size_t kMostTiles = 1024;
-constexpr std::size_t kLanes = 8;  ///< sums side by side, so that the processor need not wait for each
 
 /// One worker's room.
 struct Scratch {
@@ -35,18 +34,6 @@ struct Scratch {
   std::vector<double> integrals;
   std::vector<double> red, green, blue;
 };
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double lanes[kLanes] = {};
-  std::size_t i = 0;
-  for (; i + kLanes <= a.size(); i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) lanes[k] += a[i + k] * b[i + k];
-  }
-  for (std::size_t k = 0; i < a.size(); ++i, ++k) lanes[k] += a[i] * b[i];
-  double sum = 0.0;
-  for (const double lane : lanes) sum += lane;
-  return sum;
-}
 
 void integrate_batch(const projection::SanitizedSource& source, const LobeTexels& texels, double alpha,
                      std::span<const glm::dvec3> directions, const Control& control, std::vector<glm::dvec3>& result) {
@@ -73,8 +60,8 @@ void integrate_batch(const projection::SanitizedSource& source, const LobeTexels
       for (std::size_t n = 0; n < directions.size(); ++n) {
         if (!fill_lobe_integrals(texels, static_cast<int>(row), room.centres, directions[n], alpha, room.integrals))
           continue;
-        slot[n] +=
-            glm::dvec3(dot(room.integrals, room.red), dot(room.integrals, room.green), dot(room.integrals, room.blue));
+        slot[n] += glm::dvec3(math::dot(room.integrals, room.red), math::dot(room.integrals, room.green),
+                              math::dot(room.integrals, room.blue));
       }
     }
   });

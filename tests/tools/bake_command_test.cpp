@@ -574,7 +574,7 @@ TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
   CHECK(examples >= 8);
 }
 
-TEST_CASE("--sky names the built-in sky, which no input names too; together with an input it is refused",
+TEST_CASE("bake --sky names the built-in sky, which no input names too; together with an input it is refused",
           "[command][bake]") {
   const TemporaryFolder folder;
   const std::string small = " --size 8 --irradiance 8 --brdf 8 --formats ktx2 --no-previews";

@@ -84,7 +84,7 @@ TEST_CASE("info: a table for a person", "[tools]") {
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (const char* part : {"16 x 8", "lat-long", "PFM", "1 NaN", "1 infinite value", "1 negative value",
-                           "column 4, row 3", "degrees up", "integral over the sphere"}) {
+                           "column 4, row 3", "degrees up", "integral of radiance over the sphere"}) {
     INFO(part);
     CHECK(contains(result.output, part));
   }
