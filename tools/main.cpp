@@ -61,7 +61,7 @@ ExitCode run_report(const std::vector<std::string>& arguments) {
 }  // namespace welkin::tool
 
 int main(int count, char** words) {
-  using namespace welkin::tool;
+  using welkin::tool::kReport, welkin::tool::run_program, welkin::tool::run_report, welkin::tool::welkin_program;
   const std::vector<std::string> arguments(words + 1, words + count);
   if (!arguments.empty() && arguments.front() == kReport) return run_report({arguments.begin() + 1, arguments.end()});
   return run_program(welkin_program(), arguments);

@@ -328,7 +328,7 @@ Command report_command() {
 }  // namespace welkin::tool
 
 int main(int count, char** words) {
-  using namespace welkin::tool;
+  using welkin::tool::report_command, welkin::tool::run_guarded, welkin::tool::run_program;
   std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
   arguments.insert(arguments.end(), words + 1, words + count);
   return run_guarded([&] { return run_program({"", "", {report_command()}}, arguments); });
