@@ -97,8 +97,8 @@ ProjectionOptions projection_options(const welkin_projection_options* options) {
 
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers): entries
-                                      // have no namespace to be in
+// Entries of C have no namespace to be in.
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_count,
                                      const welkin_projection_options* options, const welkin_control* control,

@@ -38,7 +38,8 @@ ReadOptions file_options(const welkin_read_options* options) {
 }  // namespace
 }  // namespace welkin::c_interface
 
-using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers): entries have no namespace to be in
+// Entries of C have no namespace to be in.
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_project_file(const char* path, const welkin_read_options* read_options,
                                   const welkin_projection_options* options, const welkin_control* control,

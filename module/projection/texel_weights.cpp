@@ -145,7 +145,6 @@ void TexelWeights::copy_row(int row, int first_column, int count, float* weights
 
 namespace {
 
-
 constexpr int kTargetStride = kChunk + kLanes;  // a chunk's columns touch at most kChunk + 1 cells
 constexpr double kY00 = 0.28209479177387814;    // sqrt(1 / 4 pi)
 
