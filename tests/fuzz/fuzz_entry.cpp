@@ -58,7 +58,8 @@ void decode_all(ByteSpan payload) {
   reader.get(second);
   const int bands = static_cast<int>(std::clamp<std::uint64_t>(first, 1, welkin::kMaximumBands));
   const int size = static_cast<int>(std::clamp<std::uint64_t>(first, 1, 4096));
-  const int levels = static_cast<int>(std::clamp<std::uint64_t>(second, 1, welkin::full_chain_levels(size)));
+  const int levels = static_cast<int>(
+      std::clamp<std::uint64_t>(second, 1, static_cast<std::uint64_t>(welkin::full_chain_levels(size))));
   const int root = static_cast<int>(std::sqrt(static_cast<double>(std::min<std::uint64_t>(first, 1024))));
   const int functions_bands = std::clamp(root, 1, welkin::kMaximumBands);
   const auto plain = [](const auto& value) { return encode(value); };
