@@ -1,6 +1,11 @@
 # What an installed Welkin is: headers, libraries, CMake and pkg-config files, the licence.
 include(CMakePackageConfigHelpers)
 
+# What the C++ compiler links that the C compiler does not: a static library in a program of C needs it.
+set(welkin_runtime_libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+list(REMOVE_ITEM welkin_runtime_libraries ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
+list(REMOVE_DUPLICATES welkin_runtime_libraries)
+
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/welkin)
 set(left_out)
 if(NOT WELKIN_FILES)
@@ -35,7 +40,9 @@ endif()
 if(BUILD_SHARED_LIBS)
   set(welkin_link "-lwelkin")
 else()
-  set(welkin_core_link " -lstdc++ -lm -pthread")
+  list(TRANSFORM welkin_runtime_libraries PREPEND "-l" OUTPUT_VARIABLE runtime)
+  list(JOIN runtime " " runtime)
+  set(welkin_core_link " ${runtime} -pthread")
   set(welkin_core_modules "Requires: tbb")
   list(JOIN welkin_codec_modules " " modules)
   set(welkin_modules "Requires: welkin-core ${modules}")

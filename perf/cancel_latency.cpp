@@ -86,7 +86,7 @@ std::optional<Clock::duration> cancel_after(Worker& worker, const Request& reque
   std::this_thread::sleep_for(delay);
   const Clock::time_point asked = Clock::now();
   const bool cancelled = job.cancel();
-  job.future().wait();
+  while (!job.ready()) std::this_thread::yield();
   const Clock::time_point ready = Clock::now();
   worker.wait_until_idle();
   return cancelled ? std::optional(ready - asked) : std::nullopt;

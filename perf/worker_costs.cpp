@@ -3,8 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
-#include <future>
 #include <string>
 #include <thread>
 #include <vector>
@@ -34,7 +34,7 @@ void drain(benchmark::State& state, int count) {
   const auto finished = static_cast<std::size_t>(count);
   Samples samples;
   for (auto _ : state) {
-    for (int i = 0; i < count; ++i) worker.post(Nothing{}).on_drain([](const std::future<void>&) {});
+    for (int i = 0; i < count; ++i) worker.post(Nothing{}).on_drain([](const Job<void>&) {});
     while (worker.load().undrained < finished) std::this_thread::yield();
     const Clock::time_point start = Clock::now();
     const std::size_t drained = worker.drain();
@@ -115,6 +115,62 @@ void post_to_asleep(benchmark::State& state) {
   report_each(state, samples);
 }
 
+/// Two threads a processor, of normal priority, that rest for one millisecond of twenty, all at the same time. Threads
+/// of the idle class run then, and are put aside in the middle of what they do.
+class BusyProcessors {
+ public:
+  BusyProcessors() {
+    for (int k = 0; k < 2 * available_threads(); ++k) threads_.emplace_back([this] { work(); });
+  }
+  ~BusyProcessors() {
+    released_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  BusyProcessors(const BusyProcessors&) = delete;
+  BusyProcessors& operator=(const BusyProcessors&) = delete;
+
+ private:
+  void work() {
+    constexpr std::chrono::milliseconds kRest{1};
+    while (!released_.load(std::memory_order_relaxed)) {
+      const bool rests = Clock::now().time_since_epoch() % std::chrono::milliseconds(20) < kRest;
+      if (rests) std::this_thread::sleep_for(kRest);
+    }
+  }
+
+  std::atomic<bool> released_{false};
+  std::vector<std::thread> threads_;
+};
+
+/// A request that posts itself again: its thread is always about to start a job or to end one.
+struct Again {
+  Worker* worker;
+
+  void operator()(const Control& control) const {
+    if (!control.stop.stop_requested()) worker->post(Again{worker}, {.priority = TaskPriority::low});
+  }
+};
+
+/// A post takes what the system gives this thread of a processor, but nothing of what it gives those of the worker,
+/// which it may keep from running for seconds, wherever they are. (What is left is the allocator's: glibc's has locks.)
+void post_beside_busy_processors(benchmark::State& state) {
+  WorkerOptions options = worker_options(1);
+  options.thread_priority = ThreadPriority::idle;
+  Worker worker(options);
+  worker.post(Again{&worker});
+  const BusyProcessors busy;
+  Samples samples;
+  for (auto _ : state) {
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    const Clock::time_point start = Clock::now();
+    worker.post(Nothing{}, {.key = "sky"});  // the waiting one of before is replaced
+    const Clock::duration time = Clock::now() - start;
+    samples.add(time);
+    state.SetIterationTime(seconds(time));
+  }
+  samples.report(state);
+}
+
 std::vector<ProjectCubemap> different_cubemaps(int count) {
   std::vector<ProjectCubemap> requests;
   for (int number = 0; number < count; ++number) requests.push_back({numbered_source(64, number)});
@@ -139,6 +195,7 @@ void add_worker_costs() {
         [=](benchmark::State& state) { cancel_waiting(state, count); });
   }
   add("Post/to-asleep/empty/1", 500, post_to_asleep);
+  add("Post/beside-busy-processors/empty-idle-priority/1", 20'000, post_beside_busy_processors);
 }
 
 }  // namespace welkin::perf

@@ -2,7 +2,7 @@
 include(Catch)
 
 file(GLOB_RECURSE sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)
-list(FILTER sources EXCLUDE REGEX "^(exit|install|fuzz|parts|reference|textures)/")
+list(FILTER sources EXCLUDE REGEX "^(exit|float_environment|install|fuzz|parts|reference|textures)/")
 if(WELKIN_TEST_FOLDERS)
   list(JOIN WELKIN_TEST_FOLDERS "|" folders)
   list(FILTER sources INCLUDE REGEX "^(support|${folders})/")
@@ -14,7 +14,7 @@ if(NOT welkin_all_codecs)
   # Most files that tests make or read are of one of the codecs. What a build without them does, tests/parts tells.
   message(STATUS "A codec is left out: so are the tests that read or write files")
   list(FILTER sources EXCLUDE REGEX "^(files|cache|tools)/|^same_as_before/(files|bakes)_|\
-^(bake/bake_sources|c/c_interface|harmonics/real_engines|image/pixels|image/resampling|projection/irradiance|\
+^(bake/bake_sources|c/c_interface|c/files_in_c|harmonics/real_engines|image/pixels|image/resampling|projection/irradiance|\
 projection/sun_detection|reflections/prefilter|worker/errors|worker/results|worker/sources_and_handles)_test")
 endif()
 add_executable(welkin_tests ${sources})
@@ -40,15 +40,11 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 # A quarter of a test's compile time. (With Catch2 2, main.cpp defines what the header makes of itself.)
-welkin_precompile_headers(welkin_tests support/catch.h support/standard_headers.h)
+welkin_precompile_headers(welkin_tests support/catch.h ${welkin_standard_headers})
 set_source_files_properties(support/main.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
 # These put functions of theirs in the place of libraries' own, which must see them.
 set_source_files_properties(jobs/races_are_reported_test.cpp support/exception_counts.cpp support/heap.cpp
                             PROPERTIES COMPILE_OPTIONS -fvisibility=default SKIP_PRECOMPILE_HEADERS ON)
-# Through a precompiled header GCC 12 warns of libstdc++'s own code, wrongly, where strings are joined (PR105651).
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  target_compile_options(welkin_tests PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
-endif()
 if(WELKIN_TOOLS)
   # Tests of the command run the built programs.
   add_dependencies(welkin_tests welkin_command welkin_report_command)

@@ -167,7 +167,7 @@ ExitCode answer(const CLI::App& program, const CLI::ParseError& request) {
     return ExitCode::success;
   }
   const std::string help = chosen.empty() ? "welkin --help" : "welkin " + chosen.front()->get_name() + " --help";
-  return complain(ExitCode::bad_usage, std::string(request.what()) + "\n'" + help + "' tells what can be asked for.");
+  return complain(ExitCode::bad_usage, std::string(request.what()) + "\n'" + help + "' lists what it takes.");
 }
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
@@ -180,7 +180,7 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
     for (const Command& command : program.commands) add_command(parser, command);
     parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
     if (!parser.get_subcommands().empty()) return ExitCode::success;
-    return complain(ExitCode::bad_usage, "nothing to do\n'welkin --help' tells what can be asked for.");
+    return complain(ExitCode::bad_usage, "nothing to do: name a command\n'welkin --help' lists the commands.");
   } catch (const CLI::ParseError& request) {
     return answer(parser, request);
   }
@@ -224,7 +224,8 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
   } catch (const std::bad_alloc&) {
-    return complain(ExitCode::bad_input, "not enough memory; --memory-limit refuses such files before they are read");
+    return complain(ExitCode::bad_input,
+                    "there is not enough memory; --memory-limit refuses such files before they are read");
   } catch (const std::exception& error) {
     return complain(ExitCode::bad_input, error.what());
   }

@@ -94,7 +94,7 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
   return {.names = name, .target = On<std::string>(store), .text = text, .type = alternatives(words), .words = words};
 }
 
-/// The number that a text is; none if it is none. For the functions that take a text and want a number of it.
+/// The number that the text states, or nothing if it is not a number.
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 [[nodiscard]] std::optional<int> whole_number_in(const std::string& text);
 

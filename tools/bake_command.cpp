@@ -20,8 +20,8 @@ namespace {
 
 constexpr const char* kBakeFooter =
     R"(What it does:
-  From an environment to the files with which a physically based renderer lights
-  a scene, in one folder:
+  Makes the files with which a physically based renderer lights a scene by an
+  environment, in one folder:
     background.ktx2       the environment as a cubemap, with plain mips
     specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
     irradiance.ktx2       what falls on a matte surface, W/m2
@@ -30,13 +30,11 @@ constexpr const char* kBakeFooter =
     sh.json, sh.h         spherical harmonics, also in each engine's form
     preview_*.png         the environment, balls lit by the result, the mips
     manifest.json         what is in the folder, how it was made, how good it is
-  The manifest is written last: with it, the folder is complete. Other files in
-  the folder stay. docs/bake_folder.md says how engines load
-  them.
+  The manifest is written last, so a folder with a manifest is complete. Other
+  files in the folder stay. docs/bake_folder.md says how engines load the files.
 
 Examples:
   welkin bake --sky -o out                            a built-in, computed sky
-  welkin bake -o out                                  the same
   welkin bake city.hdr -o out                         a photograph
   welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
   welkin bake city.hdr -o out --for three --formats ktx2,exr
@@ -45,34 +43,35 @@ Examples:
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
   welkin bake city.hdr -o out --take-out-sun          the sun as a separate light
-  welkin bake city.hdr -o out --no-glossy --explain   less than all, and why
-  welkin bake city.hdr -o out --glossy 0.4,1          the mips that are looked up
+  welkin bake city.hdr -o out --no-glossy --explain   no reflections; says why
+  welkin bake city.hdr -o out --glossy 0.4,1          no mip sharper than 0.4
   welkin bake city.hdr -o out --needs scene.json --plan-only
 
 What the scene needs: --needs, --glossy, --no-glossy, --no-background and
-  --no-diffuse say what it uses; passes that nothing of it needs are left out,
-  and what is left comes out with the bits of a bake of everything. What an .env
-  or a KTX2 carries is then taken as it is, unless it is to be turned, clamped
-  or written as an .env. --explain says which passes run, are reused or left
-  out, why and at what cost, on standard error; when it is done, how that
-  compares with what was measured.
+  --no-diffuse say what the scene uses. Passes that it does not need are left
+  out; the other results have the same bits as in a bake of everything. Results
+  that an .env or a KTX2 carries are then used as they are, unless they are to be
+  turned, clamped or written as an .env. --explain prints on standard error which
+  passes run, are reused or left out, why and at what cost, and afterwards
+  compares this with the measured times.
 
 Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
-  axes. --for says after whose axes the cubemaps' faces are named; the .env is
-  Babylon.js's in any case, and the previews show what one sees who stands there.
-  An .env that is read is taken out of Babylon.js's axes.
+  axes. --for says after whose axes the cubemaps' faces are named. The .env is
+  always in Babylon.js's axes, and an .env that is read is turned out of them.
+  The previews show what a viewer at that place sees.
 
-Diffuse light of an .env: up to three bands, the irradiance cubemap and the new
-  .env's polynomial come from the polynomial that it stores, as its pixels end
-  at 255; not with --clamp, --gamma, --take-out-sun or --level above 0.
+Diffuse light of an .env: its pixels end at 255. Up to three bands, the
+  irradiance cubemap and the new .env's polynomial are therefore computed from the
+  polynomial that it stores, but not with --clamp, --gamma, --take-out-sun or
+  --level above 0.
 
-Memory: --memory-limit is checked before the bake: source, results, working
-  memory, the .env's own chain, lat-longs and turned cubemaps. Previews and what
-  encoders hold of a file come on top and are not counted.
+Memory: --memory-limit is checked before the bake. It covers source, results,
+  working memory, the .env's own chain, lat-longs and turned cubemaps. Previews
+  and the buffers of encoders come on top and are not counted.
 
-Units: radiance as in the file, irradiance pi times that in even light.
-  Roughness is perceptual roughness; GGX's alpha is its square. What a format
-  cannot hold is clamped to it and counted, file by file.
+Units: radiance is in the file's unit; irradiance in even light is pi times
+  that. Roughness is perceptual roughness; GGX's alpha is its square. Values that
+  a format cannot hold are clamped and counted, file by file.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
@@ -184,7 +183,9 @@ std::string time_lines(const Baked& baked) {
   for (const auto* passes : {&baked.passes, &baked.light.diagnostics.passes}) {
     for (const PassRecord& pass : *passes) {
       text += std::string(passes == &baked.passes ? "  " : "    ") + pad_right(pass.name, 26) +
-              (pass.action == "run" ? duration(pass.milliseconds) : pass.action + ": " + pass.reason) + '\n';
+              (pass.action == PassAction::run ? duration(pass.milliseconds)
+                                              : std::string(name(pass.action)) + ": " + pass.reason) +
+              '\n';
     }
   }
   return text;
@@ -253,7 +254,10 @@ Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
   Command command{"bake", "Bake all that a physically based renderer loads", kBakeFooter};
   add_bake_options(command.options, *options);
-  command.run = [options](const Given& /*given*/) { run(*options); };
+  command.run = [options, name = command.name](const Given& /*given*/) {
+    require_input(name, options->input, options->sky);
+    run(*options);
+  };
   return command;
 }
 

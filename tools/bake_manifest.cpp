@@ -118,19 +118,19 @@ Json times_json(const Baked& baked) {
   for (const auto* passes : {&baked.light.diagnostics.passes, &baked.passes}) {
     for (const PassRecord& pass : *passes) {
       list.push_back(
-          {{"name", pass.name}, {"action", pass.action}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
+          {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
     }
   }
   const std::vector<PassRecord>& passes = baked.light.diagnostics.passes;
   const bool reused = std::any_of(passes.begin(), passes.end(), [](const PassRecord& pass) {
-    return pass.name == "specular" && pass.action == "reuse";
+    return pass.name == "specular" && pass.action == PassAction::reuse;
   });
   const std::vector<MipRecord> mips = baked.light.specular ? baked.light.specular->mips : std::vector<MipRecord>();
   for (std::size_t mip = 0; mip < mips.size(); ++mip) {
     const MipRecord& record = mips[mip];
     const bool taken = reused || record.milliseconds == 0.0;  // by itself too: a cache found it
     list.push_back({{"name", "specular mip " + std::to_string(mip)},
-                    {"action", taken ? "reuse" : "run"},
+                    {"action", name(taken ? PassAction::reuse : PassAction::run)},
                     {"reason", record.method},
                     {"ms", taken ? 0.0 : record.milliseconds}});
   }

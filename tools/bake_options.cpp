@@ -13,6 +13,8 @@ constexpr int kLargestFace = 8192;
 constexpr int kLargestIrradiance = 4096;
 constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
+constexpr int kSmallestBall = 8;
+constexpr int kLargestBall = 1024;
 constexpr int kMostSamples = 1 << 20;
 
 constexpr std::array<Container, 6> kContainers = {Container::ktx2, Container::dds, Container::exr,
@@ -79,25 +81,30 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   };
   table.push_back({.names = "--formats",
                    .target = On<std::vector<std::string>>(store),
-                   .text = "Which files to write the cubemaps as, with commas between them: ktx2, dds, exr, hdr, pfm, "
-                           "env; default ktx2,env",
+                   .text = "The formats of the cubemaps, separated by commas: ktx2, dds, exr, hdr, pfm, env; default "
+                           "ktx2,env",
                    .type = "LIST",
                    .words = words,
                    .list = List::commas});
-  table.push_back(choice<TexelFormat>("--ktx2-format", options.texture.format,
-                                      {{"rgba16f", TexelFormat::rgba16f},
-                                       {"rgba32f", TexelFormat::rgba32f},
-                                       {"b10g11r11", TexelFormat::b10g11r11},
-                                       {"e5b9g9r9", TexelFormat::e5b9g9r9}},
-                                      "How a .ktx2 holds a texel: 8 bytes (default), 16, 4, 4. DDS and OpenEXR hold "
-                                      "halves, but with rgba32f floats"));
+  table.push_back(
+      choice<TexelFormat>("--ktx2-format", options.texture.format,
+                          {{"rgba16f", TexelFormat::rgba16f},
+                           {"rgba32f", TexelFormat::rgba32f},
+                           {"b10g11r11", TexelFormat::b10g11r11},
+                           {"e5b9g9r9", TexelFormat::e5b9g9r9}},
+                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes. DDS and OpenEXR "
+                          "hold halves, or floats with rgba32f"));
   table.push_back(choice<Supercompression>(
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
       "How a .ktx2 is compressed; default none"));
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
-                   .text = "No pictures for people"});
+                   .text = "Write no preview pictures"});
+  table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
+                              "Pixels across each ball of preview_spheres.png, which is seven balls wide; default " +
+                                  std::to_string(options.preview_size)));
+  table.back().excludes = {"--no-previews"};
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -105,7 +112,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       "--size", options.specular.size, 1, kLargestFace,
       "Texels along an edge of the specular cubemap's faces; default " + std::to_string(options.specular.size)));
   table.push_back(size_option("--background-size", options.bake.background_size, 0, kLargestFace,
-                              "The same of the background, which is not blurred; 0: as --size; default " +
+                              "The same for the background cubemap, which is not blurred; 0: as --size; default " +
                                   std::to_string(options.bake.background_size)));
   table.push_back(
       {.names = "--mips",
@@ -117,13 +124,13 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
   };
-  table.push_back({.names = "--roughness",
-                   .target = On<std::vector<std::string>>(set_roughness),
-                   .text =
-                       "Roughness of each mip: filament (default; as three.js too), linear, babylon, or the numbers "
-                       "themselves, with commas between them",
-                   .type = "filament|linear|babylon|LIST",
-                   .list = List::commas});
+  table.push_back(
+      {.names = "--roughness",
+       .target = On<std::vector<std::string>>(set_roughness),
+       .text = "The roughness of each mip: filament (default; three.js uses it too), linear, babylon, or numbers "
+               "separated by commas",
+       .type = "filament|linear|babylon|LIST",
+       .list = List::commas});
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
       {{"automatic", PrefilterMethod::automatic},
@@ -133,7 +140,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
       "sampled (as most tools do), reference (the integral itself; slow)"));
   table.push_back(size_option("--samples", options.specular.samples, 1, kMostSamples,
-                              "Directions a texel of the sampled method; default 1024"));
+                              "Directions for each texel of the sampled method; default 1024"));
 }
 
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
@@ -186,15 +193,7 @@ void add_result_options(Options& table, BakeCommandOptions& options) {
 
 void add_bake_options(Options& table, BakeCommandOptions& options) {
   constexpr const char* kInput = "INPUT";
-  table.push_back({.names = kInput,
-                   .target = &options.input,
-                   .text =
-                       "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory); without it, "
-                       "a built-in sky"});
-  table.push_back({.names = "--sky",
-                   .target = &options.sky,
-                   .text = "Bake the built-in computed sky, which is also what is baked where no INPUT is named",
-                   .excludes = {kInput}});
+  add_input_options(table, options.input, options.sky);
   table.push_back({.names = "-o,--output",
                    .target = &options.directory,
                    .text = "The folder to write to; it is made if it is not there",
@@ -203,7 +202,7 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_json_option(table, options.common);
   add_result_options(table, options);
   table.push_back(size_option("--bands", options.bake.bands, 0, kMaximumBands,
-                              "Bands of spherical harmonics; default 3; 0: none, and no files of them"));
+                              "Bands of spherical harmonics; default 3; 0: none, and no files for them"));
   add_needs_options(table, options.scene);
   add_turn_options(table, options.turn);
   add_pixel_options(table, options.bake.pixels, options.clamp);

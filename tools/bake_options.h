@@ -33,13 +33,14 @@ struct RoughnessChoice {
 struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes
-  bool sky = false;                  ///< asked for by name; the same as no input
+  bool sky = false;                  ///< `--sky`; the command wants either this or an input
   ComputePicture compute;            ///< none: the built-in sky
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
   std::set<Container> containers{Container::ktx2, Container::env};
   TextureOptions texture;
   bool previews = true;
+  int preview_size = 128;  ///< pixels across a ball
 
   PrefilterOptions specular;
   bool all_mips = false;  ///< down to 1 texel

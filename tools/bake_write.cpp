@@ -299,7 +299,7 @@ void write_preview(const PreviewPicture& picture, const char* name, const char* 
 }
 
 /// Draws and writes the previews.
-void write_previews(const Baked& baked, OutputFolder& folder) {
+void write_previews(const Baked& baked, int ball, OutputFolder& folder) {
   const ToneMap tone_map = tone_map_of(baked);
   const bool has_background = baked.light.background.levels() > 0;
   if (has_background) {
@@ -308,11 +308,12 @@ void write_previews(const Baked& baked, OutputFolder& folder) {
   }
   if (!baked.light.specular) return;
   const CubeLookup specular(baked.light.specular->cubemap);
-  if (has_background)
-    write_preview(
-        preview_spheres(baked.light, tone_map), "preview_spheres.png",
-        "metal balls of roughness 0, 0.15, 0.3, 0.5, 0.75 and 1, and a white matte one, seen along Welkin's -z",
-        folder);
+  if (has_background) {
+    write_preview(preview_spheres(baked.light, tone_map, ball), "preview_spheres.png",
+                  "balls of silver, gold, red and white plastic, of roughness 0, 0.1, 0.2, 0.35, 0.5, 0.75 and 1, seen "
+                  "along Welkin's -z",
+                  folder);
+  }
   write_preview(preview_mips(specular, tone_map), "preview_mips.png", "the specular mips as crosses, sharpest first",
                 folder);
 }
@@ -354,7 +355,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     if (control.progress) control.progress(done);
   };
   if (options.previews) {
-    timed(baked.passes, "previews", "drawn and written", [&] { write_previews(baked, folder); });
+    timed(baked.passes, "previews", "drawn and written", [&] { write_previews(baked, options.preview_size, folder); });
   }
   progress(kPreviews);
   if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {

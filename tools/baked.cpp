@@ -64,7 +64,7 @@ constexpr double kTurning = 0.7;  // of the progress of what is read: where turn
 bool is_reused(const Projection& projection) {
   const std::vector<PassRecord>& passes = projection.diagnostics.passes;
   return std::any_of(passes.begin(), passes.end(),
-                     [](const PassRecord& pass) { return pass.name == "project" && pass.action == "reuse"; });
+                     [](const PassRecord& pass) { return pass.name == "project" && pass.action == PassAction::reuse; });
 }
 
 /// The light that an .env file stores beside its pixels; none where there is no polynomial, at a smaller level, and
@@ -314,31 +314,20 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
                  const Control& control) {
   baked.source = source_of(*options.input, file.info);
   baked.options = baked.plan.options;
-  if (!options.common.cache.empty()) baked.notes.emplace_back("the cache was not asked: results are in the file");
   explain(options, baked.plan);
   const std::uint64_t held = baked.plan.streams ? 0 : baked.plan.pass("read").bytes;
   check_memory({baked.source.path, held, baked.plan.result_bytes + baked.plan.working_bytes, 0, 0}, options,
                baked.options);
-  baked.light = timed(baked.passes, "bake", "what the scene needs", [&] { return bake(file, baked.plan, control); });
-}
-
-/// What was left out is left out for the plan's reasons, which a cache does not know.
-void take_reasons(const Plan& plan, std::vector<PassRecord>& passes) {
-  const char* const skip = name(PassAction::skip);
-  for (const PlannedPass& planned : plan.passes) {
-    for (PassRecord& pass : passes) {
-      if (planned.action == PassAction::skip && pass.name == planned.name && pass.action == skip)
-        pass.reason = planned.reason;
-    }
-  }
+  with_cache(options.common, baked.notes, [&](ResultCache* cache) {
+    baked.light = timed(baked.passes, "bake", "what the scene needs", [&] {
+      return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
+    });
+  });
 }
 
 BakeResult bake_light(const BakeSource& source, const Plan& plan, ResultCache* cache, const Control& control) {
   return source.visit([&](const auto& view) {
-    if (cache == nullptr) return bake(view, plan, control);
-    BakeResult light = cache->bake(view, plan.options, control);
-    take_reasons(plan, light.diagnostics.passes);
-    return light;
+    return cache != nullptr ? cache->bake(view, plan, control) : bake(view, plan, control);
   });
 }
 
@@ -451,12 +440,8 @@ Baked bake_source(const BakeCommandOptions& options, const Control& control) {
   if (takes_stored(options, needs)) {
     const StoredEnvironment file = probe_environment(*options.input, options.common.read);
     baked.plan = plan(file, needs, baked.whole, options.scene.costs());
-    const bool carries = baked.plan.take_specular || baked.plan.take_levels || baked.plan.take_light;
-    // What a file does not carry is made of its pixels, and those a cache knows.
-    if (carries || options.common.cache.empty()) {
-      bake_stored(file, options, baked, control);
-      return baked;
-    }
+    bake_stored(file, options, baked, control);
+    return baked;
   }
   bake_pixels(options, needs, baked, control);
   return baked;

@@ -42,7 +42,9 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
     const std::string& name;
     const std::string& reason;
     std::chrono::steady_clock::time_point start;
-    ~Note() { passes.push_back({name, "run", reason, Milliseconds(std::chrono::steady_clock::now() - start).count()}); }
+    ~Note() {
+      passes.push_back({name, PassAction::run, reason, Milliseconds(std::chrono::steady_clock::now() - start).count()});
+    }
   } note{passes, name, reason, start};
   return work();
 }

@@ -16,19 +16,19 @@ namespace {
 
 constexpr const char* kInfoFooter =
     R"(What it does:
-  Reads header and pixels as they are, nothing replaced or clamped: size,
-  layout and what told it, channels, compression, parts, layers, mip levels; the
-  least, greatest and mean value; NaN, infinite and negative values; the total
-  radiance; the brightest texel.
+  Prints what is in a file, without replacing or clamping anything: its size,
+  its layout and how that was recognised, channels, compression, parts, layers
+  and mip levels; the smallest, largest and mean value; the number of NaN,
+  infinite and negative values; the total radiance; the brightest texel.
 
 Examples:
   welkin info city.hdr                        for a person
   welkin info city.exr --json                 for a program
   welkin info faces.exr --layout vertical-strip
 
-Units: values as in the file; the mean is weighted by solid angle; the total
-  radiance is the integral over the sphere, 4 pi times the mean. Rows count from the top,
-  columns from the left, both from 0.
+Units: values are those of the file. The mean is weighted by solid angle; the
+  total radiance is the integral over the sphere, 4 pi times the mean. Rows count
+  from the top and columns from the left, both from 0.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
@@ -203,10 +203,12 @@ void run(const InfoOptions& options) {
 Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
   Command command{"info", "Tell what is in an environment file", kInfoFooter};
-  command.options.push_back({.names = "FILE",
-                             .target = &options->file,
-                             .text = "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory)",
-                             .required = true});
+  command.options.push_back(
+      {.names = "FILE",
+       .target = &options->file,
+       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of them "
+               "or their folder",
+       .required = true});
   add_json_option(command.options, options->common);
   add_read_options(command.options, options->common, "");
   add_threads_option(command.options, options->common);

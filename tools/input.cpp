@@ -6,6 +6,7 @@
 #include "tools/text.h"
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
+#include "welkin/error.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::tool {
@@ -58,13 +59,33 @@ void add_memory_limit_option(Options& table, CommonOptions& options) {
                    .type = "SIZE"});
 }
 
-void add_cache_option(Options& table, CommonOptions& options) {
-  table.push_back({.names = "--cache",
-                   .target = &options.cache,
+void add_input_options(Options& table, std::optional<std::string>& input, bool& sky) {
+  constexpr const char* kInput = "INPUT";
+  table.push_back({.names = kInput,
+                   .target = &input,
                    .text =
-                       "A folder that keeps results, found again by the contents of what they were made from; it is "
-                       "made if it is not there",
-                   .type = "DIR"});
+                       "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of "
+                       "them or their folder"});
+  table.push_back({.names = "--sky",
+                   .target = &sky,
+                   .text = "Take the built-in computed sky instead of a file",
+                   .excludes = {kInput}});
+}
+
+void require_input(const std::string& command, const std::optional<std::string>& input, bool sky) {
+  if (sky || (input && !input->empty())) return;
+  const std::string found = input ? "INPUT is an empty text; is a shell variable not set?" : "INPUT is missing";
+  throw Error(ErrorCode::invalid_argument, command + ": " + found + "\nName a file ('welkin " + command +
+                                               " city.hdr'), or ask for the built-in sky with --sky.");
+}
+
+void add_cache_option(Options& table, CommonOptions& options) {
+  table.push_back(
+      {.names = "--cache",
+       .target = &options.cache,
+       .text = "A folder that keeps results and finds them again by the contents of their inputs; it is created if "
+               "it does not exist",
+       .type = "DIR"});
 }
 
 std::vector<std::pair<std::string, Layout>> layout_choices() {
@@ -83,15 +104,15 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
                                  "How the picture holds the sphere; by default its header, shape or name tells"));
   table.push_back({.names = "--part",
                    .target = &options.read.part,
-                   .text = "Of an OpenEXR file with several parts: which one, by name or by number from 0",
+                   .text = "The part of an OpenEXR file with several parts, by name or by number from 0",
                    .type = "NAME"});
   table.push_back({.names = "--layer",
                    .target = &options.read.layer,
-                   .text = "Of an OpenEXR file with layers (env.R, env.G, ...): which one",
+                   .text = "The layer of an OpenEXR file with layers (env.R, env.G, ...)",
                    .type = "NAME"});
   table.push_back({.names = "--level",
                    .target = &options.read.level,
-                   .text = "Of a file with a mip chain: which level; 0, the default, is full size",
+                   .text = "The level of a file with a mip chain; 0, the default, is full size",
                    .type = "N",
                    .bounds = whole_between(0, kMaximumLevel)});
   table.push_back(choice<Transfer>(

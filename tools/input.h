@@ -28,6 +28,13 @@ struct CommonOptions {
   std::string cache;  ///< a folder; empty: results are not kept
 };
 
+/// INPUT, a file's path, and --sky, the built-in computed sky. They exclude each other.
+void add_input_options(Options& table, std::optional<std::string>& input, bool& sky);
+
+/// Throws `Error` (invalid_argument), which says what the command wants, if there is neither an input nor --sky, or if
+/// the input is an empty text. An unset shell variable gives either, and must not become a sky.
+void require_input(const std::string& command, const std::optional<std::string>& input, bool sky);
+
 void add_json_option(Options& table, CommonOptions& options);
 void add_threads_option(Options& table, CommonOptions& options);
 void add_memory_limit_option(Options& table, CommonOptions& options);

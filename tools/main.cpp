@@ -13,12 +13,11 @@ constexpr const char* kReport = "report";
 
 constexpr const char* kProgramFooter =
     R"(Examples:
-  welkin bake -o out                 all that a renderer loads, of a built-in sky
-  welkin bake studio.hdr -o out      ... of a photograph
-  welkin sh                          the spherical harmonics of a built-in sky
-  welkin sh studio.hdr               ... of a photograph, as a table
-  welkin sh studio.hdr --for three   ... as three.js wants them
-  welkin sky --sun-elevation 20      ... of a clear sky, computed
+  welkin bake studio.hdr -o out      all that a renderer loads, of a photograph
+  welkin bake --sky -o out           the same of a computed sky
+  welkin sh studio.hdr               spherical harmonics, as a table
+  welkin sh studio.hdr --for three   the same as three.js wants them
+  welkin sky --sun-elevation 20      those of a computed sky
   welkin info studio.hdr             what is in the file
   welkin report --quick              how good each setting is, and how fast
   welkin convert studio.hdr faces.exr --layout vertical-strip
@@ -26,11 +25,13 @@ constexpr const char* kProgramFooter =
   welkin testmap -o labels.exr       an environment that shows how it is turned
   welkin sh --help                   all about one command
 
-Files: OpenEXR, Radiance .hdr, PFM, PNG. A sphere is a lat-long picture, or six
-faces in a strip, a cross or six files; header, shape or name tell which.
+Files: OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS, Babylon.js .env. An
+environment is a lat-long picture, or six faces in a strip, a cross or six files;
+its header, shape or name tell which.
 
-Units: radiance is whatever the file holds, W/(m2 sr) say; irradiance is then
-W/m2, total radiance W/m2 too. Skies are computed in W/(m2 sr nm) or cd/m2. Directions: y is up, a lat-long's centre looks along +z.
+Units: radiance has the unit of the file, for example W/(m2 sr); irradiance and
+total radiance are then in W/m2. Skies are computed in W/(m2 sr nm) or cd/m2.
+Directions: y is up, and a lat-long's centre looks along +z.
 
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;

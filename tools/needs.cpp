@@ -107,38 +107,42 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   };
   table.push_back({.names = "--needs",
                    .target = &choice.file,
-                   .text = "A JSON file that says what the scene uses (docs/plans.md); what it does not is not baked",
+                   .text = "A JSON file that says what the scene uses (docs/plans.md); the rest is not baked",
                    .type = "FILE"});
   table.push_back(
       {.names = "--no-glossy", .target = &choice.no_glossy, .text = "No material reflects: no specular cubemap"});
-  table.push_back({.names = "--glossy",
-                   .target = On<std::vector<double>>(set_range),
-                   .text = "The lowest and the highest roughness of materials: mips beyond are not made",
-                   .type = "LEAST,GREATEST",
-                   .bounds = finite_between(0.0, 1.0),
-                   .list = List::commas,
-                   .count = 2,
-                   .excludes = {"--no-glossy"}});
   table.push_back(
-      {.names = "--no-background", .target = &choice.no_background, .text = "Nothing shows the environment itself"});
+      {.names = "--glossy",
+       .target = On<std::vector<double>>(set_range),
+       .text = "The lowest and the highest roughness of the materials; mips outside of this range are not made",
+       .type = "LEAST,GREATEST",
+       .bounds = finite_between(0.0, 1.0),
+       .list = List::commas,
+       .count = 2,
+       .excludes = {"--no-glossy"}});
+  table.push_back({.names = "--no-background",
+                   .target = &choice.no_background,
+                   .text = "The scene does not show the environment itself"});
   table.push_back({.names = "--no-diffuse", .target = &choice.no_diffuse, .text = "No diffuse light is used"});
-  table.push_back({.names = "--error-budget",
-                   .target = &choice.error_budget,
-                   .text =
-                       "What each pass may lose, relative: 0.01 is 1 %. Each takes its cheapest setting whose error, "
-                       "estimated on this input, is under it; --explain says which. What the input carries is not "
-                       "taken",
-                   .type = "SHARE",
-                   .bounds = finite_between(1e-6, 1.0)});
-  table.push_back({.names = "--explain",
-                   .target = &choice.explain,
-                   .text = "Say which passes run, are reused or left out, and why; then predicted against measured "
-                           "times"});
-  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "The same, and bake nothing"});
+  table.push_back(
+      {.names = "--error-budget",
+       .target = &choice.error_budget,
+       .text = "The relative error that each pass may have; 0.01 is 1 %. Each pass takes its cheapest setting whose "
+               "estimated error on this input is below it; --explain prints it. Results that the input file "
+               "carries are not used",
+       .type = "SHARE",
+       .bounds = finite_between(1e-6, 1.0)});
+  table.push_back(
+      {.names = "--explain",
+       .target = &choice.explain,
+       .text = "Print which passes run, are reused or left out, and why; when the bake is done, print predicted "
+               "and measured times"});
+  table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
   table.push_back({.names = "--costs",
                    .target = &choice.costs_file,
-                   .text = "A JSON file of what work costs on this machine, of 'welkin report --calibrate'; default "
-                           "stored ratios",
+                   .text =
+                       "A JSON file with the cost of work on this machine, as 'welkin report --calibrate' writes it; "
+                       "by default stored costs are used",
                    .type = "FILE"});
 }
 

@@ -23,14 +23,14 @@ namespace {
 constexpr const char* kConvertFooter =
     R"(What it does:
   Reads an environment and writes it in the format that OUT's name ends with:
-  .exr, .hdr, .pfm or .png. Where no other layout, size or orientation is asked
-  for, or one that only moves whole texels (a cube by quarter turns, a mirror),
-  every texel stays what it is. Else each new texel is the mean over its area.
+  .exr, .hdr, .pfm or .png. Every texel keeps its value if neither layout nor
+  size change and the turn only moves whole texels (a cube by quarter turns, a
+  mirror). Otherwise each new texel is the mean over its area.
 
 Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
-  axes: right-handed, y up; a lat-long's centre looks along +z, +x lies to its
-  left. --from and --for say whose axes the faces of IN and OUT are named after;
-  a lat-long is the same picture for all engines. 'welkin testmap' makes a
+  axes: right-handed, y up; a lat-long's centre looks along +z, and +x lies to
+  its left. --from and --for say after whose axes the faces of IN and OUT are
+  named; a lat-long is the same picture for all engines. 'welkin testmap' makes a
   picture that shows what was done.
 
 Examples:
@@ -44,9 +44,9 @@ Examples:
   welkin convert sky.exr small.exr --size 1024          1024 x 512
   welkin convert sky.exr rest.exr --take-out-sun        and a directional light
 
-Units: values as they are in the file, linear; a PNG is sRGB. What a format
-  cannot hold is clamped to it and counted: .exr half 65504; .hdr nothing
-  negative; .png 0 to 1.
+Units: values are those of the file, linear; a PNG is sRGB. Values that a format
+  cannot hold are clamped and counted: .exr half ends at 65504, .hdr holds no
+  negative values, .png holds 0 to 1.
 
 Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 
@@ -55,9 +55,9 @@ constexpr const char* kTestmapFooter =
   Draws an environment whose six sides have a colour each, with their axes
   written on them, to be read from inside the sphere: LEFT +X (red), RIGHT -X
   (cyan), UP +Y (green), DOWN -Y (magenta), FRONT +Z (blue), BACK -Z (yellow).
-  Arrows point up; lines are 15 degrees apart. In an engine, letters that are
-  mirrored mean that the environment is; letters in the wrong place, that it is
-  turned. UP and DOWN read for one who faces +Z and looks up, or down.
+  Arrows point up; lines are 15 degrees apart. Mirrored letters in an engine mean
+  that the environment is mirrored; letters in the wrong place mean that it is
+  turned. UP and DOWN are readable for a viewer who faces +Z and looks up or down.
 
   A cubemap's faces, looked at as pictures, show their letters mirrored: cube
   faces are laid out for left-handed axes, and Welkin's are right-handed. With
@@ -78,7 +78,7 @@ Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 struct OutputOptions {
   std::string path;
   WriteOptions write;
-  int size = 0;  ///< of a cube: a face's edge; of a lat-long: its width; 0: as it comes
+  int size = 0;  ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
 };
 
 /// A lat-long's height for its width: half, rounded up.
@@ -273,8 +273,10 @@ Command convert_command() {
   const auto options = std::make_shared<ConvertOptions>();
   Command command{"convert", "Write an environment in another format, layout or size", kConvertFooter};
   Options& table = command.options;
-  table.push_back(
-      {.names = "IN", .target = &options->input, .text = "An OpenEXR, Radiance, PFM or PNG file", .required = true});
+  table.push_back({.names = "IN",
+                   .target = &options->input,
+                   .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file",
+                   .required = true});
   table.push_back({.names = "OUT",
                    .target = &options->output.path,
                    .text = "The file to write: .exr, .hdr, .pfm or .png",

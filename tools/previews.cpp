@@ -236,11 +236,10 @@ PreviewPicture preview_mips(const CubeLookup& specular, const ToneMap& tone_map,
 
 namespace {
 
-constexpr glm::dvec3 kReflectance(0.955, 0.945, 0.93);  // f0 of a silvery metal
-constexpr double kBackgroundRoughness = 0.25;           // out of focus
-constexpr double kBackgroundSlope = 0.35;               // half the picture's height over the distance to it
-constexpr int kSampling = 2;
-constexpr int kFineSampling = 5;  // of rims, and of what mirrors sharply
+constexpr double kBackgroundRoughness = 0.25;  // out of focus
+constexpr double kBackgroundSlope = 1.0;       // half the picture's width over the distance to it
+constexpr double kSharp = 0.05;                // roughness below which a ball shows single texels
+constexpr double kSoft = 0.3;                  // and above which light hardly changes within a pixel
 
 /// Bilinear in the table, clamped at its edges.
 glm::dvec2 brdf_at(const BrdfTable& table, double cosine, double roughness) {
@@ -262,14 +261,15 @@ glm::dvec2 brdf_at(const BrdfTable& table, double cosine, double roughness) {
          below * ((1.0 - right) * texel(0, 1) + right * texel(1, 1));
 }
 
-glm::dvec3 albedo(const BrdfTable* table, double cosine, double roughness) {
-  if (table == nullptr) return kReflectance;
+/// The share of even light that the surface reflects without the light entering it.
+glm::dvec3 specular_albedo(const glm::dvec3& f0, const BrdfTable* table, double cosine, double roughness) {
+  if (table == nullptr) return f0;
   const glm::dvec2 terms = brdf_at(*table, cosine, roughness);
-  if (table->options.model == BrdfModel::split_sum) return kReflectance * terms.x + terms.y;
-  return (1.0 - kReflectance) * terms.x + kReflectance * terms.y;
+  if (table->options.model == BrdfModel::split_sum) return f0 * terms.x + terms.y;
+  return (1.0 - f0) * terms.x + f0 * terms.y;
 }
 
-/// All that a pixel needs to be shaded.
+/// All that a pixel needs to be shaded. Lengths are pixels.
 class Scene {
  public:
   Scene(const BakeResult& light, int ball) : light_(light), specular_(light.specular->cubemap), ball_(ball) {
@@ -278,62 +278,71 @@ class Scene {
       table_.push_back(mip.roughness);
     }
     if (light.irradiance.size > 0) irradiance_.emplace(std::vector<CubemapView>{light.irradiance.view()});
-  }
-
-  [[nodiscard]] int balls() const {
-    return static_cast<int>(preview_roughness().size()) + (irradiance_.has_value() ? 1 : 0);
-  }
-  /// Pixels from one ball to the next.
-  [[nodiscard]] int pitch() const noexcept { return ball_ + ball_ / 8; }
-
-  /// Samples along each side of a pixel: light changes little within one but at a ball's rim and in its mirror image.
-  [[nodiscard]] int sampling(int column, int row) const {
-    const int index = column / pitch();
-    const double x = column + 0.5 - (index + 0.5) * pitch();
-    const double y = row + 0.5 - 0.5 * pitch();
-    const double radius = std::sqrt(x * x + y * y);
-    const bool sharp = index < static_cast<int>(preview_roughness().size()) &&
-                       preview_roughness()[static_cast<std::size_t>(index)] < 0.1;
-    const bool inside = radius < 0.5 * ball_;
-    return std::abs(radius - 0.5 * ball_) < 1.5 || (inside && (sharp || radius > 0.45 * ball_)) ? kFineSampling
-                                                                                                : kSampling;
-  }
-
-  /// Radiance at a point of the picture, in pixels.
-  [[nodiscard]] glm::dvec3 radiance(double x, double y) const {
-    const int index = static_cast<int>(x / pitch());
-    const double u = (x - (index + 0.5) * pitch()) / (0.5 * ball_);
-    const double v = (0.5 * pitch() - y) / (0.5 * ball_);
-    const double squared = u * u + v * v;
-    if (squared > 1.0) return background(x, y);
-    const glm::dvec3 normal(u, v, std::sqrt(1.0 - squared));
-    if (index < static_cast<int>(preview_roughness().size())) {
-      return metal(normal, preview_roughness()[static_cast<std::size_t>(index)]);
+    for (const PreviewMaterial& material : preview_materials()) {
+      if (material.is_metal() || irradiance_) rows_.push_back(&material);
     }
-    return irradiance_->at(normal, 0) / std::numbers::pi;
+  }
+
+  [[nodiscard]] int width() const { return static_cast<int>(preview_roughness().size()) * pitch(); }
+  [[nodiscard]] int height() const { return static_cast<int>(rows_.size()) * pitch(); }
+
+  /// Samples along each side of a pixel: many at rims and in mirror images, few where light hardly changes.
+  [[nodiscard]] int sampling(int column, int row) const {
+    const BallPoint point = ball_point(column + 0.5, row + 0.5);
+    const double radius = std::sqrt(point.u * point.u + point.v * point.v);
+    if (std::abs(radius - 1.0) * 0.5 * ball_ < 1.5) return 4;
+    if (radius > 1.0 || point.roughness > kSoft) return 1;
+    return point.roughness < kSharp || radius > 0.95 ? 4 : 2;
+  }
+
+  /// Radiance at a point of the picture.
+  [[nodiscard]] glm::dvec3 radiance(double x, double y) const {
+    const BallPoint point = ball_point(x, y);
+    const double squared = point.u * point.u + point.v * point.v;
+    if (squared > 1.0) return background(x, y);
+    return ball(*point.material, point.roughness, {point.u, point.v, std::sqrt(1.0 - squared)});
   }
 
  private:
+  /// The ball that a point is nearest to, and where the point lies in units of its radius.
+  struct BallPoint {
+    const PreviewMaterial* material;
+    double roughness;
+    double u, v;
+  };
+
+  /// From one ball to the next.
+  [[nodiscard]] int pitch() const noexcept { return ball_ + ball_ / 8; }
+
+  [[nodiscard]] BallPoint ball_point(double x, double y) const {
+    const int column = static_cast<int>(x / pitch());
+    const int row = static_cast<int>(y / pitch());
+    return {rows_[static_cast<std::size_t>(row)], preview_roughness()[static_cast<std::size_t>(column)],
+            (x - (column + 0.5) * pitch()) / (0.5 * ball_), ((row + 0.5) * pitch() - y) / (0.5 * ball_)};
+  }
+
   [[nodiscard]] double mip_of(double roughness) const {
     return table_.size() > 1 ? mip_of_roughness(table_, roughness) : 0.0;
   }
 
   [[nodiscard]] glm::dvec3 background(double x, double y) const {
-    const double half = 0.5 * pitch();
-    const glm::dvec3 direction((x - half * balls()) / half * kBackgroundSlope, (half - y) / half * kBackgroundSlope,
-                               -1.0);
-    return specular_.at(direction, mip_of(kBackgroundRoughness));
+    const double unit = kBackgroundSlope / (0.5 * width());
+    return specular_.at({(x - 0.5 * width()) * unit, (0.5 * height() - y) * unit, -1.0}, mip_of(kBackgroundRoughness));
   }
 
   /// The viewer is towards +z, so that N.V is the normal's z.
-  [[nodiscard]] glm::dvec3 metal(const glm::dvec3& normal, double roughness) const {
+  [[nodiscard]] glm::dvec3 ball(const PreviewMaterial& material, double roughness, const glm::dvec3& normal) const {
     const glm::dvec3 reflected = 2.0 * normal.z * normal - glm::dvec3(0.0, 0.0, 1.0);
-    return specular_.at(reflected, mip_of(roughness)) * albedo(light_.brdf.get(), normal.z, roughness);
+    const glm::dvec3 share = specular_albedo(material.f0, light_.brdf.get(), normal.z, roughness);
+    const glm::dvec3 mirrored = specular_.at(reflected, mip_of(roughness)) * share;
+    if (material.is_metal()) return mirrored;
+    return mirrored + (1.0 - share) * material.diffuse_albedo * irradiance_->at(normal, 0) / std::numbers::pi;
   }
 
   const BakeResult& light_;
   CubeLookup specular_;
   std::optional<CubeLookup> irradiance_;
+  std::vector<const PreviewMaterial*> rows_;
   std::vector<double> table_;
   int ball_;
 };
@@ -341,13 +350,22 @@ class Scene {
 }  // namespace
 
 const std::vector<double>& preview_roughness() {
-  static const std::vector<double> roughness = {0.0, 0.15, 0.3, 0.5, 0.75, 1.0};
+  static const std::vector<double> roughness = {0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0};
   return roughness;
+}
+
+std::span<const PreviewMaterial> preview_materials() noexcept {
+  static constexpr std::array<PreviewMaterial, 4> materials = {
+      {{"silver", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}},
+       {"gold", {1.000, 0.766, 0.336}, {0.0, 0.0, 0.0}},
+       {"red plastic", {0.04, 0.04, 0.04}, {0.50, 0.03, 0.02}},
+       {"white plastic", {0.04, 0.04, 0.04}, {0.80, 0.80, 0.80}}}};
+  return materials;
 }
 
 PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball) {
   const Scene scene(light, ball);
-  PreviewPicture picture(scene.balls() * scene.pitch(), scene.pitch(), glm::dvec3(0.0));
+  PreviewPicture picture(scene.width(), scene.height(), glm::dvec3(0.0));
   const auto shade = [&](double x, double y) { return tone_map(scene.radiance(x, y)); };
   for (int row = 0; row < picture.height(); ++row) {
     for (int column = 0; column < picture.width(); ++column) {

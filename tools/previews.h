@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -80,15 +81,28 @@ glm::dvec3 supersampled(int column, int row, int n, const Shade& shade) {
 /// spread over many pixels as a graphics card spreads it, so that seams would show.
 [[nodiscard]] PreviewPicture preview_mips(const CubeLookup& specular, const ToneMap& tone_map, int cell = 64);
 
-/// Roughness of the metal balls, from left to right. A white matte one stands behind them.
+/// What the balls of a row are made of.
+struct PreviewMaterial {
+  const char* name;
+  glm::dvec3 f0;              ///< reflectance at normal incidence, linear Rec. 709
+  glm::dvec3 diffuse_albedo;  ///< 0 for a metal
+
+  [[nodiscard]] bool is_metal() const noexcept { return diffuse_albedo == glm::dvec3(0.0); }
+};
+
+/// Rows of the picture of balls, from top to bottom. f0 of the metals: Lagarde, "Feeding a physically based shading
+/// model" (2011).
+[[nodiscard]] std::span<const PreviewMaterial> preview_materials() noexcept;
+
+/// Roughness of the balls of each row, from left to right.
 [[nodiscard]] const std::vector<double>& preview_roughness();
 
-/// A row of metal balls by roughness and a white matte one, before the environment. The viewer looks along -z from far
+/// Rows of balls before the environment: a material a row, a roughness a column. The viewer looks along -z from far
 /// away: +x is to the right, and the balls mirror what is behind the viewer, the lat-long's centre.
 ///
-/// A metal ball shows specular(reflection, mip of its roughness) times its albedo, f0 scale + bias from the BRDF table
-/// (f0 alone without a table); the white one irradiance(normal) / pi (and is left out without an irradiance cubemap).
-/// `light` must have its specular chain. `ball`: pixels across one.
-[[nodiscard]] PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball = 128);
+/// A ball shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
+/// without a table), and if it is no metal also (1 - A) albedo irradiance(normal) / pi. Without an irradiance cubemap
+/// there are metals alone. `light` must have its specular chain. `ball`: pixels across one; they lie 9/8 of that apart.
+[[nodiscard]] PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball);
 
 }  // namespace welkin::tool

@@ -18,19 +18,20 @@ namespace {
 
 constexpr const char* kShFooter =
     R"(What it does:
-  Says how much light comes from where, in a few numbers. Nine of them a colour
-  are enough to light matte surfaces: a sum of waves over the sphere (spherical
-  harmonics), the coarsest first. The first is the mean colour; the next three
-  say from which side most light comes; the next five add how it is spread.
+  Describes in a few numbers how much light comes from where. Nine numbers for
+  each colour are enough to light matte surfaces. They are the weights of waves
+  over the sphere (spherical harmonics), the coarsest first. The first number is
+  the mean colour; the next three say from which side most light comes; the next
+  five say how it is spread.
 
-  It integrates the environment's radiance against the harmonics and prints the
-  coefficients of radiance and irradiance, the same light in the form that an
-  engine wants, the average colour, the dominant light, and how good all that
-  is. The table says which convention and formulas the numbers follow.
+  The command integrates the environment's radiance against the harmonics. It
+  prints the coefficients of radiance and irradiance, the same light in the form
+  of an engine, the average colour, the dominant light, and the error of all this.
+  The table names the convention and the formulas of the numbers.
 
 Examples:
-  welkin sh                                   a built-in sky
   welkin sh city.hdr                          a table for a person
+  welkin sh --sky                             the same of a computed sky
   welkin sh city.hdr --json > city.json       for a program, every digit
   welkin sh city.hdr --for unity --format c   a C header with Unity's numbers
   welkin sh faces/ --from babylon --for babylon
@@ -86,11 +87,7 @@ void add_projection_options(Options& table, ShOptions& options) {
 
 void add_sh_options(Options& table, ShOptions& options) {
   constexpr const char* kInput = "INPUT";
-  table.push_back({.names = kInput,
-                   .target = &options.input,
-                   .text =
-                       "An OpenEXR, Radiance .hdr, PFM or PNG file, or one of six (or their directory); without it, "
-                       "a built-in sky"});
+  add_input_options(table, options.input, options.sky);
   add_format_options(table, options);
   add_turn_options(table, options.turn);
   add_projection_options(table, options);
@@ -241,7 +238,8 @@ void add_window_options(Options& table, ShOptions& options) {
                       {name(Window::hanning), Window::hanning},
                       {name(Window::lanczos), Window::lanczos},
                       {name(Window::min_laplacian), Window::min_laplacian}},
-                     "Damp the higher bands against ringing; least: no more than keeps irradiance from going below 0"));
+                     "Damp the higher bands against ringing; min-laplacian damps only as much as keeps irradiance from "
+                     "going below 0"));
   table.push_back({.names = "--window-width",
                    .target = &options.window_width,
                    .text = "Width of a hanning or lanczos window in bands; default: the number of bands",
@@ -282,7 +280,10 @@ Command sh_command() {
   const auto options = std::make_shared<ShOptions>();
   Command command{"sh", "Project an environment to spherical harmonics", kShFooter};
   add_sh_options(command.options, *options);
-  command.run = [options](const Given& /*given*/) { run(*options); };
+  command.run = [options, name = command.name](const Given& /*given*/) {
+    require_input(name, options->input, options->sky);
+    run(*options);
+  };
   return command;
 }
 

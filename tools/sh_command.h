@@ -18,6 +18,7 @@ enum class ShFormat { table, json, text, c_header };
 struct ShOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: the built-in sky
+  bool sky = false;                  ///< `--sky`; the command wants either this or an input
   ShFormat format = ShFormat::table;
   ProjectionOptions projection;
   ClampChoice clamp;

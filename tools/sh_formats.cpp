@@ -209,7 +209,7 @@ std::string diagnostics_lines(const ShReport& report) {
   std::size_t width = kPassWidth;
   for (const PassRecord& pass : diagnostics.passes) width = std::max(width, pass.name.size() + 1);
   for (const PassRecord& pass : diagnostics.passes) {
-    text += "  pass " + pad_right(pass.name, width) + pad_right(pass.action, 6) +
+    text += "  pass " + pad_right(pass.name, width) + pad_right(name(pass.action), 6) +
             pad_left(duration(pass.milliseconds), 9) + "  " + pass.reason + '\n';
   }
   return text;
@@ -264,7 +264,7 @@ Json diagnostics_json(const ShReport& report) {
   Json passes = Json::array();
   for (const PassRecord& pass : diagnostics.passes) {
     passes.push_back(
-        {{"name", pass.name}, {"action", pass.action}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
+        {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
   }
   return {{"texels", diagnostics.texels},
           {"replaced", diagnostics.nans_replaced + diagnostics.infinities_replaced + diagnostics.negatives_replaced},

@@ -23,11 +23,11 @@ constexpr const char* kSkyFooter =
     R"(What it does:
   Computes a clear sky from the physics of a planet's air: sunlight scattered by
   its gases (Rayleigh) and aerosol (Mie), absorbed by ozone, reflected by the
-  ground, scattered again, as often as --orders says. Tables of it are made, or
-  taken from a file; then, for a sun and a height, it prints the sky's spherical
-  harmonics as 'welkin sh' does for a photograph, the sun by itself as a
-  directional light; or bakes them to a folder as 'welkin bake' does; or draws a
-  day.
+  ground, and scattered again, as often as --orders says. It computes tables of
+  this light, or loads them from a file. Then it does one of three things for a
+  sun and a height: it prints the sky's spherical harmonics, as 'welkin sh' does
+  for a photograph, and the sun as a directional light; it bakes the sky to a
+  folder, as 'welkin bake' does; or it draws a day.
 
 Examples:
   welkin sky --sun-elevation 20              a table for a person
@@ -47,7 +47,7 @@ Examples:
   welkin sky --wavelengths 615,535,445 --sun-elevation 20
 
 Directions: y is up; at azimuth 0 the sun stands towards +z, at 90 towards +x.
-  Below the horizon one sees the ground, lit by sun and sky.
+  The ground fills the view below the horizon; sun and sky light it.
 
 Units: radiance W/(m2 sr nm) at the wavelengths that stand for r, g and b;
   irradiance W/(m2 nm). With --colour srgb luminance, cd/m2, in linear sRGB, and
@@ -89,23 +89,24 @@ struct SkyOptions {
 void add_sun_place(Options& table, SkyParameters& sky) {
   table.push_back({.names = "--sun-elevation",
                    .target = &sky.sun_elevation_degrees,
-                   .text = "Degrees of the sun above the horizon, -90 to 90; default 40. With --sweep the first "
-                           "picture's, default 90",
+                   .text =
+                       "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first "
+                       "picture, default 90",
                    .type = "DEGREES",
                    .bounds = finite_between(-90.0, 90.0)});
   table.push_back({.names = "--sun-azimuth",
                    .target = &sky.sun_azimuth_degrees,
-                   .text = "Where the sun stands round the vertical: from +z towards +x; default 0",
+                   .text = "The sun's azimuth, counted from +z towards +x; default 0",
                    .type = "DEGREES",
                    .bounds = finite_between(-kFullTurns, kFullTurns)});
   table.push_back({.names = "--altitude",
                    .target = &sky.altitude_m,
-                   .text = "Metres above the ground; above the air is space; default 0",
+                   .text = "The observer's height above the ground; default 0",
                    .type = "METRES",
                    .bounds = finite_between(0.0, kHighest)});
   table.push_back({.names = "--no-ground",
                    .target = OnFlag([&sky] { sky.view.ground = false; }),
-                   .text = "Below the horizon only the air before the ground, not the ground itself"});
+                   .text = "Show below the horizon only the air in front of the ground, and not the ground"});
 }
 
 void set_table_size(SkyTableOptions& tables, const std::vector<int>& sizes) {
@@ -125,13 +126,13 @@ void add_table_options(Options& table, SkyOptions& options) {
                    .text = "Orders of scattering, ground reflections included, 1 to 64; default 4",
                    .type = "N",
                    .bounds = whole_between(1, kMostOrders)});
-  table.push_back({.names = "--until-change",
-                   .target = &tables.until_change,
-                   .text =
-                       "Stop before --orders when one added less than this share of all light before it; default 0: "
-                       "never",
-                   .type = "SHARE",
-                   .bounds = finite_between(0.0, 1.0)});
+  table.push_back(
+      {.names = "--until-change",
+       .target = &tables.until_change,
+       .text = "Stop before --orders when an order has added less than this share of all light before it; default "
+               "0: never",
+       .type = "SHARE",
+       .bounds = finite_between(0.0, 1.0)});
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
       "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm (default), or luminance in linear sRGB, cd/m2 "
@@ -140,16 +141,18 @@ void add_table_options(Options& table, SkyOptions& options) {
       "--layout", tables.layout, {{"full", ScatteringLayout::full}, {"compact", ScatteringLayout::compact}},
       "Scattering tables with four dimensions (default) or, smaller and less exact, three"));
   const auto set_size = [&tables](const std::vector<int>& sizes) { set_table_size(tables, sizes); };
-  table.push_back({.names = "--table-size",
-                   .target = On<std::vector<int>>(set_size),
-                   .text = "Their size: HEIGHTS,VIEWS,SUNS and of full ones AZIMUTHS; default 32,64,64,8",
-                   .type = "LIST",
-                   .list = List::commas});
-  table.push_back({.names = "--tables",
-                   .target = &options.sky.tables_file,
-                   .text = "Keep the tables in this file: taken from there if they are those asked for, else made and "
-                           "saved",
-                   .type = "FILE"});
+  table.push_back(
+      {.names = "--table-size",
+       .target = On<std::vector<int>>(set_size),
+       .text = "The size of the tables: HEIGHTS,VIEWS,SUNS and, with --layout full, AZIMUTHS; default 32,64,64,8",
+       .type = "LIST",
+       .list = List::commas});
+  table.push_back(
+      {.names = "--tables",
+       .target = &options.sky.tables_file,
+       .text = "Keep the tables in this file. They are loaded if they are the ones asked for, else computed and "
+               "saved",
+       .type = "FILE"});
 }
 
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
@@ -164,25 +167,26 @@ void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
     options.zeniths = counts[0];
     options.azimuths = counts[1];
   };
-  table.push_back({.names = "--directions",
-                   .target = On<std::vector<int>>(set_counts),
-                   .text =
-                       "How many: ZENITHS on either side of the horizon (uniform: over both), 2 to 128, and AZIMUTHS "
-                       "over half the circle, 2 to 256, the other half being its mirror image; default 16,16",
-                   .type = "Z,A",
-                   .list = List::commas_or_spaces,
-                   .count = 2});
+  table.push_back(
+      {.names = "--directions",
+       .target = On<std::vector<int>>(set_counts),
+       .text = "The number of directions: ZENITHS on either side of the horizon (uniform: over both), 2 to 128, and "
+               "AZIMUTHS over half the circle, 2 to 256; the other half is its mirror image; default 16,16",
+       .type = "Z,A",
+       .list = List::commas_or_spaces,
+       .count = 2});
 }
 
 /// Options that make no sense together are refused rather than one of them ignored.
 void add_sweep_options(Options& table, SweepOptions& sweep) {
   constexpr const char* kSweep = "--sweep";
-  table.push_back({.names = kSweep,
-                   .target = &sweep.path,
-                   .text = "Draw a day as pictures side by side, to a PNG and a text beside it that has each one's sun",
-                   .type = "FILE.png",
-                   .excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands",
-                                "--window", "--for"}});
+  table.push_back(
+      {.names = kSweep,
+       .target = &sweep.path,
+       .text = "Draw a day as pictures side by side, to a PNG; a text beside it lists the sun of each picture",
+       .type = "FILE.png",
+       .excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
+                    "--for"}});
   table.push_back({.names = "--sweep-to",
                    .target = &sweep.last_degrees,
                    .text = "Sun elevation of the last picture; default -18",
@@ -211,21 +215,23 @@ void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
   options.bake.bake.background_size = kSkyBackground;
   options.bake.all_mips = true;  // 32 texels down to 16 would be two
-  table.push_back({.names = "-o,--output",
-                   .target = &options.bake.directory,
-                   .text = "A folder to bake the sky to, as 'welkin bake' does, sky.exr beside; --json then prints its "
-                           "manifest",
-                   .type = "DIR",
-                   .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
+  table.push_back(
+      {.names = "-o,--output",
+       .target = &options.bake.directory,
+       .text = "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; --json then prints "
+               "the manifest",
+       .type = "DIR",
+       .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
   const std::size_t before = table.size();
-  table.push_back({.names = "--picture-height",
-                   .target = &options.picture_height,
-                   .text = "Height of sky.exr, from which all else is made; its width is twice that; default 256",
-                   .type = "N",
-                   .bounds = whole_between(1, kLargestPicture)});
+  table.push_back(
+      {.names = "--picture-height",
+       .target = &options.picture_height,
+       .text = "The height of sky.exr, from which everything else is made; it is twice as wide; default 256",
+       .type = "N",
+       .bounds = whole_between(1, kLargestPicture)});
   table.push_back({.names = "--sun-disc",
                    .target = &options.sun_disc,
-                   .text = "The sun's disc in the picture; else it is left out"});
+                   .text = "Draw the sun's disc into the picture; by default it is left out"});
   add_result_options(table, options.bake);
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");
 }
@@ -233,9 +239,10 @@ void add_folder_options(Options& table, SkyOptions& options) {
 void add_sky_options(Options& table, SkyOptions& options) {
   add_sun_place(table, options.sky);
   add_atmosphere_options(table, options.sky.atmosphere);
-  table.push_back({.names = "--print-atmosphere",
-                   .target = &options.print_atmosphere,
-                   .text = "Print the air as JSON, to be changed and read by --atmosphere, and do nothing else"});
+  table.push_back(
+      {.names = "--print-atmosphere",
+       .target = &options.print_atmosphere,
+       .text = "Print the atmosphere as JSON, which you can change and give to --atmosphere, and do nothing else"});
   add_table_options(table, options);
   add_quadrature_options(table, options.quadrature);
   add_format_options(table, options.sh);

@@ -178,20 +178,21 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
       "no-aerosol (earth with nothing but gases)"));
   table.push_back({.names = "--atmosphere",
                    .target = &choice.file,
-                   .text = "Air from a JSON file, such as --print-atmosphere writes; every number is checked",
+                   .text = "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
                    .type = "FILE",
                    .excludes = {kPreset}});
   table.push_back({.names = "--wavelengths",
                    .target = &choice.wavelengths_nm,
-                   .text = "Of earth and no-aerosol: wavelengths in nm, commas between them; three for r, g and b "
+                   .text = "For earth and no-aerosol: wavelengths in nm, separated by commas; three for r, g and b "
                            "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
                    .type = "LIST",
                    .list = List::commas});
-  table.push_back({.names = "--ground-albedo",
-                   .target = &choice.ground_albedo,
-                   .text = "How much light the ground reflects, 0 to 1; default: as the air's preset has it, earth 0.1",
-                   .type = "A",
-                   .bounds = finite_between(0.0, 1.0)});
+  table.push_back(
+      {.names = "--ground-albedo",
+       .target = &choice.ground_albedo,
+       .text = "The share of light that the ground reflects, 0 to 1; default: that of the preset, earth 0.1",
+       .type = "A",
+       .bounds = finite_between(0.0, 1.0)});
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
@@ -318,13 +319,14 @@ ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& 
     const bool is_there = std::filesystem::exists(*file, none);
     if (is_there) {
       auto loaded = std::make_shared<const SkyTables>(load_sky_tables(*file, options.memory_limit_bytes));
-      if (fit(*loaded, atmosphere, options)) return {loaded, {"tables", "reuse", "loaded from " + *file, 0.0}};
+      if (fit(*loaded, atmosphere, options))
+        return {loaded, {"tables", PassAction::reuse, "loaded from " + *file, 0.0}};
     }
     reason = (is_there ? "those in the file were of other parameters; now saved to " : "saved to ") + *file;
   }
   auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
   if (file) save_sky_tables(*made, *file);
-  return {made, {"tables", "run", reason, 0.0}};
+  return {made, {"tables", PassAction::run, reason, 0.0}};
 }
 
 /// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
@@ -360,7 +362,7 @@ Sky make_sky(const SkyParameters& parameters, const Control& control) {
           sun_direction(parameters.sun_elevation_degrees, parameters.sun_azimuth_degrees),
           {},
           {ready.pass}};
-  if (ready.pass.action == "run") {
+  if (ready.pass.action == PassAction::run) {
     sky.passes.insert(sky.passes.end(), ready.tables->passes.begin(), ready.tables->passes.end());
   }
   SkyReport& report = sky.report;
@@ -396,7 +398,7 @@ ComputedPicture built_in_sky(const Control& control) {
   const Sky sky = make_sky(built_in_parameters(), part_of(control, 0.0, kTables));
   ComputedPicture picture = sky_picture(sky, kBuiltInHeight, true, part_of(control, kTables, 1.0));
   picture.source.path = "built-in sky";
-  picture.source.detail = "no input file was named";
+  picture.source.detail = "computed, as --sky asks";
   return picture;
 }
 

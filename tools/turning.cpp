@@ -77,12 +77,13 @@ void add_turn_options(Options& table, TurnOptions& options) {
       "Whose axes the file's cube faces are named after; default welkin. (A lat-long is the same picture "
       "for all)"));
   add_engine_option(table, options);
-  table.push_back({.names = "--yaw",
-                   .target = &options.yaw_degrees,
-                   .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above: what was "
-                           "at +z comes to +x by 90",
-                   .type = "DEGREES",
-                   .bounds = number_between(-1e6, 1e6)});
+  table.push_back(
+      {.names = "--yaw",
+       .target = &options.yaw_degrees,
+       .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above; 90 moves what "
+               "was at +z to +x",
+       .type = "DEGREES",
+       .bounds = number_between(-1e6, 1e6)});
   table.push_back({.names = "--mirror",
                    .target = &options.mirror,
                    .text = "Mirror the environment left to right (x changes its sign)"});

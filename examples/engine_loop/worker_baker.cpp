@@ -20,7 +20,7 @@ void WorkerBaker::ask(Posting posting) {
   auto job =
       std::visit([&](auto& request) { return worker_.post(std::move(request), {.key = std::move(posting.key)}); },
                  posting.request);
-  std::move(job).on_drain([this, number = posting.number, asked](std::future<welkin::Projection> light) {
+  std::move(job).on_drain([this, number = posting.number, asked](welkin::Job<welkin::Projection> light) {
     take(number, asked, std::move(light));
   });
 }
@@ -32,7 +32,7 @@ void WorkerBaker::finish() {
   worker_.drain();
 }
 
-void WorkerBaker::take(std::size_t number, Clock::time_point asked, std::future<welkin::Projection> light) {
+void WorkerBaker::take(std::size_t number, Clock::time_point asked, welkin::Job<welkin::Projection> light) {
   try {
     keep(number, asked, light.get());
   } catch (const welkin::Error& error) {

@@ -3,8 +3,6 @@
 
 #include <welkin/worker.h>
 
-#include <future>
-
 #include "baker.h"
 
 namespace engine_loop {
@@ -18,7 +16,7 @@ class WorkerBaker final : public Baker {
   void finish() override;
 
  private:
-  void take(std::size_t number, Clock::time_point asked, std::future<welkin::Projection> light);
+  void take(std::size_t number, Clock::time_point asked, welkin::Job<welkin::Projection> light);
 
   welkin::Worker worker_;
 };

@@ -2,12 +2,26 @@
 
 #include <welkin/control.h>
 
-#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 namespace engine_loop {
 namespace {
+
+/// A TBB arena, lent to the worker.
+class ArenaExecutor final : public welkin::Executor {
+ public:
+  explicit ArenaExecutor(tbb::task_arena& arena) : arena_(arena) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return arena_.max_concurrency(); }
+  void enqueue(void (*run)(void* job), void* job) override {
+    arena_.enqueue([run, job] { run(job); });
+  }
+
+ private:
+  tbb::task_arena& arena_;
+};
 
 WorkerSetup own_threads(welkin::ThreadPriority priority, int threads) {
   WorkerSetup setup;
@@ -18,7 +32,7 @@ WorkerSetup own_threads(welkin::ThreadPriority priority, int threads) {
 
 WorkerSetup lent_by(tbb::task_arena& arena) {
   WorkerSetup setup;
-  setup.options.lent_arena = [&arena](std::function<void()> task) { arena.enqueue(std::move(task)); };
+  setup.options.executor = std::make_shared<ArenaExecutor>(arena);
   return setup;
 }
 

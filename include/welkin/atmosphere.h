@@ -17,11 +17,11 @@ namespace WELKIN_EXPORT welkin {
 /// h the altitude above the ground (Bruneton 2017, "Precomputed Atmospheric Scattering: a New Implementation",
 /// DensityProfileLayer).
 struct DensityLayer {
-  double thickness_m = 0.0;  ///< the last layer's is not read: it goes up to the top
-  double exponential_term = 0.0;
-  double exponential_scale_per_m = 0.0;
-  double linear_term_per_m = 0.0;
-  double constant_term = 0.0;
+  double thickness_m = 0.0;              ///< the last layer's is not read: it goes up to the top
+  double exponential_term = 0.0;         ///< factor of the exponential
+  double exponential_scale_per_m = 0.0;  ///< its exponent, 1/m; negative where density falls with altitude
+  double linear_term_per_m = 0.0;        ///< slope of the linear part, 1/m
+  double constant_term = 0.0;            ///< density at altitude 0 without the exponential
 
   friend bool operator==(const DensityLayer&, const DensityLayer&) = default;
 };
@@ -64,13 +64,13 @@ struct Atmosphere {
   /// 3 to 96 if they are folded to colours.
   std::vector<double> wavelengths_nm{680.0, 550.0, 440.0};
 
-  double bottom_radius_m = 6'360'000.0;
-  double top_radius_m = 6'420'000.0;  ///< above it there is nothing
+  double bottom_radius_m = 6'360'000.0;  ///< the ground's radius; the air begins there
+  double top_radius_m = 6'420'000.0;     ///< above it there is nothing
 
-  Constituent rayleigh;  ///< scatters by 3 / (16 pi) (1 + cos^2)
-  Constituent aerosol;   ///< Mie
-  AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;
-  double aerosol_asymmetry = 0.8;      ///< g, -0.999 to 0.999
+  Constituent rayleigh;                                        ///< scatters by 3 / (16 pi) (1 + cos^2)
+  Constituent aerosol;                                         ///< Mie
+  AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< how aerosol scatters by angle
+  double aerosol_asymmetry = 0.8;                              ///< g, -0.999 to 0.999
   std::vector<Constituent> absorbers;  ///< ozone and the like: their scattering must be none; at most 4
 
   std::vector<double> ground_albedo;           ///< at each wavelength, 0 to 1; none: black

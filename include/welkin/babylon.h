@@ -12,9 +12,15 @@ namespace WELKIN_EXPORT welkin {
 /// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried
 /// twice and constants truncated as they are in Babylon.js; its shader's way back undoes that.
 struct BabylonPolynomial {
-  glm::dvec3 x{}, y{}, z{};
-  glm::dvec3 xx{}, yy{}, zz{};
-  glm::dvec3 yz{}, zx{}, xy{};
+  glm::dvec3 x{};   ///< factor of the normal's x
+  glm::dvec3 y{};   ///< of y
+  glm::dvec3 z{};   ///< of z
+  glm::dvec3 xx{};  ///< of x squared
+  glm::dvec3 yy{};  ///< of y squared
+  glm::dvec3 zz{};  ///< of z squared
+  glm::dvec3 yz{};  ///< of y z
+  glm::dvec3 zx{};  ///< of z x
+  glm::dvec3 xy{};  ///< of x y
 };
 
 /// What CubeMapToSphericalPolynomialTools makes of the same light: irradiance / pi in Babylon's signs (odd

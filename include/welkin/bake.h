@@ -27,25 +27,27 @@ enum class IrradianceMethod {
   direct,     ///< by direct convolution: the reference, slow
 };
 
+/// What a bake makes, and how. The default is all of it.
 struct BakeOptions {
   /// Texels along an edge of the background cubemap, up to 16384. 0: the specular cubemap's; without one the source's
   /// own, of a lat-long a quarter of its width.
   int background_size = 0;
-  bool background = true;       ///< a sharp cubemap, for what is seen behind a scene
-  bool background_mips = true;  ///< down to 1 texel; or level 0 alone
-  MipFilter mip_filter = MipFilter::solid_angle;
+  bool background = true;                         ///< a sharp cubemap, for what is seen behind a scene
+  bool background_mips = true;                    ///< down to 1 texel; or level 0 alone
+  MipFilter mip_filter = MipFilter::solid_angle;  ///< how each level of the background is made from the one before
 
   /// None: no prefilter. Its `pixels` are not used, but those below.
   std::optional<PrefilterOptions> specular = PrefilterOptions{};
 
   int irradiance_size = 64;  ///< texels along an edge, up to 4096; 0: no irradiance cubemap
-  IrradianceMethod irradiance_method = IrradianceMethod::harmonics;
+  IrradianceMethod irradiance_method = IrradianceMethod::harmonics;  ///< how the irradiance cubemap is computed
   int bands = 3;  ///< harmonic bands that are returned, and that the irradiance cubemap is made from; 0: none
 
-  /// Bands that are projected at least, of which the first `bands` are kept: the same bits as those of a bake with that
-  /// many, from which fewer bands by themselves differ by rounding.
+  /// If above `bands`: so many bands are projected, and the first `bands` of them are returned. They have the same bits
+  /// as in a bake of that many bands. A projection of fewer bands differs from them by rounding.
   int projected_bands = 0;
-  /// Of no bands one is projected all the same, for the diagnostics' total radiance; off: that stays 0.
+  /// Whether a bake with `bands` = 0 still projects one band, which gives the diagnostics' total radiance. Else it is
+  /// 0.
   bool total_radiance = true;
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
@@ -59,12 +61,13 @@ struct BakeOptions {
   friend bool operator==(const BakeOptions&, const BakeOptions&) = default;
 };
 
+/// What a bake made. What was not asked for is empty, as each member says.
 struct BakeResult {
-  CubemapChain background;  ///< radiance; no levels if it was not asked for
-  std::optional<PrefilteredSpecular> specular;
-  CubemapImage irradiance;                     ///< W/m2 for W/m2/sr; size 0 if it was not asked for
-  std::optional<SphericalHarmonics> radiance;  ///< coefficients: the very bits of `project` (of an .env: see below)
-  std::shared_ptr<const BrdfTable> brdf;       ///< null if it was not asked for; shared with other bakes
+  CubemapChain background;                      ///< radiance; no levels if it was not asked for
+  std::optional<PrefilteredSpecular> specular;  ///< reflections; none if they were not asked for
+  CubemapImage irradiance;                      ///< W/m2 for W/m2/sr; size 0 if it was not asked for
+  std::optional<SphericalHarmonics> radiance;   ///< coefficients: the very bits of `project` (of an .env: see below)
+  std::shared_ptr<const BrdfTable> brdf;        ///< null if it was not asked for; shared with other bakes
 
   /// Of an .env file, as it is stored there, in Babylon.js's axes. Up to three bands of `radiance` and the irradiance
   /// cubemap come from it and not from the pixels, which end at 255.

@@ -24,10 +24,11 @@ enum class BrdfModel {
                         ///< albedo, which its energy compensation 1 + f0 (1 / y - 1) needs
 };
 
+/// What the table holds.
 struct BrdfTableOptions {
-  int width = 64;   ///< along N.V, 1 to 4096: column i is at N.V = (i + 0.5) / width
-  int height = 64;  ///< along perceptual roughness, 1 to 4096: row j is at (j + 0.5) / height
-  BrdfModel model = BrdfModel::split_sum;
+  int width = 64;                          ///< along N.V, 1 to 4096: column i is at N.V = (i + 0.5) / width
+  int height = 64;                         ///< along perceptual roughness, 1 to 4096: row j is at (j + 0.5) / height
+  BrdfModel model = BrdfModel::split_sum;  ///< what red and green are
 
   /// A third channel: directional albedo of Charlie sheen, D of Estevez and Kulla 2017 (Production Friendly Microfacet
   /// Sheen BRDF) with alpha = roughness squared, with the visibility 1 / (4 (n.l + n.v - n.l n.v)) of Neubelt and
@@ -39,13 +40,15 @@ struct BrdfTableOptions {
   friend bool operator==(const BrdfTableOptions&, const BrdfTableOptions&) = default;
 };
 
+/// The table: reflectance of a surface in even light, by the cosine to the viewer and by roughness.
 struct BrdfTable {
-  BrdfTableOptions options;
+  BrdfTableOptions options;   ///< those that it was made with
   int channels = 2;           ///< 3 with sheen
   std::vector<float> values;  ///< height x width x channels, row 0 at the lowest roughness
 
   /// The same as IEEE half floats, rounded to nearest, ties to even; beyond 65504: 65504.
   [[nodiscard]] std::vector<std::uint16_t> half_values() const;
+  /// Memory of `values`.
   [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(float); }
 };
 

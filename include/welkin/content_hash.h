@@ -21,9 +21,10 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// 128 bits of XXH3: equal for equal contents.
 struct ContentHash {
-  std::uint64_t high = 0;
-  std::uint64_t low = 0;
+  std::uint64_t high = 0;  ///< the upper 64 bits
+  std::uint64_t low = 0;   ///< the lower 64 bits
 
   friend auto operator<=>(const ContentHash&, const ContentHash&) = default;
 

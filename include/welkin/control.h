@@ -16,8 +16,9 @@ struct Control {
   std::stop_token stop{};
 
   /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
-  /// It comes from whichever thread finished a tile, one call at a time, and may use TBB itself; what it
-  /// throws ends the call and reaches the caller. Left empty, progress costs nothing.
+  /// It comes from whichever thread finished a tile, one call at a time, with the default floating-point
+  /// environment, and may use TBB itself; what it throws ends the call and reaches the caller. Left empty, progress
+  /// costs nothing.
   std::function<void(double)> progress{};
 };
 

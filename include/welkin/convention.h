@@ -17,11 +17,12 @@ namespace WELKIN_EXPORT welkin {
 
 enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
 
+/// Where things lie in one engine.
 struct Convention {
-  Engine engine;
-  const char* name;   ///< as on the command line: "babylon", "three", ...
-  const char* title;  ///< "Babylon.js", "three.js", ...
-  bool right_handed;
+  Engine engine;         ///< whose it is
+  const char* name;      ///< as on the command line: "babylon", "three", ...
+  const char* title;     ///< "Babylon.js", "three.js", ...
+  bool right_handed;     ///< whether the engine's axes are right-handed
   const char* axes;      ///< in words: "left-handed, y up, ..."
   const char* lat_long;  ///< in words: "centre +z, right +x"
   const char* source;    ///< where that can be checked: file and function of the engine; what follows "derived" is

@@ -59,8 +59,8 @@ struct CostModel {
 
 /// One of its numbers.
 struct CostUnit {
-  const char* name;  ///< the member's
-  double CostModel::*value;
+  const char* name;          ///< the member's
+  double CostModel::*value;  ///< the member that holds it
 };
 
 /// All of them, in order: for files and tables.

@@ -34,16 +34,21 @@ class CubemapChain {
 
   /// Texels along an edge of level 0; 0 if there are no levels.
   [[nodiscard]] int size() const noexcept { return size_; }
+  /// How many levels there are; 0 if it is empty.
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(offsets_.size()); }
+  /// Texels along an edge of a level.
   [[nodiscard]] int level_size(int level) const noexcept { return size_ >> level > 1 ? size_ >> level : 1; }
+  /// Memory of all levels.
   [[nodiscard]] std::size_t bytes() const noexcept { return values_ * sizeof(float); }
 
   /// First channel of a face's first texel: level_size^2 x 3 floats. 0 <= level < levels(), 0 <= face < 6.
   [[nodiscard]] float* face(int level, int face) noexcept { return pixels_.get() + face_offset(level, face); }
+  /// First float of a face: level_size x level_size texels of RGB, packed, row 0 on top.
   [[nodiscard]] const float* face(int level, int face) const noexcept {
     return pixels_.get() + face_offset(level, face);
   }
 
+  /// A level as a view. It is valid while the chain lives and is not assigned to.
   [[nodiscard]] CubemapView view(int level) const noexcept;
   /// All levels, as `project` and the writers take them.
   [[nodiscard]] std::vector<CubemapView> views() const;

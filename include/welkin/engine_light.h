@@ -15,20 +15,21 @@ namespace WELKIN_EXPORT welkin {
 /// One named number triple of an engine's form.
 struct EngineTerm {
   std::string name;  ///< as the engine calls it: "xx", "coefficients[4]", "irradianceCoefficients[0]", ...
-  glm::dvec3 rgb{};
+  glm::dvec3 rgb{};  ///< red, green, blue
 };
 
 /// One named four-vector that an engine's shader reads.
 struct EngineVector {
-  std::string name;  ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
-  glm::dvec4 value{};
+  std::string name;    ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
+  glm::dvec4 value{};  ///< x, y, z, w as the shader reads them
 };
 
+/// Light in an engine's own form.
 struct EngineLight {
-  Engine engine{};
+  Engine engine{};      ///< whose form it is
   std::string form;     ///< the engine's type: "SphericalPolynomial", "SphericalHarmonics3", ...
   std::string formula;  ///< what it is, with pi, signs and order, and how the shader evaluates it; for a person
-  std::vector<EngineTerm> terms;
+  std::vector<EngineTerm> terms;  ///< in the engine's order
 
   /// The same light as the engine packs it for its shader, a channel at a time: seven for Unity and for Unreal, in the
   /// order in which they lie in memory; none for engines whose shaders read the terms.

@@ -47,8 +47,9 @@ enum class Primaries {
   as_stored,  ///< the file's numbers as they are (XYZ stays XYZ)
 };
 
+/// How a file is read.
 struct ReadOptions {
-  Layout layout = Layout::automatic;
+  Layout layout = Layout::automatic;  ///< how the picture holds the sphere; automatic: header, shape or name tell
 
   /// Of a multi-part OpenEXR file: the part's name, or its number from 0. Empty: the first part that holds
   /// colour in whole, else the first that holds luminance.
@@ -61,8 +62,8 @@ struct ReadOptions {
   /// Of a file with a mip chain: 0 is the full size. Rip maps have the levels that shrink both ways.
   int level = 0;
 
-  Transfer transfer = Transfer::automatic;
-  Primaries primaries = Primaries::rec709;
+  Transfer transfer = Transfer::automatic;  ///< what the numbers of a PNG mean
+  Primaries primaries = Primaries::rec709;  ///< whether colours become Rec. 709
 
   /// The most memory that pixels may take, in bytes: those that are held whole and those that are being
   /// decoded, on all threads together. A lat-long that is projected or measured is streamed and stays far
@@ -72,19 +73,21 @@ struct ReadOptions {
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
+/// A channel of the file.
 struct ChannelInfo {
   std::string name;  ///< "R", "G", "B", "Y", ...
   std::string type;  ///< "half", "float", "uint", "rgbe", "xyze", "uint8", "uint16"
 };
 
+/// A level of a chain in the file.
 struct LevelInfo {
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< texels
+  int height = 0;  ///< texels
 };
 
 /// What a file's header says; no pixel is read for it.
 struct EnvironmentInfo {
-  std::filesystem::path path;
+  std::filesystem::path path;         ///< as it was named; of six files the first
   std::string format;                 ///< "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS" or "Babylon.js .env"
   std::string compression;            ///< "none", "zip", "piz", ... as OpenEXR has them; "rle", "old rle"; "deflate"
   std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
@@ -103,16 +106,17 @@ struct EnvironmentInfo {
 /// What is in the pixels, as they are in the file: nothing is replaced or clamped. NaN and infinities are
 /// counted and stay out of the other numbers.
 struct EnvironmentStatistics {
-  std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
-  glm::dvec3 minimum{}, maximum{};
-  glm::dvec3 mean{};             ///< weighted by solid angle: the sphere's average radiance
-  glm::dvec3 total_radiance{};   ///< integral over the sphere: 4 pi times the mean
-  std::uint64_t nans = 0;        ///< channel values
-  std::uint64_t infinities = 0;  ///< channel values
-  std::uint64_t negatives = 0;   ///< channel values
-  int brightest_column = 0;      ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
-  int brightest_row = 0;         ///< of six_files as if they stood one above the other
-  glm::dvec3 brightest{};
+  std::uint64_t texels = 0;     ///< of the sphere: what lies between the faces of a cross does not count, here or below
+  glm::dvec3 minimum{};         ///< of each channel, NaN and infinities left out
+  glm::dvec3 maximum{};         ///< likewise
+  glm::dvec3 mean{};            ///< weighted by solid angle: the sphere's average radiance
+  glm::dvec3 total_radiance{};  ///< integral over the sphere: 4 pi times the mean
+  std::uint64_t nans = 0;       ///< channel values
+  std::uint64_t infinities = 0;      ///< channel values
+  std::uint64_t negatives = 0;       ///< channel values
+  int brightest_column = 0;          ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
+  int brightest_row = 0;             ///< of six_files as if they stood one above the other
+  glm::dvec3 brightest{};            ///< radiance of the brightest texel, by luminance
   glm::dvec3 brightest_direction{};  ///< unit, of that texel's centre; 0 if no texel is finite
 };
 
@@ -120,7 +124,7 @@ struct EnvironmentStatistics {
 /// whatever layout they had in the file. (Where an OpenEXR header has the envmap attribute of a cube, the faces
 /// are mirrored to those frames on the way in.)
 struct Environment {
-  EnvironmentInfo info;
+  EnvironmentInfo info;             ///< what the file said of itself
   std::unique_ptr<float[]> pixels;  ///< lat-long: width x height x 3; cube: 6 x size x size x 3; row 0 on top
 
   /// Edge of a face in texels; 0 for a lat-long.
@@ -128,6 +132,7 @@ struct Environment {
 
   /// Throw `Error` (invalid_argument) if the layout is the other one.
   [[nodiscard]] LatLongView lat_long() const;
+  /// Valid for the other layouts; throws `Error` (invalid_argument) for a lat-long.
   [[nodiscard]] CubemapView cubemap() const;
 };
 

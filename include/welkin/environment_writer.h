@@ -19,13 +19,14 @@ enum class SampleType {
   uint16,     ///< PNG: sRGB, values clamped to [0, 1]
 };
 
+/// How a file is written.
 struct WriteOptions {
   /// automatic: lat-long for a lat-long, vertical strip for a cubemap (with OpenEXR's envmap attribute in .exr,
   /// its faces then in OpenEXR's own frames). A cubemap can be written in every other layout too.
   /// Faces of a horizontal strip may have up to 10922 texels: wider pictures than 65536 are not read anywhere.
   /// six_files: "sky.exr" makes sky_px.exr, sky_nx.exr, ..., sky_nz.exr.
   Layout layout = Layout::automatic;
-  SampleType type = SampleType::automatic;
+  SampleType type = SampleType::automatic;  ///< halves, floats or bytes; automatic: the usual one of the format
 };
 
 /// What a format could not hold of the values.

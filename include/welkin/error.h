@@ -26,8 +26,10 @@ enum class ErrorCode {
 /// `std::bad_alloc` and whatever a caller's own callback throws.
 class Error : public std::runtime_error {
  public:
+  /// `message` names the file or argument, what was found and what would do.
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
 
+  /// For programs; `what()` is for people.
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
 
  private:

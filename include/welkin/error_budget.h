@@ -36,8 +36,8 @@ enum class ErrorMeasure {
 /// What may be lost. Each pass says what it is relative to. All calls throw `Error` (invalid_argument) unless
 /// 1e-6 <= relative <= 1.
 struct ErrorBudget {
-  double relative = 0.01;  ///< 0.01 is 1 %
-  ErrorMeasure measure = ErrorMeasure::maximum;
+  double relative = 0.01;                        ///< 0.01 is 1 %
+  ErrorMeasure measure = ErrorMeasure::maximum;  ///< which error the budget bounds
 
   friend bool operator==(const ErrorBudget&, const ErrorBudget&) = default;
 };
@@ -45,7 +45,7 @@ struct ErrorBudget {
 /// A setting that was looked at.
 template <class Setting>
 struct EstimatedSetting {
-  Setting setting{};
+  Setting setting{};                   ///< the setting that was judged
   double estimated_error = 0.0;        ///< meant to be at least the true one
   double predicted_nanoseconds = 0.0;  ///< of the pass at this setting, on one thread of docs/error_budget.md's machine
 };
@@ -53,9 +53,9 @@ struct EstimatedSetting {
 /// What was chosen, and what else was looked at.
 template <class Setting>
 struct BudgetChoice {
-  Setting setting{};  ///< the cheapest under the budget; where none is, the one of the least estimated error
-  double estimated_error = 0.0;
-  double predicted_nanoseconds = 0.0;
+  Setting setting{};             ///< the cheapest under the budget; where none is, the one of the least estimated error
+  double estimated_error = 0.0;  ///< relative, of the chosen setting
+  double predicted_nanoseconds = 0.0;            ///< on one thread, by the cost model
   bool met = false;                              ///< whether the estimate is under the budget
   std::string relative_to;                       ///< what the errors are shares of
   std::vector<EstimatedSetting<Setting>> tried;  ///< in the order in which they were looked at
@@ -112,7 +112,7 @@ struct HighBands {
 
 /// What one mip needs. Errors are rms over the sphere relative to the mip's own, whatever the budget's measure.
 struct MipNeed {
-  double roughness = 0.0;
+  double roughness = 0.0;        ///< perceptual
   double estimated_error = 0.0;  ///< at the setting chosen
   int source_size = 0;           ///< the smallest face size to which the source may be reduced; 0: none that was tried
   double source_size_error = 0.0;  ///< estimated, of that reduction alone
@@ -120,7 +120,7 @@ struct MipNeed {
 
 /// A choice of `rms_error` and `maximum_error`, and what each mip can do with.
 struct PrefilterChoice : BudgetChoice<PrefilterOptions> {
-  std::vector<MipNeed> mips;
+  std::vector<MipNeed> mips;  ///< one entry for each mip
 };
 
 /// How loose the bounds of `prefilter_specular` may be: `rms_error` (`maximum_error` is ten times that) from 1e-4 to
@@ -151,7 +151,7 @@ struct PrefilterChoice : BudgetChoice<PrefilterOptions> {
 
 /// What sizes and orders of tables are judged by: three bands of harmonics at one height.
 struct SkyProbe {
-  double altitude_m = 0.0;
+  double altitude_m = 0.0;       ///< the observer's, above the ground
   std::vector<glm::dvec3> suns;  ///< towards the sun, at least one
 
   friend bool operator==(const SkyProbe&, const SkyProbe&) = default;

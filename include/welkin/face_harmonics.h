@@ -25,7 +25,9 @@ struct FaceSums;
 class FaceHarmonics {
  public:
   [[nodiscard]] int size() const noexcept { return size_; }  ///< texels along an edge; 0: nothing is kept
+  /// Those that the sums were made with.
   [[nodiscard]] const ProjectionOptions& options() const noexcept { return options_; }
+  /// Memory of the sums.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
   /// The sums of a face, 0 to 5: which face it is does not matter to them. For caches.
@@ -35,7 +37,9 @@ class FaceHarmonics {
 
   /// No sums yet.
   FaceHarmonics() = default;
+  /// Without any sums yet. For `project_faces`.
   FaceHarmonics(int size, const ProjectionOptions& options) : size_(size), options_(options) {}
+  /// Replaces the sums of a face. For `update_faces`.
   void set_face(int face, std::shared_ptr<const projection::FaceSums> sums) {
     faces_[static_cast<std::size_t>(face)] = std::move(sums);
   }

@@ -17,9 +17,9 @@ namespace WELKIN_EXPORT welkin {
 struct ProjectFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;
-  ReadOptions read_options{};
-  ProjectionOptions options{};
+  std::filesystem::path path;   ///< the file, or one of six
+  ReadOptions read_options{};   ///< how it is read
+  ProjectionOptions options{};  ///< how it is projected
 
   [[nodiscard]] Projection operator()(const Control& control) const;
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
@@ -28,8 +28,8 @@ struct ProjectFile {
 
 /// `read_environment`. Its result cannot be copied, so it is not shared.
 struct ReadFile {
-  std::filesystem::path path;
-  ReadOptions read_options{};
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
 
   [[nodiscard]] Environment operator()(const Control& control) const;
 };
@@ -38,8 +38,8 @@ struct ReadFile {
 struct MeasureFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;
-  ReadOptions read_options{};
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
 
   [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
@@ -50,9 +50,9 @@ struct MeasureFile {
 struct BakeFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;
-  ReadOptions read_options{};
-  BakeOptions options{};
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
+  BakeOptions options{};       ///< what is made of it
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }

@@ -11,10 +11,11 @@ namespace WELKIN_EXPORT welkin {
 
 /// An RGB float lat-long picture that owns its pixels.
 struct LatLongImage {
-  int width = 0;
-  int height = 0;
+  int width = 0;              ///< texels; twice the height
+  int height = 0;             ///< texels
   std::vector<float> pixels;  ///< width x height x 3, row 0 on top
 
+  /// The pixels as a view. It is valid while `pixels` are.
   [[nodiscard]] LatLongView view() const noexcept { return {pixels.data(), width, height, 0, PixelFormat::rgb_f32}; }
 };
 
@@ -23,6 +24,7 @@ struct CubemapImage {
   int size = 0;               ///< texels along an edge
   std::vector<float> pixels;  ///< 6 x size x size x 3: face after face, in the frames of `CubemapView`
 
+  /// The pixels as a view. It is valid while `pixels` are.
   [[nodiscard]] CubemapView view() const noexcept {
     const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     CubemapView view{{}, size, 0, PixelFormat::rgb_f32};

@@ -50,10 +50,10 @@ enum class PixelFormat {
 ///
 /// Texel (column i, row j) is a square whose centre is (u, v) = ((2i+1)/size - 1, (2j+1)/size - 1).
 struct CubemapView {
-  std::array<const void*, 6> faces{};   ///< first texel of each face; float formats aligned to their channel
-  int size = 0;                         ///< texels along an edge, 1 to 16384; need not be even
-  std::ptrdiff_t row_stride_bytes = 0;  ///< from a row to the next; 0: rows are packed; negative: bottom-up
-  PixelFormat format = PixelFormat::rgb_f32;
+  std::array<const void*, 6> faces{};         ///< first texel of each face; float formats aligned to their channel
+  int size = 0;                               ///< texels along an edge, 1 to 16384; need not be even
+  std::ptrdiff_t row_stride_bytes = 0;        ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  PixelFormat format = PixelFormat::rgb_f32;  ///< of all six faces
 
   /// Whether these are the same pixels in memory, not whether they hold the same values. So for `LatLongView`.
   friend bool operator==(const CubemapView&, const CubemapView&) = default;
@@ -66,11 +66,11 @@ struct CubemapView {
 /// (sin(lon) cos(lat), sin(lat), cos(lon) cos(lat)): the centre looks along +z, +x lies a quarter in from
 /// the left. That is OpenEXR's orientation with texels as areas.
 struct LatLongView {
-  const void* pixels = nullptr;         ///< first texel of the top row
-  int width = 0;                        ///< 1 to 65536; twice the height as a rule, but any ratio is taken
-  int height = 0;                       ///< 1 to 32768
-  std::ptrdiff_t row_stride_bytes = 0;  ///< from a row to the next; 0: rows are packed; negative: bottom-up
-  PixelFormat format = PixelFormat::rgb_f32;
+  const void* pixels = nullptr;               ///< first texel of the top row
+  int width = 0;                              ///< 1 to 65536; twice the height as a rule, but any ratio is taken
+  int height = 0;                             ///< 1 to 32768
+  std::ptrdiff_t row_stride_bytes = 0;        ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  PixelFormat format = PixelFormat::rgb_f32;  ///< of the pixels
 
   friend bool operator==(const LatLongView&, const LatLongView&) = default;
 };

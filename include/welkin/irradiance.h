@@ -40,7 +40,7 @@ namespace WELKIN_EXPORT welkin {
 /// How far the irradiance of the first `bands` bands is from the direct one, over normals that cover the sphere evenly.
 /// Differences are lengths |E_sh - E| over the three channels.
 struct IrradianceError {
-  int bands = 0;
+  int bands = 0;              ///< how many bands the irradiance was taken from
   double rms = 0.0;           ///< root mean square of the difference over that of |E|: 0.01 is 1 %
   double maximum = 0.0;       ///< largest difference over the root mean square of |E|
   double relative = 0.0;      ///< largest difference over |E| at the same normal: on the dark side, as a rule

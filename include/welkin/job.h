@@ -1,11 +1,14 @@
 // A job that was posted to a worker: its result, and a handle on what becomes of it.
+//
+//   if (auto light = job.try_take()) use(light->radiance);     // once a frame: never waits, and gives the result once
 #pragma once
 
-#include <chrono>
 #include <coroutine>
 #include <cstdint>
-#include <future>
 #include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include "welkin/detail/computation.h"
@@ -22,34 +25,43 @@ struct JobAccess;
 
 }  // namespace detail
 
+/// Why a job has no result.
+struct JobError {
+  std::optional<ErrorCode> code;  ///< none if the request threw something else than `Error`
+  std::string message;            ///< what the exception says
+};
+
 /// What can be asked and told of a posted job, by any number of copies from any thread, also after its worker is gone.
-/// A default-made handle belongs to no job; it has id 0 and nothing else may be asked of it.
+/// A default-made handle belongs to no job: its id is 0, it is never ready, and what it is told does nothing.
 class JobHandle {
  public:
   JobHandle() = default;
 
-  /// Unique in the process, rising in the order of posting; from 1 on.
+  /// Unique in the process, and rising in the order of posting, from 1 on.
   [[nodiscard]] std::uint64_t id() const noexcept { return record_ ? record_->id : 0; }
 
-  /// Whether result or error are there: the future will not wait. (It turns true a moment after the future is set.)
-  [[nodiscard]] bool ready() const noexcept { return record_->ready.load(std::memory_order_acquire); }
+  /// Whether the job has ended, with a result or with an error. `get()` does not wait then.
+  [[nodiscard]] bool ready() const noexcept { return record_ && record_->ready.load(std::memory_order_acquire); }
 
-  /// The share of the work that is done, 0 to 1, never falling; 1 once there is a result.
+  /// The share of the work that is done, 0 to 1. It never falls, and is 1 once there is a result.
   [[nodiscard]] double progress() const noexcept {
-    return record_->computation->progress.load(std::memory_order_relaxed);
+    return record_ ? record_->progress.load(std::memory_order_acquire)->load(std::memory_order_relaxed) : 0.0;
   }
 
-  /// Gives the job up: its future gets an `Error` (cancelled). At once if it waits, or if others share its computation;
-  /// else the computation stops before its next tile, and the future is ready when nothing reads the pixels any more.
-  /// A continuation that is given up gives up the job that it follows. True if this call did it, false if the job was
-  /// done, or given up before.
+  /// Why the job failed; nothing while it runs and if it went well. It takes some microseconds for a job that failed.
+  [[nodiscard]] std::optional<JobError> error() const;
+
+  /// Gives the job up: it ends with an `Error` (cancelled). A job that waits, or whose computation others share, ends
+  /// at once. Else the computation stops before its next tile, and the job is ready when nothing reads the pixels any
+  /// more. A continuation that is given up gives up the job that it follows. True if this call did it, false if the job
+  /// was done, or given up before.
   bool cancel() const;
 
-  [[nodiscard]] Priority priority() const;
+  [[nodiscard]] TaskPriority priority() const;
 
-  /// A waiting job goes to the end of those of its new priority; if that is the old one, it stays where it is. (A
-  /// shared computation has the highest of its jobs'.) A running one goes on as it is.
-  void set_priority(Priority priority) const;
+  /// A waiting job goes to the end of those of its new priority; if that is the old one, it stays where it is. A
+  /// computation that several jobs share has the highest of their priorities. A running job goes on as it is.
+  void set_priority(TaskPriority priority) const;
 
  protected:
   friend struct detail::JobAccess;
@@ -59,146 +71,196 @@ class JobHandle {
   std::shared_ptr<detail::JobRecord> record_;
 };
 
-/// A handle that also has the result, which can be taken in one of five ways, once: `get()`, `future()`, `then`,
-/// `on_drain`, `co_await`. Jobs are moved, not copied; one that is let go of runs to its end unheard. Taking a second
-/// time, or from a default-made job, throws `Error` (invalid_argument).
+/// A handle that also has the result. The result can be taken once, in one of five ways: `try_take()`, `get()`, `then`,
+/// `on_drain`, `co_await`. (`future_of` of job_future.h makes a `std::future` of a job.) A job is moved, not copied;
+/// the work of one that is let go of runs to its end.
 template <class Result>
 class Job : public JobHandle {
  public:
   Job() = default;
+  Job(Job&&) noexcept = default;
+  Job& operator=(Job&&) noexcept = default;
 
-  /// Waits and moves the result out, or throws the job's error. It looks for 0.15 ms before it sleeps. On one of the
-  /// worker's own threads it does not wait for a job to be started: it starts it itself.
+  /// Whether this is a job whose result can still be taken; also of one that failed.
+  [[nodiscard]] bool valid() const noexcept { return record_ != nullptr && !taken_; }
+
+  /// The result, moved out, if the job has ended well and the result was not taken before; else nothing, and `error()`
+  /// tells of a failure. Never waits. A job without a result says true, once.
+  [[nodiscard]] auto try_take() {
+    using Taken = std::conditional_t<std::is_void_v<Result>, bool, std::optional<detail::Stored<Result>>>;
+    if (!valid() || !ready() || record_->failed()) return Taken();
+    taken_ = true;
+    if constexpr (std::is_void_v<Result>) {
+      return true;
+    } else {
+      return std::exchange(typed().result, std::nullopt);
+    }
+  }
+
+  /// Waits and moves the result out, or throws the job's error. It looks for 0.15 ms before it sleeps. On a thread of
+  /// the worker it runs a job that has not started instead of waiting for another thread. Throws `Error`
+  /// (invalid_argument) if the result was taken before, if there is no job, and for a wait that would never end:
+  /// docs/threading.md says which are found.
   Result get() {
-    check_untaken();
-    detail::help(record_);
-    return future_.get();
+    if (!valid()) detail::throw_taken();
+    detail::wait(record_);
+    taken_ = true;
+    detail::throw_error_of(*record_);
+    if constexpr (!std::is_void_v<Result>) {
+      Result result(std::move(*typed().result));
+      typed().result.reset();
+      return result;
+    }
   }
 
-  /// The future of the result, a plain one: `wait_for`, `get` and the rest. The job stays as a handle.
-  [[nodiscard]] std::future<Result> future() {
-    check_untaken();
-    return std::move(future_);
-  }
-
-  /// `follow_up(result)`, or `follow_up(result, control)`, runs in the worker's arena once the result is there; what
-  /// it returns is the new job's result. An error skips it and goes on to the new job. Continuations keep the priority
-  /// of the job that they follow, start before waiting jobs of that priority, and do not count against the worker's
-  /// limits. Throws std::bad_alloc.
+  /// `follow_up(result)`, or `follow_up(result, control)`, runs on a thread of the worker once the result is there;
+  /// what it returns is the new job's result. If this job fails, the new one fails with the same error, and `follow_up`
+  /// is not called. Continuations keep the priority of the job that they follow, start before waiting jobs of that
+  /// priority, and do not count against the worker's limits. Throws std::bad_alloc.
   template <class FollowUp>
   [[nodiscard]] auto then(FollowUp follow_up) &&;
 
-  /// `callback(std::future<Result>)` runs inside the worker's `drain()` once the job is done, with a future that is
-  /// ready: `get()` gives the result or throws its error. Never called if the worker is destroyed first.
-  /// Throws std::bad_alloc.
+  /// `callback(Job<Result>)` runs inside the worker's `drain()` once the job has ended. The job that it gets is ready:
+  /// `get()` gives the result or throws the error, and does not wait. The callback is not called if the worker is
+  /// destroyed first. Throws std::bad_alloc.
   template <class Callback>
   void on_drain(Callback callback) &&;
 
-  /// `co_await std::move(job)` gives the result or throws the error. The coroutine goes on in the worker's arena, or in
-  /// `terminate()` when that ends the job; where it is if the job is ready. Post in a statement of its own, not inside
-  /// the `co_await` expression: GCC 12 destroys temporaries twice there (lambdas with captures, braced aggregates).
-  [[nodiscard]] auto operator co_await() && {
-    check_untaken();
-    return detail::Awaited<Result>(std::move(*this), false);
-  }
+  /// `co_await std::move(job)` gives the result or throws the error. The coroutine goes on on a thread of the worker,
+  /// or in `terminate()` when that ends the job; it stays where it is if the job is ready. Post in a statement of its
+  /// own, not inside the `co_await` expression: GCC 12 destroys temporaries twice there (lambdas with captures, braced
+  /// aggregates).
+  [[nodiscard]] auto operator co_await() && { return detail::Awaited<Result>(take_over(), detail::Place::worker); }
 
-  /// `co_await std::move(job).drained()`: the same, but the coroutine goes on inside `drain()` (or, if that is not
-  /// called any more, in the worker's destructor).
-  [[nodiscard]] auto drained() && {
-    check_untaken();
-    return detail::Awaited<Result>(std::move(*this), true);
-  }
+  /// `co_await std::move(job).drained()`: the same, but the coroutine goes on inside `drain()`, or in the worker's
+  /// destructor if that is not called any more.
+  [[nodiscard]] auto drained() && { return detail::Awaited<Result>(take_over(), detail::Place::drain); }
 
  private:
   friend struct detail::JobAccess;
   friend class detail::Awaited<Result>;
 
-  Job(std::shared_ptr<detail::JobRecord> record, std::future<Result> future)
-      : JobHandle(std::move(record)), future_(std::move(future)) {}
+  explicit Job(std::shared_ptr<detail::JobRecord> record) : JobHandle(std::move(record)) {}
 
-  void check_untaken() const {
-    if (!future_.valid()) throw Error(ErrorCode::invalid_argument, "the job's result was taken before, or it has none");
+  [[nodiscard]] detail::TypedJobRecord<Result>& typed() const noexcept {
+    return static_cast<detail::TypedJobRecord<Result>&>(*record_);
   }
 
-  std::future<Result> future_;
+  /// Another one with the result, which this one has no more.
+  [[nodiscard]] Job take_over() {
+    if (!valid()) detail::throw_taken();
+    taken_ = true;
+    return Job(record_);
+  }
+
+  bool taken_ = false;
 };
 
 namespace detail {
 
-/// Makes jobs, for those who post.
+/// Makes and posts jobs.
 struct JobAccess {
-  /// A job for `computation`, not posted yet.
-  template <class Request>
-  static Job<ResultOf<Request>> make(const std::shared_ptr<RequestComputation<Request>>& computation) {
-    using Result = ResultOf<Request>;
-    auto record = std::make_shared<TypedJobRecord<Result>>();
+  /// A job for the request, not posted yet.
+  template <class Request, class From>
+  static Job<ResultOf<Request>> make(From&& request) {
+    auto computation = std::make_shared<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
+    auto record = std::make_shared<TypedJobRecord<ResultOf<Request>>>();
+    record->progress = &computation->progress;
     record->computation = computation;
-    auto future = record->promise.get_future();
-    return {std::move(record), std::move(future)};
+    record->posted = std::move(computation);
+    return Job<ResultOf<Request>>(std::move(record));
+  }
+
+  /// Posts a job. `follower`, one computation or none, hangs on it from the beginning.
+  template <class Worker, class Result, class Options>
+  static void submit(Worker& worker, const Job<Result>& job, const Options& options, std::uint64_t bytes,
+                     ComputationList follower) {
+    worker.submit(job.record_, options, bytes, std::move(follower));
   }
 
   static const std::shared_ptr<JobRecord>& record(const JobHandle& handle) { return handle.record_; }
+
+  template <class Result>
+  static Job<Result> take_over(Job<Result>& job) {
+    return job.take_over();
+  }
 };
 
-/// The request of a continuation: the parent's result, then the follow-up.
+/// The request of a continuation: the follow-up, called with the result of the job that it follows.
 template <class Result, class FollowUp>
 struct Continuation {
-  std::future<Result> parent;
+  Job<Result> parent;
   FollowUp follow_up;
 
   auto operator()(const Control& control) {
     if constexpr (std::is_void_v<Result>) {
-      parent.get();
       if constexpr (std::is_invocable_v<FollowUp&, const Control&>) {
         return std::invoke(follow_up, control);
       } else {
         return std::invoke(follow_up);
       }
     } else if constexpr (std::is_invocable_v<FollowUp&, Result, const Control&>) {
-      return std::invoke(follow_up, parent.get(), control);
+      return std::invoke(follow_up, *parent.try_take(), control);
     } else {
-      return std::invoke(follow_up, parent.get());
+      return std::invoke(follow_up, *parent.try_take());
     }
   }
 };
 
-/// Goes on with a coroutine.
+/// Goes on with a coroutine, whatever became of the job that it awaits.
 class Resumption final : public Computation {
  public:
-  explicit Resumption(std::coroutine_handle<> coroutine) : coroutine_(coroutine) {}
+  Resumption(std::coroutine_handle<> coroutine, Place its_place) : coroutine_(coroutine) {
+    where = its_place;
+    runs_after_errors = true;
+  }
 
   void run(const Control&) override { coroutine_.resume(); }
   void abandon() override { coroutine_.resume(); }
-  void deliver(JobRecord&, bool) override {}
-  void release() noexcept override {}
 
  private:
   std::coroutine_handle<> coroutine_;
+};
+
+/// What `on_drain` hangs on a job.
+template <class Result, class Callback>
+class DrainCallback final : public Computation {
+ public:
+  DrainCallback(Job<Result> job, Callback callback) : job_(std::move(job)), callback_(std::move(callback)) {
+    // Members of the base, which no initializer of this class can name.
+    // NOLINTBEGIN(cppcoreguidelines-prefer-member-initializer)
+    where = Place::drain;
+    runs_after_errors = true;
+    // NOLINTEND(cppcoreguidelines-prefer-member-initializer)
+  }
+
+  void run(const Control&) override { std::invoke(callback_, std::move(job_)); }
+
+ private:
+  Job<Result> job_;
+  Callback callback_;
 };
 
 /// What `co_await` on a job waits with.
 template <class Result>
 class Awaited {
  public:
-  Awaited(Job<Result> job, bool drained) : job_(std::move(job)), drained_(drained) {}
+  Awaited(Job<Result> job, Place place) : job_(std::move(job)), place_(place) {}
 
-  [[nodiscard]] bool await_ready() const noexcept { return !drained_ && job_.ready(); }
+  [[nodiscard]] bool await_ready() const noexcept { return place_ == Place::worker && job_.ready(); }
 
   /// False: the coroutine just goes on.
   bool await_suspend(std::coroutine_handle<> coroutine) {
     // The coroutine may go on, and this object be gone, before `attach` returns.
     const std::shared_ptr<JobRecord> record = job_.record_;
-    if (!drained_) return attach(record, std::make_shared<Resumption>(coroutine), nullptr);
-    DeliveryList delivery;
-    delivery.push_back({[coroutine] { coroutine.resume(); }, true});
-    return attach(record, std::move(delivery));
+    return attach(record, std::make_shared<Resumption>(coroutine, place_), nullptr);
   }
 
-  Result await_resume() { return job_.future_.get(); }
+  Result await_resume() { return job_.get(); }
 
  private:
   Job<Result> job_;
-  bool drained_;
+  Place place_;
 };
 
 }  // namespace detail
@@ -206,24 +268,18 @@ class Awaited {
 template <class Result>
 template <class FollowUp>
 auto Job<Result>::then(FollowUp follow_up) && {
-  check_untaken();
   using Request = detail::Continuation<Result, FollowUp>;
-  auto computation = std::make_shared<detail::RequestComputation<Request>>(
-      std::in_place, Request{std::move(future_), std::move(follow_up)});
-  auto job = detail::JobAccess::make<Request>(computation);
-  detail::attach(record_, computation, detail::JobAccess::record(job));
+  auto job = detail::JobAccess::make<Request>(Request{take_over(), std::move(follow_up)});
+  const std::shared_ptr<detail::JobRecord>& record = detail::JobAccess::record(job);
+  detail::attach(record_, record->posted, record);
   return job;
 }
 
 template <class Result>
 template <class Callback>
 void Job<Result>::on_drain(Callback callback) && {
-  check_untaken();
-  // std::function wants what it holds to be copyable; a future is not.
-  auto held = std::make_shared<std::pair<Callback, std::future<Result>>>(std::move(callback), std::move(future_));
-  detail::DeliveryList delivery;
-  delivery.push_back({[held] { std::invoke(held->first, std::move(held->second)); }, false});
-  detail::attach(record_, std::move(delivery));
+  using Drained = detail::DrainCallback<Result, Callback>;
+  detail::attach(record_, std::make_shared<Drained>(take_over(), std::move(callback)), nullptr);
 }
 
 }  // namespace welkin

@@ -21,6 +21,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// What a bake would do, before it does it.
 struct Plan {
   std::string source;               ///< "lat-long 1024 x 512"; of files with their name
   std::vector<PlannedPass> passes;  ///< in the order of the records that come out; of files "read" first
@@ -33,7 +34,7 @@ struct Plan {
   bool take_light = false;     ///< the file's polynomial is the diffuse light
   bool streams = false;  ///< nothing but its light is wanted: it is projected while it is read, or not read at all
 
-  std::uint64_t result_bytes = 0;
+  std::uint64_t result_bytes = 0;   ///< memory of the results
   std::uint64_t working_bytes = 0;  ///< at most, beside results and source
 
   /// Of all passes on one thread: the sum. They share `threads` of them evenly but for the last tiles.

@@ -5,22 +5,15 @@
 #include <string>
 
 #include "welkin/export.h"
+#include "welkin/projection.h"
 
 namespace WELKIN_EXPORT welkin {
 
-enum class PassAction {
-  run,    ///< it is computed
-  reuse,  ///< it is there already: in the file, in another pass's result, from before
-  skip,   ///< nothing that the scene uses needs it
-};
-
-/// "run", "reuse", "skip"
-[[nodiscard]] const char* name(PassAction action) noexcept;
-
+/// What becomes of one pass, and why.
 struct PlannedPass {
-  std::string name;  ///< as the `PassRecord` that comes out of it
-  PassAction action = PassAction::run;
-  std::string reason;  ///< what is done, or why it is not; for a person
+  std::string name;                     ///< as the `PassRecord` that comes out of it
+  PassAction action = PassAction::run;  ///< run, reused or left out
+  std::string reason;                   ///< what is done, or why it is not; for a person
 
   /// Processor time of one thread; 0 for what is skipped. Passes overlap and share threads: `Plan::milliseconds`.
   double predicted_milliseconds = 0.0;

@@ -42,9 +42,10 @@ struct RadianceClamp {
   friend bool operator==(const RadianceClamp&, const RadianceClamp&) = default;
 };
 
+/// How pixels become coefficients.
 struct ProjectionOptions {
-  int bands = 3;  ///< 1 (ambient only) to kMaximumBands
-  Quadrature quadrature = Quadrature::exact;
+  int bands = 3;                              ///< 1 (ambient only) to kMaximumBands
+  Quadrature quadrature = Quadrature::exact;  ///< how texels are integrated
 
   /// Edge of the cubemap face to which the environment is reduced first; 0, the default: none. A lat-long
   /// is reduced to 4 x target by 2 x target. With a mip chain, the level nearest to the target in log2 is
@@ -67,7 +68,7 @@ struct ProjectionOptions {
   /// A replaced NaN becomes 0; a replaced +infinity the clamp's maximum or else 65504 (the largest half);
   /// a replaced -infinity 0.
   NonFinitePolicy nan = NonFinitePolicy::replace;
-  NonFinitePolicy infinity = NonFinitePolicy::replace;
+  NonFinitePolicy infinity = NonFinitePolicy::replace;  ///< what happens to infinities
 
   /// A replaced negative becomes 0. Real files contain small negatives, so they are kept by default.
   NegativePolicy negative = NegativePolicy::keep;
@@ -75,10 +76,20 @@ struct ProjectionOptions {
   friend bool operator==(const ProjectionOptions&, const ProjectionOptions&) = default;
 };
 
+/// What becomes of a step.
+enum class PassAction {
+  run,    ///< it is computed
+  reuse,  ///< it is there already: in the file, in another pass's result, from before
+  skip,   ///< nothing that is wanted needs it
+};
+
+/// "run", "reuse", "skip"
+[[nodiscard]] const char* name(PassAction action) noexcept;
+
 /// One step of a call: what was done, or why it was not.
 struct PassRecord {
-  std::string name;           ///< "read", "reduce", "project", "cubemap", ...
-  std::string action;         ///< "run", "reuse" or "skip"
+  std::string name;  ///< "read", "reduce", "project", "cubemap", ...
+  PassAction action = PassAction::run;
   std::string reason;         ///< why that action
   double milliseconds = 0.0;  ///< wall time; 0 for what was skipped
 };
@@ -98,12 +109,13 @@ struct ProjectionDiagnostics {
   /// the source's texels as areas: rounding, the midpoint rule, and what a reduction lost. An estimate.
   double error_estimate = 0.0;
 
-  std::vector<PassRecord> passes;
+  std::vector<PassRecord> passes;  ///< wall time of each step
 };
 
+/// A projection's result.
 struct Projection {
-  SphericalHarmonics radiance;  ///< coefficients of the environment's radiance
-  ProjectionDiagnostics diagnostics;
+  SphericalHarmonics radiance;        ///< coefficients of the environment's radiance
+  ProjectionDiagnostics diagnostics;  ///< what was read, replaced and clamped, and how exact the result is
 };
 
 /// Projects a cubemap.

@@ -14,12 +14,15 @@
 #include "welkin/content_hash.h"
 #include "welkin/control.h"
 #include "welkin/export.h"
+#include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/sky_tables.h"
 #include "welkin/specular.h"
+#include "welkin/stored_environment.h"
 
 namespace WELKIN_EXPORT welkin {
 
+/// Where results are kept, and how much of them.
 struct CacheOptions {
   std::filesystem::path folder{};                          ///< made if it is not there; empty: nothing on disk
   std::uint64_t memory_bytes = std::uint64_t{256} << 20U;  ///< held in this process; 0: nothing
@@ -30,11 +33,11 @@ struct CacheOptions {
 
 /// What has become of requests so far. A bake asks once for each of its parts, a chain once for each of its mips.
 struct CacheStatistics {
-  std::uint64_t memory_hits = 0;
-  std::uint64_t disk_hits = 0;
-  std::uint64_t misses = 0;
+  std::uint64_t memory_hits = 0;     ///< results found in memory
+  std::uint64_t disk_hits = 0;       ///< results found on disk
+  std::uint64_t misses = 0;          ///< results that had to be computed
   std::uint64_t damaged = 0;         ///< entries that were not what they should be; taken away, and computed anew
-  std::uint64_t write_failures = 0;  ///< entries that could not be stored: a full disk, a folder that is none
+  std::uint64_t write_failures = 0;  ///< entries that could not be stored: the disk is full, or the folder is a file
   std::string last_failure;          ///< of those, in the system's words
   std::uint64_t memory_bytes = 0;    ///< held now
 };
@@ -83,13 +86,18 @@ struct LightChange {
 /// that part.
 class ResultCache {
  public:
+  /// Opens the folder, or makes it. Throws `Error`: file_access, invalid_argument.
   explicit ResultCache(const CacheOptions& options = {});
   ~ResultCache();
+  /// The source can only be assigned to or destroyed afterwards.
   ResultCache(ResultCache&&) noexcept;
+  /// As above.
   ResultCache& operator=(ResultCache&&) noexcept;
 
+  /// As `project`, of light that is changed as `change` says.
   [[nodiscard]] Projection project(const CubemapView& cubemap, const ProjectionOptions& options = {},
                                    const LightChange& change = {}, const Control& control = {});
+  /// The same of a lat-long.
   [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                    const LightChange& change = {}, const Control& control = {});
 
@@ -97,21 +105,29 @@ class ResultCache {
   [[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
                                         const ProjectionOptions& options = {}, const Control& control = {});
 
+  /// As `prefilter_specular`, kept mip by mip.
   [[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
                                                        const Control& control = {});
+  /// The same of a lat-long.
   [[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},
                                                        const Control& control = {});
 
   /// Part by part: background, mips of the specular cubemap, irradiance, coefficients. What was there is read, the rest
   /// is baked.
-  [[nodiscard]] BakeResult bake(const CubemapView& source, const BakeOptions& options = {},
-                                const Control& control = {});
-  [[nodiscard]] BakeResult bake(const LatLongView& source, const BakeOptions& options = {},
-                                const Control& control = {});
+  [[nodiscard]] BakeResult bake(const CubemapView& view, const BakeOptions& options = {}, const Control& control = {});
+  /// The same of a lat-long.
+  [[nodiscard]] BakeResult bake(const LatLongView& view, const BakeOptions& options = {}, const Control& control = {});
+  /// The same of a plan, which must be of these pixels.
+  [[nodiscard]] BakeResult bake(const CubemapView& view, const Plan& plan, const Control& control = {});
+  [[nodiscard]] BakeResult bake(const LatLongView& view, const Plan& plan, const Control& control = {});
+  /// And of a file: what it carries is taken from it, of the rest what was made before is found by its pixels.
+  [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
+  /// As `precompute_sky`.
   [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                          const Control& control = {});
 
+  /// Since the cache was opened.
   [[nodiscard]] CacheStatistics statistics() const;
 
  private:
@@ -122,8 +138,6 @@ class ResultCache {
   template <class View>
   [[nodiscard]] PrefilteredSpecular prefilter_view(const View& view, const PrefilterOptions& options,
                                                    const Control& control);
-  template <class View>
-  [[nodiscard]] BakeResult bake_view(const View& view, const BakeOptions& options, const Control& control);
 
   std::unique_ptr<Store> store_;
 };

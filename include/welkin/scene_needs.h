@@ -12,8 +12,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// Perceptual roughness, as artists set it.
 struct RoughnessRange {
-  double minimum = 0.0;
-  double maximum = 1.0;
+  double minimum = 0.0;  ///< of the smoothest material
+  double maximum = 1.0;  ///< of the roughest material
 
   friend bool operator==(const RoughnessRange&, const RoughnessRange&) = default;
 };

@@ -33,9 +33,10 @@ enum class SkyQuadrature {
 /// "uniform", "gauss", "gauss-split"
 [[nodiscard]] const char* name(SkyQuadrature quadrature) noexcept;
 
+/// How a sky is projected.
 struct SkyHarmonicsOptions {
-  int bands = 3;  ///< 1 to kMaximumBands
-  SkyQuadrature quadrature = SkyQuadrature::gauss_split;
+  int bands = 3;                                          ///< 1 to kMaximumBands
+  SkyQuadrature quadrature = SkyQuadrature::gauss_split;  ///< where directions are taken
   int zeniths = 16;   ///< Gauss nodes on either side of the horizon; uniform: over both. 2 to 128
   int azimuths = 16;  ///< over half the circle, mirrored: 2 to 256
 
@@ -58,10 +59,13 @@ class SkyProjector {
   /// allocates nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span,
   /// a direction that is not finite or has no length.
   void project(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  /// Harmonics of radiance for one direction to the sun, without the sun's disc.
   [[nodiscard]] SphericalHarmonics project(const glm::dvec3& sun) const;
 
   [[nodiscard]] int directions() const noexcept;  ///< radiance evaluations an update
+  /// The view that is projected.
   [[nodiscard]] const SkyView& view() const noexcept;
+  /// Those that it was made with.
   [[nodiscard]] const SkyHarmonicsOptions& options() const noexcept;
 
  private:
@@ -70,9 +74,11 @@ class SkyProjector {
   std::shared_ptr<const Prepared> prepared_;
 };
 
+/// How many nodes a curve has, and how each is made.
 struct SkyCurveOptions {
   int bands = 3;    ///< 1 to kMaximumBands; `projection.bands` is not read
   int nodes = 256;  ///< sun elevations, closer together about the horizon: 8 to 4096
+  /// How each node is projected.
   SkyHarmonicsOptions projection{.bands = 3, .quadrature = SkyQuadrature::gauss_split, .zeniths = 32, .azimuths = 32};
 
   friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
@@ -89,14 +95,17 @@ class SkyCurve {
   /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
   explicit SkyCurve(const SkyView& view, const SkyCurveOptions& options = {}, const Control& control = {});
 
+  /// Bands of the harmonics.
   [[nodiscard]] int bands() const noexcept;
   /// Writes bands^2 triples; allocates nothing; under a microsecond for 3 bands. Throws `Error` (invalid_argument) for
   /// too short a span, a direction that is not finite or has no length.
   void at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  /// Harmonics of radiance for a direction to the sun. Cost: microseconds.
   [[nodiscard]] SphericalHarmonics at(const glm::dvec3& sun) const;
   /// The direct sun's irradiance on a surface that faces it, from the same curve.
   [[nodiscard]] glm::dvec3 sun_irradiance(const glm::dvec3& sun) const;
 
+  /// Memory of the curve.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 
  private:

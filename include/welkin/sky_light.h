@@ -35,10 +35,11 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// What a dynamic sky computes.
 struct SkyLightOptions {
-  SkyTableOptions tables{};
-  SkyCurveOptions curve{};  ///< with the number of bands
-  double altitude_m = 0.0;
+  SkyTableOptions tables{};  ///< sizes and orders of its tables
+  SkyCurveOptions curve{};   ///< with the number of bands
+  double altitude_m = 0.0;   ///< the observer's, above the ground
 
   /// Of the sky's reflections; `size` 0: none.
   PrefilterOptions specular{.size = 32};
@@ -54,7 +55,7 @@ struct SkyLightOptions {
   /// How long it takes from an old curve or old reflections to new ones, in the caller's seconds: 0 (at once) to 3600.
   double blend_seconds = 0.5;
 
-  Priority priority = Priority::normal;  ///< of what is posted
+  TaskPriority priority = TaskPriority::normal;  ///< of what is posted
 };
 
 /// A prefiltered sky, and how it is to be used now.
@@ -89,10 +90,10 @@ struct SkyLightCounters {
   std::uint64_t specular_spared = 0;  ///< moves of the elevation that asked for no reflections
   std::uint64_t posts = 0;            ///< requests given to the worker
   std::uint64_t tables_baked = 0;     ///< tables, curves and reflections that were made
-  std::uint64_t curves_baked = 0;
-  std::uint64_t speculars_baked = 0;
-  std::uint64_t given_up = 0;  ///< bakes that were stopped as a newer atmosphere, or the end, overtook them
-  std::uint64_t failures = 0;  ///< bakes that ended with an error
+  std::uint64_t curves_baked = 0;     ///< curves that were made
+  std::uint64_t speculars_baked = 0;  ///< chains of reflections that were made
+  std::uint64_t given_up = 0;         ///< bakes that were stopped as a newer atmosphere, or the end, overtook them
+  std::uint64_t failures = 0;         ///< bakes that ended with an error
 };
 
 /// One at a time in the worker's hands: a change that comes while something is made is looked at when that is done, the
@@ -124,6 +125,7 @@ class SkyLight {
   void set_sun(const glm::dvec3& direction);
   /// A factor of all light, 0 to 1e12.
   void set_intensity(double intensity);
+  /// Moves the observer; above the ground, in metres. Curve and reflections are made anew.
   void set_altitude(double altitude_m);
   /// New tables unless it is the same but for its name. (Brighter sunlight alone is better said by `set_intensity`.)
   void set_atmosphere(const Atmosphere& atmosphere);
@@ -134,6 +136,7 @@ class SkyLight {
   /// As of the last `update`.
   [[nodiscard]] const SkyLightFrame& light() const noexcept;
 
+  /// How much work was done so far.
   [[nodiscard]] SkyLightCounters counters() const;
   /// What the last bake that failed threw, null if none did since the last change that asked for one. What was there
   /// before stays in use.

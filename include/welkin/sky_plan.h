@@ -27,48 +27,53 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// What is baked of a sky.
 struct SkyBakeOptions {
-  SkyTableOptions tables{};
-  double altitude_m = 0.0;
+  SkyTableOptions tables{};         ///< sizes and orders of the tables
+  double altitude_m = 0.0;          ///< the observer's, above the ground
   int bands = 3;                    ///< 0 to kMaximumBands; those of `curve` and `harmonics` are not read
   SkyCurveOptions curve{};          ///< of a sun that moves
   SkyHarmonicsOptions harmonics{};  ///< of one that does not
-  std::optional<PrefilterOptions> specular = PrefilterOptions{.size = 32};
-  int background_size = 256;  ///< of a cubemap of the sky; 0: none
-  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};
+  std::optional<PrefilterOptions> specular = PrefilterOptions{.size = 32};  ///< reflections; none: not made
+  int background_size = 256;                                                ///< of a cubemap of the sky; 0: none
+  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};                ///< the BRDF table; none: not made
 
   friend bool operator==(const SkyBakeOptions&, const SkyBakeOptions&) = default;
 };
 
+/// What a bake of a sky would do.
 struct SkyPlan {
-  Atmosphere atmosphere;
+  Atmosphere atmosphere;            ///< as it was given
   std::string source;               ///< for a person
   std::vector<PlannedPass> passes;  ///< of the tables as `SkyTables::passes` names them, and what follows
   SkyBakeOptions options;           ///< what the scene does not need is left out of them
   bool tables = true;               ///< whether anything looks into them
   bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
-  std::uint64_t result_bytes = 0;
+  std::uint64_t result_bytes = 0;   ///< memory of the results
 
+  /// Predicted time of all passes that run, on that many threads.
   [[nodiscard]] double milliseconds(int threads = 1) const noexcept;
+  /// By its name. Throws `Error` (invalid_argument) if there is none.
   [[nodiscard]] const PlannedPass& pass(const std::string& name) const;
 };
 
-/// Plans. What a planet has not is planned without: no aerosol, no second table of scattering; no absorbers, no shells
-/// of theirs; of one order nothing of the others. An error budget is
-/// refused (invalid_argument): a sky's settings are judged by tables, so what picks them makes some; ask
-/// `choose_sky_tables`, `choose_sky_orders` and `choose_sky_harmonics` once for a kind of planet, and pass their
-/// settings in `whole`. Throws `Error` (invalid_argument) as `check` and `precompute_sky`.
+/// Plans a sky. Work for what the planet lacks is left out: without aerosol the second table of scattering, without
+/// absorbers their shells, with one order the sources of the others. An error budget is refused (invalid_argument),
+/// because the settings of a sky can only be judged by tables: ask `choose_sky_tables`, `choose_sky_orders` and
+/// `choose_sky_harmonics` once for a kind of planet, and pass their settings in `whole`. Throws `Error`
+/// (invalid_argument) as `check` and `precompute_sky`.
 [[nodiscard]] SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole = {},
                            const CostModel& costs = {});
 
+/// The results. What was not planned is empty.
 struct SkyBake {
   std::shared_ptr<const SkyTables> tables;      ///< null if nothing is needed
   std::optional<SkyCurve> curve;                ///< of a sun that moves
   std::optional<SphericalHarmonics> radiance;   ///< of one that does not: what `SkyProjector` gives
   Sun sun;                                      ///< as a directional light
   std::optional<PrefilteredSpecular> specular;  ///< for this sun; about the vertical it can be turned
-  CubemapImage background;
-  std::shared_ptr<const BrdfTable> brdf;
+  CubemapImage background;                      ///< the sky as a sharp cubemap; size 0: not made
+  std::shared_ptr<const BrdfTable> brdf;        ///< null: not made
   std::vector<PassRecord> passes;  ///< in the plan's order; of tables for more wavelengths than three some come again
 };
 

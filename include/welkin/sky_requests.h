@@ -20,8 +20,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// `precompute_sky`. Handed out by pointer: views and curves share the tables.
 struct PrecomputeSky {
-  Atmosphere atmosphere;
-  SkyTableOptions options{};
+  Atmosphere atmosphere;      ///< whose sky
+  SkyTableOptions options{};  ///< sizes and orders of the tables
 
   [[nodiscard]] std::shared_ptr<const SkyTables> operator()(const Control& control) const;
   friend bool operator==(const PrecomputeSky&, const PrecomputeSky&) = default;
@@ -29,9 +29,9 @@ struct PrecomputeSky {
 
 /// `SkyCurve` of a height. Equal are the same tables in memory: values are not compared.
 struct BakeSkyCurve {
-  std::shared_ptr<const SkyTables> tables;
-  double altitude_m = 0.0;
-  SkyCurveOptions options{};
+  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
+  double altitude_m = 0.0;                  ///< the observer's, above the ground
+  SkyCurveOptions options{};                ///< nodes of the curve
 
   [[nodiscard]] SkyCurve operator()(const Control& control) const;
   [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }
@@ -40,10 +40,10 @@ struct BakeSkyCurve {
 
 /// `sky_specular`, without the sun's disc. Handed out by pointer.
 struct SkySpecular {
-  std::shared_ptr<const SkyTables> tables;
-  double altitude_m = 0.0;
-  glm::dvec3 sun{0.0, 1.0, 0.0};  ///< unit, towards it
-  PrefilterOptions options{.size = 32};
+  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
+  double altitude_m = 0.0;                  ///< the observer's, above the ground
+  glm::dvec3 sun{0.0, 1.0, 0.0};            ///< unit, towards it
+  PrefilterOptions options{.size = 32};     ///< of the chain
 
   [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;
   [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }

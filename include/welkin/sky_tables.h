@@ -25,16 +25,17 @@ enum class ScatteringLayout {
   compact,
 };
 
+/// Sizes of the tables, and how far the scattering is followed.
 struct SkyTableOptions {
-  ScatteringLayout layout = ScatteringLayout::full;
-  int heights = 32;                 ///< of the scattering table, 2 to 128
-  int view_zeniths = 64;            ///< even, 4 to 1024: half of them for rays that meet the ground
-  int sun_zeniths = 64;             ///< 4 to 256
-  int sun_angles = 8;               ///< cosines of azimuths between view and sun, full only: 2 to 128
-  int transmittance_heights = 64;   ///< 2 to 1024
-  int transmittance_zeniths = 256;  ///< 2 to 2048
-  int irradiance_heights = 16;      ///< 2 to 1024
-  int irradiance_sun_zeniths = 64;  ///< 2 to 1024
+  ScatteringLayout layout = ScatteringLayout::full;  ///< four-dimensional, or compact
+  int heights = 32;                                  ///< of the scattering table, 2 to 128
+  int view_zeniths = 64;                             ///< even, 4 to 1024: half of them for rays that meet the ground
+  int sun_zeniths = 64;                              ///< 4 to 256
+  int sun_angles = 8;                                ///< cosines of azimuths between view and sun, full only: 2 to 128
+  int transmittance_heights = 64;                    ///< 2 to 1024
+  int transmittance_zeniths = 256;                   ///< 2 to 2048
+  int irradiance_heights = 16;                       ///< 2 to 1024
+  int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
 
   /// Elevation of the lowest sun that tables hold, degrees; below it the sky is that of the last one, faded to nothing.
   /// -90 to 0.
@@ -46,16 +47,16 @@ struct SkyTableOptions {
   /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the most of them.
   double until_change = 0.0;
 
-  SkyColour colour = SkyColour::spectral;
-  std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;
+  SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
+  std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more are refused
 
   friend bool operator==(const SkyTableOptions&, const SkyTableOptions&) = default;
 };
 
 /// The tables. Channels are three wavelengths' or linear sRGB's (`options.colour`).
 struct SkyTables {
-  Atmosphere atmosphere;
-  SkyTableOptions options;
+  Atmosphere atmosphere;    ///< what they were computed from
+  SkyTableOptions options;  ///< those that they were made with
 
   /// Transmittance to the top (not past the ground): [transmittance_heights][transmittance_zeniths][3]. Of spectra that
   /// are folded: sRGB light of a white sun (the sun's own spectrum folded) through it, relative to that above the air.
@@ -73,10 +74,11 @@ struct SkyTables {
   /// [irradiance_sun_zeniths][3].
   std::vector<float> irradiance;
 
-  int orders = 0;            ///< that were computed
-  double last_change = 0.0;  ///< share that the last of them added
-  std::vector<PassRecord> passes;
+  int orders = 0;                  ///< that were computed
+  double last_change = 0.0;        ///< share that the last of them added
+  std::vector<PassRecord> passes;  ///< wall time of each step
 
+  /// Memory of all tables.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 

@@ -13,6 +13,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// What a view is prepared for.
 struct SkyViewOptions {
   bool ground = true;  ///< rays that end on the ground see it, lit by sun and sky; else only the air before it
 };
@@ -38,12 +39,18 @@ class SkyView {
   /// Throws `Error` (invalid_argument), also for tables that do not hold what their options say.
   SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options = {});
   ~SkyView();
+  /// Copies share the tables.
   SkyView(const SkyView&);
+  /// The source can only be assigned to or destroyed afterwards.
   SkyView(SkyView&&) noexcept;
+  /// As the constructors.
   SkyView& operator=(const SkyView&);
+  /// As the constructors.
   SkyView& operator=(SkyView&&) noexcept;
 
+  /// The tables that the view is a slice of.
   [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept;
+  /// The observer's, above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
   /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`, without its disc. Not

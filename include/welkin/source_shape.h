@@ -9,12 +9,14 @@
 
 namespace WELKIN_EXPORT welkin {
 
+/// Size and format of pixels that are not there yet, for plans.
 struct SourceShape {
-  bool cubemap = false;
-  int columns = 0;  ///< of a lat-long, or of a face
-  int rows = 0;     ///< of a lat-long, or of six faces
-  PixelFormat format = PixelFormat::rgb_f32;
+  bool cubemap = false;                       ///< or a lat-long
+  int columns = 0;                            ///< of a lat-long, or of a face
+  int rows = 0;                               ///< of a lat-long, or of six faces
+  PixelFormat format = PixelFormat::rgb_f32;  ///< of the pixels
 
+  /// How many texels there are.
   [[nodiscard]] std::uint64_t texels() const noexcept {
     return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
   }

@@ -29,6 +29,7 @@ enum class PrefilterMethod {
 /// "automatic", "spectral", "sampled", "reference"
 [[nodiscard]] const char* name(PrefilterMethod method) noexcept;
 
+/// Sizes, roughness and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
   int mips = 0;    ///< 0: as many as `roughness` names, else down to 1 texel
@@ -39,9 +40,10 @@ struct PrefilterOptions {
   /// Mips that are not made: so many at the chain's sharp end, and at its rough end; one at least stays. The others are
   /// the very bits of the whole chain's, and level 0 of the result has size >> leave_out_sharp texels along an edge.
   int leave_out_sharp = 0;
+  /// At the rough end, likewise.
   int leave_out_rough = 0;
 
-  PrefilterMethod method = PrefilterMethod::automatic;
+  PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
 
   double rms_error = 1e-3;      ///< bound on a mip's relative root mean square error, by solid angle
   double maximum_error = 1e-2;  ///< bound on |result - truth| / truth at any texel
@@ -64,12 +66,13 @@ struct MipRecord {
   int samples = 0;              ///< sampled: taps a texel
   double error_estimate = 0.0;  ///< predicted largest relative error
   glm::dvec3 mean{};            ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
-  double milliseconds = 0.0;
+  double milliseconds = 0.0;    ///< wall time
 };
 
+/// A chain of reflections.
 struct PrefilteredSpecular {
-  CubemapChain cubemap;
-  std::vector<MipRecord> mips;
+  CubemapChain cubemap;          ///< a level for each mip
+  std::vector<MipRecord> mips;   ///< one record for each mip
   ProjectionDiagnostics pixels;  ///< what was read, replaced and clamped; its passes are the prefilter's
   std::uint64_t peak_bytes = 0;  ///< of working memory, beside source and result
 };

@@ -26,15 +26,20 @@ class SphericalHarmonics {
   /// Throws `Error` (invalid_argument) unless 1 <= bands <= kMaximumBands.
   explicit SphericalHarmonics(int bands);
 
+  /// Number of bands; there are bands x bands coefficients.
   [[nodiscard]] int bands() const noexcept { return bands_; }
 
   /// Coefficient of band l >= 0 and order -l <= m <= l; both are the caller's to keep in range.
   [[nodiscard]] const glm::dvec3& at(int l, int m) const { return values_[index(l, m)]; }
+  /// The same, to be written.
   [[nodiscard]] glm::dvec3& at(int l, int m) { return values_[index(l, m)]; }
 
+  /// All of them, in the order of `index`.
   [[nodiscard]] std::span<const glm::dvec3> coefficients() const noexcept { return values_; }
+  /// The same, to be written.
   [[nodiscard]] std::span<glm::dvec3> coefficients() noexcept { return values_; }
 
+  /// Where coefficient (l, m) stands: l (l + 1) + m.
   [[nodiscard]] static constexpr std::size_t index(int l, int m) noexcept {
     return static_cast<std::size_t>(l * (l + 1) + m);
   }

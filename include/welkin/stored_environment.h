@@ -18,11 +18,12 @@ enum class LevelContent {
   reflections,  ///< prefiltered, a roughness each
 };
 
+/// What a file holds besides its pixels.
 struct StoredEnvironment {
-  std::filesystem::path path;
-  ReadOptions read;
-  EnvironmentInfo info;
-  SourceShape shape;  ///< of the pixels as `read_environment` gives them
+  std::filesystem::path path;  ///< as it was named
+  ReadOptions read;            ///< how it is to be read
+  EnvironmentInfo info;        ///< what the file says of itself
+  SourceShape shape;           ///< of the pixels as `read_environment` gives them
 
   bool compressed = true;       ///< pixels must be unpacked
   bool has_polynomial = false;  ///< of an .env: three bands of the light, in full where its pixels end at 255

@@ -14,23 +14,15 @@
 #include "welkin/environment_writer.h"
 #include "welkin/export.h"
 #include "welkin/image_view.h"
+#include "welkin/upload.h"
 
 namespace WELKIN_EXPORT welkin {
 
-/// How a texel is stored; each value is rounded to the nearest that there is, and what a format cannot hold is clamped
-/// and counted: what is above its largest value becomes that, NaN becomes 0, negatives become 0 where there are none.
-/// Alpha, where there is one, is 1.
-enum class TexelFormat {
-  rgba16f,    ///< halves, -65504 to 65504
-  rgba32f,    ///< floats, as they are: NaN and infinities too
-  b10g11r11,  ///< unsigned floats of 11, 11 and 10 bits, up to 65024 and 64512: 1 part in 64 and 32. Not in OpenEXR
-  e5b9g9r9,   ///< mantissas of 9 bits, one exponent, up to 65408: 1 part in 512 of the largest channel. Not in OpenEXR
-};
-
 enum class Supercompression { none, zlib, zstd };  ///< of KTX2's levels
 
+/// How texels are stored.
 struct TextureOptions {
-  TexelFormat format = TexelFormat::rgba16f;
+  TexelFormat format = TexelFormat::rgba16f;                   ///< OpenEXR holds rgba16f and rgba32f alone
   Supercompression supercompression = Supercompression::none;  ///< KTX2 only
 
   /// KTX2: key/value data, 1 MiB at most, no key that starts with KTX. OpenEXR: string attributes, none that OpenEXR
@@ -61,7 +53,7 @@ WriteReport write_texture_2d(const std::filesystem::path& path, int width, int h
 
 /// A texture that was read.
 struct CubemapTexture {
-  CubemapChain cubemap;
+  CubemapChain cubemap;                         ///< all levels, as radiance
   std::string format;                           ///< "KTX2 rgba16f zstd", for a person
   std::map<std::string, std::string> metadata;  ///< KTX2's key/value data
 };

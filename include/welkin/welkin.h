@@ -33,10 +33,18 @@
  * made to null. Null pointers, sizes and enumeration values that are none give WELKIN_INVALID_ARGUMENT. A
  * pointer that is neither null nor good cannot be told from a good one.
  *
+ * Handles. What a call makes and hands out through a pointer to a pointer is the caller's, and each kind has a function
+ * that destroys it; null is taken there and does nothing. Functions that ask a handle take null for an error
+ * (WELKIN_INVALID_ARGUMENT, or 0 where no status is returned). Handles to results are immutable: any number of threads
+ * may ask one at once. What a handle was made from may be destroyed before it: both share what they need.
+ *
  * Threads. All functions may be called from any thread. Functions that compute spread over the oneTBB arena that the
  * calling thread is in, a worker's over the worker's threads.
  *
  * Strings are UTF-8, end in a zero and are copied.
+ *
+ * Numbers. A direction is three doubles x, y, z; a colour is r, g, b; a 3 x 3 matrix is nine doubles, column after
+ * column. docs/c.md leads through the whole with examples.
  */
 /* NOLINTBEGIN(modernize-*): this is C */
 #ifndef WELKIN_WELKIN_H
@@ -61,7 +69,7 @@ extern "C" {
 /* The version of this interface. It rises when something is added; nothing is taken away or changed. A program runs
  * with every library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as
  * it leaves what is new alone. */
-#define WELKIN_C_VERSION 1
+#define WELKIN_C_VERSION 2
 WELKIN_API uint32_t welkin_c_version(void);
 
 /* Makes `object`, a structure of this header, all defaults: WELKIN_INIT(options); */
@@ -98,8 +106,9 @@ WELKIN_API const char* welkin_last_error(void);
 
 /* ---- Environments ---- */
 
-/* How one texel lies in memory: interleaved channels, no padding. Alpha is never used. F16 is IEEE 754 binary16; U8
- * maps 0..255 to 0..1; SRGB8 does so and then applies the sRGB transfer function. */
+/* How one texel lies in memory: interleaved channels, no padding. Alpha is never read, and 1 where it is written. F16
+ * is IEEE 754 binary16; U8 maps 0..255 to 0..1; SRGB8 does so and then applies the sRGB transfer function. Environments
+ * are read in the first eight; results are written as floats and halves, see `welkin_cubemap_target`. */
 typedef int32_t welkin_format;
 enum {
   WELKIN_FORMAT_RGB_F32 = 0,
@@ -109,7 +118,9 @@ enum {
   WELKIN_FORMAT_RGB_U8 = 4,
   WELKIN_FORMAT_RGBA_U8 = 5,
   WELKIN_FORMAT_RGB_SRGB8 = 6,
-  WELKIN_FORMAT_RGBA_SRGB8 = 7
+  WELKIN_FORMAT_RGBA_SRGB8 = 7,
+  WELKIN_FORMAT_RG_F32 = 8, /* written only: the first two channels */
+  WELKIN_FORMAT_RG_F16 = 9  /* likewise */
 };
 
 /* The caller's pixels, read in place: six square faces, +X -X +Y -Y +Z -Z, row 0 on top; image_view.h has their axes.
@@ -246,7 +257,7 @@ WELKIN_API welkin_status welkin_project_file(const char* path, const welkin_read
                                              const welkin_projection_options* options, const welkin_control* control,
                                              welkin_projection* projection);
 
-/* ---- What is made of coefficients ----
+/* ---- Harmonics ----
  * `coefficients` holds 3 bands^2 doubles, as in `welkin_projection`. WELKIN_INVALID_ARGUMENT for null pointers and for
  * bands out of range. */
 
@@ -258,16 +269,94 @@ WELKIN_API welkin_status welkin_irradiance_from_radiance(int32_t bands, const do
 WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction,
                                          double* value);
 
+/* The light after it was turned: what came from direction d comes from the rotated d. `quaternion` is x, y, z, w of any
+ * length but 0. `turned`, 3 bands^2 doubles, may be `coefficients`. */
+WELKIN_API welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* quaternion,
+                                       double* turned);
+
+/* The same for an orthogonal matrix, mirrors included. WELKIN_INVALID_ARGUMENT if it is off orthogonal by more than
+ * 1e-6. */
+WELKIN_API welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix,
+                                          double* turned);
+
+/* By what band l is multiplied against ringing; windowing.h has the formulas. */
+typedef int32_t welkin_window;
+enum {
+  WELKIN_WINDOW_NONE = 0,
+  WELKIN_WINDOW_HANNING = 1,
+  WELKIN_WINDOW_LANCZOS = 2,
+  WELKIN_WINDOW_MIN_LAPLACIAN = 3 /* the weakest that leaves no irradiance negative */
+};
+
+/* What a window did. */
+typedef struct welkin_window_report {
+  uint32_t struct_size;
+  int32_t bands;
+  double parameter;         /* Hanning, Lanczos: the width in bands; min Laplacian: lambda */
+  double minimum_before[3]; /* r, g, b: the least irradiance over all normals */
+  double minimum_after[3];
+  double factors[WELKIN_MAXIMUM_BANDS]; /* by band; zeros behind */
+} welkin_window_report;
+
+/* Multiplies each band of radiance by the window's factor. `width` is in bands, of Hanning and Lanczos only; 0: the
+ * number of bands. `windowed`, 3 bands^2 doubles, may be `radiance`; `report` may be null. */
+WELKIN_API welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
+                                             double* windowed, welkin_window_report* report);
+
+/* The least value over the sphere, by channel: `value` gets r, g, b; `directions` (nine doubles, may be null) gets the
+ * unit direction of each channel's. */
+WELKIN_API welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* value, double* directions);
+
+/* The one directional light that comes closest to an environment: `direction` (unit, towards it), `irradiance` (on a
+ * surface that faces it), and 1 in `found`. 0 in `found`, and zeros, if the light comes from no direction. */
+WELKIN_API welkin_status welkin_dominant_light(int32_t bands, const double* radiance, double* direction,
+                                               double* irradiance, int32_t* found);
+
+/* A sun as a directional light. */
+typedef struct welkin_sun {
+  uint32_t struct_size;
+  double direction[3];  /* unit, towards its centre */
+  double irradiance[3]; /* on a surface that faces it */
+  double radiance[3];   /* its mean: irradiance / solid angle */
+  double solid_angle;   /* steradians */
+  double angular_radius_degrees;
+} welkin_sun;
+
+/* The radiance coefficients of a sun's light, to be added to those of its sky: a disc of its solid angle that holds its
+ * irradiance; with solid angle 0 a light from one direction. */
+WELKIN_API welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t bands, double* coefficients);
+
+/* ---- Engines ---- */
+
 typedef int32_t welkin_engine;
 enum {
+  WELKIN_ENGINE_WELKIN = 0,
+  WELKIN_ENGINE_OPENEXR = 1,
   WELKIN_ENGINE_BABYLON = 2,
   WELKIN_ENGINE_THREE = 3,
   WELKIN_ENGINE_FILAMENT = 4,
   WELKIN_ENGINE_GLTF = 5,
   WELKIN_ENGINE_UNITY = 6,
   WELKIN_ENGINE_UNREAL = 7,
+  WELKIN_ENGINE_BLENDER = 8,
   WELKIN_ENGINE_GODOT = 9
 };
+
+/* How an engine's axes lie to Welkin's; convention.h says more. The strings are constants. */
+typedef struct welkin_convention {
+  uint32_t struct_size;
+  welkin_engine engine;
+  int32_t right_handed;  /* 1 or 0 */
+  int32_t has_faces;     /* 1 if the engine has cubemaps of its own: `faces_from_engine` is one */
+  const char* name;      /* "babylon", ... */
+  const char* title;     /* "Babylon.js", ... */
+  const char* axes;      /* in words */
+  const char* lat_long;  /* in words */
+  double from_welkin[9]; /* takes a direction in Welkin's axes to the engine's; a mirror for left-handed engines */
+  double faces_from_engine[9]; /* takes a direction in the engine's axes to the frames of `welkin_cubemap`'s faces */
+} welkin_convention;
+
+WELKIN_API welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention);
 
 /* Light in an engine's own form; docs/engines.md has the formulas. */
 typedef struct welkin_engine_light {
@@ -281,7 +370,8 @@ typedef struct welkin_engine_light {
   double vectors[7][4];
 } welkin_engine_light;
 
-/* Radiance in Welkin's axes, turned to the engine's axes, in the engine's form. Bands above the third are left out. */
+/* Radiance in Welkin's axes, turned to the engine's axes, in the engine's form. Bands above the third are left out.
+ * WELKIN_INVALID_ARGUMENT for those that have no form of their own: Welkin, OpenEXR, Blender. */
 WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
                                                            welkin_engine_light* light);
 
@@ -289,9 +379,445 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
 WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                                       welkin_engine_light* light);
 
+/* Babylon.js's polynomial of a single ambient colour, and a polynomial's value for a unit normal. `polynomial` is a
+ * light of WELKIN_ENGINE_BABYLON. */
+WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
+WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
+                                                 double* value);
+
+/* ---- Results in the caller's memory ---- */
+
+/* Memory for one level of a cubemap, which may be an upload buffer: the library writes each texel once and reads none.
+ * Formats: RG, RGB and RGBA, F32 and F16. Halves are rounded to nearest; what is beyond the largest half (65504)
+ * becomes that, and NaN becomes 0. Calls that take a target also take `values_clamped`, null or where the number of
+ * such values goes. A target is checked before anything is computed. */
+typedef struct welkin_cubemap_target {
+  uint32_t struct_size;
+  welkin_format format;
+  int64_t row_stride_bytes; /* from a row to the next, at least a row; 0: rows are packed; negative: bottom-up */
+  void* faces[6];           /* first texel of the top row of each, aligned to its channels */
+  int64_t size;             /* texels along an edge: exactly those of what is written */
+} welkin_cubemap_target;
+
+/* The same for a two-dimensional picture. */
+typedef struct welkin_image_target {
+  uint32_t struct_size;
+  welkin_format format;
+  int64_t row_stride_bytes;
+  void* pixels;
+  int32_t width;
+  int32_t height;
+} welkin_image_target;
+
+/* A cubemap of RGB floats with its levels, level l with max(1, size >> l) texels along an edge. */
+typedef struct welkin_cubemap_chain welkin_cubemap_chain;
+
+typedef struct welkin_cubemap_chain_info {
+  uint32_t struct_size;
+  int32_t size; /* texels along an edge of level 0 */
+  int32_t levels;
+  int32_t prefiltered; /* 1: each level has a roughness, see `welkin_cubemap_chain_get_mip` */
+  uint64_t bytes;
+} welkin_cubemap_chain_info;
+
+WELKIN_API void welkin_cubemap_chain_destroy(welkin_cubemap_chain* chain);
+
+/* Another handle to the same pixels, which stay for as long as one of them is held. */
+WELKIN_API welkin_status welkin_cubemap_chain_share(const welkin_cubemap_chain* chain, welkin_cubemap_chain** another);
+
+WELKIN_API welkin_status welkin_cubemap_chain_get_info(const welkin_cubemap_chain* chain,
+                                                       welkin_cubemap_chain_info* info);
+
+/* The pixels of a level in place: RGB_F32, rows packed, good for as long as the chain is held. All calls that read or
+ * write cubemaps take them. */
+WELKIN_API welkin_status welkin_cubemap_chain_get_level(const welkin_cubemap_chain* chain, int32_t level,
+                                                        welkin_cubemap* pixels);
+
+/* Writes a level to the caller's memory, on the calling thread: below a nanosecond a value for floats, some more for
+ * halves. */
+WELKIN_API welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* chain, int32_t level,
+                                                   const welkin_cubemap_target* target, uint64_t* values_clamped);
+
+/* ---- Reflections ---- */
+
+/* Of pixels that are read: the same as in `welkin_projection_options`. */
+typedef struct welkin_pixel_policy {
+  uint32_t struct_size;
+  float clamp_maximum;
+  int32_t clamp_preserve_colour;
+  int32_t gamma;
+  welkin_non_finite_policy nan;
+  welkin_non_finite_policy infinity;
+  welkin_negative_policy negative;
+} welkin_pixel_policy;
+
+typedef int32_t welkin_prefilter_method;
+enum {
+  WELKIN_PREFILTER_AUTOMATIC = 0, /* for each mip the fastest within both bounds */
+  WELKIN_PREFILTER_SPECTRAL = 1,
+  WELKIN_PREFILTER_SAMPLED = 2,
+  WELKIN_PREFILTER_REFERENCE = 3, /* the integral, texel by texel: slow */
+  WELKIN_PREFILTER_COPY = 4       /* of a mip that was made: roughness 0 */
+};
+
+/* Ways to spread roughness over a chain; roughness.h has the formulas. */
+typedef int32_t welkin_roughness_schedule;
+enum {
+  WELKIN_ROUGHNESS_LINEAR = 0,
+  WELKIN_ROUGHNESS_FILAMENT = 1, /* three.js too */
+  WELKIN_ROUGHNESS_BABYLON = 2
+};
+
+/* The perceptual roughness of each mip: `roughness` has room for `mips` doubles, 1 to 16. `size`: of mip 0. */
+WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                                  double* roughness);
+
+/* specular.h says more of each. */
+typedef struct welkin_prefilter_options {
+  uint32_t struct_size;
+  int32_t size;            /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
+  int32_t mips;            /* 0: as many as `roughness_count` says, else down to 1 texel */
+  int32_t roughness_count; /* numbers at `roughness`; 0: linear in the mip */
+  const double* roughness; /* perceptual, 0 to 1, of each mip; copied */
+  int32_t leave_out_sharp; /* mips that are not made at the chain's sharp end, and */
+  int32_t leave_out_rough; /* at its rough end */
+  welkin_prefilter_method method;
+  int32_t samples;                   /* a texel, of the sampled method; 0: 1024 */
+  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
+  double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
+  const welkin_pixel_policy* pixels; /* null: the defaults. In a bake and of a sky it must be null */
+} welkin_prefilter_options;
+
+/* How one mip was made, and how good it is. */
+typedef struct welkin_mip {
+  uint32_t struct_size;
+  int32_t size;                   /* texels along an edge */
+  double roughness;               /* perceptual */
+  welkin_prefilter_method method; /* never automatic */
+  int32_t bands;                  /* spectral */
+  int32_t bright_texels;          /* spectral: that were added one by one */
+  int32_t samples;                /* sampled: a texel */
+  double error_estimate;          /* predicted largest relative error */
+  double mean[3];                 /* by solid angle */
+  double milliseconds;
+} welkin_mip;
+
+/* Of a prefiltered chain. */
+WELKIN_API welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, int32_t level,
+                                                      welkin_mip* mip);
+
+/* Prefilters for reflections (GGX, split sum): a mip for each roughness. Also WELKIN_REJECTED_PIXEL,
+ * WELKIN_LIMIT_EXCEEDED (bounds that no method reaches), WELKIN_CANCELLED, WELKIN_OUT_OF_MEMORY. */
+WELKIN_API welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap,
+                                                  const welkin_prefilter_options* options,
+                                                  const welkin_control* control, welkin_cubemap_chain** chain);
+WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long,
+                                                   const welkin_prefilter_options* options,
+                                                   const welkin_control* control, welkin_cubemap_chain** chain);
+
+/* What the first two channels of a BRDF table hold; brdf_table.h has the integrals. */
+typedef int32_t welkin_brdf_model;
+enum { WELKIN_BRDF_SPLIT_SUM = 0, WELKIN_BRDF_MULTIPLE_SCATTERING = 1 };
+
+typedef struct welkin_brdf_options {
+  uint32_t struct_size;
+  int32_t width;  /* along N.V, 1 to 4096; 0: 64 */
+  int32_t height; /* along perceptual roughness, 1 to 4096; 0: 64 */
+  welkin_brdf_model model;
+  int32_t without_sheen; /* 1: the third channel is 0; 0: it is the albedo of sheen */
+} welkin_brdf_options;
+
+/* Writes the table; the target has the options' width and height, row 0 the lowest roughness. Tables that were used
+ * last are kept: a second call copies. */
+WELKIN_API welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
+                                           const welkin_image_target* target, uint64_t* values_clamped);
+
+/* Writes irradiance at each texel's centre from the coefficients of irradiance, `welkin_irradiance_from_radiance`'s;
+ * the target's size is 1 to 4096. */
+WELKIN_API welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance,
+                                                   const welkin_control* control, const welkin_cubemap_target* target,
+                                                   uint64_t* values_clamped);
+
+/* ---- Bake: all that a physically based renderer loads, in one call ---- */
+
+/* Flags, added up. */
+typedef uint32_t welkin_parts;
+enum {
+  WELKIN_PART_BACKGROUND = 1, /* a sharp cubemap with mips */
+  WELKIN_PART_SPECULAR = 2,   /* reflections */
+  WELKIN_PART_IRRADIANCE = 4, /* a cubemap */
+  WELKIN_PART_HARMONICS = 8,  /* of radiance */
+  WELKIN_PART_BRDF = 16       /* the table */
+};
+
+typedef int32_t welkin_mip_filter;
+enum {
+  WELKIN_MIP_FILTER_SOLID_ANGLE = 0, /* keeps the sphere's total radiance */
+  WELKIN_MIP_FILTER_BOX = 1          /* as graphics APIs do */
+};
+
+typedef int32_t welkin_irradiance_method;
+enum {
+  WELKIN_IRRADIANCE_HARMONICS = 0,
+  WELKIN_IRRADIANCE_DIRECT = 1 /* by direct convolution: the reference, slow */
+};
+
+/* bake.h says more of each. */
+typedef struct welkin_bake_options {
+  uint32_t struct_size;
+  welkin_parts leave_out;          /* parts that are not made; 0: all are */
+  int32_t background_size;         /* 0: the specular cubemap's; without one the source's own */
+  int32_t background_without_mips; /* 1: level 0 alone */
+  welkin_mip_filter mip_filter;    /* of the background */
+  int32_t irradiance_size;         /* 0: 64 */
+  welkin_irradiance_method irradiance_method;
+  int32_t bands; /* of the harmonics, and of the irradiance cubemap; 0: 3 */
+  const welkin_prefilter_options* specular;
+  const welkin_brdf_options* brdf;
+  const welkin_pixel_policy* pixels;
+  uint64_t memory_limit_bytes; /* results and working memory together; 0: 8 GiB */
+} welkin_bake_options;
+
+typedef struct welkin_bake_result welkin_bake_result;
+
+typedef struct welkin_bake_info {
+  uint32_t struct_size;
+  welkin_parts parts; /* that there are */
+  int32_t bands;      /* 0 without harmonics */
+  int32_t brdf_width; /* 0 without a table */
+  int32_t brdf_height;
+  int32_t brdf_channels; /* 3 with sheen, else 2 */
+  uint64_t peak_bytes;   /* bound on results and working memory together */
+} welkin_bake_info;
+
+/* Bakes. As `welkin_project_cubemap`, and WELKIN_LIMIT_EXCEEDED. */
+WELKIN_API welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
+                                             const welkin_control* control, welkin_bake_result** result);
+WELKIN_API welkin_status welkin_bake_lat_long(const welkin_lat_long* lat_long, const welkin_bake_options* options,
+                                              const welkin_control* control, welkin_bake_result** result);
+
+WELKIN_API void welkin_bake_result_destroy(welkin_bake_result* result);
+WELKIN_API welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welkin_bake_info* info);
+
+/* The cubemap of one of the parts background, specular and irradiance, lent: good for as long as the result is held,
+ * and `welkin_cubemap_chain_share` keeps it longer. Null if that part was not made, for null and for other parts. */
+WELKIN_API const welkin_cubemap_chain* welkin_bake_result_chain(const welkin_bake_result* result, welkin_parts part);
+
+/* The harmonics of radiance, and what was read, replaced and clamped. WELKIN_INVALID_ARGUMENT without harmonics. */
+WELKIN_API welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result,
+                                                           welkin_projection* projection);
+
+/* Writes the BRDF table, as `welkin_brdf_table`. WELKIN_INVALID_ARGUMENT without one. */
+WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result,
+                                                      const welkin_image_target* target, uint64_t* values_clamped);
+
+/* ---- Sky ----
+ * y is up; a sun's azimuth is counted from +z towards +x, its elevation from the horizon up. `sun` is a direction
+ * towards it, of any length. docs/sky.md says what is computed. */
+
+/* An atmosphere: a planet's air, its ground and its sun. Not to be changed while another thread uses it. */
+typedef struct welkin_atmosphere welkin_atmosphere;
+
+typedef int32_t welkin_planet;
+enum {
+  WELKIN_PLANET_EARTH = 0,          /* Bruneton 2017's, at 680, 550 and 440 nm */
+  WELKIN_PLANET_EARTH_HILLAIRE = 1, /* Hillaire 2020's */
+  WELKIN_PLANET_MARS = 2,
+  WELKIN_PLANET_BARE = 3 /* of Earth's size, without air, light or colour, at 680, 550 and 440 nm */
+};
+
+WELKIN_API welkin_status welkin_atmosphere_create(welkin_planet planet, welkin_atmosphere** atmosphere);
+
+/* Earth at wavelengths of the caller's choice, 360 to 830 nm: three, or up to 96 for WELKIN_SKY_COLOUR_LINEAR_SRGB. */
+WELKIN_API welkin_status welkin_atmosphere_create_earth(const double* wavelengths_nm, int32_t count,
+                                                        welkin_atmosphere** atmosphere);
+
+WELKIN_API void welkin_atmosphere_destroy(welkin_atmosphere* atmosphere);
+
+/* Rising or falling, 3 to 96. What was set for each of the wavelengths before has to be set again. */
+WELKIN_API welkin_status welkin_atmosphere_set_wavelengths(welkin_atmosphere* atmosphere, const double* wavelengths_nm,
+                                                           int32_t count);
+
+/* A kind of matter: its density over the altitude, and its coefficients where the density is 1. All is copied. */
+typedef struct welkin_constituent {
+  uint32_t struct_size;
+  int32_t layer_count; /* 0: there is nothing of it */
+  /* Five doubles a layer, from the ground up: thickness_m, exponential_term, exponential_scale_per_m,
+   * linear_term_per_m, constant_term; atmosphere.h (`DensityLayer`) has the formula. */
+  const double* layers;
+  const double* scattering_per_m; /* one for each wavelength; null: none */
+  const double* absorption_per_m; /* likewise */
+} welkin_constituent;
+
+typedef int32_t welkin_matter;
+enum {
+  WELKIN_MATTER_RAYLEIGH = 0,
+  WELKIN_MATTER_AEROSOL = 1,
+  WELKIN_MATTER_ABSORBER = 2 /* ozone and the like, up to four: 2 to 5 */
+};
+
+/* Null removes it. Absorbers are counted without gaps: the first one that is not there yet can be added. */
+WELKIN_API welkin_status welkin_atmosphere_set_matter(welkin_atmosphere* atmosphere, welkin_matter matter,
+                                                      const welkin_constituent* constituent);
+
+typedef int32_t welkin_aerosol_phase;
+enum { WELKIN_PHASE_CORNETTE_SHANKS = 0, WELKIN_PHASE_HENYEY_GREENSTEIN = 1 };
+
+WELKIN_API welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere, welkin_aerosol_phase phase,
+                                                             double asymmetry);
+
+WELKIN_API welkin_status welkin_atmosphere_set_radii(welkin_atmosphere* atmosphere, double bottom_m, double top_m);
+
+/* The ground's, 0 to 1: one value for all wavelengths (`count` 1), or one for each. */
+WELKIN_API welkin_status welkin_atmosphere_set_ground_albedo(welkin_atmosphere* atmosphere, const double* albedo,
+                                                             int32_t count);
+
+/* Above the air, on a surface that faces the sun, W/m2/nm: one value for each wavelength. */
+WELKIN_API welkin_status welkin_atmosphere_set_sun(welkin_atmosphere* atmosphere, const double* irradiance,
+                                                   int32_t count, double angular_radius_degrees);
+
+/* WELKIN_OK if it can be computed; else the message names the parameter, what was found and what would do. */
+WELKIN_API welkin_status welkin_atmosphere_check(const welkin_atmosphere* atmosphere);
+
+/* Unit direction towards a sun. */
+WELKIN_API welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction);
+
+typedef int32_t welkin_scattering_layout;
+enum { WELKIN_SCATTERING_FULL = 0, WELKIN_SCATTERING_COMPACT = 1 };
+
+/* What the three channels of a computed sky are. */
+typedef int32_t welkin_sky_colour;
+enum {
+  WELKIN_SKY_COLOUR_SPECTRAL = 0,   /* W/m2/sr/nm at three wavelengths */
+  WELKIN_SKY_COLOUR_LINEAR_SRGB = 1 /* cd/m2 */
+};
+
+/* sky_tables.h has the ranges. */
+typedef struct welkin_sky_table_options {
+  uint32_t struct_size;
+  welkin_scattering_layout layout;
+  int32_t heights;                /* 0: 32 */
+  int32_t view_zeniths;           /* 0: 64 */
+  int32_t sun_zeniths;            /* 0: 64 */
+  int32_t sun_angles;             /* 0: 8 */
+  int32_t transmittance_heights;  /* 0: 64 */
+  int32_t transmittance_zeniths;  /* 0: 256 */
+  int32_t irradiance_heights;     /* 0: 16 */
+  int32_t irradiance_sun_zeniths; /* 0: 64 */
+  int32_t orders;                 /* of scattering; 0: 4 */
+  welkin_sky_colour colour;
+  double lowest_sun_degrees;   /* that the tables hold, -90 up to below 0; 0: -30 */
+  double until_change;         /* stop before `orders` when one added less than this share; 0: never */
+  uint64_t memory_limit_bytes; /* 0: 4 GiB */
+} welkin_sky_table_options;
+
+/* All that a planet's sky can look like: precomputed scattering. */
+typedef struct welkin_sky_tables welkin_sky_tables;
+
+typedef struct welkin_sky_tables_info {
+  uint32_t struct_size;
+  int32_t orders;     /* that were computed */
+  double last_change; /* share that the last of them added */
+  uint64_t bytes;
+} welkin_sky_tables_info;
+
+/* Computes them: some two seconds of processor time with the defaults. The atmosphere is copied. Also
+ * WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED. */
+WELKIN_API welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere,
+                                                  const welkin_sky_table_options* options,
+                                                  const welkin_control* control, welkin_sky_tables** tables);
+WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);
+WELKIN_API welkin_status welkin_sky_tables_get_info(const welkin_sky_tables* tables, welkin_sky_tables_info* info);
+
+/* The sky as it is seen from one height. */
+typedef struct welkin_sky_view welkin_sky_view;
+
+typedef struct welkin_sky_view_options {
+  uint32_t struct_size;
+  int32_t without_ground; /* 1: rays that end on the ground see only the air before it */
+} welkin_sky_view_options;
+
+/* Some 2 ms. `altitude_m`: 0 to 1e9. */
+WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
+                                                const welkin_sky_view_options* options, welkin_sky_view** view);
+WELKIN_API void welkin_sky_view_destroy(welkin_sky_view* view);
+
+/* Radiance that arrives from `count` directions, without the sun's disc: packed x y z and packed r g b, floats. */
+WELKIN_API welkin_status welkin_sky_view_radiance(const welkin_sky_view* view, const float* directions, size_t count,
+                                                  const double* sun, float* rgb);
+
+/* The sun as a directional light at this height. */
+WELKIN_API welkin_status welkin_sky_view_sun(const welkin_sky_view* view, const double* sun, welkin_sun* light);
+
+/* Irradiance of the sky, without direct sun, on a horizontal surface that faces up: r, g, b. */
+WELKIN_API welkin_status welkin_sky_view_irradiance(const welkin_sky_view* view, const double* sun, double* irradiance);
+
+/* What pictures show. */
+typedef struct welkin_sky_picture_options {
+  uint32_t struct_size;
+  int32_t sun_disc; /* 1: the sun's disc, as texels that it covers by area */
+} welkin_sky_picture_options;
+
+/* Writes a picture of the sky to the target, whose size counts. A lat-long's width must be twice its height. */
+WELKIN_API welkin_status welkin_sky_view_cubemap(const welkin_sky_view* view, const double* sun,
+                                                 const welkin_sky_picture_options* options,
+                                                 const welkin_control* control, const welkin_cubemap_target* target,
+                                                 uint64_t* values_clamped);
+WELKIN_API welkin_status welkin_sky_view_lat_long(const welkin_sky_view* view, const double* sun,
+                                                  const welkin_sky_picture_options* options,
+                                                  const welkin_control* control, const welkin_image_target* target,
+                                                  uint64_t* values_clamped);
+
+/* A picture of the sky, prefiltered for reflections; `picture` may be null. */
+WELKIN_API welkin_status welkin_sky_view_specular(const welkin_sky_view* view, const double* sun,
+                                                  const welkin_prefilter_options* options,
+                                                  const welkin_sky_picture_options* picture,
+                                                  const welkin_control* control, welkin_cubemap_chain** chain);
+
+/* Directions at which a sky is looked at; sky_harmonics.h says more. */
+typedef int32_t welkin_sky_quadrature;
+enum { WELKIN_SKY_QUADRATURE_GAUSS_SPLIT = 0, WELKIN_SKY_QUADRATURE_GAUSS = 1, WELKIN_SKY_QUADRATURE_UNIFORM = 2 };
+
+typedef struct welkin_sky_harmonics_options {
+  uint32_t struct_size;
+  int32_t bands; /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
+  welkin_sky_quadrature quadrature;
+  int32_t zeniths;  /* 2 to 128; 0: 16, of a curve 32 */
+  int32_t azimuths; /* 2 to 256; 0: 16, of a curve 32 */
+  int32_t nodes;    /* sun elevations of a curve, 8 to 4096; 0: 256. Not for a projector */
+} welkin_sky_harmonics_options;
+
+/* The harmonics of a view for any sun, by quadrature. */
+typedef struct welkin_sky_projector welkin_sky_projector;
+
+WELKIN_API welkin_status welkin_sky_projector_create(const welkin_sky_view* view,
+                                                     const welkin_sky_harmonics_options* options,
+                                                     welkin_sky_projector** projector);
+WELKIN_API void welkin_sky_projector_destroy(welkin_sky_projector* projector);
+WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector); /* 0 for null */
+
+/* Radiance of sky and ground, without the sun's disc: `coefficients` gets 3 bands^2 doubles. Allocates nothing. */
+WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
+                                                      double* coefficients);
+
+/* The harmonics of a view over the sun's elevation, computed once: a moved sun is an interpolation and a turn. */
+typedef struct welkin_sky_curve welkin_sky_curve;
+
+/* Milliseconds. Also WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED. */
+WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
+                                                 const welkin_sky_harmonics_options* options,
+                                                 const welkin_control* control, welkin_sky_curve** curve);
+WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
+WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve); /* 0 for null */
+
+/* As of a projector; under a microsecond for three bands. `sun_irradiance` (may be null) gets r, g, b of the direct sun
+ * on a surface that faces it. Allocates nothing. */
+WELKIN_API welkin_status welkin_sky_curve_at(const welkin_sky_curve* curve, const double* sun, double* coefficients,
+                                             double* sun_irradiance);
+
 /* ---- Worker ---- */
 
-/* Runs jobs on threads of its own, or in a lent arena; worker.h and docs/threading.md say more. */
+/* Runs jobs on threads of its own, or on the engine's; worker.h and docs/threading.md say more. */
 typedef struct welkin_worker welkin_worker;
 
 /* A posted job. Handles are counted: a post gives one reference, `welkin_job_release` gives it back. A handle is good
@@ -307,40 +833,42 @@ enum {
 };
 
 /* What a post does when the worker is at its limits. */
-typedef int32_t welkin_when_full;
+typedef int32_t welkin_overflow_policy;
 enum {
-  WELKIN_WHEN_FULL_WAIT = 0,       /* waits until there is room */
-  WELKIN_WHEN_FULL_REFUSE = 1,     /* the new job gets WELKIN_QUEUE_FULL */
-  WELKIN_WHEN_FULL_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
+  WELKIN_OVERFLOW_WAIT = 0,       /* waits until there is room */
+  WELKIN_OVERFLOW_REFUSE = 1,     /* the new job gets WELKIN_QUEUE_FULL */
+  WELKIN_OVERFLOW_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
 };
 
 typedef struct welkin_worker_options {
   uint32_t struct_size;
-  int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1 */
+  int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
+                      engine runs at the same time; 0: as many as the process may use */
   welkin_thread_priority thread_priority;
-  welkin_when_full when_full;
+  welkin_overflow_policy overflow;
   const char* name; /* of the threads; null: "welkin" */
 
-  /* Null, or lends the worker an arena: has `task(argument)` called, soon and exactly once, by a thread of the engine's
-   * choice. Called from any thread. The worker then has no threads of its own (but one that watches). The arena must
-   * outlive the worker; a task that is called after the worker is gone does nothing. One that is never called is lost
-   * memory, and until the worker is terminated a job may wait for it. */
+  /* Null, or lends the worker the engine's threads: has `task(argument)` called, soon and exactly once, by a thread of
+   * the engine's choice. Called from any thread, several at once. At most `threads` tasks are with the engine at a
+   * time. The worker then has no threads of its own. What `enqueue_user` points to must live until the worker is
+   * terminated or destroyed; a task that is called later does nothing. One that is never called is lost memory, and
+   * until the worker is terminated a job may wait for it. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
   void* enqueue_user;
 
-  uint64_t most_jobs;  /* in flight; 0: 4096 */
-  uint64_t most_bytes; /* in flight, of their pixels; 0: 4 GiB */
+  uint64_t max_jobs;  /* in flight; 0: 4096 */
+  uint64_t max_bytes; /* in flight, of their pixels; 0: 4 GiB */
 } welkin_worker_options;
 
 /* What is in a worker's hands. */
 typedef struct welkin_worker_load {
   uint32_t struct_size;
-  int32_t threads;    /* it has; 0 with a lent arena */
+  int32_t threads;    /* how many jobs it runs at once */
   uint64_t waiting;   /* computations that no thread has started */
   uint64_t running;   /* computations */
   uint64_t undrained; /* callbacks that the next drain would call */
-  uint64_t jobs;      /* in flight, as `most_jobs` counts them */
-  uint64_t bytes;     /* in flight, as `most_bytes` counts them */
+  uint64_t jobs;      /* in flight, as `max_jobs` counts them */
+  uint64_t bytes;     /* in flight, as `max_bytes` counts them */
 } welkin_worker_load;
 
 /* Makes a worker; `options` may be null. WELKIN_INVALID_ARGUMENT, WELKIN_OUT_OF_MEMORY, WELKIN_INTERNAL if no thread
@@ -377,14 +905,15 @@ typedef struct welkin_post_options {
   uint32_t struct_size;
   welkin_priority priority;
   const char* key; /* latest wins: a job of the same key that waits or runs ends with WELKIN_REPLACED; null: no key */
-  uint64_t bytes;  /* that the job counts against `most_bytes`; 0: those of its pixels */
+  uint64_t bytes;  /* that the job counts against `max_bytes`; 0: those of its pixels */
 
   /* Null, or the pixels (for a function: what it uses) go over to the job: `release(release_user)` is called when this
    * job does not need them any more. Exactly once for each call of a post function, whatever becomes of it:
    * - if the post fails, before it returns;
-   * - for a file, whose path is copied, before the post returns;
-   * - if the job is given up before it runs, before the call that gave it up returns (a cancel, a post with the same
-   *   key, a post at the worker's limits, a termination);
+   * - for a file, whose path is copied, and for a sky, whose atmosphere or tables are kept, before the post returns;
+   * - if the job is given up before it runs, before the call that gave it up returns (a cancel, a post at the worker's
+   *   limits, a termination); for a post with the same key before that returns, or at once when the thread of the
+   * worker goes on that is about to start or to end a job just then;
    * - if it runs, when nothing reads the pixels any more: shortly before or after the job is ready, and before
    *   `welkin_worker_wait_until_idle`, `welkin_worker_terminate` and `welkin_worker_destroy` return, where they wait.
    * On whichever thread that is, so it must not wait for the worker or one of its jobs. There is one exception: if
@@ -425,6 +954,38 @@ WELKIN_API welkin_status welkin_post_project_file(welkin_worker* worker, const c
                                                   const welkin_projection_options* options,
                                                   const welkin_post_options* post, welkin_job** job);
 
+/* `welkin_prefilter_cubemap` and `welkin_prefilter_lat_long`, as jobs: `welkin_job_get_chain`. */
+WELKIN_API welkin_status welkin_post_prefilter_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                                       const welkin_prefilter_options* options,
+                                                       const welkin_post_options* post, welkin_job** job);
+WELKIN_API welkin_status welkin_post_prefilter_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                                        const welkin_prefilter_options* options,
+                                                        const welkin_post_options* post, welkin_job** job);
+
+/* `welkin_bake_cubemap` and `welkin_bake_lat_long`, as jobs: `welkin_job_get_bake`. */
+WELKIN_API welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                                  const welkin_bake_options* options, const welkin_post_options* post,
+                                                  welkin_job** job);
+WELKIN_API welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                                   const welkin_bake_options* options, const welkin_post_options* post,
+                                                   welkin_job** job);
+
+/* `welkin_sky_tables_create`, as a job: `welkin_job_get_sky_tables`. */
+WELKIN_API welkin_status welkin_post_sky_tables(welkin_worker* worker, const welkin_atmosphere* atmosphere,
+                                                const welkin_sky_table_options* options,
+                                                const welkin_post_options* post, welkin_job** job);
+
+/* The curve of a height, as a job: `welkin_job_get_sky_curve`. */
+WELKIN_API welkin_status welkin_post_sky_curve(welkin_worker* worker, const welkin_sky_tables* tables,
+                                               double altitude_m, const welkin_sky_harmonics_options* options,
+                                               const welkin_post_options* post, welkin_job** job);
+
+/* The reflections of a sky at a height, without the sun's disc, as a job: `welkin_job_get_chain`. */
+WELKIN_API welkin_status welkin_post_sky_specular(welkin_worker* worker, const welkin_sky_tables* tables,
+                                                  double altitude_m, const double* sun,
+                                                  const welkin_prefilter_options* options,
+                                                  const welkin_post_options* post, welkin_job** job);
+
 /* A function of the caller's own, called as `run(run_user, control)` on one of the worker's threads, once or, if the
  * job is given up first, not at all. What it returns becomes the job's status: any value but WELKIN_NOT_READY, numbers
  * of your own too (from 1000 on they will never mean anything else). If it returns what a call in it failed with, the
@@ -449,12 +1010,20 @@ WELKIN_API uint64_t welkin_job_id(const welkin_job* job);
 WELKIN_API welkin_status welkin_job_poll(const welkin_job* job, double* progress);
 
 /* Waits until the job is ready, at most `timeout_nanoseconds`, then returns what `welkin_job_poll` does. On one of the
- * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself. */
+ * worker's own threads and with WELKIN_NO_LIMIT it starts a job that still waits itself, and returns
+ * WELKIN_INVALID_ARGUMENT if the wait would never end (docs/threading.md). */
 WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanoseconds);
 
 /* Copies the result, any number of times; never waits. What `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if
- * the job was a function's or `projection` has no room for its bands. */
+ * the job makes something else or `projection` has no room for its bands. */
 WELKIN_API welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection);
+
+/* These hand the result out as a handle, any number of times: all of them share it. They never wait. What
+ * `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if the job makes something else. */
+WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain** chain);
+WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);
+WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables);
+WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);
 
 /* Gives the job up: it ends with WELKIN_CANCELLED, at once if it waits, else before its next tile (a function: when it
  * returns). `given_up` (may be null) gets 1 if this call did it, 0 if the job was done or given up before. */
@@ -468,6 +1037,145 @@ WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priorit
 /* One more reference to be given back; and giving one back. Null does nothing. */
 WELKIN_API void welkin_job_retain(welkin_job* job);
 WELKIN_API void welkin_job_release(welkin_job* job);
+
+/* ---- The dynamic sky of an engine's loop ---- */
+
+/* Set the sun, get the light, every frame; sky_light.h says what a change costs. It posts to a worker, which must
+ * outlive it. For one thread at a time. */
+typedef struct welkin_sky_light welkin_sky_light;
+
+typedef struct welkin_sky_light_options {
+  uint32_t struct_size;
+  welkin_priority priority;                  /* of what is posted */
+  const welkin_sky_table_options* tables;    /* not read where tables are given */
+  const welkin_sky_harmonics_options* curve; /* with the number of bands */
+  const welkin_prefilter_options* specular;
+  int32_t without_specular; /* 1: no reflections */
+  double altitude_m;
+  double sun_threshold_degrees;      /* the sun stays until it is to move by this; 0: 0.01; negative: none */
+  double specular_threshold_degrees; /* of elevation, between new reflections; 0: 0.5; negative: none */
+  double altitude_threshold_m;       /* 0: 1; negative: none */
+  double blend_seconds;              /* from old light to new; 0: 0.5; negative: at once */
+} welkin_sky_light_options;
+
+/* A prefiltered sky, and how it is to be used now. */
+typedef struct welkin_sky_reflections {
+  const welkin_cubemap_chain* chain; /* lent until the next update; null: none yet */
+  uint64_t id;        /* rises with each new chain: what has the same one need not be uploaded again; 0: none */
+  double weight;      /* of its light */
+  double rotation[9]; /* what came from direction d comes from rotation * d */
+} welkin_sky_reflections;
+
+/* The light of a frame. */
+typedef struct welkin_sky_frame {
+  uint32_t struct_size;
+  int32_t ready;   /* 0 until the first curve has come: all is black */
+  int32_t settled; /* 1: nothing is being made or blended */
+  int32_t bands;
+  double sun_direction[3];
+  double sun_irradiance[3]; /* on a surface that faces it, intensity included */
+  double sun_solid_angle;
+  welkin_sky_reflections reflections[2]; /* newer and older; both weights add up to the intensity */
+
+  /* Radiance of sky and ground, intensity included, without the sun's disc: as in `welkin_projection`, and likewise
+   * `struct_size` may end inside. */
+  double coefficients[3 * WELKIN_MAXIMUM_BANDS * WELKIN_MAXIMUM_BANDS];
+} welkin_sky_frame;
+
+/* What was done and what was not; sky_light.h says more. */
+typedef struct welkin_sky_light_counters {
+  uint32_t struct_size;
+  uint64_t frames, lights, moves_ignored, turns, elevations, intensities, specular_spared;
+  uint64_t posts, tables_baked, curves_baked, speculars_baked, given_up, failures;
+} welkin_sky_light_counters;
+
+/* Asks the worker for the first tables, or begins with the ones that are there; the sun stands in the zenith. */
+WELKIN_API welkin_status welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
+                                                 const welkin_sky_light_options* options, welkin_sky_light** light);
+WELKIN_API welkin_status welkin_sky_light_create_with_tables(welkin_worker* worker, const welkin_sky_tables* tables,
+                                                             const welkin_sky_light_options* options,
+                                                             welkin_sky_light** light);
+
+/* Stops what is being made; does not wait. */
+WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);
+
+WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
+WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity);
+WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m);
+WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
+
+/* Takes what has come, goes on with what is being blended, and writes the light. Never waits; allocates only when new
+ * reflections have come. `seconds`: since the last update. */
+WELKIN_API welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
+
+WELKIN_API welkin_status welkin_sky_light_get_counters(const welkin_sky_light* light,
+                                                       welkin_sky_light_counters* counters);
+
+/* WELKIN_OK, or what the last bake that failed ended with, whose message is in `welkin_last_error`; the light is then
+ * what it was before, and the next change asks again. */
+WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* light);
+
+/* ---- Files ----
+ * Like `welkin_project_file` these are not in welkin-core, the library without files. A file that is written is
+ * complete or not there. Also WELKIN_FILE_ACCESS, WELKIN_CORRUPT_FILE, WELKIN_UNSUPPORTED_FILE, WELKIN_LIMIT_EXCEEDED.
+ */
+
+/* Reads and bakes a file; and the same as a job. */
+WELKIN_API welkin_status welkin_bake_file(const char* path, const welkin_read_options* read_options,
+                                          const welkin_bake_options* options, const welkin_control* control,
+                                          welkin_bake_result** result);
+WELKIN_API welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path,
+                                               const welkin_read_options* read_options,
+                                               const welkin_bake_options* options, const welkin_post_options* post,
+                                               welkin_job** job);
+
+typedef int32_t welkin_texel_format;
+enum {
+  WELKIN_TEXEL_RGBA16F = 0,
+  WELKIN_TEXEL_RGBA32F = 1,
+  WELKIN_TEXEL_B10G11R11 = 2, /* not in OpenEXR */
+  WELKIN_TEXEL_E5B9G9R9 = 3   /* not in OpenEXR */
+};
+
+typedef int32_t welkin_supercompression;
+enum { WELKIN_SUPERCOMPRESSION_NONE = 0, WELKIN_SUPERCOMPRESSION_ZLIB = 1, WELKIN_SUPERCOMPRESSION_ZSTD = 2 };
+
+/* texture_file.h says more. */
+typedef struct welkin_texture_options {
+  uint32_t struct_size;
+  welkin_texel_format format;
+  welkin_supercompression supercompression; /* KTX2 only */
+} welkin_texture_options;
+
+/* Writes a cubemap with its mips in the format that the extension names: .ktx2, .dds or .exr. `mips` is as of
+ * `welkin_project_cubemap`; `values_clamped` (may be null) gets how many values the format could not hold. */
+WELKIN_API welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips, int32_t mip_count,
+                                              const welkin_texture_options* options, const welkin_control* control,
+                                              uint64_t* values_clamped);
+
+/* The same of a whole chain. A prefiltered one's roughness goes into KTX2's and OpenEXR's metadata, where this library
+ * finds it again. */
+WELKIN_API welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* chain,
+                                            const welkin_texture_options* options, const welkin_control* control,
+                                            uint64_t* values_clamped);
+
+/* Writes a picture, a BRDF table for instance, as a texture of one level: .ktx2 or .dds. `rgb` is height x width x 3
+ * floats, first row on top. */
+WELKIN_API welkin_status welkin_write_flat_texture(const char* path, int32_t width, int32_t height, const float* rgb,
+                                                   const welkin_texture_options* options, const welkin_control* control,
+                                                   uint64_t* values_clamped);
+
+/* Writes Babylon.js's .env: a chain prefiltered with WELKIN_ROUGHNESS_BABYLON down to 1 texel, whose size is a power of
+ * two, and the polynomial of the light. Both are in Welkin's axes, and turned to Babylon.js's. */
+WELKIN_API welkin_status welkin_write_babylon_environment(const char* path, const welkin_cubemap_chain* specular,
+                                                          int32_t bands, const double* radiance,
+                                                          const welkin_control* control, uint64_t* values_clamped);
+
+/* Saves a sky's tables with all their parameters; loaded again they are the same bits. `memory_limit_bytes` 0: 4 GiB.
+ */
+WELKIN_API welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path);
+WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes,
+                                                welkin_sky_tables** tables);
 
 #ifdef __cplusplus
 }

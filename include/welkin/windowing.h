@@ -22,7 +22,7 @@ enum class Window {
 
 /// The smallest value of a function over the sphere, by channel, and where it is.
 struct HarmonicMinimum {
-  glm::dvec3 value{};
+  glm::dvec3 value{};         ///< irradiance there, each channel at its own direction
   glm::dvec3 direction[3]{};  ///< unit, by channel; one of them where several are equal
 };
 
@@ -32,11 +32,12 @@ struct HarmonicMinimum {
 /// where the lowest places are a ring, as around a lone light.
 [[nodiscard]] HarmonicMinimum minimum(const SphericalHarmonics& harmonics);
 
+/// Windowed coefficients, and what the window did.
 struct Windowed {
-  SphericalHarmonics radiance;
+  SphericalHarmonics radiance;  ///< the windowed coefficients
   double parameter = 0.0;  ///< hanning, lanczos: the width in bands; min_laplacian: lambda (0 if nothing was needed)
   glm::dvec3 minimum_before{};  ///< of the irradiance over all normals
-  glm::dvec3 minimum_after{};
+  glm::dvec3 minimum_after{};   ///< the least irradiance after it, each channel
   std::vector<double> factors;  ///< by band
 };
 

@@ -3,11 +3,11 @@
 //   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
 //   auto job = worker.post(welkin::ProjectCubemap{std::move(image)}, {.key = "probe 7"});
 //   ...                                                        // later, once a frame
-//   if (job.ready()) use(job.get().radiance);                  // never waits
+//   if (auto light = job.try_take()) use(light->radiance);     // never waits, and gives the result once
 //
 // or, with callbacks that run when the engine says so:
 //
-//   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](std::future<welkin::Projection> light) { ... });
+//   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
 //   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
 //
 // docs/threading.md says who runs where.
@@ -16,7 +16,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +23,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "welkin/executor.h"
 #include "welkin/export.h"
 #include "welkin/job.h"
 #include "welkin/requests.h"
@@ -31,10 +31,10 @@
 namespace WELKIN_EXPORT welkin {
 
 /// What `post` does when a worker is at its limits.
-enum class WhenFull {
+enum class OverflowPolicy {
   wait,         ///< waits until there is room
-  refuse,       ///< the new job's future gets an `Error` (queue_full)
-  drop_oldest,  ///< the oldest waiting job of the lowest priority gets that error; the new one itself, if all that
+  refuse,       ///< the new job ends with an `Error` (queue_full)
+  drop_oldest,  ///< the oldest waiting job of the lowest priority ends with that error; the new one itself, if all that
                 ///< wait have a higher priority or if dropping them would not make room
 };
 
@@ -49,29 +49,27 @@ struct WorkerOptions {
   /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
   std::string name = "welkin";
 
-  /// Lends the worker an arena instead: a function that has its argument called, soon and once, by a thread of the
-  /// engine's choice: `[&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }`. The worker then has
-  /// no threads, priority and name of its own (but one that watches), and only the thread that a request is called on
-  /// counts as the worker's own, not those that join in its tiles. The arena must not be the one in which frames are
-  /// computed: a frame's thread that waits there would pick up a whole job. It must outlive the worker, and what it was
-  /// given may be called after the worker is gone: it does nothing then.
-  std::function<void(std::function<void()>)> lent_arena{};
+  /// The engine's threads, lent to the worker. The worker then has no threads, priority and name of its own, and only
+  /// the thread that a job is run on counts as the worker's, not those that join in its tiles. Do not lend the TBB
+  /// arena in which frames are computed: a frame's thread that waits there would pick up a whole job. Null: own
+  /// threads.
+  std::shared_ptr<Executor> executor{};
 
   /// Limits: jobs in flight (posted, not yet ready) and bytes of their requests. (The memory itself comes back right
   /// after a job is ready.)
-  std::size_t most_jobs = 4096;
-  std::uint64_t most_bytes = std::uint64_t{4} << 30U;
-  WhenFull when_full = WhenFull::wait;
+  std::size_t max_jobs = 4096;
+  std::uint64_t max_bytes = std::uint64_t{4} << 30U;
+  OverflowPolicy overflow = OverflowPolicy::wait;
 };
 
 struct PostOptions {
-  Priority priority = Priority::normal;
+  TaskPriority priority = TaskPriority::normal;
 
-  /// Latest wins: a job with the same key that waits or runs is given up for this one; its future gets an `Error`
+  /// Latest wins: a job with the same key that waits or runs is given up for this one, and ends with an `Error`
   /// (replaced). Empty: no key. Copied by `post`.
   std::string_view key{};
 
-  /// What the request counts against `WorkerOptions::most_bytes`; by default what its `bytes()` says, or 0.
+  /// What the request counts against `WorkerOptions::max_bytes`; by default what its `bytes()` says, or 0.
   std::optional<std::uint64_t> bytes{};
 };
 
@@ -81,11 +79,11 @@ struct WorkerLoad {
       0;  ///< computations that no thread has started, continuations of unfinished jobs not among them
   std::size_t running = 0;    ///< computations
   std::size_t undrained = 0;  ///< callbacks that the next `drain()` would call
-  std::size_t jobs = 0;       ///< in flight, as `most_jobs` counts them
-  std::uint64_t bytes = 0;    ///< in flight, as `most_bytes` counts them
+  std::size_t jobs = 0;       ///< in flight, as `max_jobs` counts them
+  std::uint64_t bytes = 0;    ///< in flight, as `max_bytes` counts them
 };
 
-/// Runs requests on threads of its own, or in a lent arena.
+/// Runs requests on threads of its own, or on those of an engine's `Executor`.
 ///
 /// A request is anything that can be called with a `const Control&`, from any thread, and returns a result or nothing:
 /// those of requests.h, or a callable of the engine's own over any of Welkin's calls. Its parallel work should use TBB,
@@ -96,12 +94,12 @@ struct WorkerLoad {
 /// - If it has a member `bytes()`, that counts against the worker's memory limit.
 /// - If it is a class with an `operator==` and its result can be copied, equal requests in flight share one
 /// computation.
-///   The comparison must not call the worker. A member `hash()` (a std::size_t, the same for equal ones) spares it most
-///   comparisons where many are in flight; a static member `kReadsFiles` keeps new ones from joining a run that has
-///   started, as what it read may have changed since.
+///   The comparison must not call the worker, and counts as false if it throws. A member `hash()` (a std::size_t, the
+///   same for equal ones) spares it most comparisons where many are in flight; a static member `kReadsFiles` keeps new
+///   ones from joining a run that has started, as what it read may have changed since.
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
-/// of memory included, arrives through its future.
+/// of memory included, arrives through its job.
 class Worker {
  public:
   /// Throws `Error` (invalid_argument) for options out of range, std::system_error if no thread can be made.
@@ -112,20 +110,18 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Takes a request over and returns at once. It waits only at the worker's limits, if the options say so, but never
-  /// on one of the worker's own threads: where they would wait, they are let in beyond the limits. Throws
+  /// Takes a request over and returns at once. As long as the worker is below its limits, `post` waits for no lock that
+  /// a thread of the worker holds: what a post does to other jobs (a replaced job's error, a shared run) has happened
+  /// when it returns, or happens as soon as the thread that keeps the books goes on. At the limits it waits if the
+  /// options say so, but never on one of the worker's own threads: there, jobs are let in beyond the limits. Throws
   /// std::bad_alloc if there is no memory for the job itself, and what moving the request throws; nothing is posted
-  /// then. A request larger than `most_bytes` gets an `Error` (limit_exceeded) in its future, one that comes after
-  /// `terminate()` one with `stopped`.
+  /// then. A request larger than `max_bytes` ends with an `Error` (limit_exceeded), one that comes after `terminate()`
+  /// with `stopped`.
   template <class Request>
   auto post(Request&& request, const PostOptions& options = {}) -> Job<detail::ResultOf<std::decay_t<Request>>> {
-    using Kept = std::decay_t<Request>;
-    std::uint64_t bytes = 0;
-    if constexpr (requires { request.bytes(); }) bytes = request.bytes();
-    auto computation =
-        std::make_shared<detail::RequestComputation<Kept>>(std::in_place, std::forward<Request>(request));
-    auto job = detail::JobAccess::make<Kept>(computation);
-    submit(detail::JobAccess::record(job), options, bytes);
+    const std::uint64_t bytes = detail::bytes_of(request);
+    auto job = detail::JobAccess::make<std::decay_t<Request>>(std::forward<Request>(request));
+    submit(detail::JobAccess::record(job), options, bytes, {});
     return job;
   }
 
@@ -134,7 +130,7 @@ class Worker {
   /// wait for the next call. Returns how many were called.
   std::size_t drain(std::chrono::nanoseconds budget = std::chrono::nanoseconds::max());
 
-  /// Gives up all jobs (their futures get an `Error` with `stopped`), waits until none runs, and ends the threads.
+  /// Gives up all jobs (they end with an `Error` (stopped)), waits until none runs, and ends the threads.
   /// Later posts are `stopped` too; callbacks can still be drained. On one of the worker's own threads (in a request, a
   /// continuation, a coroutine) it cannot wait: it returns, and the threads end when their work does. So the
   /// destructor.
@@ -145,11 +141,14 @@ class Worker {
 
   [[nodiscard]] WorkerLoad load() const;
 
-  /// How many threads it has; 0 with a lent arena.
+  /// How many jobs it runs at once: its threads, or what its executor says.
   [[nodiscard]] int threads() const noexcept;
 
  private:
-  void submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes);
+  friend struct detail::JobAccess;
+
+  void submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
+              detail::ComputationList follower);
 
   std::shared_ptr<detail::Scheduler> scheduler_;
 };

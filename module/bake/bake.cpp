@@ -4,17 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "bake/artefacts.h"
 #include "bake/bake_plan.h"
 #include "brdf/brdf_table.h"
 #include "image/pixels.h"
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/prefilter.h"
 #include "welkin/error.h"
@@ -28,16 +33,21 @@ namespace {
 
 /// What a pass came to.
 struct Outcome {
-  std::string action = "run";
+  PassAction action = PassAction::run;
   std::string reason{};
+  double saved_milliseconds = 0.0;  ///< that finding a result took, in the store's pass
 };
+
+Outcome found(const std::string& where, double milliseconds = 0.0) { return {PassAction::reuse, where, milliseconds}; }
+
+LatLongView pixels_of(const Source& source, const LatLongView* /*kind*/) { return source.lat_long(); }
+CubemapView pixels_of(const Source& source, const CubemapView* /*kind*/) { return source.cubemap(); }
 
 template <class View>
 class Baking {
  public:
-  Baking(const View& source, const BakeOptions& options, const BakePlan& plan, const StoredResults& stored,
-         BakeResult& result)
-      : source_(source), shape_(shape_of(source)), options_(options), plan_(plan), stored_(stored), result_(result) {}
+  Baking(Source& source, const BakeRequest& request, const BakePlan& plan, BakeResult& result)
+      : source_(source), options_(request.options), plan_(plan), store_(request.store), result_(result) {}
 
   void run(const Control& control) {
     prepare_results();
@@ -69,6 +79,8 @@ class Baking {
     result_.peak_bytes = 0;
   }
 
+  // The graph.
+
   [[nodiscard]] Work work_of(BakePass pass) const {
     switch (pass) {
       case BakePass::sanitize: return &Baking::sanitize;
@@ -76,65 +88,116 @@ class Baking {
       case BakePass::background: return &Baking::fill_background;
       case BakePass::background_mips: return &Baking::fill_levels;
       case BakePass::project: return &Baking::project_source;
-      case BakePass::irradiance:
-        return options_.irradiance_method == IrradianceMethod::direct ? &Baking::convolve_irradiance
-                                                                      : &Baking::evaluate_irradiance;
+      case BakePass::irradiance: return &Baking::fill_irradiance;
       case BakePass::brdf: break;
     }
     return &Baking::look_up_brdf;
   }
 
+  /// A pass of the graph, weighed by what it is expected to take, but by no less than what it takes to begin.
+  std::size_t add_pass(double milliseconds, std::function<void(const Control&)> work,
+                       const std::vector<std::size_t>& after) {
+    constexpr double kLeastCost = 10'000.0;  // nanoseconds
+    constexpr double kNanoseconds = 1e6;     // in a millisecond
+    return graph_.add(std::max(kLeastCost, kNanoseconds * milliseconds), std::move(work), after);
+  }
+
+  /// What comes before all others: the pixels, and what a store has of them.
+  void add_first_passes() {
+    reading_ = source_.reading();
+    if (reading_ && reading_->action != PassAction::skip) {
+      read_ = add_pass(reading_->predicted_milliseconds, [this](const Control& control) { source_.read(control); }, {});
+    }
+    if (store_ == nullptr || !source_.holds_pixels()) return;
+    constexpr double kHashed = 1e-7;  // milliseconds a byte
+    const double bytes =
+        static_cast<double>(source_.shape().texels()) * static_cast<double>(bytes_per_texel(source_.shape().format));
+    find_ = add_pass(
+        kHashed * bytes, [this](const Control& control) { found_ = store_->find(source_, options_, plan_, control); },
+        passes({read_}));
+  }
+
+  /// Those that there are.
+  static std::vector<std::size_t> passes(std::vector<std::size_t> all) {
+    std::erase(all, kSkipped);
+    return all;
+  }
+
   /// What the plan runs or reuses are passes of the graph; what it skips is only recorded.
   void add_passes() {
-    constexpr double kLeastCost = 10'000.0;  // nanoseconds: what a pass takes to begin. Nothing would be no weight
-    constexpr double kNanoseconds = 1e6;     // in a millisecond
+    add_first_passes();
     for (std::size_t k = 0; k < plan_.steps.size(); ++k) {
       const BakeStep& step = plan_.steps[k];
       const PlannedPass& planned = step.planned;
-      steps_[k].outcome = {name(planned.action), planned.reason};
+      steps_[k].outcome = {planned.action, planned.reason};
       if (planned.action == PassAction::skip) continue;
       std::vector<std::size_t> after;
-      for (const BakePass earlier : step.after) {
-        const std::size_t pass = steps_[static_cast<std::size_t>(earlier)].pass;
-        if (pass != kSkipped) after.push_back(pass);
-      }
+      if (step.pass != BakePass::brdf) after = {read_, find_};
+      for (const BakePass earlier : step.after) after.push_back(steps_[static_cast<std::size_t>(earlier)].pass);
       const Work work = work_of(step.pass);
-      steps_[k].pass = graph_.add(
-          std::max(kLeastCost, kNanoseconds * planned.predicted_milliseconds),
-          [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); }, after);
+      steps_[k].pass = add_pass(
+          planned.predicted_milliseconds,
+          [this, k, work](const Control& control) { steps_[k].outcome = (this->*work)(control); },
+          passes(std::move(after)));
     }
   }
+
+  [[nodiscard]] bool runs(BakePass pass) const { return plan_.step(pass).planned.action != PassAction::skip; }
 
   /// As planned.
   [[nodiscard]] Outcome done(BakePass pass) const {
     const PlannedPass& planned = plan_.step(pass).planned;
-    return {name(planned.action), planned.reason};
+    return {planned.action, planned.reason};
+  }
+
+  // Its passes.
+
+  /// Whether what is left to compute reads sanitized pixels, or nothing else could tell what is in them.
+  [[nodiscard]] bool wants_sanitized() const {
+    if (find_ == kSkipped) return true;
+    const bool specular = options_.specular && !plan_.stored_specular && found_.missing_specular;
+    const bool background = plan_.background_size > 0 && !found_.background;
+    const bool direct =
+        options_.irradiance_size > 0 && options_.irradiance_method == IrradianceMethod::direct && !found_.irradiance;
+    const bool described = runs(BakePass::project) || found_.sanitized;
+    return specular || background || direct || !described;
   }
 
   Outcome sanitize(const Control& control) {
-    sanitized_.emplace(source_, options_.pixels, control);
+    if (!wants_sanitized()) return {PassAction::skip, "all that is made of the pixels was found"};
+    sanitized_.emplace(pixels(), options_.pixels, control);
+    // A projection tells as much of the pixels, and is kept itself.
+    if (find_ != kSkipped && !runs(BakePass::project)) store_->keep(*sanitized_);
     if (sanitized_->bytes() == 0)
-      return {"reuse", "the source's own pixels, looked through: they are clean RGB floats"};
-    return {"run", "a copy as RGB floats, clamped and replaced as asked for"};
+      return {PassAction::reuse, "the source's own pixels, looked through: they are clean RGB floats"};
+    return {PassAction::run, "a copy as RGB floats, clamped and replaced as asked for"};
   }
 
-  [[nodiscard]] const View& sanitized_view() const { return projection::view_of(*sanitized_, source_); }
+  [[nodiscard]] View pixels() const { return pixels_of(source_, static_cast<const View*>(nullptr)); }
+  [[nodiscard]] const View& sanitized_view() const { return projection::view_of(*sanitized_, View()); }
 
   Outcome fill_background(const Control& control) {
+    if (found_.background) {
+      result_.background = std::move(found_.background->value);
+      return found(found_.background->where, found_.background->milliseconds);
+    }
     CubemapChain& chain = result_.background;
     const int size = chain.size();
     // A chain of huge values went through a scale and back, which loses what is very dark.
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
-      return done(BakePass::background);
-    }
-    if constexpr (std::is_same_v<View, LatLongView>) {
+    } else if constexpr (std::is_same_v<View, LatLongView>) {
       image::fill_cubemap(sanitized_view(), chain, ResampleFilter::area, control);
     } else {
       const CubemapImage image = to_cubemap(sanitized_view(), size, glm::dmat3(1.0), control);
       std::copy(image.pixels.begin(), image.pixels.end(), chain.face(0, 0));
     }
+    if (chain.levels() == 1) keep_background();
     return done(BakePass::background);
+  }
+
+  void keep_background() {
+    if (find_ != kSkipped && !plan_.stored_background) store_->keep_background(result_.background);
   }
 
   /// Level 0, a tile for some rows of all that lies one after the other in memory.
@@ -153,9 +216,11 @@ class Baking {
   }
 
   Outcome fill_levels(const Control& control) {
+    if (found_.background) return found(found_.background->where);
     if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
     fill_mips(result_.background, options_.mip_filter, control);
-    if (plan_.stored_background) return {"run", "those that came with the pixels are not all finite"};
+    keep_background();
+    if (plan_.stored_background) return {PassAction::run, "those that came with the pixels are not all finite"};
     return done(BakePass::background_mips);
   }
 
@@ -164,7 +229,7 @@ class Baking {
     CubemapChain& chain = result_.background;
     const auto values = [&](int level) {
       const auto edge = static_cast<std::size_t>(chain.level_size(level));
-      return std::span<const float>(stored_.levels->face(level, 0), 18 * edge * edge);
+      return std::span<const float>(source_.levels()->face(level, 0), 18 * edge * edge);
     };
     for (int level = 1; level < chain.levels(); ++level) {
       if (!std::ranges::all_of(values(level), [](float value) { return std::isfinite(value); })) return false;
@@ -173,38 +238,77 @@ class Baking {
     return true;
   }
 
-  Outcome take_specular(const Control& /*control*/) {
-    result_.specular = std::move(*stored_.specular);
+  Outcome take_specular(const Control& control) {
+    result_.specular = source_.take_specular(control);
     return done(BakePass::specular);
   }
 
   Outcome prefilter(const Control& control) {
-    PrefilterOptions prefiltering = *options_.specular;
-    prefiltering.pixels = {};
+    if (find_ == kSkipped) {
+      result_.specular = prefiltered(*options_.specular, control);
+      return done(BakePass::specular);
+    }
+    std::optional<PrefilteredSpecular> made;
+    if (found_.missing_specular) made = prefiltered(*found_.missing_specular, control);
+    result_.specular = store_->whole_specular(std::move(made));
+    ProjectionDiagnostics clean;  // nothing to report: what was prefiltered has been sanitized before
+    clean.texels = source_.shape().texels();
+    reflections::describe_pixels(clean, {}, *result_.specular);
+    if (found_.specular_where.empty()) return done(BakePass::specular);
+    Outcome outcome = found(found_.specular_where, found_.specular_milliseconds);
+    if (found_.missing_specular) {
+      outcome.action = PassAction::run;
+      outcome.reason += ", the others made";
+    }
+    return outcome;
+  }
+
+  [[nodiscard]] PrefilteredSpecular prefiltered(PrefilterOptions options, const Control& control) {
+    options.pixels = {};
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    result_.specular = reflections::prefilter(sanitized_view(), prefiltering, 0, std::move(room), control).specular;
-    return done(BakePass::specular);
+    return reflections::prefilter(sanitized_view(), options, 0, std::move(room), control).specular;
   }
 
   Outcome project_source(const Control& control) {
-    if (plan_.stored_harmonics) {
-      projection_ = Projection{with_bands(*stored_.harmonics, options_.bands), {}};
-    } else {
-      projection_ = project(source_, plan_.projecting, control);
-      if (options_.bands > 0 && options_.bands < plan_.projecting.bands)
-        projection_->radiance = with_bands(projection_->radiance, options_.bands);
+    if (takes_light()) {
+      projection_ = Projection{with_bands(source_.take_radiance(control), options_.bands), {}};
+      return done(BakePass::project);
     }
-    return done(BakePass::project);
+    Outcome outcome = done(BakePass::project);
+    if (found_.projection) {
+      projection_ = std::move(found_.projection->value);
+      outcome = found(found_.projection->where, found_.projection->milliseconds);
+    } else {
+      projection_ =
+          source_.holds_pixels() ? project(pixels(), plan_.projecting, control) : streamed_projection(control);
+      if (find_ != kSkipped) store_->keep(*projection_);
+    }
+    if (options_.bands > 0 && options_.bands < projection_->radiance.bands())
+      projection_->radiance = with_bands(projection_->radiance, options_.bands);
+    return outcome;
   }
 
-  Outcome evaluate_irradiance(const Control& control) {
-    const SphericalHarmonics irradiance = irradiance_from_radiance(projection_->radiance);
-    result_.irradiance = irradiance_cubemap(irradiance, options_.irradiance_size, control);
-    return done(BakePass::irradiance);
+  /// Whether light comes from beside pixels that are held.
+  [[nodiscard]] bool takes_light() const { return plan_.stored_harmonics && source_.holds_pixels(); }
+
+  /// Of a source that finds its own stored light, unless that has too few bands.
+  [[nodiscard]] Projection streamed_projection(const Control& control) {
+    ProjectionOptions projecting = plan_.projecting;
+    if (plan_.stored_harmonics) projecting.bands = options_.bands;
+    return source_.project(projecting, control);
   }
 
-  Outcome convolve_irradiance(const Control& control) {
-    result_.irradiance = direct_irradiance_cubemap(sanitized_view(), options_.irradiance_size, control);
+  Outcome fill_irradiance(const Control& control) {
+    if (found_.irradiance) {
+      result_.irradiance = std::move(found_.irradiance->value);
+      return found(found_.irradiance->where, found_.irradiance->milliseconds);
+    }
+    const int size = options_.irradiance_size;
+    const bool direct = options_.irradiance_method == IrradianceMethod::direct;
+    result_.irradiance = direct ? direct_irradiance_cubemap(sanitized_view(), size, control)
+                                : irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
+    // Of light that the source brought along it is not what the pixels tell.
+    if (find_ != kSkipped && (direct || !plan_.stored_harmonics)) store_->keep_irradiance(result_.irradiance);
     return done(BakePass::irradiance);
   }
 
@@ -212,48 +316,67 @@ class Baking {
     bool made = false;
     result_.brdf = brdf::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
-    return {"reuse", "made before: it depends on no scene"};
+    return {PassAction::reuse, "made before: it depends on no scene"};
   }
+
+  // What is said of it.
 
   void finish() {
     ProjectionDiagnostics& diagnostics = result_.diagnostics;
     if (projection_) diagnostics = std::move(projection_->diagnostics);
-    if (!projection_ || plan_.stored_harmonics) {
-      if (sanitized_) diagnostics = sanitized_->diagnostics();
-      diagnostics.texels = shape_.texels();
+    if (!projection_ || takes_light()) {
+      if (sanitized_) {
+        diagnostics = sanitized_->diagnostics();
+      } else if (found_.sanitized) {
+        diagnostics = std::move(*found_.sanitized);
+      }
+      diagnostics.texels = source_.shape().texels();
     }
-    if (plan_.stored_harmonics) {
-      diagnostics.total_radiance = stored_.harmonics->at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
+    if (takes_light()) {
+      diagnostics.total_radiance = projection_->radiance.at(0, 0) * std::sqrt(4.0 * std::numbers::pi);
       diagnostics.total_radiance_before_clamp = diagnostics.total_radiance;
     }
-    diagnostics.passes.clear();
     if (options_.bands > 0) result_.radiance = std::move(projection_->radiance);
-    for (std::size_t k = 0; k < steps_.size(); ++k) {
-      Step& step = steps_[k];
-      diagnostics.passes.push_back({plan_.steps[k].planned.name, std::move(step.outcome.action),
-                                    std::move(step.outcome.reason),
-                                    step.pass == kSkipped ? 0.0 : graph_.milliseconds(step.pass)});
-    }
     result_.peak_bytes = plan_.result_bytes + plan_.working_bytes;
+    record_passes(diagnostics.passes);
   }
 
-  const View& source_;
-  SourceShape shape_;
+  [[nodiscard]] double milliseconds_of(std::size_t pass) const {
+    return pass == kSkipped ? 0.0 : graph_.milliseconds(pass);
+  }
+
+  void record_passes(std::vector<PassRecord>& records) {
+    records.clear();
+    if (reading_) records.push_back({reading_->name, reading_->action, reading_->reason, milliseconds_of(read_)});
+    if (find_ != kSkipped) {
+      double elsewhere = 0.0;
+      for (const Step& step : steps_) elsewhere += step.outcome.saved_milliseconds;
+      records.push_back({"hash", PassAction::run, "of the source, to find what was made of it",
+                         std::max(0.0, milliseconds_of(find_) - elsewhere)});
+    }
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      Outcome& outcome = steps_[k].outcome;
+      records.push_back({plan_.steps[k].planned.name, outcome.action, std::move(outcome.reason),
+                         outcome.saved_milliseconds + milliseconds_of(steps_[k].pass)});
+    }
+  }
+
+  Source& source_;
   const BakeOptions& options_;
   const BakePlan& plan_;
-  const StoredResults& stored_;
+  ArtefactStore* store_;
   BakeResult& result_;
-  jobs::PassGraph graph_;
+
+  jobs::TaskGraph graph_;
+  std::optional<PlannedPass> reading_;
+  std::size_t read_ = kSkipped;  ///< of the graph, as `find_`
+  std::size_t find_ = kSkipped;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
+
+  FoundArtefacts found_;
   std::optional<projection::SanitizedSource> sanitized_;
   std::optional<Projection> projection_;
 };
-
-template <class View>
-std::uint64_t bytes_of(const View& source, const BakeOptions& options) {
-  const BakePlan plan = plan_bake(shape_of(source), options);
-  return plan.result_bytes + plan.working_bytes;
-}
 
 /// A plan knows why the scene needs none of it, or what its error budget picked.
 void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
@@ -266,62 +389,72 @@ void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
 }
 
 template <class View>
-void bake_view(BakeResult& result, const View& source, const BakeOptions& options, const StoredResults& stored,
-               std::span<const PlannedPass> planned, const Control& control) {
-  BakePlan plan = plan_bake(shape_of(source), options, stored.kinds());
-  require_memory(plan.result_bytes, plan.working_bytes, options);
-  take_reasons(planned, plan);
-  Baking<View>(source, options, plan, stored, result).run(control);
+void bake_view(BakeResult& result, const View& view, const BakeOptions& options, const Control& control) {
+  MemorySource source(view);
+  run_bake(result, source, {options}, control);
+}
+
+template <class View>
+std::uint64_t bytes_of(const View& source, const BakeOptions& options) {
+  const BakePlan plan = plan_bake(shape_of(source), options);
+  return plan.result_bytes + plan.working_bytes;
+}
+
+[[noreturn]] void refuse(const char* what) {
+  throw Error(ErrorCode::invalid_argument, std::string("the source of a bake has no ") + what + " to give");
 }
 
 }  // namespace
 
-StoredKinds StoredResults::kinds() const noexcept {
-  StoredKinds kinds;
-  if (harmonics != nullptr) kinds.harmonics_bands = harmonics->bands();
-  if (specular != nullptr) {
-    kinds.specular_mips = specular->cubemap.levels();
-    kinds.specular_size = specular->cubemap.size();
+Projection Source::project(const ProjectionOptions& options, const Control& control) {
+  return shape().cubemap ? welkin::project(cubemap(), options, control) : welkin::project(lat_long(), options, control);
+}
+
+SphericalHarmonics Source::take_radiance(const Control& /*control*/) { refuse("coefficients"); }
+PrefilteredSpecular Source::take_specular(const Control& /*control*/) { refuse("prefiltered chain"); }
+
+void run_bake(BakeResult& result, Source& source, const BakeRequest& request, const Control& control) {
+  BakePlan plan = plan_bake(source.shape(), request.options, source.stored());
+  require_memory(plan.result_bytes, plan.working_bytes, request.options);
+  take_reasons(request.planned, plan);
+  if (source.shape().cubemap) {
+    Baking<CubemapView>(source, request, plan, result).run(control);
+  } else {
+    Baking<LatLongView>(source, request, plan, result).run(control);
   }
-  if (levels != nullptr) kinds.background_levels = levels->levels();
-  return kinds;
-}
-
-void bake_source(BakeResult& result, const CubemapView& source, const BakeOptions& options, const StoredResults& stored,
-                 std::span<const PlannedPass> planned, const Control& control) {
-  bake_view(result, source, options, stored, planned, control);
-}
-
-void bake_source(BakeResult& result, const LatLongView& source, const BakeOptions& options, const StoredResults& stored,
-                 std::span<const PlannedPass> planned, const Control& control) {
-  bake_view(result, source, options, stored, planned, control);
 }
 
 }  // namespace baking
 
 std::uint64_t bake_bytes(const LatLongView& source, const BakeOptions& options) {
+  const platform::FloatingPointScope floating_point;
   return baking::bytes_of(source, options);
 }
 
 std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options) {
+  const platform::FloatingPointScope floating_point;
   return baking::bytes_of(source, options);
 }
 
 void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options, const Control& control) {
-  baking::bake_source(result, source, options, {}, {}, control);
+  const platform::FloatingPointScope floating_point;
+  baking::bake_view(result, source, options, control);
 }
 
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options, const Control& control) {
-  baking::bake_source(result, source, options, {}, {}, control);
+  const platform::FloatingPointScope floating_point;
+  baking::bake_view(result, source, options, control);
 }
 
 BakeResult bake(const LatLongView& source, const BakeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   BakeResult result;
   bake_into(result, source, options, control);
   return result;
 }
 
 BakeResult bake(const CubemapView& source, const BakeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   BakeResult result;
   bake_into(result, source, options, control);
   return result;

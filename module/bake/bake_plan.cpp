@@ -118,22 +118,6 @@ void require_memory(std::uint64_t result_bytes, std::uint64_t working_bytes, con
                                              "; pass smaller sizes, leave results out, or raise memory_limit_bytes");
 }
 
-}  // namespace welkin::baking
-
-namespace welkin {
-
-const char* name(PassAction action) noexcept {
-  switch (action) {
-    case PassAction::run: return "run";
-    case PassAction::reuse: return "reuse";
-    case PassAction::skip: break;
-  }
-  return "skip";
-}
-
-}  // namespace welkin
-
-namespace welkin::baking {
 namespace {
 
 constexpr const char* kNotAskedFor = "not asked for";

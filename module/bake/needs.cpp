@@ -8,6 +8,7 @@
 #include "budget/budget.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/error.h"
 #include "welkin/error_budget.h"
@@ -17,6 +18,7 @@
 namespace welkin {
 
 void check(const SceneNeeds& needs) {
+  const platform::FloatingPointScope floating_point;
   image::require_range("diffuse_bands", needs.diffuse_bands, 0, kMaximumBands);
   if (needs.error_budget) budget::check_budget({.relative = *needs.error_budget});
   if (!needs.glossy) return;
@@ -140,7 +142,7 @@ NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs,
 
 void refuse_budget(const SceneNeeds& needs, const std::string& instead) {
   if (!needs.error_budget) return;
-  throw Error(ErrorCode::invalid_argument, "an error_budget is judged by pixels, and there are none here; " + instead);
+  throw Error(ErrorCode::invalid_argument, "an error_budget needs pixels, and here are none; " + instead);
 }
 
 namespace {

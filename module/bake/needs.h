@@ -58,6 +58,9 @@ void spend_budget(const CubemapView& view, double budget, NeededOptions& needed,
 
 // Plans put together: what photographs, files and changes have in common.
 
+/// Throws `Error` (invalid_argument) unless the plan is of the source that these words describe.
+void require_same_source(const Plan& plan, const std::string& source);
+
 /// `stored`: what the source brings along and may be taken.
 [[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored,
                                const CostModel& costs);

@@ -7,8 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "bake/artefacts.h"
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
@@ -18,14 +20,11 @@ namespace baking {
 namespace {
 
 template <class View>
-BakeResult bake_planned(const View& source, const Plan& plan, const Control& control) {
-  const std::string words = shape_of(source).words();
-  if (words != plan.source) {
-    throw Error(ErrorCode::invalid_argument,
-                "the plan is for a " + plan.source + ", the source is a " + words + "; plan again for this source");
-  }
+BakeResult bake_planned(const View& view, const Plan& plan, const Control& control) {
+  MemorySource source(view);
+  require_same_source(plan, source.shape().words());
   BakeResult result;
-  bake_source(result, source, plan.options, {}, plan.passes, control);
+  run_bake(result, source, {plan.options, plan.passes}, control);
   return result;
 }
 
@@ -40,6 +39,12 @@ Plan plan_view(const View& view, const SceneNeeds& needs, const BakeOptions& who
 }
 
 }  // namespace
+
+void require_same_source(const Plan& plan, const std::string& source) {
+  if (plan.source == source) return;
+  throw Error(ErrorCode::invalid_argument,
+              "the plan is for " + plan.source + ", the source is " + source + "; plan again for this source");
+}
 
 Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored,
                  const CostModel& costs) {
@@ -67,6 +72,7 @@ Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const S
 }  // namespace baking
 
 double Plan::milliseconds(int threads) const noexcept {
+  const platform::FloatingPointScope floating_point;
   double sum = 0.0;
   for (const PlannedPass& pass : passes) sum += pass.predicted_milliseconds;
   return sum / std::max(1, threads);
@@ -79,6 +85,7 @@ const PlannedPass& Plan::pass(const std::string& name) const {
 }
 
 Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs) {
+  const platform::FloatingPointScope floating_point;
   check(needs);
   baking::refuse_budget(needs, "plan the view of the pixels instead of their shape");
   return baking::plan_pixels(source, baking::needed_options(source, needs, whole), {}, costs);
@@ -86,19 +93,23 @@ Plan plan(const SourceShape& source, const SceneNeeds& needs, const BakeOptions&
 
 Plan plan(const LatLongView& source, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs,
           const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return baking::plan_view(source, needs, whole, costs, control);
 }
 
 Plan plan(const CubemapView& source, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs,
           const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return baking::plan_view(source, needs, whole, costs, control);
 }
 
 BakeResult bake(const LatLongView& source, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return baking::bake_planned(source, plan, control);
 }
 
 BakeResult bake(const CubemapView& source, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return baking::bake_planned(source, plan, control);
 }
 
@@ -150,7 +161,7 @@ std::string line_of(const PlannedPass& pass, const std::vector<PassRecord>& meas
     double milliseconds = 0.0;
     const PassRecord* const record = record_of(measured, pass.name, milliseconds);
     text += padded_left(record == nullptr || skipped ? "-" : milliseconds_text(milliseconds), kNumber);
-    if (record != nullptr && record->action != name(pass.action)) reason = record->action + ": " + record->reason;
+    if (record != nullptr && record->action != pass.action) reason = name(record->action) + (": " + record->reason);
   }
   return text + padded_left(bytes_text(pass.bytes), kNumber) + "  " + reason + '\n';
 }
@@ -158,6 +169,7 @@ std::string line_of(const PlannedPass& pass, const std::vector<PassRecord>& meas
 }  // namespace
 
 std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured) {
+  const platform::FloatingPointScope floating_point;
   std::size_t width = 5;
   for (const PlannedPass& pass : passes) width = std::max(width, pass.name.size());
   std::string text =
@@ -179,6 +191,7 @@ std::string passes_text(const std::vector<PlannedPass>& passes, const std::vecto
 }
 
 std::string plan_text(const Plan& plan, const std::vector<PassRecord>& measured) {
+  const platform::FloatingPointScope floating_point;
   return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured) + "  at most " +
          bytes_text(plan.result_bytes) + " MiB of results and " + bytes_text(plan.working_bytes) +
          " MiB of working memory; predicted on one thread\n";
@@ -218,6 +231,7 @@ PlannedPass kept(std::string name, bool is_there, const EnvironmentChange& chang
 }  // namespace
 
 Plan plan_change(const BakeOptions& baked, const EnvironmentChange& change, const CostModel& costs) {
+  const platform::FloatingPointScope floating_point;
   check(change);
   constexpr double kNanoseconds = 1e6;  // in a millisecond
   constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -252,6 +266,7 @@ Plan plan_change(const BakeOptions& baked, const EnvironmentChange& change, cons
 
 void apply_change(BakeResult& result, const BakeOptions& baked, const EnvironmentChange& change,
                   const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check(change);
   result.diagnostics.total_radiance *= change.scale;
   result.diagnostics.total_radiance_before_clamp *= change.scale;

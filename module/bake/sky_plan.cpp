@@ -9,6 +9,7 @@
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
 #include "welkin/error.h"
@@ -22,6 +23,40 @@ namespace {
 
 constexpr double kNanoseconds = 1e6;  ///< in a millisecond
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
+
+/// The passes, in the order in which they are planned and recorded: `SkyPlan::passes` has each once.
+enum class SkyPass {
+  transmittance,
+  sun_paths,
+  orders,
+  scattering,
+  aerosol,
+  absorbers,
+  view,
+  curve,
+  project,
+  specular,
+  background,
+  brdf,
+};
+
+const char* name(SkyPass pass) noexcept {
+  switch (pass) {
+    case SkyPass::transmittance: return "transmittance";
+    case SkyPass::sun_paths: return "sun paths";
+    case SkyPass::orders: return "orders";
+    case SkyPass::scattering: return "scattering";
+    case SkyPass::aerosol: return "aerosol";
+    case SkyPass::absorbers: return "absorbers";
+    case SkyPass::view: return "view";
+    case SkyPass::curve: return "curve";
+    case SkyPass::project: return "project";
+    case SkyPass::specular: return "specular";
+    case SkyPass::background: return "background";
+    case SkyPass::brdf: break;
+  }
+  return "brdf";
+}
 
 bool any_matter(const Constituent& constituent) {
   const auto acts = [](double coefficient) { return coefficient > 0.0; };
@@ -58,22 +93,24 @@ class SkyPlanner {
     plan_background();
     if (options_.brdf) {
       const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
-      add("brdf", "by quadrature", (options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel) * texels,
+      add(SkyPass::brdf, "by quadrature", (options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel) * texels,
           static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
     } else {
-      skip("brdf", !whole_.brdf ? "not asked for" : needs_.glossy ? "the engine has a table of its own" : kNotGlossy);
+      skip(SkyPass::brdf, !whole_.brdf    ? "not asked for"
+                          : needs_.glossy ? "the engine has a table of its own"
+                                          : kNotGlossy);
     }
   }
 
  private:
   static constexpr const char* kNotGlossy = "no glossy materials";
 
-  void add(std::string name, std::string reason, double cost, std::uint64_t bytes) {
-    plan_.passes.push_back({std::move(name), PassAction::run, std::move(reason), cost / kNanoseconds, bytes});
+  void add(SkyPass pass, std::string reason, double cost, std::uint64_t bytes) {
+    plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), cost / kNanoseconds, bytes});
     plan_.result_bytes += bytes;
   }
-  void skip(std::string name, std::string reason) {
-    plan_.passes.push_back({std::move(name), PassAction::skip, std::move(reason), 0.0, 0});
+  void skip(SkyPass pass, std::string reason) {
+    plan_.passes.push_back({name(pass), PassAction::skip, std::move(reason), 0.0, 0});
   }
   /// Of wavelengths: tables are computed three at a time.
   [[nodiscard]] double groups() const {
@@ -83,28 +120,28 @@ class SkyPlanner {
 
   void plan_tables() {
     if (!plan_.tables) {
-      for (const char* name : {"transmittance", "sun paths", "orders", "scattering"}) {
-        skip(name, "nothing looks into the sky's tables");
+      for (const SkyPass pass : {SkyPass::transmittance, SkyPass::sun_paths, SkyPass::orders, SkyPass::scattering}) {
+        skip(pass, "nothing looks into the sky's tables");
       }
       return;
     }
     const SkyTableOptions& tables = options_.tables;
     const std::uint64_t floats = sky::transmittance_floats(tables);
-    add("transmittance", "along every ray to the top", costs_.transmittance_texel * static_cast<double>(floats) / 3.0,
-        sizeof(float) * floats);
+    add(SkyPass::transmittance, "along every ray to the top",
+        costs_.transmittance_texel * static_cast<double>(floats) / 3.0, sizeof(float) * floats);
     const sky::SunPaths::Size paths = sky::sun_path_size(tables);
-    add("sun paths", "lengths to the sun, of no wavelength",
+    add(SkyPass::sun_paths, "lengths to the sun, of no wavelength",
         costs_.sun_path_node * static_cast<double>(paths.heights) * paths.zeniths, 0);
     const sky::SourceShape shape = sky::source_shape(tables);
     const double nodes = static_cast<double>(shape.size()) / 4.0 / shape.angles;
-    add("orders",
+    add(SkyPass::orders,
         tables.orders > 1 ? "orders 2 to " + std::to_string(tables.orders) + ", and what reaches the ground"
                           : "of one order only what reaches the ground: multiple scattering falls away",
         groups() * nodes * (costs_.first_order_node + costs_.order_node * (tables.orders - 1)),
         sizeof(float) * sky::irradiance_floats(tables));
     const auto texels = static_cast<double>(sky::scattering_texels(tables));
     const double often = tables.orders > 1 ? costs_.scattered_often : 0.0;
-    add("scattering", tables.orders > 1 ? "sunlight scattered once, and more often" : "sunlight scattered once",
+    add(SkyPass::scattering, tables.orders > 1 ? "sunlight scattered once, and more often" : "sunlight scattered once",
         groups() * texels * (costs_.scattered_once + often),
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
@@ -113,19 +150,19 @@ class SkyPlanner {
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     if (!sky::scatters(air.aerosol)) {
-      skip("aerosol", "the planet has none that scatters: no table of single Mie scattering");
+      skip(SkyPass::aerosol, "the planet has none that scatters: no table of single Mie scattering");
     } else if (plan_.tables) {
-      add("aerosol", "in the tables", 0.0, 0);
+      add(SkyPass::aerosol, "in the tables", 0.0, 0);
     } else {
-      skip("aerosol", "nothing looks into the sky's tables");
+      skip(SkyPass::aerosol, "nothing looks into the sky's tables");
     }
     const auto absorbers = std::ranges::count_if(air.absorbers, any_matter);
     if (absorbers == 0) {
-      skip("absorbers", "the planet has none: no ozone");
+      skip(SkyPass::absorbers, "the planet has none: no ozone");
     } else if (plan_.tables) {
-      add("absorbers", std::to_string(absorbers) + " of them, in the tables", 0.0, 0);
+      add(SkyPass::absorbers, std::to_string(absorbers) + " of them, in the tables", 0.0, 0);
     } else {
-      skip("absorbers", "nothing looks into the sky's tables");
+      skip(SkyPass::absorbers, "nothing looks into the sky's tables");
     }
   }
 
@@ -137,11 +174,11 @@ class SkyPlanner {
 
   void plan_light() {
     if (!plan_.tables) {
-      skip("view", "nothing looks into the sky's tables");
+      skip(SkyPass::view, "nothing looks into the sky's tables");
     } else {
       const SkyTableOptions& tables = options_.tables;
       const double texels = static_cast<double>(sky::scattering_texels(tables)) / tables.heights;
-      add("view", "the tables' slice at the altitude", costs_.slice_texel * texels,
+      add(SkyPass::view, "the tables' slice at the altitude", costs_.slice_texel * texels,
           8 * sizeof(float) * static_cast<std::uint64_t>(texels));
     }
     const std::string bands = std::to_string(options_.bands) + " bands";
@@ -150,15 +187,15 @@ class SkyPlanner {
           static_cast<std::uint64_t>(options_.curve.nodes) *
           (3 * static_cast<std::uint64_t>(options_.bands) * static_cast<std::uint64_t>(options_.bands + 1) + 24) *
           sizeof(double);
-      add("curve", bands + " over the sun's elevation",
+      add(SkyPass::curve, bands + " over the sun's elevation",
           costs_.projected_direction * options_.curve.nodes * directions(options_.curve.projection), bytes);
     } else {
-      skip("curve", options_.bands == 0 ? no_light() : "the sun does not move");
+      skip(SkyPass::curve, options_.bands == 0 ? no_light() : "the sun does not move");
     }
     if (options_.bands > 0 && !plan_.curve) {
-      add("project", bands + " for the one sun", costs_.sky_direction * directions(options_.harmonics), 0);
+      add(SkyPass::project, bands + " for the one sun", costs_.sky_direction * directions(options_.harmonics), 0);
     } else {
-      skip("project", options_.bands == 0 ? no_light() : "the curve has it for every sun");
+      skip(SkyPass::project, options_.bands == 0 ? no_light() : "the curve has it for every sun");
     }
   }
   [[nodiscard]] const char* no_light() const {
@@ -166,7 +203,7 @@ class SkyPlanner {
   }
 
   void plan_reflections() {
-    if (!options_.specular) return skip("specular", whole_.specular ? kNotGlossy : "not asked for");
+    if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not asked for");
     BakeOptions baking;
     baking.background = false;
     baking.specular = options_.specular;
@@ -177,16 +214,16 @@ class SkyPlanner {
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb_f32};
     const baking::BakePlan baked = baking::plan_bake(source, baking, {}, costs_);
     const PlannedPass& pass = baked.step(baking::BakePass::specular).planned;
-    add("specular", pass.reason + ", for one sun; a turn about the vertical is the shader's",
+    add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's",
         kNanoseconds * pass.predicted_milliseconds + costs_.sky_direction * static_cast<double>(source.texels()),
         pass.bytes);
   }
 
   void plan_background() {
     if (options_.background_size == 0)
-      return skip("background", whole_.background_size == 0 ? "not asked for" : "nothing shows it");
+      return skip(SkyPass::background, whole_.background_size == 0 ? "not asked for" : "nothing shows it");
     const std::uint64_t texels = baking::chain_texels(options_.background_size, 1);
-    add("background", "a cubemap of the sky for one sun", costs_.sky_direction * static_cast<double>(texels),
+    add(SkyPass::background, "a cubemap of the sky for one sun", costs_.sky_direction * static_cast<double>(texels),
         kTexelBytes * texels);
   }
 
@@ -201,6 +238,7 @@ class SkyPlanner {
 
 SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBakeOptions& whole,
              const CostModel& costs) {
+  const platform::FloatingPointScope floating_point;
   check(needs);
   baking::refuse_budget(needs,
                         "ask choose_sky_tables, choose_sky_orders and choose_sky_harmonics, and pass their settings");
@@ -217,6 +255,7 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
 }
 
 double SkyPlan::milliseconds(int threads) const noexcept {
+  const platform::FloatingPointScope floating_point;
   double sum = 0.0;
   for (const PlannedPass& pass : passes) sum += pass.predicted_milliseconds;
   return sum / std::max(1, threads);
@@ -229,6 +268,7 @@ const PlannedPass& SkyPlan::pass(const std::string& name) const {
 }
 
 std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
+  const platform::FloatingPointScope floating_point;
   return "Plan for " + plan.source + '\n' + passes_text(plan.passes, measured) + "  predicted on one thread\n";
 }
 
@@ -246,11 +286,12 @@ class SkyBaking {
       sky_.tables = std::make_shared<const SkyTables>(
           precompute_sky(plan_.atmosphere, plan_.options.tables, jobs::part_of(control_, 0.0, kTables)));
     }
-    for (const PlannedPass& pass : plan_.passes) {
-      if (pass.action == PassAction::skip) {
-        sky_.passes.push_back({pass.name, "skip", pass.reason, 0.0});
-      } else if (!record_of_tables(pass.name)) {
-        run_pass(pass);
+    for (std::size_t k = 0; k < plan_.passes.size(); ++k) {
+      const PlannedPass& planned = plan_.passes[k];
+      if (planned.action == PassAction::skip) {
+        sky_.passes.push_back({planned.name, planned.action, planned.reason, 0.0});
+      } else if (!record_of_tables(planned.name)) {
+        run_pass(static_cast<SkyPass>(k), planned);
       }
     }
     if (control_.progress) control_.progress(1.0);
@@ -269,33 +310,43 @@ class SkyBaking {
     return found;
   }
 
-  void run_pass(const PlannedPass& pass) {
+  void run_pass(SkyPass pass, const PlannedPass& planned) {
     const auto start = std::chrono::steady_clock::now();
-    make(pass.name);
+    make(pass);
     const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    sky_.passes.push_back({pass.name, name(pass.action), pass.reason, time.count()});
+    sky_.passes.push_back({planned.name, planned.action, planned.reason, time.count()});
   }
 
-  void make(const std::string& pass) {
+  void make(SkyPass pass) {
     const SkyBakeOptions& options = plan_.options;
-    if (pass == "view") {
-      view_.emplace(sky_.tables, options.altitude_m);
-      sky_.sun = view_->sun(sun_);
-    } else if (pass == "curve") {
-      SkyCurveOptions curve = options.curve;
-      curve.bands = options.bands;
-      sky_.curve.emplace(*view_, curve, quiet_);
-    } else if (pass == "project") {
-      SkyHarmonicsOptions harmonics = options.harmonics;
-      harmonics.bands = options.bands;
-      sky_.radiance = SkyProjector(*view_, harmonics).project(sun_);
-    } else if (pass == "specular") {
-      sky_.specular = sky_specular(*view_, sun_, *options.specular, {}, quiet_);
-    } else if (pass == "background") {
-      sky_.background = sky_cubemap(*view_, sun_, options.background_size, {}, quiet_);
-    } else if (pass == "brdf") {
-      sky_.brdf = brdf_table(*options.brdf, quiet_);
-    }  // aerosol and absorbers are in the tables
+    switch (pass) {
+      case SkyPass::view:
+        view_.emplace(sky_.tables, options.altitude_m);
+        sky_.sun = view_->sun(sun_);
+        break;
+      case SkyPass::curve: {
+        SkyCurveOptions curve = options.curve;
+        curve.bands = options.bands;
+        sky_.curve.emplace(*view_, curve, quiet_);
+        break;
+      }
+      case SkyPass::project: {
+        SkyHarmonicsOptions harmonics = options.harmonics;
+        harmonics.bands = options.bands;
+        sky_.radiance = SkyProjector(*view_, harmonics).project(sun_);
+        break;
+      }
+      case SkyPass::specular: sky_.specular = sky_specular(*view_, sun_, *options.specular, {}, quiet_); break;
+      case SkyPass::background: sky_.background = sky_cubemap(*view_, sun_, options.background_size, {}, quiet_); break;
+      case SkyPass::brdf: sky_.brdf = brdf_table(*options.brdf, quiet_); break;
+      // In the tables.
+      case SkyPass::transmittance:
+      case SkyPass::sun_paths:
+      case SkyPass::orders:
+      case SkyPass::scattering:
+      case SkyPass::aerosol:
+      case SkyPass::absorbers: break;
+    }
   }
 
   const SkyPlan& plan_;
@@ -309,6 +360,7 @@ class SkyBaking {
 }  // namespace
 
 SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return SkyBaking(plan, sun, control).run();
 }
 
@@ -316,6 +368,7 @@ SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
 
 PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun, const PrefilterOptions& options,
                                  const SkyPictureOptions& picture, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   constexpr double share_of_sky = 0.2;
   constexpr int largest = 8192;
   const int size = options.size >= 1 && options.size <= largest ? options.size : 1;  // the prefilter refuses others

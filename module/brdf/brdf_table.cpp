@@ -12,6 +12,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
+#include "platform/float_environment.h"
 #include "simd/dispatch.h"
 #include "welkin/brdf_table.h"
 #include "welkin/error.h"
@@ -126,6 +127,7 @@ math::TableCache<BrdfTableOptions, BrdfTable>& cache() {
 }  // namespace
 
 std::vector<std::uint16_t> BrdfTable::half_values() const {
+  const platform::FloatingPointScope floating_point;
   std::vector<std::uint16_t> halves(values.size());
   std::transform(values.begin(), values.end(), halves.begin(), half_from_float);
   return halves;
@@ -140,7 +142,7 @@ std::shared_ptr<const BrdfTable> brdf::shared_brdf(const BrdfTableOptions& optio
                                                    bool& made) {
   check_brdf(options);
   made = true;
-  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  jobs::throw_if_cancelled(control);
   // What would not be kept is made without the cache, where whoever wants the same waits for it, deaf to its own stop.
   if (brdf::brdf_values(options) * sizeof(float) > kCacheBytes) return brdf::integrated_brdf(options, control);
   made = false;
@@ -153,6 +155,7 @@ std::shared_ptr<const BrdfTable> brdf::shared_brdf(const BrdfTableOptions& optio
 }
 
 std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   bool made = false;
   return brdf::shared_brdf(options, control, made);
 }

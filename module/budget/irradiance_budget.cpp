@@ -12,6 +12,7 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
+#include "platform/float_environment.h"
 #include "projection/irradiance.h"
 #include "projection/sanitized_pixels.h"
 #include "projection/sun_detection.h"
@@ -121,6 +122,7 @@ BudgetChoice<int> choose(const View& view, const ErrorBudget& budget, const Proj
 
 BudgetChoice<int> choose_irradiance_bands(const SphericalHarmonics& radiance, const HighBands& high,
                                           const ErrorBudget& budget) {
+  const platform::FloatingPointScope floating_point;
   budget::check_budget(budget);
   check_high(high);
   const bool by_maximum = budget.measure == ErrorMeasure::maximum;
@@ -146,11 +148,13 @@ BudgetChoice<int> choose_irradiance_bands(const SphericalHarmonics& radiance, co
 
 BudgetChoice<int> choose_irradiance_bands(const CubemapView& cubemap, const ErrorBudget& budget,
                                           const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return choose(cubemap, budget, options, control);
 }
 
 BudgetChoice<int> choose_irradiance_bands(const LatLongView& lat_long, const ErrorBudget& budget,
                                           const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return choose(lat_long, budget, options, control);
 }
 

@@ -11,6 +11,7 @@
 #include "budget/budget.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "reflections/bright_texels.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
@@ -168,11 +169,13 @@ PrefilterChoice choose(const View& view, const PrefilterOptions& options, const 
 
 PrefilterChoice choose_prefilter(const LatLongView& source, const PrefilterOptions& options, const ErrorBudget& budget,
                                  bool source_sizes, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return choose(source, options, budget, source_sizes, control);
 }
 
 PrefilterChoice choose_prefilter(const CubemapView& source, const PrefilterOptions& options, const ErrorBudget& budget,
                                  bool source_sizes, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return choose(source, options, budget, source_sizes, control);
 }
 

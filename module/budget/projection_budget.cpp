@@ -11,6 +11,7 @@
 
 #include "budget/budget.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "projection/pixel_policy.h"
 #include "welkin/error.h"
 
@@ -88,6 +89,7 @@ BudgetChoice<ProjectionOptions> compare_targets(const View& view, const Projecti
 
 BudgetChoice<ProjectionOptions> choose_projection(std::span<const CubemapView> mips, const ProjectionOptions& options,
                                                   const ErrorBudget& budget, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   budget::check_budget(budget);
   if (mips.empty()) throw Error(ErrorCode::invalid_argument, "the mip chain has no level");
   BudgetChoice<ProjectionOptions> choice;
@@ -114,11 +116,13 @@ BudgetChoice<ProjectionOptions> choose_projection(std::span<const CubemapView> m
 
 BudgetChoice<ProjectionOptions> choose_projection(const CubemapView& cubemap, const ProjectionOptions& options,
                                                   const ErrorBudget& budget, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return compare_targets(cubemap, options, budget, control);
 }
 
 BudgetChoice<ProjectionOptions> choose_projection(const LatLongView& lat_long, const ProjectionOptions& options,
                                                   const ErrorBudget& budget, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return compare_targets(lat_long, options, budget, control);
 }
 

@@ -12,6 +12,7 @@
 
 #include "budget/budget.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -68,6 +69,7 @@ class Quadratures {
 
 BudgetChoice<SkyHarmonicsOptions> choose_sky_harmonics(const SkyView& view, std::span<const glm::dvec3> suns,
                                                        const SkyHarmonicsOptions& options, const ErrorBudget& budget) {
+  const platform::FloatingPointScope floating_point;
   budget::check_budget(budget);
   budget::check_suns(suns);
   BudgetChoice<SkyHarmonicsOptions> choice;
@@ -189,6 +191,7 @@ double further(double last, double before, double before_that) {
 BudgetChoice<SkyTableOptions> choose_sky_tables(const Atmosphere& atmosphere, const SkyProbe& probe,
                                                 const SkyTableOptions& most, const ErrorBudget& budget,
                                                 const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check_probe(probe, budget);
   BudgetChoice<SkyTableOptions> choice;
   choice.relative_to = "norm of the sky's three bands at the probe's height, of its worst sun";
@@ -215,6 +218,7 @@ BudgetChoice<SkyTableOptions> choose_sky_tables(const Atmosphere& atmosphere, co
 BudgetChoice<SkyTableOptions> choose_sky_orders(const Atmosphere& atmosphere, const SkyProbe& probe,
                                                 const SkyTableOptions& most, const ErrorBudget& budget,
                                                 const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check_probe(probe, budget);
   BudgetChoice<SkyTableOptions> choice;
   choice.relative_to = "norm of the sky's three bands of all orders at the probe's height, of its worst sun";

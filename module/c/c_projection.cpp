@@ -1,101 +1,27 @@
-// Projections while the caller waits.
-#include "c/c_projection.h"
-
+// Projections, at once and as jobs; harmonics, and light in the forms of engines.
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
-#include <limits>
 #include <string>
+#include <utility>
 
 #include "c/c_support.h"
+#include "c/c_worker.h"
+#include "welkin/babylon.h"
+#include "welkin/convention.h"
+#include "welkin/directional_light.h"
 #include "welkin/engine_light.h"
+#include "welkin/harmonic_transforms.h"
 #include "welkin/projection.h"
+#include "welkin/requests.h"
 #include "welkin/welkin.h"
+#include "welkin/windowing.h"
 
-namespace welkin::c_interface {
-namespace {
-
-constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
-
-static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::rgba_srgb8));
-static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb_f16));
-static_assert(WELKIN_FORMAT_RGB_U8 == static_cast<int>(PixelFormat::rgb_u8));
-
-PixelFormat pixel_format(welkin_format format) { return enumerator("format", format, PixelFormat::rgba_srgb8); }
-
-/// The most negative stride has no opposite to be compared with.
-std::ptrdiff_t stride(std::int64_t row_stride_bytes) {
-  if (row_stride_bytes == std::numeric_limits<std::int64_t>::min()) {
-    refuse("row_stride_bytes is " + std::to_string(row_stride_bytes) + "; no picture is that large");
-  }
-  return row_stride_bytes;
-}
-
-CubemapView cubemap_view(const welkin_cubemap* cubemap) {
-  const welkin_cubemap given = read_struct(cubemap, "mips");
-  CubemapView view;
-  std::copy(std::begin(given.faces), std::end(given.faces), view.faces.begin());
-  if (given.size < 0 || given.size > std::numeric_limits<int>::max()) {
-    refuse("the cubemap's size is " + std::to_string(given.size) + "; it must be from 1 to 16384");
-  }
-  view.size = static_cast<int>(given.size);
-  view.row_stride_bytes = stride(given.row_stride_bytes);
-  view.format = pixel_format(given.format);
-  return view;
-}
-
-}  // namespace
-
-std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count) {
-  if (mip_count < 1 || mip_count > kMostLevels) {
-    refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMostLevels));
-  }
-  const std::size_t step = stated_size(mips, sizeof(welkin_cubemap), alignof(welkin_cubemap), "mips");
-  std::vector<CubemapView> views;
-  for (std::int32_t level = 0; level < mip_count; ++level) {
-    // The caller's structures may be shorter or longer than ours: the next one lies where this one ends for them.
-    const auto* place = reinterpret_cast<const std::byte*>(mips) + static_cast<std::size_t>(level) * step;
-    const auto* mip = reinterpret_cast<const welkin_cubemap*>(place);
-    if (stated_size(mip, sizeof(welkin_cubemap), alignof(welkin_cubemap), "mips") != step) {
-      refuse("mips[" + std::to_string(level) + "].struct_size differs from that of mips[0]");
-    }
-    views.push_back(cubemap_view(mip));
-  }
-  return views;
-}
-
-LatLongView lat_long_view(const welkin_lat_long* lat_long) {
-  const welkin_lat_long given = read_struct(lat_long, "lat_long");
-  return {given.pixels, given.width, given.height, stride(given.row_stride_bytes), pixel_format(given.format)};
-}
-
-namespace {
-
-static_assert(WELKIN_MAXIMUM_BANDS == kMaximumBands);
-static_assert(WELKIN_QUADRATURE_MIDPOINT == static_cast<int>(Quadrature::midpoint));
-static_assert(WELKIN_NON_FINITE_REJECT == static_cast<int>(NonFinitePolicy::reject));
-static_assert(WELKIN_NEGATIVE_REPLACE == static_cast<int>(NegativePolicy::replace));
-static_assert(WELKIN_NEGATIVE_REJECT == static_cast<int>(NegativePolicy::reject));
-
-}  // namespace
-
-ProjectionOptions projection_options(const welkin_projection_options* options) {
-  const auto given = read_options(options, "options");
-  ProjectionOptions wanted;
-  if (given.bands != 0) wanted.bands = given.bands;
-  wanted.quadrature = enumerator("quadrature", given.quadrature, Quadrature::midpoint);
-  wanted.target_size = given.target_size;
-  const bool preserve_colour = flag("clamp_preserve_colour", given.clamp_preserve_colour);
-  if (given.clamp_maximum != 0.0F) wanted.clamp = RadianceClamp{given.clamp_maximum, preserve_colour};
-  wanted.gamma = flag("gamma", given.gamma);
-  wanted.nan = enumerator("nan", given.nan, NonFinitePolicy::reject);
-  wanted.infinity = enumerator("infinity", given.infinity, NonFinitePolicy::reject);
-  wanted.negative = enumerator("negative", given.negative, NegativePolicy::reject);
-  return wanted;
-}
-
-}  // namespace welkin::c_interface
+static_assert(WELKIN_MAXIMUM_BANDS == welkin::kMaximumBands);
 
 // Entries of C have no namespace to be in.
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
@@ -106,7 +32,8 @@ welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_cou
   return guarded([&] {
     const auto wanted = projection_options(options);
     require_room(projection, wanted.bands);
-    write_projection(projection, welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control)));
+    const auto light = welkin::project(cubemap_views(mips, mip_count), wanted, control_of(control));
+    write_projection(projection, light.radiance, light.diagnostics);
     return WELKIN_OK;
   });
 }
@@ -116,92 +43,153 @@ welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long, const wel
   return guarded([&] {
     const auto wanted = projection_options(options);
     require_room(projection, wanted.bands);
-    write_projection(projection, welkin::project(lat_long_view(lat_long), wanted, control_of(control)));
+    const auto light = welkin::project(lat_long_view(lat_long), wanted, control_of(control));
+    write_projection(projection, light.radiance, light.diagnostics);
     return WELKIN_OK;
   });
 }
 
-namespace welkin::c_interface {
-namespace {
-
-// What is made of coefficients.
-
-void write_triple(const glm::dvec3& rgb, double* target) {
-  for (int channel = 0; channel < 3; ++channel) target[channel] = rgb[channel];
+welkin_status welkin_post_project_cubemap(welkin_worker* worker, const welkin_cubemap* mips, int32_t mip_count,
+                                          const welkin_projection_options* options, const welkin_post_options* post,
+                                          welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    auto views = cubemap_views(mips, mip_count);
+    const auto wanted = projection_options(options);
+    auto owner = make_owner(std::move(posting.handed_over));
+    welkin::ProjectCubemap request{{std::move(views), std::move(owner)}, wanted};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
 }
 
-}  // namespace
-
-void require_room(const welkin_projection* projection, int bands) {
-  const std::size_t size = stated_size(projection, sizeof(welkin_projection), alignof(welkin_projection), "projection");
-  const auto count = static_cast<std::size_t>(std::clamp(bands, 1, kMaximumBands));
-  const std::size_t needed = offsetof(welkin_projection, coefficients) + 3 * count * count * sizeof(double);
-  if (size < needed) {
-    refuse("projection->struct_size is " + std::to_string(size) + "; " + std::to_string(count) + " bands need " +
-           std::to_string(needed));
-  }
+welkin_status welkin_post_project_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                           const welkin_projection_options* options, const welkin_post_options* post,
+                                           welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = lat_long_view(lat_long);
+    const auto wanted = projection_options(options);
+    welkin::ProjectLatLong request{{view, make_owner(std::move(posting.handed_over))}, wanted};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
 }
 
-void write_projection(welkin_projection* projection, const Projection& light) {
-  require_room(projection, light.radiance.bands());
-  welkin_projection values{};
-  values.bands = light.radiance.bands();
-  const ProjectionDiagnostics& diagnostics = light.diagnostics;
-  values.texels = diagnostics.texels;
-  values.nans_replaced = diagnostics.nans_replaced;
-  values.infinities_replaced = diagnostics.infinities_replaced;
-  values.negatives_replaced = diagnostics.negatives_replaced;
-  values.texels_clamped = diagnostics.texels_clamped;
-  write_triple(diagnostics.total_radiance_before_clamp, values.total_radiance_before_clamp);
-  write_triple(diagnostics.total_radiance, values.total_radiance);
-  values.error_estimate = diagnostics.error_estimate;
-  double* place = values.coefficients;
-  for (const glm::dvec3& rgb : light.radiance.coefficients()) {
-    write_triple(rgb, place);
-    place += 3;
-  }
-  write_struct(projection, values, "projection");
+welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection) {
+  return with_result<welkin::Projection>(job, "projection", [&](const welkin::Projection& light) {
+    write_projection(projection, light.radiance, light.diagnostics);
+  });
 }
 
-SphericalHarmonics read_harmonics(std::int32_t bands, const double* coefficients, const char* name) {
-  require(coefficients, name);
-  SphericalHarmonics harmonics(bands);
-  for (glm::dvec3& rgb : harmonics.coefficients()) {
-    rgb = {coefficients[0], coefficients[1], coefficients[2]};
-    coefficients += 3;
-  }
-  return harmonics;
-}
-
-}  // namespace welkin::c_interface
+// Harmonics.
 
 welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radiance, double* irradiance) {
   return guarded([&] {
     require(irradiance, "irradiance");
-    const auto result = welkin::irradiance_from_radiance(read_harmonics(bands, radiance, "radiance"));
-    for (const glm::dvec3& rgb : result.coefficients()) {
-      for (int channel = 0; channel < 3; ++channel) *irradiance++ = rgb[channel];
-    }
+    write_harmonics(welkin::irradiance_from_radiance(read_harmonics(bands, radiance, "radiance")), irradiance);
     return WELKIN_OK;
   });
 }
 
 welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction, double* value) {
   return guarded([&] {
-    require(direction, "direction");
+    const glm::dvec3 towards = read_triple(direction, "direction");
     require(value, "value");
-    const glm::dvec3 rgb = welkin::evaluate(read_harmonics(bands, coefficients, "coefficients"),
-                                            {direction[0], direction[1], direction[2]});
-    for (int channel = 0; channel < 3; ++channel) value[channel] = rgb[channel];
+    write_triple(welkin::evaluate(read_harmonics(bands, coefficients, "coefficients"), towards), value);
     return WELKIN_OK;
   });
 }
 
+welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* quaternion, double* turned) {
+  return guarded([&] {
+    require(quaternion, "quaternion");
+    require(turned, "turned");
+    const glm::dquat rotation(quaternion[3], quaternion[0], quaternion[1], quaternion[2]);  // w comes first in GLM
+    write_harmonics(welkin::rotate(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
+  return guarded([&] {
+    require(matrix, "matrix");
+    require(turned, "turned");
+    const glm::dmat3 orthogonal(read_triple(matrix, "matrix"), read_triple(matrix + 3, "matrix"),
+                                read_triple(matrix + 6, "matrix"));
+    write_harmonics(welkin::transform(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
+    return WELKIN_OK;
+  });
+}
+
+static_assert(WELKIN_WINDOW_HANNING == static_cast<int>(welkin::Window::hanning));
+static_assert(WELKIN_WINDOW_LANCZOS == static_cast<int>(welkin::Window::lanczos));
+static_assert(WELKIN_WINDOW_MIN_LAPLACIAN == static_cast<int>(welkin::Window::min_laplacian));
+
+welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
+                                  double* windowed, welkin_window_report* report) {
+  return guarded([&] {
+    require(windowed, "windowed");
+    const auto wanted = enumerator("window", window, welkin::Window::min_laplacian);
+    const auto result = welkin::apply_window(read_harmonics(bands, radiance, "radiance"), wanted, width);
+    if (report != nullptr) {
+      welkin_window_report values{};
+      values.bands = result.radiance.bands();
+      values.parameter = result.parameter;
+      write_triple(result.minimum_before, values.minimum_before);
+      write_triple(result.minimum_after, values.minimum_after);
+      std::copy(result.factors.begin(), result.factors.end(), values.factors);
+      write_struct(report, values, "report");
+    }
+    write_harmonics(result.radiance, windowed);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* value, double* directions) {
+  return guarded([&] {
+    require(value, "value");
+    const auto least = welkin::minimum(read_harmonics(bands, coefficients, "coefficients"));
+    write_triple(least.value, value);
+    for (int channel = 0; directions != nullptr && channel < 3; ++channel) {
+      write_triple(least.direction[channel], directions + 3 * channel);
+    }
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_dominant_light(int32_t bands, const double* radiance, double* direction, double* irradiance,
+                                    int32_t* found) {
+  return guarded([&] {
+    require(direction, "direction");
+    require(irradiance, "irradiance");
+    require(found, "found");
+    const auto light = welkin::dominant_light(read_harmonics(bands, radiance, "radiance"));
+    const auto values = light.value_or(welkin::DominantLight{});
+    write_triple(values.direction, direction);
+    write_triple(values.irradiance, irradiance);
+    *found = light ? 1 : 0;
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t bands, double* coefficients) {
+  return guarded([&] {
+    const auto given = read_struct(sun, "sun");
+    require(coefficients, "coefficients");
+    welkin::Sun light;
+    light.direction = read_triple(given.direction, "direction");
+    light.irradiance = read_triple(given.irradiance, "irradiance");
+    light.solid_angle = given.solid_angle;
+    write_harmonics(welkin::sun_harmonics(light, bands), coefficients);
+    return WELKIN_OK;
+  });
+}
+
+// Engines.
+
 namespace welkin::c_interface {
 namespace {
 
-// Light in an engine's own form, as plain numbers.
-
+static_assert(WELKIN_ENGINE_WELKIN == static_cast<int>(Engine::welkin));
+static_assert(WELKIN_ENGINE_OPENEXR == static_cast<int>(Engine::openexr));
+static_assert(WELKIN_ENGINE_BLENDER == static_cast<int>(Engine::blender));
 static_assert(WELKIN_ENGINE_BABYLON == static_cast<int>(Engine::babylon));
 static_assert(WELKIN_ENGINE_THREE == static_cast<int>(Engine::three));
 static_assert(WELKIN_ENGINE_FILAMENT == static_cast<int>(Engine::filament));
@@ -219,7 +207,7 @@ welkin_engine_light plain(const EngineLight& light) {
   values.term_count = static_cast<std::int32_t>(light.terms.size());
   values.vector_count = static_cast<std::int32_t>(light.vectors.size());
   for (std::size_t i = 0; i < light.terms.size(); ++i) {
-    for (int channel = 0; channel < 3; ++channel) values.terms[i][channel] = light.terms[i].rgb[channel];
+    write_triple(light.terms[i].rgb, values.terms[i]);
   }
   for (std::size_t i = 0; i < light.vectors.size(); ++i) {
     for (int component = 0; component < 4; ++component) {
@@ -251,4 +239,68 @@ welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* rad
 welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                            welkin_engine_light* light) {
   return welkin::c_interface::write_form(&welkin::engine_light_in_place, bands, radiance, engine, light);
+}
+
+welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention) {
+  return guarded([&] {
+    const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::godot));
+    welkin_convention values{};
+    values.engine = engine;
+    values.right_handed = known.right_handed ? 1 : 0;
+    values.has_faces = known.faces_from_engine ? 1 : 0;
+    values.name = known.name;
+    values.title = known.title;
+    values.axes = known.axes;
+    values.lat_long = known.lat_long;
+    write_matrix(known.from_welkin, values.from_welkin);
+    if (known.faces_from_engine) write_matrix(*known.faces_from_engine, values.faces_from_engine);
+    write_struct(convention, values, "convention");
+    return WELKIN_OK;
+  });
+}
+
+// Babylon.js's polynomial has the order of `welkin_engine_light::terms`: x y z xx yy zz yz zx xy.
+
+namespace {
+
+constexpr std::size_t kPolynomialTerms = 9;
+static_assert(sizeof(welkin::BabylonPolynomial) == kPolynomialTerms * sizeof(glm::dvec3));
+
+welkin_engine_light plain_polynomial(const welkin::BabylonPolynomial& polynomial) {
+  welkin_engine_light values{};
+  values.engine = WELKIN_ENGINE_BABYLON;
+  values.term_count = kPolynomialTerms;
+  const glm::dvec3 terms[kPolynomialTerms] = {polynomial.x,  polynomial.y,  polynomial.z,  polynomial.xx, polynomial.yy,
+                                              polynomial.zz, polynomial.yz, polynomial.zx, polynomial.xy};
+  for (std::size_t i = 0; i < kPolynomialTerms; ++i) write_triple(terms[i], values.terms[i]);
+  return values;
+}
+
+welkin::BabylonPolynomial polynomial_of(const welkin_engine_light* light) {
+  const auto given = read_known(light, "polynomial");
+  if (given.engine != WELKIN_ENGINE_BABYLON || given.term_count != kPolynomialTerms) {
+    refuse("polynomial is a light of engine " + std::to_string(given.engine) + " with " +
+           std::to_string(given.term_count) + " terms; it must be one of WELKIN_ENGINE_BABYLON with 9");
+  }
+  const auto term = [&](int i) { return read_triple(given.terms[i], "polynomial"); };
+  return {term(0), term(1), term(2), term(3), term(4), term(5), term(6), term(7), term(8)};
+}
+
+}  // namespace
+
+welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial) {
+  return guarded([&] {
+    const auto ambient = welkin::babylon_constant_polynomial(read_triple(colour, "colour"));
+    write_struct(polynomial, plain_polynomial(ambient), "polynomial");
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal, double* value) {
+  return guarded([&] {
+    const glm::dvec3 up = read_triple(normal, "normal");
+    require(value, "value");
+    write_triple(welkin::evaluate(polynomial_of(polynomial), up), value);
+    return WELKIN_OK;
+  });
 }

@@ -1,6 +1,9 @@
 #include "c/c_support.h"
 
 #include <array>
+#include <cstdlib>
+#include <iterator>
+#include <limits>
 #include <new>
 #include <string>
 
@@ -183,3 +186,248 @@ welkin_status welkin_control_report_progress(const welkin_control* control, doub
     return WELKIN_OK;
   });
 }
+
+// The caller's pixels.
+
+namespace welkin::c_interface {
+namespace {
+
+constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
+
+static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::rgba_srgb8));
+static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb_f16));
+static_assert(WELKIN_FORMAT_RGB_U8 == static_cast<int>(PixelFormat::rgb_u8));
+static_assert(WELKIN_QUADRATURE_MIDPOINT == static_cast<int>(Quadrature::midpoint));
+static_assert(WELKIN_NON_FINITE_REJECT == static_cast<int>(NonFinitePolicy::reject));
+static_assert(WELKIN_NEGATIVE_REPLACE == static_cast<int>(NegativePolicy::replace));
+static_assert(WELKIN_NEGATIVE_REJECT == static_cast<int>(NegativePolicy::reject));
+
+PixelFormat pixel_format(welkin_format format) { return enumerator("format", format, PixelFormat::rgba_srgb8); }
+
+/// The most negative stride has no opposite to be compared with.
+std::ptrdiff_t stride(std::int64_t row_stride_bytes) {
+  if (row_stride_bytes == std::numeric_limits<std::int64_t>::min()) {
+    refuse("row_stride_bytes is " + std::to_string(row_stride_bytes) + "; no picture is that large");
+  }
+  return row_stride_bytes;
+}
+
+int face_size(std::int64_t size) {
+  if (size < 0 || size > std::numeric_limits<int>::max()) {
+    refuse("the cubemap's size is " + std::to_string(size) + "; it must be from 1 to 16384");
+  }
+  return static_cast<int>(size);
+}
+
+CubemapView cubemap_view(const welkin_cubemap* cubemap, const char* name) {
+  const welkin_cubemap given = read_struct(cubemap, name);
+  CubemapView view;
+  std::copy(std::begin(given.faces), std::end(given.faces), view.faces.begin());
+  view.size = face_size(given.size);
+  view.row_stride_bytes = stride(given.row_stride_bytes);
+  view.format = pixel_format(given.format);
+  return view;
+}
+
+}  // namespace
+
+CubemapView cubemap_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap, "cubemap"); }
+
+std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count, const char* name) {
+  if (mip_count < 1 || mip_count > kMostLevels) {
+    refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMostLevels));
+  }
+  const std::size_t step = stated_size(mips, sizeof(welkin_cubemap), alignof(welkin_cubemap), name);
+  std::vector<CubemapView> views;
+  for (std::int32_t level = 0; level < mip_count; ++level) {
+    // The caller's structures may be shorter or longer than ours: the next one lies where this one ends for them.
+    const auto* place = reinterpret_cast<const std::byte*>(mips) + static_cast<std::size_t>(level) * step;
+    const auto* mip = reinterpret_cast<const welkin_cubemap*>(place);
+    if (stated_size(mip, sizeof(welkin_cubemap), alignof(welkin_cubemap), name) != step) {
+      refuse(std::string(name) + "[" + std::to_string(level) + "].struct_size differs from that of the first");
+    }
+    views.push_back(cubemap_view(mip, name));
+  }
+  return views;
+}
+
+LatLongView lat_long_view(const welkin_lat_long* lat_long) {
+  const welkin_lat_long given = read_struct(lat_long, "lat_long");
+  return {given.pixels, given.width, given.height, stride(given.row_stride_bytes), pixel_format(given.format)};
+}
+
+namespace {
+
+/// What both structures say of pixels, in the same words.
+template <class Struct>
+void read_policy(const Struct& given, ProjectionOptions& wanted) {
+  const bool preserve_colour = flag("clamp_preserve_colour", given.clamp_preserve_colour);
+  if (given.clamp_maximum != 0.0F) wanted.clamp = RadianceClamp{given.clamp_maximum, preserve_colour};
+  wanted.gamma = flag("gamma", given.gamma);
+  wanted.nan = enumerator("nan", given.nan, NonFinitePolicy::reject);
+  wanted.infinity = enumerator("infinity", given.infinity, NonFinitePolicy::reject);
+  wanted.negative = enumerator("negative", given.negative, NegativePolicy::reject);
+}
+
+}  // namespace
+
+ProjectionOptions projection_options(const welkin_projection_options* options) {
+  const auto given = read_options(options, "options");
+  ProjectionOptions wanted;
+  set_unless_zero(wanted.bands, given.bands);
+  wanted.quadrature = enumerator("quadrature", given.quadrature, Quadrature::midpoint);
+  wanted.target_size = given.target_size;
+  read_policy(given, wanted);
+  return wanted;
+}
+
+ProjectionOptions pixel_policy(const welkin_pixel_policy* policy) {
+  ProjectionOptions wanted;
+  read_policy(read_options(policy, "pixels"), wanted);
+  return wanted;
+}
+
+// Plain numbers.
+
+glm::dvec3 read_triple(const double* values, const char* name) {
+  require(values, name);
+  return {values[0], values[1], values[2]};
+}
+
+void write_triple(const glm::dvec3& values, double* target) noexcept {
+  for (int i = 0; i < 3; ++i) target[i] = values[i];
+}
+
+void write_matrix(const glm::dmat3& matrix, double* target) noexcept {
+  for (int column = 0; column < 3; ++column) write_triple(matrix[column], target + 3 * column);
+}
+
+SphericalHarmonics read_harmonics(std::int32_t bands, const double* coefficients, const char* name) {
+  require(coefficients, name);
+  SphericalHarmonics harmonics(bands);
+  for (glm::dvec3& rgb : harmonics.coefficients()) {
+    rgb = {coefficients[0], coefficients[1], coefficients[2]};
+    coefficients += 3;
+  }
+  return harmonics;
+}
+
+void write_harmonics(const SphericalHarmonics& harmonics, double* target) noexcept {
+  for (const glm::dvec3& rgb : harmonics.coefficients()) {
+    write_triple(rgb, target);
+    target += 3;
+  }
+}
+
+void require_room(const welkin_projection* projection, int bands) {
+  require_room_for_bands(projection, bands, "projection");
+}
+
+void write_projection(welkin_projection* projection, const SphericalHarmonics& radiance,
+                      const ProjectionDiagnostics& diagnostics) {
+  require_room(projection, radiance.bands());
+  welkin_projection values{};
+  values.bands = radiance.bands();
+  values.texels = diagnostics.texels;
+  values.nans_replaced = diagnostics.nans_replaced;
+  values.infinities_replaced = diagnostics.infinities_replaced;
+  values.negatives_replaced = diagnostics.negatives_replaced;
+  values.texels_clamped = diagnostics.texels_clamped;
+  write_triple(diagnostics.total_radiance_before_clamp, values.total_radiance_before_clamp);
+  write_triple(diagnostics.total_radiance, values.total_radiance);
+  values.error_estimate = diagnostics.error_estimate;
+  write_harmonics(radiance, values.coefficients);
+  write_struct(projection, values, "projection");
+}
+
+// Memory of the caller's.
+
+namespace {
+
+image::TexelLayout texel_layout(welkin_format format) {
+  switch (format) {
+    case WELKIN_FORMAT_RGB_F32: return {3, false};
+    case WELKIN_FORMAT_RGBA_F32: return {4, false};
+    case WELKIN_FORMAT_RGB_F16: return {3, true};
+    case WELKIN_FORMAT_RGBA_F16: return {4, true};
+    case WELKIN_FORMAT_RG_F32: return {2, false};
+    case WELKIN_FORMAT_RG_F16: return {2, true};
+    default:
+      refuse("the target's format is " + std::to_string(format) + "; RG, RGB and RGBA of F32 and F16 are written");
+  }
+}
+
+Target checked_target(welkin_format format, std::int64_t row_stride_bytes, int width, int height) {
+  Target target;
+  target.width = width;
+  target.height = height;
+  target.layout = texel_layout(format);
+  const auto row = static_cast<std::ptrdiff_t>(target.layout.texel_bytes()) * width;
+  target.stride = row_stride_bytes == 0 ? row : stride(row_stride_bytes);
+  if (std::abs(target.stride) < row) {
+    refuse("the target's row_stride_bytes is " + std::to_string(row_stride_bytes) + ", less than a row of " +
+           std::to_string(row) + " bytes");
+  }
+  if (target.stride % static_cast<std::ptrdiff_t>(target.layout.channel_bytes()) != 0) {
+    refuse("the target's row_stride_bytes is " + std::to_string(row_stride_bytes) +
+           ", which leaves rows unaligned to their channels of " + std::to_string(target.layout.channel_bytes()) +
+           " bytes");
+  }
+  return target;
+}
+
+void add_picture(Target& target, void* pixels) {
+  const std::string which = target.count > 0 ? "picture " + std::to_string(target.count) : "picture";
+  if (pixels == nullptr) refuse("the target's " + which + " is null");
+  if (reinterpret_cast<std::uintptr_t>(pixels) % target.layout.channel_bytes() != 0) {
+    refuse("the target's " + which + " is not aligned to its channels, which take " +
+           std::to_string(target.layout.channel_bytes()) + " bytes each");
+  }
+  target.pictures[static_cast<std::size_t>(target.count++)] = static_cast<std::byte*>(pixels);
+}
+
+}  // namespace
+
+Target cubemap_target(const welkin_cubemap_target* target) {
+  const auto given = read_struct(target, "target");
+  const int size = face_size(given.size);
+  image::check_face_size(size);
+  Target checked = checked_target(given.format, given.row_stride_bytes, size, size);
+  for (void* face : given.faces) add_picture(checked, face);
+  return checked;
+}
+
+Target image_target(const welkin_image_target* target) {
+  const auto given = read_struct(target, "target");
+  image::check_lat_long_size(given.width, given.height);
+  Target checked = checked_target(given.format, given.row_stride_bytes, given.width, given.height);
+  add_picture(checked, given.pixels);
+  return checked;
+}
+
+void require_size(const Target& target, int width, int height) {
+  if (target.width == width && target.height == height) return;
+  refuse("the target has " + std::to_string(target.width) + " x " + std::to_string(target.height) +
+         " texels; what is written has " + std::to_string(width) + " x " + std::to_string(height));
+}
+
+std::uint64_t write_picture(const Target& target, int picture, const float* values, int channels) noexcept {
+  std::byte* const first = target.pictures[static_cast<std::size_t>(picture)];
+  const auto width = static_cast<std::size_t>(target.width);
+  std::uint64_t changed = 0;
+  for (int row = 0; row < target.height; ++row, values += width * static_cast<std::size_t>(channels)) {
+    changed += image::encode_texels(values, channels, width, target.layout, first + row * target.stride);
+  }
+  return changed;
+}
+
+std::uint64_t write_faces(const Target& target, const CubemapView& cubemap) noexcept {
+  std::uint64_t changed = 0;
+  for (int face = 0; face < target.count; ++face) {
+    const void* const pixels = cubemap.faces[static_cast<std::size_t>(face)];
+    changed += write_picture(target, face, static_cast<const float*>(pixels), 3);
+  }
+  return changed;
+}
+
+}  // namespace welkin::c_interface

@@ -1,19 +1,30 @@
-// No exception crosses the C interface: what a call throws becomes a status, and a message that the thread keeps.
+// What all of the C interface shares. No exception crosses it: what a call throws becomes a status, and a message that
+// the thread keeps. Structures are read and written by their stated size; pixels are read in place, and results written
+// to the caller's memory.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "image/pixels.h"
+#include "platform/float_environment.h"
 #include "welkin/control.h"
 #include "welkin/error.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
 
 namespace welkin::c_interface {
@@ -53,14 +64,22 @@ void clear_last_error() noexcept;
 /// Throws `Error` (invalid_argument) if it is null.
 void require(const void* pointer, const char* name);
 
-/// Around the body of every entry that can fail; the body returns a status.
+/// Around the body of an entry that can fail and that calls the caller's own functions, which keep the caller's
+/// floating-point environment; the body returns a status.
 template <class Body>
-welkin_status guarded(const Body& body) noexcept {
+welkin_status guarded_as_called(const Body& body) noexcept {
   try {
     return body();
   } catch (...) {
     return set_last_error_from_exception();
   }
+}
+
+/// Around the body of every other entry that can fail: it computes with the default floating-point environment.
+template <class Body>
+welkin_status guarded(const Body& body) noexcept {
+  const platform::FloatingPointScope floating_point;
+  return guarded_as_called(body);
 }
 
 // Structures of callers that were compiled against an older or a newer header than this library.
@@ -134,6 +153,12 @@ template <class Enumeration>
 /// 0 or 1.
 [[nodiscard]] bool flag(const char* what, std::int32_t value);
 
+/// `value`, or the default that zero stands for.
+template <class Number>
+void set_unless_zero(Number& target, Number value) noexcept {
+  if (value != Number{}) target = value;
+}
+
 }  // namespace welkin::c_interface
 
 // How the job that a caller's function runs for is steered.
@@ -186,6 +211,87 @@ class HandedOver {
 [[nodiscard]] inline std::shared_ptr<const void> make_owner(HandedOver&& handed_over) {
   if (handed_over.empty()) return nullptr;
   return std::make_shared<HandedOver>(std::move(handed_over));
+}
+
+// The caller's pixels. Whether they are sound is left to those who read them.
+
+/// A cubemap and the levels behind it. Throws `Error` (invalid_argument) for null, for a count that is none, for sizes
+/// that differ, for unknown formats. `name` is the argument's.
+[[nodiscard]] std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count,
+                                                     const char* name = "mips");
+/// These throw likewise.
+[[nodiscard]] CubemapView cubemap_view(const welkin_cubemap* cubemap);
+[[nodiscard]] LatLongView lat_long_view(const welkin_lat_long* lat_long);
+
+// What a caller asks of pixels. Null asks for nothing; zero is the default. These throw `Error` (invalid_argument) for
+// what no structure could hold; ranges are checked by those who use them.
+
+[[nodiscard]] ProjectionOptions projection_options(const welkin_projection_options* options);
+/// Clamp, gamma and the policies alone.
+[[nodiscard]] ProjectionOptions pixel_policy(const welkin_pixel_policy* policy);
+
+// Vectors and coefficients as plain numbers.
+
+/// Three doubles. Throws `Error` (invalid_argument) for null.
+[[nodiscard]] glm::dvec3 read_triple(const double* values, const char* name);
+void write_triple(const glm::dvec3& values, double* target) noexcept;
+/// Nine doubles, column after column.
+void write_matrix(const glm::dmat3& matrix, double* target) noexcept;
+
+/// 3 bands^2 doubles. Throws `Error` (invalid_argument) for null or for bands out of range.
+[[nodiscard]] SphericalHarmonics read_harmonics(std::int32_t bands, const double* coefficients, const char* name);
+void write_harmonics(const SphericalHarmonics& harmonics, double* target) noexcept;
+
+// A projection, written to the caller's structure.
+
+/// Throws `Error` (invalid_argument) for null, and if the structure ends before the coefficients of that many bands do.
+/// `Struct` ends with `coefficients`.
+template <class Struct>
+void require_room_for_bands(const Struct* given, int bands, const char* name);
+void require_room(const welkin_projection* projection, int bands);
+
+/// Throws likewise; nothing is written then.
+void write_projection(welkin_projection* projection, const SphericalHarmonics& radiance,
+                      const ProjectionDiagnostics& diagnostics);
+
+// Memory of the caller's that results are written to.
+
+/// One or six pictures of one size that were checked: each has an address, rows that do not overlap, and channels that
+/// are aligned.
+struct Target {
+  std::array<std::byte*, 6> pictures{};  ///< first texel of the top row
+  int count = 0;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;  ///< bytes from a row to the next
+  image::TexelLayout layout{};
+};
+
+/// These throw `Error` (invalid_argument) for null, for formats that are not written, for too short a stride, for
+/// addresses that are not aligned.
+[[nodiscard]] Target cubemap_target(const welkin_cubemap_target* target);
+[[nodiscard]] Target image_target(const welkin_image_target* target);
+/// Throws unless the target has that size.
+void require_size(const Target& target, int width, int height);
+
+/// Writes a picture of `channels` packed floats a texel; returned is how many values a half could not hold.
+std::uint64_t write_picture(const Target& target, int picture, const float* values, int channels) noexcept;
+/// The six faces of a cubemap of packed RGB floats, whose size the target has.
+std::uint64_t write_faces(const Target& target, const CubemapView& cubemap) noexcept;
+
+/// Tells a caller who wants to know.
+inline void tell(std::uint64_t count, std::uint64_t* wanted) noexcept {
+  if (wanted != nullptr) *wanted = count;
+}
+
+template <class Struct>
+void require_room_for_bands(const Struct* given, int bands, const char* name) {
+  const std::size_t size = stated_size(given, sizeof(Struct), alignof(Struct), name);
+  const auto count = static_cast<std::size_t>(std::clamp(bands, 1, kMaximumBands));
+  const std::size_t needed = offsetof(Struct, coefficients) + 3 * count * count * sizeof(double);
+  if (size >= needed) return;
+  refuse(std::string(name) + "->struct_size is " + std::to_string(size) + "; " + std::to_string(count) +
+         " bands need " + std::to_string(needed));
 }
 
 }  // namespace welkin::c_interface

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "c/c_projection.h"
 #include "c/c_support.h"
 
 namespace welkin::c_interface {
@@ -15,19 +14,19 @@ namespace {
 
 static_assert(WELKIN_THREAD_PRIORITY_BELOW == static_cast<int>(ThreadPriority::below));
 static_assert(WELKIN_THREAD_PRIORITY_NORMAL == static_cast<int>(ThreadPriority::normal));
-static_assert(WELKIN_WHEN_FULL_REFUSE == static_cast<int>(WhenFull::refuse));
-static_assert(WELKIN_WHEN_FULL_DROP_OLDEST == static_cast<int>(WhenFull::drop_oldest));
+static_assert(WELKIN_OVERFLOW_REFUSE == static_cast<int>(OverflowPolicy::refuse));
+static_assert(WELKIN_OVERFLOW_DROP_OLDEST == static_cast<int>(OverflowPolicy::drop_oldest));
 
 WorkerOptions worker_options(const welkin_worker_options* options) {
   const auto given = read_options(options, "options");
   WorkerOptions wanted;
   wanted.threads = given.threads;
   wanted.thread_priority = enumerator("thread_priority", given.thread_priority, ThreadPriority::normal);
-  wanted.when_full = enumerator("when_full", given.when_full, WhenFull::drop_oldest);
+  wanted.overflow = enumerator("overflow", given.overflow, OverflowPolicy::drop_oldest);
   if (given.name != nullptr) wanted.name = given.name;
-  wanted.lent_arena = lent_arena(given.enqueue, given.enqueue_user);
-  if (given.most_jobs != 0) wanted.most_jobs = given.most_jobs;
-  if (given.most_bytes != 0) wanted.most_bytes = given.most_bytes;
+  wanted.executor = executor_of(given.enqueue, given.enqueue_user, given.threads);
+  if (given.max_jobs != 0) wanted.max_jobs = given.max_jobs;
+  if (given.max_bytes != 0) wanted.max_bytes = given.max_bytes;
   return wanted;
 }
 
@@ -74,7 +73,7 @@ welkin_status welkin_worker_wait_until_idle(welkin_worker* worker) {
 }
 
 welkin_status welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanoseconds, uint64_t* called) {
-  return guarded([&] {
+  return guarded_as_called([&] {
     require(worker, "worker");
     const std::size_t count = worker->worker.drain(budget(budget_nanoseconds));
     if (called != nullptr) *called = count;
@@ -100,55 +99,74 @@ welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_
 
 namespace {
 
+/// A caller's function, as a request. No two are equal.
+class FunctionRequest {
+ public:
+  using Run = welkin_status (*)(void* user, const welkin_control* control);
+
+  FunctionRequest(Run run, void* user, HandedOver used) noexcept : run_(run), user_(user), used_(std::move(used)) {}
+
+  void operator()(const welkin::Control& control) const {
+    const welkin_control steering{control};
+    clear_last_error();
+    const welkin_status status = run_(user_, &steering);
+    if (status == WELKIN_OK) return;
+    if (status == WELKIN_NOT_READY) {
+      throw StatusError(WELKIN_INTERNAL, "the function returned WELKIN_NOT_READY, which no job can end with");
+    }
+    // What a call inside failed with is why the function did.
+    if (status == last_error_status()) throw StatusError(status, welkin_last_error());
+    throw StatusError(status, "the function returned " + std::to_string(status));
+  }
+
+ private:
+  Run run_;
+  void* user_;
+  HandedOver used_;
+};
+
+}  // namespace
+
+welkin_status welkin_post_function(welkin_worker* worker,
+                                   welkin_status (*run)(void* run_user, const welkin_control* control), void* run_user,
+                                   const welkin_post_options* post, welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    if (run == nullptr) refuse("run is null");
+    FunctionRequest request(run, run_user, std::move(posting.handed_over));
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+namespace {
+
 constexpr std::chrono::hours kForever{24 * 365 * 100};  // what is longer would overflow a clock
 
 const Outcome kNotReady{WELKIN_NOT_READY, {}};
 
-/// What a question about the job returns, and what that leaves in `welkin_last_error`.
-welkin_status report(const Outcome& outcome) noexcept {
+}  // namespace
+
+welkin_status welkin::c_interface::report(const Outcome& outcome) noexcept {
   if (outcome.status == WELKIN_OK || outcome.status == WELKIN_NOT_READY) return outcome.status;
   return set_last_error(outcome.status, outcome.message);
 }
 
-/// The error of a job that is ready; null if it has a result.
-std::exception_ptr error_in(const auto& future) {
-  try {
-    future.get();
-    return nullptr;
-  } catch (...) {
-    return std::current_exception();
-  }
-}
-
-}  // namespace
-
-bool welkin_job::ready() const {
-  return std::visit(
-      [](const auto& result) { return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready; },
-      result_);
-}
-
-void welkin_job::wait() const {
-  welkin::detail::help(welkin::detail::JobAccess::record(handle_));
-  std::visit([](const auto& result) { result.wait(); }, result_);
-}
+void welkin_job::wait() const { welkin::detail::wait(welkin::detail::JobAccess::record(handle_)); }
 
 void welkin_job::wait_for(std::chrono::nanoseconds time) const {
-  std::visit([&](const auto& result) { static_cast<void>(result.wait_for(time)); }, result_);
+  welkin::detail::wait_for(welkin::detail::JobAccess::record(handle_), time);
 }
 
 const Outcome& welkin_job::outcome() const {
-  if (!ready()) return kNotReady;
+  if (!handle_.ready()) return kNotReady;
   std::call_once(asked_, [this] {
-    const std::exception_ptr error = std::visit([](const auto& result) { return error_in(result); }, result_);
-    if (error) outcome_ = outcome_of(error);
+    if (!record().failed()) return;
+    try {
+      welkin::detail::throw_error_of(record());
+    } catch (...) {
+      outcome_ = outcome_of(std::current_exception());
+    }
   });
   return outcome_;
-}
-
-const welkin::Projection* welkin_job::projection() const {
-  const auto* result = std::get_if<Projecting>(&result_);
-  return result == nullptr ? nullptr : &result->get();
 }
 
 void welkin_job::release() noexcept {
@@ -176,18 +194,6 @@ welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout_nanosecond
       job->wait_for(std::chrono::nanoseconds(static_cast<std::int64_t>(timeout_nanoseconds)));
     }
     return report(job->outcome());
-  });
-}
-
-welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection) {
-  return guarded([&] {
-    require(job, "job");
-    const Outcome& outcome = job->outcome();
-    if (outcome.status != WELKIN_OK) return report(outcome);
-    const welkin::Projection* light = job->projection();
-    if (light == nullptr) refuse("the job runs a function of the caller's; it has no projection");
-    write_projection(projection, *light);
-    return outcome.status;
   });
 }
 
@@ -227,46 +233,45 @@ void welkin_job_release(welkin_job* job) {
 
 namespace welkin::c_interface {
 
-Priority priority_of(welkin_priority priority) {
+TaskPriority priority_of(welkin_priority priority) {
   switch (priority) {
-    case WELKIN_PRIORITY_LOW: return Priority::low;
-    case WELKIN_PRIORITY_NORMAL: return Priority::normal;
-    case WELKIN_PRIORITY_HIGH: return Priority::high;
+    case WELKIN_PRIORITY_LOW: return TaskPriority::low;
+    case WELKIN_PRIORITY_NORMAL: return TaskPriority::normal;
+    case WELKIN_PRIORITY_HIGH: return TaskPriority::high;
     default: refuse("priority is " + std::to_string(priority) + "; it must be -1 (low), 0 (normal) or 1 (high)");
   }
 }
 
-welkin_priority number_of(Priority priority) noexcept {
+welkin_priority number_of(TaskPriority priority) noexcept {
   switch (priority) {
-    case Priority::low: return WELKIN_PRIORITY_LOW;
-    case Priority::normal: return WELKIN_PRIORITY_NORMAL;
-    case Priority::high: return WELKIN_PRIORITY_HIGH;
+    case TaskPriority::low: return WELKIN_PRIORITY_LOW;
+    case TaskPriority::normal: return WELKIN_PRIORITY_NORMAL;
+    case TaskPriority::high: return WELKIN_PRIORITY_HIGH;
   }
   return WELKIN_PRIORITY_NORMAL;
 }
 
 namespace {
 
-using Task = std::function<void()>;
+class FunctionExecutor final : public Executor {
+ public:
+  FunctionExecutor(decltype(welkin_worker_options::enqueue) function, void* user, int concurrency) noexcept
+      : enqueue_(function), user_(user), concurrency_(concurrency) {}
 
-/// What the engine calls: once, so the task goes with it. Nothing may be thrown into the engine.
-void run_task(void* argument) noexcept {
-  const std::unique_ptr<Task> task(static_cast<Task*>(argument));
-  try {
-    (*task)();
-  } catch (
-      ...) {  // NOLINT(bugprone-empty-catch): a worker's tasks throw nothing; what requests throw is in the futures
-  }
-}
+  [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
+  void enqueue(void (*run)(void* job), void* job) override { enqueue_(user_, run, job); }
+
+ private:
+  decltype(welkin_worker_options::enqueue) enqueue_;
+  void* user_;
+  int concurrency_;
+};
 
 }  // namespace
 
-std::function<void(Task)> lent_arena(decltype(welkin_worker_options::enqueue) enqueue, void* user) {
-  if (enqueue == nullptr) return {};
-  return [enqueue, user](Task task) {
-    auto argument = std::make_unique<Task>(std::move(task));
-    enqueue(user, &run_task, argument.release());
-  };
+std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user, int concurrency) {
+  if (enqueue == nullptr) return nullptr;
+  return std::make_shared<FunctionExecutor>(enqueue, user, concurrency == 0 ? available_threads() : concurrency);
 }
 
 }  // namespace welkin::c_interface

@@ -1,18 +1,64 @@
-// A worker as C callers hold it.
+// What C callers hold: a worker, its jobs, and results.
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <functional>
-#include <future>
+#include <memory>
 #include <mutex>
+#include <span>
+#include <string>
 #include <utility>
-#include <variant>
+#include <vector>
 
 #include "c/c_support.h"
+#include "welkin/atmosphere.h"
+#include "welkin/bake.h"
 #include "welkin/job.h"
 #include "welkin/projection.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
+#include "welkin/specular.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
+
+// Results. A handle shares what it shows: it holds a pointer, and any number of handles may hold the same.
+
+struct welkin_cubemap_chain {
+  welkin_cubemap_chain() = default;  ///< shows nothing
+  explicit welkin_cubemap_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular);
+  /// Of a chain or an image that `its_owner` keeps.
+  welkin_cubemap_chain(std::vector<welkin::CubemapView> its_levels, std::shared_ptr<const void> its_owner);
+
+  std::vector<welkin::CubemapView> levels;    ///< packed RGB floats
+  std::span<const welkin::MipRecord> mips{};  ///< of a prefiltered one
+  std::shared_ptr<const void> owner;
+};
+
+struct welkin_bake_result {
+  explicit welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result);
+
+  std::shared_ptr<const welkin::BakeResult> result;
+  welkin_cubemap_chain background, specular, irradiance;  ///< of no levels where they were not made
+};
+
+struct welkin_atmosphere {
+  welkin::Atmosphere air;
+};
+
+struct welkin_sky_tables {
+  std::shared_ptr<const welkin::SkyTables> tables;
+};
+
+struct welkin_sky_view {
+  welkin::SkyView view;
+};
+
+struct welkin_sky_curve {
+  welkin::SkyCurve curve;
+};
 
 struct welkin_worker {
   explicit welkin_worker(welkin::WorkerOptions options) : worker(std::move(options)) {}
@@ -25,33 +71,35 @@ struct welkin_worker {
 struct welkin_job {
  public:
   template <class Result>
-  void adopt(welkin::Job<Result>& posted) noexcept {
+  void adopt(const welkin::Job<Result>& posted) noexcept {
     handle_ = static_cast<const welkin::JobHandle&>(posted);
-    result_ = posted.future().share();
   }
 
   [[nodiscard]] const welkin::JobHandle& handle() const noexcept { return handle_; }
 
-  /// Whether result or error are there.
-  [[nodiscard]] bool ready() const;
-  /// Waits for that, with the worker's help; or at most so long.
+  /// Waits until result or error are there, with the worker's help; or at most so long.
   void wait() const;
   void wait_for(std::chrono::nanoseconds time) const;
 
   /// WELKIN_NOT_READY, or how it ended. Throws std::bad_alloc.
   [[nodiscard]] const welkin::c_interface::Outcome& outcome() const;
-  /// Of a job that is done and went well; null if it was a function's.
-  [[nodiscard]] const welkin::Projection* projection() const;
+  /// Of a job that is done and went well; null if it makes something else.
+  template <class Result>
+  [[nodiscard]] const Result* result() const {
+    if (record().result_type != &welkin::detail::type_tag<Result>) return nullptr;
+    const auto& made = static_cast<const welkin::detail::TypedJobRecord<Result>&>(record()).result;
+    return made ? &*made : nullptr;
+  }
 
   void retain() noexcept { references_.fetch_add(1, std::memory_order_relaxed); }
   void release() noexcept;
 
  private:
-  using Function = std::shared_future<void>;
-  using Projecting = std::shared_future<welkin::Projection>;
+  [[nodiscard]] const welkin::detail::JobRecord& record() const noexcept {
+    return *welkin::detail::JobAccess::record(handle_);
+  }
 
-  welkin::JobHandle handle_;
-  std::variant<Function, Projecting> result_;
+  welkin::JobHandle handle_;  ///< the result stays in its record, where nobody takes it
   std::atomic<std::size_t> references_{1};
 
   mutable std::once_flag asked_;  ///< how it ended is looked up once: errors are thrown, which takes its time
@@ -86,18 +134,73 @@ class JobReference {
   welkin_job* job_;
 };
 
+/// What a question about the job returns, and what that leaves in `welkin_last_error`.
+welkin_status report(const Outcome& outcome) noexcept;
+
+/// `use(result)` if the job is done and went well and makes such a thing; `what` is that thing, for the message.
+template <class Result, class Use>
+welkin_status with_result(const welkin_job* job, const char* what, const Use& use) noexcept {
+  return guarded([&] {
+    require(job, "job");
+    const Outcome& outcome = job->outcome();
+    if (outcome.status != WELKIN_OK) return report(outcome);
+    const auto* result = job->result<Result>();
+    if (result == nullptr) refuse(std::string("the job makes something else; it has no ") + what);
+    use(*result);
+    return outcome.status;
+  });
+}
+
+/// Makes a handle for the caller: `made` becomes null first, and the new handle at last.
+template <class Handle, class Make>
+void hand_out(Handle** made, const char* name, const Make& make) {
+  require(made, name);
+  *made = nullptr;
+  *made = make();
+}
+
+/// The same of a job's result.
+template <class Result, class Handle, class Make>
+welkin_status hand_out_result(const welkin_job* job, Handle** made, const char* what, const Make& make) noexcept {
+  if (made != nullptr) *made = nullptr;
+  return with_result<Result>(job, what,
+                             [&](const Result& result) { hand_out(made, what, [&] { return make(result); }); });
+}
+
+/// Memory of a destroyed handle comes back here; nothing is thrown.
+template <class Handle>
+void destroy(Handle* handle) noexcept {
+  static_cast<void>(guarded([&] {
+    const std::unique_ptr<Handle> gone(handle);
+    return WELKIN_OK;
+  }));
+}
+
+// What is asked of a prefilter, a bake and a sky. These throw `Error` (invalid_argument), for null handles too.
+
+/// `size` is what 0 stands for; `pixels` whether the options' policy counts, else it must be null.
+[[nodiscard]] PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels);
+[[nodiscard]] BakeOptions bake_options(const welkin_bake_options* options);
+[[nodiscard]] SkyTableOptions table_options(const welkin_sky_table_options* options);
+[[nodiscard]] SkyCurveOptions curve_options(const welkin_sky_harmonics_options* options);
+[[nodiscard]] const Atmosphere& air_of(const welkin_atmosphere* atmosphere);
+[[nodiscard]] const std::shared_ptr<const SkyTables>& tables_of(const welkin_sky_tables* tables);
+[[nodiscard]] const SkyView& view_of(const welkin_sky_view* view);
+
+inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's reflections where nothing is said
+
 // Priorities are numbers around 0, the default.
 
 /// Throws `Error` (invalid_argument) if there is none of that number.
-[[nodiscard]] Priority priority_of(welkin_priority priority);
+[[nodiscard]] TaskPriority priority_of(welkin_priority priority);
 
-[[nodiscard]] welkin_priority number_of(Priority priority) noexcept;
+[[nodiscard]] welkin_priority number_of(TaskPriority priority) noexcept;
 
-// An engine's arena, lent through a function pointer.
+// An engine's threads, lent through a function pointer.
 
-/// As `WorkerOptions` wants it; empty if `enqueue` is null.
-[[nodiscard]] std::function<void(std::function<void()>)> lent_arena(decltype(welkin_worker_options::enqueue) enqueue,
-                                                                    void* user);
+/// As `WorkerOptions` wants it, for so many tasks at once; null if `enqueue` is null.
+[[nodiscard]] std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user,
+                                                    int concurrency);
 
 // Posting: what is handed over is given back whatever happens, and nothing fails any more once a job is posted.
 
@@ -121,20 +224,36 @@ struct Posting {
   HandedOver handed_over;
 };
 
+/// Calls `completed` inside `drain`.
+class CompletedCallback final : public detail::Computation {
+ public:
+  CompletedCallback(JobReference job, decltype(welkin_post_options::completed) completed, void* user)
+      : job_(std::move(job)), completed_(completed), user_(user) {
+    where = detail::Place::drain;
+    runs_after_errors = true;
+  }
+
+  void run(const Control&) override { completed_(job_.get(), user_); }
+
+ private:
+  JobReference job_;
+  decltype(welkin_post_options::completed) completed_;
+  void* user_;
+};
+
 /// All that is needed later is made first: nothing may fail once the job is posted.
 template <class Request>
 void post(welkin_worker* worker, Request request, const Posting& posting, welkin_job** job) {
   JobReference reference;
-  detail::DeliveryList delivery;
+  detail::ComputationList completed;
   if (posting.given.completed != nullptr) {
-    const auto call = [reference, completed = posting.given.completed, user = posting.given.completed_user] {
-      completed(reference.get(), user);
-    };
-    delivery.push_back({call, false});
+    completed.push_back(
+        std::make_shared<CompletedCallback>(reference, posting.given.completed, posting.given.completed_user));
   }
-  auto posted = worker->worker.post(std::move(request), posting.options());
-  reference->adopt(posted);
-  if (!delivery.empty()) detail::attach(detail::JobAccess::record(posted), std::move(delivery));
+  const std::uint64_t bytes = detail::bytes_of(request);
+  const auto made = detail::JobAccess::make<Request>(std::move(request));
+  reference->adopt(made);
+  detail::JobAccess::submit(worker->worker, made, posting.options(), bytes, std::move(completed));
   if (job != nullptr) *job = reference.detach();
 }
 

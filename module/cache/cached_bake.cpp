@@ -1,16 +1,18 @@
-// A bake part by part: what was there is read, and one smaller bake makes the rest.
+// The entries of a bake: what was made before is found, the rest is kept when it is made.
 #include "cache/cached_bake.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "bake/artefacts.h"
 #include "bake/bake_plan.h"
+#include "bake/needs.h"
 #include "cache/recipe.h"
 #include "cache/result_cache.h"
-#include "jobs/tiles.h"
-#include "reflections/prefilter.h"
+#include "files/file_source.h"
+#include "platform/float_environment.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/result_cache.h"
 
@@ -96,7 +98,7 @@ PrefilteredSpecular StoredChain::take() {
   for (std::optional<MipRecord>& mip : mips_) whole.mips.push_back(std::move(*mip));
   whole.pixels.passes = std::move(made_.pixels.passes);
   if (const std::string found = found_text(); !found.empty()) {
-    whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", "reuse", found, milliseconds_});
+    whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", PassAction::reuse, found, milliseconds_});
   }
   whole.peak_bytes = made_.peak_bytes;
   return whole;
@@ -107,12 +109,9 @@ PrefilteredSpecular StoredChain::take() {
 namespace welkin {
 namespace {
 
-using baking::BakePass;
 using cache::EntryKind;
 using cache::EntryName;
 using cache::hash_of;
-
-constexpr double kProjected = 0.15;  ///< of the progress
 
 CubemapChain chain_of(const CubemapImage& image) {
   CubemapChain chain(image.size, 1);
@@ -125,170 +124,140 @@ CubemapImage image_of(const CubemapChain& chain) {
   return {chain.size(), std::vector<float>(first, first + chain.bytes() / sizeof(float))};
 }
 
-/// One call's work. Store: ResultCache::Store.
-template <class View, class Store>
-class CachedBake {
+/// The entries of one bake. Store: ResultCache::Store.
+template <class Store>
+class BakeEntries final : public baking::ArtefactStore {
  public:
-  CachedBake(Store& store, const View& view, const BakeOptions& options, const baking::BakePlan& plan)
-      : store_(store), view_(view), options_(options), plan_(plan) {}
+  explicit BakeEntries(Store& store) : store_(store) {}
 
-  BakeResult run(const Control& control) {
-    const auto start = std::chrono::steady_clock::now();
-    source_ = hash_pixels(view_, {control.stop, {}});
-    const std::chrono::duration<double, std::milli> hashed = std::chrono::steady_clock::now() - start;
-    find();
-    project(jobs::part_of(control, 0.0, kProjected));
-    bake_rest(jobs::part_of(control, kProjected, 1.0));
-    std::vector<PassRecord> passes = std::move(result_.diagnostics.passes);
-    result_.diagnostics = diagnostics(control);
-    result_.diagnostics.passes = std::move(passes);
-    put(projecting_);
-    take_found();
-    result_.diagnostics.passes.insert(result_.diagnostics.passes.begin(),
-                                      {"hash", "run", "of the source, to find what was made of it", hashed.count()});
-    result_.peak_bytes = plan_.result_bytes + plan_.working_bytes;
-    return std::move(result_);
+  [[nodiscard]] baking::FoundArtefacts find(const baking::Source& source, const BakeOptions& options,
+                                            const baking::BakePlan& plan, const Control& control) override {
+    identify(source, options, plan, {control.stop, {}});
+    baking::FoundArtefacts found;
+    const bool computes_light = runs(plan, baking::BakePass::project) && !plan.stored_harmonics;
+    if (computes_light) {
+      found.projection = found_as(store_.find(
+          projection_, [&](cache::ByteSpan bytes) { return cache::decode_projection(bytes, plan.projecting.bands); }));
+    } else if (runs(plan, baking::BakePass::sanitize)) {
+      if (auto sanitized = cache::find_sanitized(store_, sanitized_)) found.sanitized = sanitized->diagnostics;
+    }
+    if (plan.background_size > 0 && !plan.stored_background) {
+      found.background = found_as(find_cubemap(background_, plan.background_size, plan.background_levels));
+    }
+    const bool from_source = plan.stored_harmonics && options.irradiance_method == IrradianceMethod::harmonics;
+    if (options.irradiance_size > 0 && !from_source) {
+      if (auto image = find_cubemap(irradiance_, options.irradiance_size, 1)) {
+        found.irradiance = {image_of(image->value), words(image->where), image->milliseconds};
+      }
+    }
+    if (options.specular && !plan.stored_specular) find_specular(options, found);
+    return found;
+  }
+
+  void keep(const projection::SanitizedSource& sanitized) override {
+    static_cast<void>(cache::store_sanitized(store_, sanitized_, sanitized));
+  }
+  void keep(const Projection& projection) override { store_.store(projection_, cache::encode(projection)); }
+  void keep_background(const CubemapChain& background) override {
+    store_.store(background_, cache::encode(background));
+  }
+  void keep_irradiance(const CubemapImage& irradiance) override {
+    store_.store(irradiance_, cache::encode(chain_of(irradiance)));
+  }
+  [[nodiscard]] PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) override {
+    if (made) chain_->add(store_, std::move(*made));
+    return chain_->take();
   }
 
  private:
-  using FoundCubemap = std::optional<FoundResult<CubemapChain>>;
-
-  [[nodiscard]] ContentHash pixels() const { return cache::pixel_key(options_.pixels); }
-  [[nodiscard]] EntryName background_name() const {
-    const ContentHash what = hash_of(plan_.background_size, plan_.background_levels, options_.mip_filter);
-    return {EntryKind::cubemap, cache::result_key("bake background", {source_, pixels(), what})};
+  static bool runs(const baking::BakePlan& plan, baking::BakePass pass) {
+    return plan.step(pass).planned.action != PassAction::skip;
   }
-  /// From harmonics its bits are those of the first of all bands that are projected.
-  [[nodiscard]] EntryName irradiance_name() const {
-    const bool direct = options_.irradiance_method == IrradianceMethod::direct;
-    const ContentHash what =
-        hash_of(options_.irradiance_size, direct, direct ? 0 : options_.bands, direct ? 0 : plan_.projecting.bands);
-    return {EntryKind::cubemap, cache::result_key("bake irradiance", {source_, pixels(), what})};
+  static std::string words(const char* where) { return std::string("found ") + where; }
+
+  template <class Value>
+  static std::optional<baking::Found<Value>> found_as(std::optional<FoundResult<Value>> result) {
+    if (!result) return std::nullopt;
+    return baking::Found<Value>{std::move(result->value), words(result->where), result->milliseconds};
   }
 
-  [[nodiscard]] bool runs(BakePass pass) const { return plan_.step(pass).planned.action != PassAction::skip; }
+  /// Names of the entries: what decides the bits of each.
+  void identify(const baking::Source& source, const BakeOptions& options, const baking::BakePlan& plan,
+                const Control& control) {
+    source_ = source.shape().cubemap ? hash_pixels(source.cubemap(), control) : hash_pixels(source.lat_long(), control);
+    const ContentHash pixels = cache::pixel_key(options.pixels);
+    projection_ = cache::projection_name(source_, plan.projecting);
+    sanitized_ = cache::sanitized_name(source_, options.pixels);
+    const ContentHash background = hash_of(plan.background_size, plan.background_levels, options.mip_filter);
+    background_ = {EntryKind::cubemap, cache::result_key("bake background", {source_, pixels, background})};
+    // From harmonics its bits are those of the first of all bands that are projected.
+    const bool direct = options.irradiance_method == IrradianceMethod::direct;
+    const ContentHash irradiance =
+        hash_of(options.irradiance_size, direct, direct ? 0 : options.bands, direct ? 0 : plan.projecting.bands);
+    irradiance_ = {EntryKind::cubemap, cache::result_key("bake irradiance", {source_, pixels, irradiance})};
+  }
 
-  [[nodiscard]] FoundCubemap find_cubemap(const EntryName& name, int size, int levels) {
+  [[nodiscard]] auto find_cubemap(const EntryName& name, int size, int levels) {
     return store_.find(name, [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels); });
   }
 
-  void find() {
-    if (plan_.background_size > 0)
-      background_ = find_cubemap(background_name(), plan_.background_size, plan_.background_levels);
-    if (options_.irradiance_size > 0) irradiance_ = find_cubemap(irradiance_name(), options_.irradiance_size, 1);
-    if (!options_.specular) return;
-    PrefilterOptions prefiltering = *options_.specular;
-    prefiltering.pixels = options_.pixels;
+  void find_specular(const BakeOptions& options, baking::FoundArtefacts& found) {
+    PrefilterOptions prefiltering = *options.specular;
+    prefiltering.pixels = options.pixels;
     chain_.emplace(source_, prefiltering);
     chain_->find(store_);
+    if (!chain_->complete()) found.missing_specular = chain_->missing();
+    found.specular_where = chain_->found_text();
+    found.specular_milliseconds = chain_->milliseconds();
   }
-
-  void project(const Control& control) {
-    const PlannedPass& planned = plan_.step(BakePass::project).planned;
-    projecting_ = {planned.name, name(planned.action), planned.reason, 0.0};
-    if (!runs(BakePass::project)) return;
-    const EntryName entry = cache::projection_name(source_, plan_.projecting);
-    projection_ = store_.find_projection(entry, plan_.projecting.bands);
-    if (projection_) {
-      projecting_ = projection_->diagnostics.passes.front();
-      projecting_.name = planned.name;
-      return;
-    }
-    projection_ = welkin::project(view_, plan_.projecting, control);
-    projecting_.milliseconds = projection_->diagnostics.passes.back().milliseconds;
-    store_.store(entry, cache::encode(*projection_));
-  }
-
-  void bake_rest(const Control& control) {
-    BakeOptions missing = options_;
-    missing.background_size = plan_.background_size;
-    missing.background = plan_.background_size > 0 && !background_;
-    missing.specular.reset();
-    if (chain_ && !chain_->complete()) missing.specular = chain_->missing();
-    if (irradiance_) missing.irradiance_size = 0;
-    missing.total_radiance = false;
-    baking::StoredResults stored;
-    if (projection_) stored.harmonics = &projection_->radiance;
-    baking::bake_source(result_, view_, missing, stored, {}, control);
-    if (missing.background) store_.store(background_name(), cache::encode(result_.background));
-    if (missing.irradiance_size > 0) store_.store(irradiance_name(), cache::encode(chain_of(result_.irradiance)));
-    if (missing.specular) chain_->add(store_, std::move(*result_.specular));
-  }
-
-  /// As a bake has them: the projection's, or where there is none those of sanitizing.
-  [[nodiscard]] ProjectionDiagnostics diagnostics(const Control& control) {
-    if (projection_) return std::move(projection_->diagnostics);
-    ProjectionDiagnostics texels;
-    texels.texels = shape_of(view_).texels();
-    if (!runs(BakePass::sanitize)) return texels;
-    const EntryName entry = cache::sanitized_name(source_, options_.pixels);
-    if (auto found = cache::find_sanitized(store_, entry)) return std::move(found->diagnostics);
-    const projection::SanitizedSource sanitized(view_, options_.pixels, {control.stop, {}});
-    return cache::store_sanitized(store_, entry, sanitized).diagnostics;
-  }
-
-  void take_found() {
-    if (background_) {
-      result_.background = std::move(background_->value);
-      put(reused(BakePass::background, background_->where, background_->milliseconds));
-      if (plan_.background_levels > 1) put(reused(BakePass::background_mips, background_->where, 0.0));
-    }
-    if (irradiance_) {
-      result_.irradiance = image_of(irradiance_->value);
-      put(reused(BakePass::irradiance, irradiance_->where, irradiance_->milliseconds));
-    }
-    if (!chain_) return;
-    if (const std::string found = chain_->found_text(); !found.empty()) {
-      PassRecord& record = record_of(baking::name(BakePass::specular));
-      record.reason = chain_->complete() ? found : found + ", the others made";
-      if (chain_->complete()) record.action = name(PassAction::reuse);
-      record.milliseconds += chain_->milliseconds();
-    }
-    result_.specular = chain_->take();
-    ProjectionDiagnostics pixels;  // nothing to report: what was prefiltered has been sanitized before
-    pixels.texels = shape_of(view_).texels();
-    reflections::describe_pixels(pixels, {}, *result_.specular);
-  }
-
-  [[nodiscard]] PassRecord reused(BakePass pass, const char* where, double milliseconds) const {
-    return {baking::name(pass), name(PassAction::reuse), std::string("found ") + where, milliseconds};
-  }
-
-  /// A bake records every pass, those that it skips too.
-  [[nodiscard]] PassRecord& record_of(const std::string& pass) {
-    std::vector<PassRecord>& passes = result_.diagnostics.passes;
-    return *std::find_if(passes.begin(), passes.end(), [&](const PassRecord& record) { return record.name == pass; });
-  }
-  void put(const PassRecord& record) { record_of(record.name) = record; }
 
   Store& store_;
-  const View& view_;
-  const BakeOptions& options_;
-  const baking::BakePlan& plan_;
   ContentHash source_;
-  std::optional<Projection> projection_;
-  PassRecord projecting_;
-  FoundCubemap background_;
-  FoundCubemap irradiance_;
+  EntryName projection_, sanitized_, background_, irradiance_;
   std::optional<cache::StoredChain> chain_;
-  BakeResult result_;
 };
+
+template <class Store>
+BakeResult bake_with(Store& store, baking::Source& source, const BakeOptions& options,
+                     std::span<const PlannedPass> planned, const Control& control) {
+  BakeResult result;
+  BakeEntries<Store> entries(store);
+  baking::run_bake(result, source, {options, planned, &entries}, control);
+  return result;
+}
 
 }  // namespace
 
-template <class View>
-BakeResult ResultCache::bake_view(const View& view, const BakeOptions& options, const Control& control) {
-  const baking::BakePlan plan = baking::plan_bake(shape_of(view), options);
-  baking::require_memory(plan.result_bytes, plan.working_bytes, options);
-  return CachedBake<View, Store>(*store_, view, options, plan).run(control);
+BakeResult ResultCache::bake(const CubemapView& view, const BakeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  baking::MemorySource source(view);
+  return bake_with(*store_, source, options, {}, control);
 }
 
-BakeResult ResultCache::bake(const CubemapView& source, const BakeOptions& options, const Control& control) {
-  return bake_view(source, options, control);
+BakeResult ResultCache::bake(const LatLongView& view, const BakeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  baking::MemorySource source(view);
+  return bake_with(*store_, source, options, {}, control);
 }
 
-BakeResult ResultCache::bake(const LatLongView& source, const BakeOptions& options, const Control& control) {
-  return bake_view(source, options, control);
+BakeResult ResultCache::bake(const CubemapView& view, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  baking::MemorySource source(view);
+  baking::require_same_source(plan, source.shape().words());
+  return bake_with(*store_, source, plan.options, plan.passes, control);
+}
+
+BakeResult ResultCache::bake(const LatLongView& view, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  baking::MemorySource source(view);
+  baking::require_same_source(plan, source.shape().words());
+  return bake_with(*store_, source, plan.options, plan.passes, control);
+}
+
+BakeResult ResultCache::bake(const StoredEnvironment& file, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  BakeEntries<Store> entries(*store_);
+  return files::bake_file_source(file, plan, &entries, control);
 }
 
 }  // namespace welkin

@@ -13,6 +13,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 
 namespace welkin {
@@ -133,12 +134,13 @@ ContentHash hash_pixels(const LatLongView& lat_long, const Control& control) {
 }
 
 ContentHash hash_file(const std::filesystem::path& path, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   platform::ByteFile file(path);
   std::vector<std::byte> block(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), kFileBlockBytes)));
   XXH3_state_t state;
   XXH3_128bits_reset(&state);
   while (file.remaining() > 0) {
-    if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+    jobs::throw_if_cancelled(control);
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(file.remaining(), block.size()));
     file.read(block.data(), count);
     XXH3_128bits_update(&state, block.data(), count);

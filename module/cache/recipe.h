@@ -94,6 +94,12 @@ class ByteReader {
       if (static_cast<std::uint64_t>(value) != bits) fail();
     }
   }
+  void get(PassAction& action) {
+    int value = 0;
+    get(value);
+    if (value < 0 || value > static_cast<int>(PassAction::skip)) return fail();
+    action = static_cast<PassAction>(value);
+  }
   void get(std::string& text) {
     const std::size_t length = count(1);
     text.resize(length);
@@ -165,9 +171,10 @@ using ByteSpan = std::span<const std::uint8_t>;
 
 // The name under which a result is kept.
 
-/// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits.
+/// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits or of
+/// their form as bytes.
 [[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
-  const std::string call = what + " " WELKIN_VERSION_STRING " 1";
+  const std::string call = what + " " WELKIN_VERSION_STRING " 2";
   std::vector<ContentHash> all{hash_bytes(call.data(), call.size())};
   all.insert(all.end(), parts);
   return combine(all);

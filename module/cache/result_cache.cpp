@@ -8,6 +8,7 @@
 #include "cache/cached_bake.h"
 #include "cache/recipe.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "projection/cubemap_projection.h"
 #include "projection/pixel_policy.h"
 #include "projection/project.h"
@@ -85,22 +86,26 @@ void check(const LightChange& change) {
 }  // namespace
 
 Projection changed(const Projection& projection, const LightChange& change) {
+  const platform::FloatingPointScope floating_point;
   check(change);
   Projection result = projection;
   if (change.exposure != 1.0) {
     result.radiance = scale(result.radiance, glm::dvec3(change.exposure));
     result.diagnostics.total_radiance *= change.exposure;
     result.diagnostics.total_radiance_before_clamp *= change.exposure;
-    result.diagnostics.passes.push_back({"exposure", "run", "a factor to the coefficients"});
+    result.diagnostics.passes.push_back({"exposure", PassAction::run, "a factor to the coefficients"});
   }
   if (change.rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) {
     result.radiance = rotate(result.radiance, change.rotation);
-    result.diagnostics.passes.push_back({"rotation", "run", "a transform of the coefficients"});
+    result.diagnostics.passes.push_back({"rotation", PassAction::run, "a transform of the coefficients"});
   }
   return result;
 }
 
-ResultCache::ResultCache(const CacheOptions& options) : store_(std::make_unique<Store>(options)) {}
+ResultCache::ResultCache(const CacheOptions& options) {
+  const platform::FloatingPointScope floating_point;
+  store_ = std::make_unique<Store>(options);
+}
 ResultCache::~ResultCache() = default;
 ResultCache::ResultCache(ResultCache&&) noexcept = default;
 ResultCache& ResultCache::operator=(ResultCache&&) noexcept = default;
@@ -139,23 +144,26 @@ Projection ResultCache::project_view(const View& view, const ProjectionOptions& 
   if (found_faces > 0) {
     std::vector<PassRecord>& passes = projection.diagnostics.passes;
     const std::string words = std::to_string(found_faces) + " of 6 faces were projected before";
-    passes.insert(passes.begin(), {"faces", "reuse", words});
+    passes.insert(passes.begin(), {"faces", PassAction::reuse, words});
   }
   return changed(projection, change);
 }
 
 Projection ResultCache::project(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change,
                                 const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return project_view(cubemap, options, change, control);
 }
 
 Projection ResultCache::project(const LatLongView& lat_long, const ProjectionOptions& options,
                                 const LightChange& change, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return project_view(lat_long, options, change, control);
 }
 
 Projection ResultCache::project_file(const std::filesystem::path& path, const ReadOptions& read_options,
                                      const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   std::error_code none;
   const bool whole = std::filesystem::is_regular_file(path, none) &&
@@ -207,16 +215,19 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
 
 PrefilteredSpecular ResultCache::prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
                                                     const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return prefilter_view(source, options, control);
 }
 
 PrefilteredSpecular ResultCache::prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
                                                     const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return prefilter_view(source, options, control);
 }
 
 SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options,
                                       const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const EntryName name{EntryKind::sky_tables,
                        cache::result_key("sky tables", {hash_options(atmosphere), hash_options(options)})};
   // Checks the arguments; what is refused without a cache is refused here.

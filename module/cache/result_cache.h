@@ -91,10 +91,10 @@ namespace cache {
 /// Passes of a result that was found: what had been run is reused.
 inline void mark_reused(std::vector<PassRecord>& passes, const char* where, double milliseconds) {
   for (PassRecord& pass : passes) {
-    if (pass.action == "run") pass.action = "reuse";
+    if (pass.action == PassAction::run) pass.action = PassAction::reuse;
     pass.milliseconds = 0.0;
   }
-  passes.insert(passes.begin(), {"cache", "reuse", std::string("found ") + where, milliseconds});
+  passes.insert(passes.begin(), {"cache", PassAction::reuse, std::string("found ") + where, milliseconds});
 }
 
 /// The entry of `project`, and of a bake's projection.

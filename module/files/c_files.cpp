@@ -1,12 +1,21 @@
 // The C interface to files.
+#include <charconv>
+#include <cstring>
+#include <iterator>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "c/c_projection.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
+#include "welkin/babylon_environment.h"
 #include "welkin/environment_file.h"
 #include "welkin/file_requests.h"
+#include "welkin/sky_table_file.h"
+#include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 
 namespace welkin::c_interface {
@@ -48,7 +57,8 @@ welkin_status welkin_project_file(const char* path, const welkin_read_options* r
     require(path, "path");
     const auto wanted = projection_options(options);
     require_room(projection, wanted.bands);
-    write_projection(projection, welkin::project_file(path, file_options(read_options), wanted, control_of(control)));
+    const auto light = welkin::project_file(path, file_options(read_options), wanted, control_of(control));
+    write_projection(projection, light.radiance, light.diagnostics);
     return WELKIN_OK;
   });
 }
@@ -60,5 +70,154 @@ welkin_status welkin_post_project_file(welkin_worker* worker, const char* path, 
     require(path, "path");
     welkin::ProjectFile request{path, file_options(read_options), projection_options(options)};
     welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+welkin_status welkin_bake_file(const char* path, const welkin_read_options* read_options,
+                               const welkin_bake_options* options, const welkin_control* control,
+                               welkin_bake_result** result) {
+  return guarded([&] {
+    hand_out(result, "result", [&] {
+      require(path, "path");
+      const welkin::BakeFile call{path, file_options(read_options), bake_options(options)};
+      return new welkin_bake_result(call(control_of(control)));
+    });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path, const welkin_read_options* read_options,
+                                    const welkin_bake_options* options, const welkin_post_options* post,
+                                    welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    require(path, "path");
+    welkin::BakeFile request{path, file_options(read_options), bake_options(options)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+// Textures.
+
+namespace welkin::c_interface {
+namespace {
+
+static_assert(WELKIN_TEXEL_RGBA32F == static_cast<int>(TexelFormat::rgba32f));
+static_assert(WELKIN_TEXEL_B10G11R11 == static_cast<int>(TexelFormat::b10g11r11));
+static_assert(WELKIN_TEXEL_E5B9G9R9 == static_cast<int>(TexelFormat::e5b9g9r9));
+static_assert(WELKIN_SUPERCOMPRESSION_ZLIB == static_cast<int>(Supercompression::zlib));
+static_assert(WELKIN_SUPERCOMPRESSION_ZSTD == static_cast<int>(Supercompression::zstd));
+
+TextureOptions texture_options(const welkin_texture_options* options) {
+  const auto given = read_options(options, "options");
+  TextureOptions wanted;
+  wanted.format = enumerator("format", given.format, TexelFormat::e5b9g9r9);
+  wanted.supercompression = enumerator("supercompression", given.supercompression, Supercompression::zstd);
+  return wanted;
+}
+
+/// As `probe_environment` reads them: numbers with a space between, each read back as the same double.
+std::string roughness_text(std::span<const MipRecord> mips) {
+  std::string text;
+  for (const MipRecord& mip : mips) {
+    char digits[32];
+    const auto end = std::to_chars(std::begin(digits), std::end(digits), mip.roughness).ptr;
+    if (!text.empty()) text += ' ';
+    text.append(std::begin(digits), end);
+  }
+  return text;
+}
+
+const welkin_cubemap_chain& levels_of(const welkin_cubemap_chain* chain, const char* name) {
+  require(chain, name);
+  return *chain;
+}
+
+/// The chain once more, in memory that can be turned to another engine's axes.
+CubemapChain copy_of(const welkin_cubemap_chain& chain) {
+  CubemapChain copy(chain.levels.front().size, static_cast<int>(chain.levels.size()));
+  for (int level = 0; level < copy.levels(); ++level) {
+    const CubemapView& from = chain.levels[static_cast<std::size_t>(level)];
+    const auto edge = static_cast<std::size_t>(from.size);
+    for (int face = 0; face < 6; ++face) {
+      std::memcpy(copy.face(level, face), from.faces[static_cast<std::size_t>(face)], edge * edge * 3 * sizeof(float));
+    }
+  }
+  return copy;
+}
+
+}  // namespace
+}  // namespace welkin::c_interface
+
+welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips, int32_t mip_count,
+                                   const welkin_texture_options* options, const welkin_control* control,
+                                   uint64_t* values_clamped) {
+  return guarded([&] {
+    require(path, "path");
+    const auto views = cubemap_views(mips, mip_count);
+    tell(welkin::write_texture(path, views, texture_options(options), control_of(control)).values_clamped,
+         values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* chain,
+                                 const welkin_texture_options* options, const welkin_control* control,
+                                 uint64_t* values_clamped) {
+  return guarded([&] {
+    require(path, "path");
+    const auto& given = levels_of(chain, "chain");
+    auto wanted = texture_options(options);
+    if (!given.mips.empty()) wanted.metadata["welkin.roughness"] = roughness_text(given.mips);
+    tell(welkin::write_texture(path, given.levels, wanted, control_of(control)).values_clamped, values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_write_flat_texture(const char* path, int32_t width, int32_t height, const float* rgb,
+                                        const welkin_texture_options* options, const welkin_control* control,
+                                        uint64_t* values_clamped) {
+  return guarded([&] {
+    require(path, "path");
+    require(rgb, "rgb");
+    const auto report =
+        welkin::write_texture_2d(path, width, height, rgb, texture_options(options), control_of(control));
+    tell(report.values_clamped, values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_write_babylon_environment(const char* path, const welkin_cubemap_chain* specular, int32_t bands,
+                                               const double* radiance, const welkin_control* control,
+                                               uint64_t* values_clamped) {
+  return guarded([&] {
+    require(path, "path");
+    const auto& chain = levels_of(specular, "specular");
+    const auto light = read_harmonics(bands, radiance, "radiance");
+    const auto report =
+        welkin::write_babylon_environment(path, welkin::to_babylon(copy_of(chain), light), control_of(control));
+    tell(report.values_clamped, values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+// Tables of skies.
+
+welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path) {
+  return guarded([&] {
+    require(path, "path");
+    welkin::save_sky_tables(*tables_of(tables), path);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes, welkin_sky_tables** tables) {
+  return guarded([&] {
+    hand_out(tables, "tables", [&] {
+      require(path, "path");
+      auto loaded =
+          memory_limit_bytes == 0 ? welkin::load_sky_tables(path) : welkin::load_sky_tables(path, memory_limit_bytes);
+      return new welkin_sky_tables{std::make_shared<const welkin::SkyTables>(std::move(loaded))};
+    });
+    return WELKIN_OK;
   });
 }

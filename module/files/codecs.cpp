@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "files/env_pictures.h"
+#include "files/env.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
 

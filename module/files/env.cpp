@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,13 +12,13 @@
 
 #include "files/codecs.h"
 #include "files/env_manifest.h"
-#include "files/env_pictures.h"
 #include "files/layout.h"
-#include "files/stop.h"
 #include "harmonics/babylon.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "welkin/babylon_environment.h"
 #include "welkin/engine_light.h"
 #include "welkin/harmonic_transforms.h"
@@ -32,6 +33,29 @@ float bounded(float value, std::uint64_t& clamped) noexcept {
 }
 
 }  // namespace
+
+void EnvPictureBytes::refuse(ErrorCode code, const std::string& message) const {
+  throw platform::file_error(code, path, what + " " + message);
+}
+
+void EnvPictureBytes::require_size(std::uint64_t width, std::uint64_t height) const {
+  const auto wanted = static_cast<std::uint64_t>(size);
+  if (width == wanted && height == wanted) return;
+  refuse(ErrorCode::corrupt_file, "is " + std::to_string(width) + " x " + std::to_string(height) +
+                                      " texels; its level has " + std::to_string(size) + " x " + std::to_string(size));
+}
+
+void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop) {
+  const std::vector<std::uint8_t>& bytes = picture.bytes;
+  if (bytes.size() >= 8 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0) {
+    decode_png_rgba(picture, rgba, stop);
+  } else if (bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
+             std::memcmp(bytes.data() + 8, "WEBP", 4) == 0) {
+    decode_webp_rgba(picture, rgba);
+  } else {
+    picture.refuse(ErrorCode::unsupported_file, "is neither a PNG nor a WebP by its first bytes; fetch the file again");
+  }
+}
 
 RgbdEncoder::RgbdEncoder() {
   for (std::size_t code = 0; code < thresholds_.size(); ++code) {
@@ -113,6 +137,7 @@ CubemapImage mirrored_x(const CubemapImage& cubemap) {
 
 BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
                               const CubemapImage& irradiance_over_pi) {
+  const platform::FloatingPointScope floating_point;
   BabylonEnvironment environment;
   environment.specular = mirrored_x(specular);
   environment.polynomial = babylon_polynomial(transform(radiance, convention(Engine::babylon).from_welkin));
@@ -186,6 +211,7 @@ std::string name_of_env_picture(std::size_t index) {
 
 BabylonEnvironment read_babylon_environment(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
                                             const Control& control) {
+  const platform::FloatingPointScope floating_point;
   platform::ByteFile file(path);
   const files::EnvManifest manifest = files::read_env_manifest(file);
   const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * manifest.width * manifest.width);
@@ -323,7 +349,7 @@ void encode(Picture& picture, const RgbdEncoder& encoder, const std::stop_token&
   const auto size = static_cast<std::size_t>(picture.view.size);
   std::vector<std::uint8_t> rgba(4 * size * size);
   for (std::size_t row = 0; row < size; ++row) {  // bottom row first
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     const auto* rgb = static_cast<const float*>(
         image::row_of(picture.view, picture.face, picture.view.size - 1 - static_cast<int>(row)));
     picture.clamped += encoder.encode(rgb, size, rgba.data() + 4 * size * row);
@@ -416,6 +442,7 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
 
 WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
                                       const Control& control) {
+  const platform::FloatingPointScope floating_point;
   files::check(environment);
   files::require_codec(files::Codec::png, path, "write a texture (.ktx2, .dds)");
   platform::WholeFile file(path);

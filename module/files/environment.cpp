@@ -11,6 +11,7 @@
 #include "files/row_source.h"
 #include "image/geometry.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "welkin/environment_file.h"
 
 namespace welkin {
@@ -108,10 +109,12 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
 }  // namespace files
 
 EnvironmentInfo inspect_environment(const std::filesystem::path& path, const ReadOptions& options) {
+  const platform::FloatingPointScope floating_point;
   return files::open_row_source(path, options)->info();
 }
 
 Environment read_environment(const std::filesystem::path& path, const ReadOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return files::read_whole(*files::open_row_source(path, options), options, control);
 }
 
@@ -268,6 +271,7 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
 
 EnvironmentStatistics measure_environment(const std::filesystem::path& path, const ReadOptions& options,
                                           const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const auto source = files::open_row_source(path, options);
   const EnvironmentInfo& info = source->info();
   const auto width = static_cast<std::size_t>(info.width);

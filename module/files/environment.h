@@ -1,9 +1,12 @@
-// Reading a source whole.
+// What is made of a source of rows: an environment in memory, or a projection.
 #pragma once
+
+#include <optional>
 
 #include "files/layout.h"
 #include "files/row_source.h"
 #include "welkin/control.h"
+#include "welkin/projection.h"
 
 namespace welkin::files {
 
@@ -14,5 +17,14 @@ namespace welkin::files {
 /// own place. What lies beside them in a cross is decoded and not kept. Throws `Error`: limit_exceeded before
 /// anything is read, cancelled, and whatever reading throws.
 [[nodiscard]] Environment read_whole(const RowSource& source, const ReadOptions& options, const Control& control);
+
+/// The level of the file's mip chain that stands in for a reduction to `options.target_size`: the nearest in log2, by
+/// the edge of a cube's faces, or a lat-long's width against four times the target. Nothing without a chain, or
+/// if the target asks for no reduction. `info` is that of the full size.
+[[nodiscard]] std::optional<int> level_for_target(const EnvironmentInfo& info, const ProjectionOptions& options);
+
+/// Projects the level that `source` reads: a lat-long streams, a cube is read whole. See `project_file`.
+[[nodiscard]] Projection project_source(const RowSource& source, const ReadOptions& read_options,
+                                        const ProjectionOptions& options, const Control& control);
 
 }  // namespace welkin::files

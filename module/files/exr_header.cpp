@@ -150,9 +150,8 @@ int read_version(platform::ByteFile& file) {
   file.read(start.data(), start.size());
   const int version = start[4] | start[5] << 8 | start[6] << 16;  // the top byte is kept free by the format
   if (Imf::getVersion(version) != Imf::EXR_VERSION || start[7] != 0 || !Imf::supportsFlags(Imf::getFlags(version))) {
-    refuse(file.path(), "is of an OpenEXR version or kind that is not known here (version " +
-                            std::to_string(Imf::getVersion(version)) + ", flags " +
-                            std::to_string(Imf::getFlags(version) >> 8) + "); save it as OpenEXR 2");
+    refuse(file.path(), "has an unknown OpenEXR version or kind (version " + std::to_string(Imf::getVersion(version)) +
+                            ", flags " + std::to_string(Imf::getFlags(version) >> 8) + "); save it as OpenEXR 2");
   }
   if (Imf::isMultiPart(version) && Imf::isTiled(version)) {
     reject(file.path(), "it claims to be single-part tiled and multi-part at once");

@@ -31,7 +31,7 @@ bool has_levels(const ExrPart& part) {
 void name_compression(ExrPicture& picture, const Imf::Header& header) {
   const char* name = compression_name(header.compression());
   if (name == nullptr) {
-    refuse(picture.info.path, "is compressed in a way that is not known here (method " +
+    refuse(picture.info.path, "has an unknown compression (method " +
                                   std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
   }
   picture.info.compression = name;

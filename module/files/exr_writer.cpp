@@ -277,8 +277,8 @@ void convert_for_exr(const float* from, std::size_t count, float* to, std::uint6
 void convert_for_exr(const float* from, std::size_t count, Imath::half* to, std::uint64_t& clamped) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     float value = from[i];
-    if (std::isfinite(value) && std::abs(value) > kLargestHalf) {
-      value = std::copysign(kLargestHalf, value);
+    if (std::isfinite(value) && std::abs(value) > image::kLargestHalf) {
+      value = std::copysign(image::kLargestHalf, value);
       ++clamped;
     }
     to[i] = Imath::half(value);

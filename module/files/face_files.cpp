@@ -1,6 +1,4 @@
 // The six files of a cubemap, told apart by the ends of their names.
-#include "files/face_files.h"
-
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -13,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "files/row_source.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "projection/pixel_policy.h"
 #include "welkin/environment_file.h"
 
@@ -227,6 +227,7 @@ SixPaths faces_in(const Path& directory) {
 }  // namespace files
 
 std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {
+  const platform::FloatingPointScope floating_point;
   std::error_code ignored;
   return std::filesystem::is_directory(path, ignored) ? files::faces_in(path) : files::faces_beside(path);
 }

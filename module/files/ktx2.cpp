@@ -7,8 +7,8 @@
 #include <string>
 
 #include "files/codecs.h"
-#include "files/stop.h"
 #include "files/textures.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
 
@@ -398,7 +398,7 @@ PackedLevel pack_level(const TextureJob& job, const CubemapView& view) {
   const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
   std::uint8_t* to = texels.data();
   for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
-    throw_if_stopped(job.control.stop);
+    jobs::throw_if_cancelled(job.control);
     encoder.encode(view, row / view.size, row % view.size, 1, to);
   }
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};

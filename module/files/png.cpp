@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "files/codecs.h"
-#include "files/env_pictures.h"
+#include "files/env.h"
 #include "files/layout.h"
 #include "files/primaries.h"
-#include "files/stop.h"
 #include "files/write_environment.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "platform/file.h"
 
 namespace welkin::files {
@@ -371,7 +371,7 @@ Bytes encode_png_rgba(const Bytes& rgba, int size, const std::stop_token& stop) 
   require_encoded(spng_encode_image(context.get(), nullptr, 0, SPNG_FMT_PNG, flags));
   const std::size_t row_bytes = std::size_t{4} * header.width;
   for (int row = 0, result = SPNG_OK; row < size; ++row) {
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     result = spng_encode_row(context.get(), rgba.data() + row_bytes * static_cast<std::size_t>(row), row_bytes);
     if (result != SPNG_EOI) require_encoded(result);  // said of the last row
   }
@@ -395,7 +395,7 @@ void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const s
   require(spng_decode_image(context.get(), nullptr, 0, SPNG_FMT_RGBA8, flags));
   const std::size_t row_bytes = std::size_t{4} * header.width;
   for (int result = SPNG_OK; result != SPNG_EOI;) {  // an interlaced picture's rows come several times
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     spng_row_info row{};
     require(spng_get_row_info(context.get(), &row));
     result = spng_decode_row(context.get(), rgba + row_bytes * row.row_num, row_bytes);

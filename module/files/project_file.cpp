@@ -1,5 +1,3 @@
-#include "files/project_file.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -13,9 +11,10 @@
 #include "files/environment.h"
 #include "files/layout.h"
 #include "files/row_source.h"
-#include "files/stop.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "projection/lat_long_projection.h"
 #include "projection/pixel_policy.h"
 #include "projection/project.h"
@@ -58,7 +57,7 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
   Projection projection = naming_file(source.info().path, [&] {
     return project(environment.cubemap(), options, jobs::part_of(control, kReadingShare, 1.0));
   });
-  put_first(projection, {{"read", "run", kind_of(source.info()) + "; a cubemap is held whole", reading}});
+  put_first(projection, {{"read", PassAction::run, kind_of(source.info()) + "; a cubemap is held whole", reading}});
   return projection;
 }
 
@@ -96,12 +95,12 @@ Projection project_lat_long(const RowSource& source, const ReadOptions& read_opt
   });
   Projection projection = naming_file(info.path, [&] { return projector.finish(); });
   const std::string overlapped = "overlapped, time summed over threads";
-  put_first(projection,
-            {{"read", "run", kind_of(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
-              milliseconds(decoding)},
-             {"cubemap", "skip", "a lat-long is projected directly", 0.0},
-             {"project", "run", "rows as they are decoded, " + overlapped,
-              milliseconds(Clock::duration(projecting.load()))}});
+  put_first(projection, {{"read", PassAction::run,
+                          kind_of(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
+                          milliseconds(decoding)},
+                         {"cubemap", PassAction::skip, "a lat-long is projected directly", 0.0},
+                         {"project", PassAction::run, "rows as they are decoded, " + overlapped,
+                          milliseconds(Clock::duration(projecting.load()))}});
   return projection;
 }
 
@@ -129,7 +128,7 @@ Projection project_level(const std::filesystem::path& path, const EnvironmentInf
   Projection projection = project_source(*source, read_options, options, control);
   if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info, options);
   put_first(projection,
-            {{"reduce", "reuse",
+            {{"reduce", PassAction::reuse,
               "level " + std::to_string(level) + " of the file's mip chain, " + std::to_string(info.width) + " x " +
                   std::to_string(info.height) + ", is the nearest of " + std::to_string(full.levels.size()),
               0.0}});
@@ -144,7 +143,7 @@ std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, con
 
 Projection reused(const RowSource& source, const SphericalHarmonics& radiance, const ProjectionOptions& options,
                   const Control& control) {
-  throw_if_stopped(control.stop);
+  jobs::throw_if_cancelled(control);
   constexpr double six_digits = 1e-5;  // of the constants that such a polynomial is made with
   Projection projection;
   projection.radiance = SphericalHarmonics(options.bands);
@@ -155,8 +154,8 @@ Projection reused(const RowSource& source, const SphericalHarmonics& radiance, c
   projection.diagnostics.total_radiance_before_clamp = projection.diagnostics.total_radiance;
   projection.diagnostics.error_estimate = six_digits;
   put_first(projection,
-            {{"read", "run", kind_of(source.info()) + "; the manifest alone", 0.0},
-             {"project", "reuse",
+            {{"read", PassAction::run, kind_of(source.info()) + "; the manifest alone", 0.0},
+             {"project", PassAction::reuse,
               "the polynomial that the file stores, in full where its pixels are clipped; no clamp, gamma or policy "
               "applies to it",
               0.0}});
@@ -193,6 +192,7 @@ Projection project_source(const RowSource& source, const ReadOptions& read_optio
 
 Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options,
                         const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   const auto source = files::open_row_source(path, read_options);
   if (std::optional<SphericalHarmonics> radiance = files::reusable_radiance(*source, options)) {

@@ -12,7 +12,6 @@
 #include "files/codecs.h"
 #include "files/env.h"
 #include "files/env_manifest.h"
-#include "files/face_files.h"
 #include "files/hdr.h"
 #include "files/pfm.h"
 #include "files/textures.h"
@@ -49,7 +48,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
                                    [&](const Signature& other) { return start.starts_with(other.bytes); });
   const std::string found = start.empty()                ? "is empty"
                             : known != kOtherKinds.end() ? std::string("is ") + known->kind
-                                                         : "is of no kind that is known here";
+                                                         : "is no picture or texture that Welkin reads";
   throw platform::file_error(
       ErrorCode::unsupported_file, path,
       found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, DDS and .env are read: convert it");
@@ -220,7 +219,7 @@ class Run {
     Turns& turns = turns_[section];
     const std::lock_guard lock(turns.mutex);
     if (turns.failed) return false;
-    if (control_.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+    jobs::throw_if_cancelled(control_);
     turns.failed = true;  // until it is read
     group = cut_.group(section, turns.next_group);
     read(turns.reader, worker, group);

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "welkin/control.h"
 #include "welkin/environment_file.h"
@@ -85,6 +86,12 @@ class RowSource {
 /// Opens an environment: a picture file, or the six files of a cubemap by any of them or their directory.
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options);
+
+/// A strip N x 6N, layout six_files, whose rows come from the six square pictures of `face_files(path)`, each a
+/// section of its own. Throws as `inspect_environment`; unsupported_file naming the file that is not square or not
+/// of the first one's size.
+[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const std::filesystem::path& path, const ReadOptions& options,
+                                                        const std::string& reason);
 
 /// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.
 [[nodiscard]] constexpr std::uint64_t rgb_bytes(int width, int rows) noexcept {

@@ -15,6 +15,7 @@
 
 #include "files/crc32.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "sky/table_sizes.h"
 #include "welkin/sky_tables.h"
 
@@ -203,6 +204,7 @@ bool sound(const std::vector<float>& values) {
 }  // namespace
 
 void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path) {
+  const platform::FloatingPointScope floating_point;
   check(tables.atmosphere);
   sky::check_options(tables.options);
   if (tables.atmosphere.name.size() > kMostText) {
@@ -242,6 +244,7 @@ void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path)
 }
 
 SkyTables load_sky_tables(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+  const platform::FloatingPointScope floating_point;
   ByteFile file(path);
   std::array<std::uint8_t, kHeaderBytes + sizeof(std::uint32_t)> start{};
   if (file.size() < kMagic.size()) throw file_error(ErrorCode::corrupt_file, path, "is too short for sky tables");
@@ -289,7 +292,7 @@ SkyTables load_sky_tables(const std::filesystem::path& path, std::uint64_t memor
       throw file_error(ErrorCode::corrupt_file, path, "holds values that are negative or no numbers");
     }
   });
-  tables.passes = {{"scattering", "reuse", "read from a file", 0.0}};
+  tables.passes = {{"scattering", PassAction::reuse, "read from a file", 0.0}};
   return tables;
 }
 

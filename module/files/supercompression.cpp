@@ -1,8 +1,8 @@
 #include <limits>
 #include <string>
 
-#include "files/stop.h"
 #include "files/textures.h"
+#include "jobs/control.h"
 #include "platform/file.h"
 
 namespace welkin::files {
@@ -24,7 +24,7 @@ Bytes pack(Supercompression supercompression, const Bytes& bytes, const std::sto
 
 void unpack(Supercompression supercompression, const Bytes& packed, const std::filesystem::path& path, Bytes& bytes,
             const std::stop_token& stop) {
-  throw_if_stopped(stop);
+  jobs::throw_if_cancelled(stop);
   if (supercompression == Supercompression::zlib) {
     unpack_zlib(packed, path, bytes, stop);
   } else {

@@ -5,13 +5,70 @@
 #include <utility>
 
 #include "files/layout.h"
-#include "files/stop.h"
 #include "files/textures.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "welkin/cubemap_chain.h"
 
 namespace welkin::files {
+namespace {
+
+template <typename Unpack>
+void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, const Unpack& unpack) noexcept {
+  for (std::size_t i = 0; i < count; ++i, rgb += 3, texels += 4) {
+    const std::array<float, 3> texel = unpack(platform::read_little_endian<std::uint32_t>(texels));
+    std::memcpy(rgb, texel.data(), sizeof texel);
+  }
+}
+
+}  // namespace
+
+TexelKind kind_of(TexelFormat format) noexcept {
+  switch (format) {
+    case TexelFormat::rgba16f: return TexelKind::rgba16f;
+    case TexelFormat::rgba32f: return TexelKind::rgba32f;
+    case TexelFormat::b10g11r11: return TexelKind::b10g11r11;
+    case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
+  }
+  return TexelKind::rgba16f;
+}
+
+const char* name(TexelKind kind) noexcept {
+  switch (kind) {
+    case TexelKind::rgba16f: return "rgba16f";
+    case TexelKind::rgba32f: return "rgba32f";
+    case TexelKind::b10g11r11: return "b10g11r11";
+    case TexelKind::e5b9g9r9: return "e5b9g9r9";
+    case TexelKind::rgba8: return "rgba8";
+    case TexelKind::rgba8_srgb: return "rgba8 srgb";
+  }
+  return "unknown";
+}
+
+std::size_t texel_bytes(TexelKind kind) noexcept {
+  if (kind == TexelKind::rgba16f) return 8;
+  return kind == TexelKind::rgba32f ? 16 : 4;
+}
+
+std::uint64_t level_bytes(TexelKind kind, int size) noexcept {
+  const auto edge = static_cast<std::uint64_t>(size);
+  return 6 * edge * edge * texel_bytes(kind);
+}
+
+void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
+  const auto whole = static_cast<int>(count);
+  switch (kind) {
+    case TexelKind::rgba16f: return image::decode_texels(PixelFormat::rgba_f16, texels, whole, rgb);
+    case TexelKind::rgba32f: return image::decode_texels(PixelFormat::rgba_f32, texels, whole, rgb);
+    case TexelKind::rgba8: return image::decode_texels(PixelFormat::rgba_u8, texels, whole, rgb);
+    case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::rgba_srgb8, texels, whole, rgb);
+    case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
+    case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
+  }
+}
+
 namespace {
 
 using namespace std::string_view_literals;
@@ -136,7 +193,7 @@ std::string words_for(const TextureLayout& layout) {
 void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, const std::stop_token& stop) {
   const int size = chain.level_size(level);
   for (int row = 0; row < size; row += kRowsAtOnce) {
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     const std::ptrdiff_t offset = std::ptrdiff_t{3} * size * row;
     reader.read(level, face, row, std::min(kRowsAtOnce, size - row), chain.face(level, face) + offset);
   }
@@ -183,6 +240,7 @@ void TextureReader::read(int level, int face, int first_row, int rows, float* rg
 
 CubemapTexture read_texture(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
                             const Control& control) {
+  const platform::FloatingPointScope floating_point;
   platform::ByteFile file(path);
   const files::TextureLayout layout = files::read_texture_layout(file);
   const files::Tiles tiles(layout);

@@ -5,10 +5,11 @@
 #include <system_error>
 
 #include "files/codecs.h"
-#include "files/stop.h"
 #include "files/textures.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "welkin/cubemap_chain.h"
 
 namespace welkin {
@@ -100,7 +101,7 @@ void check_mips(std::span<const CubemapView> mips) {
 }  // namespace
 
 void report_share(const Control& control, double done) {
-  throw_if_stopped(control.stop);
+  jobs::throw_if_cancelled(control);
   if (control.progress && done > 0.0) control.progress(std::min(done, 1.0));
 }
 
@@ -108,7 +109,7 @@ void TexelEncoder::encode_row(PixelFormat format, const void* row, int width, st
   const auto count = static_cast<std::size_t>(width);
   rgb_.resize(3 * count);
   image::decode_texels(format, row, width, rgb_.data());
-  clamped_ += encode_texels(format_, rgb_.data(), count, texels);
+  clamped_ += image::encode_texels(format_, rgb_.data(), count, texels);
 }
 
 void TexelEncoder::encode(const CubemapView& view, int face, int first_row, int rows, std::uint8_t* texels) {
@@ -162,6 +163,7 @@ void write_picture(const PictureJob& job, TexelEncoder& encoder) {
 
 WriteReport write_texture(const std::filesystem::path& path, std::span<const CubemapView> mips,
                           const TextureOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   files::check_mips(mips);
   const files::Container& container = files::container_of(path);
   files::check_options(path, container, options);
@@ -177,6 +179,7 @@ WriteReport write_texture(const std::filesystem::path& path, std::span<const Cub
 
 WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
                              const TextureOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb_f32};
   constexpr int largest = 16384;
   if (rgb == nullptr || width < 1 || height < 1 || width > largest || height > largest) {

@@ -1,7 +1,7 @@
 // The pictures of .env files that are WebP, by libwebp.
 #include <webp/decode.h>
 
-#include "files/env_pictures.h"
+#include "files/env.h"
 
 namespace welkin::files {
 

@@ -14,6 +14,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/float_environment.h"
 #include "welkin/environment_writer.h"
 #include "welkin/error.h"
 
@@ -121,6 +122,7 @@ std::filesystem::path face_path(const std::filesystem::path& path, int face) {
 }  // namespace
 
 void check_write_options(const std::filesystem::path& path, const WriteOptions& options, bool is_cubemap) {
+  const platform::FloatingPointScope floating_point;
   (void)type_for(format_of(path), options.type, path);
   if (!is_cubemap && options.layout != Layout::automatic && options.layout != Layout::lat_long) {
     throw file_error(ErrorCode::invalid_argument, path,
@@ -140,6 +142,7 @@ void check_write_options(const std::filesystem::path& path, const WriteOptions& 
 
 WriteReport write_environment(const std::filesystem::path& path, const LatLongView& picture,
                               const WriteOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(picture);
   check_write_options(path, options, false);
   const Format& format = format_of(path);
@@ -150,6 +153,7 @@ WriteReport write_environment(const std::filesystem::path& path, const LatLongVi
 
 WriteReport write_environment(const std::filesystem::path& path, const CubemapView& picture,
                               const WriteOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(picture);
   check_write_options(path, options, true);
   const Format& format = format_of(path);
@@ -204,9 +208,7 @@ OutputPicture::OutputPicture(const CubemapView& view, const CubePlacement& place
 }
 
 void report_rows(const WriteJob& job, int done, int height) {
-  if (job.control.stop.stop_requested()) {
-    throw Error(ErrorCode::cancelled, "cancelled by the caller");
-  }
+  jobs::throw_if_cancelled(job.control);
   if (job.control.progress && done > 0) {
     job.control.progress(static_cast<double>(done) / height);
   }

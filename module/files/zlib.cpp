@@ -5,8 +5,8 @@
 #define ZLIB_CONST  // it does not write through next_in
 #include <zlib.h>
 
-#include "files/stop.h"
 #include "files/textures.h"
+#include "jobs/control.h"
 
 namespace welkin::files {
 namespace {
@@ -39,7 +39,7 @@ Bytes pack_zlib(const Bytes& bytes, const std::stop_token& stop) {
   Bytes packed(deflateBound(&stream, bytes.size()));
   int result = Z_OK;
   while (result == Z_OK) {
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     const bool last = offer(stream, bytes, packed);
     result = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
   }
@@ -54,7 +54,7 @@ void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& 
   const std::unique_ptr<z_stream, EndInflate> end(&stream);
   int result = Z_OK;
   while (result == Z_OK) {
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     offer(stream, packed, bytes);
     result = inflate(&stream, Z_NO_FLUSH);
   }

@@ -5,8 +5,8 @@
 #include <memory>
 #include <new>
 
-#include "files/stop.h"
 #include "files/textures.h"
+#include "jobs/control.h"
 
 namespace welkin::files {
 namespace {
@@ -26,7 +26,7 @@ Bytes pack_zstd(const Bytes& bytes, const std::stop_token& stop) {
   ZSTD_inBuffer from{bytes.data(), 0, 0};
   ZSTD_outBuffer to{packed.data(), packed.size(), 0};
   for (bool done = false; !done;) {
-    throw_if_stopped(stop);
+    jobs::throw_if_cancelled(stop);
     from.size = std::min(from.pos + kPackedAtOnce, bytes.size());
     const bool last = from.size == bytes.size();
     const std::size_t left = ZSTD_compressStream2(context.get(), &to, &from, last ? ZSTD_e_end : ZSTD_e_continue);

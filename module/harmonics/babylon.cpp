@@ -6,6 +6,7 @@
 
 #include <numbers>
 
+#include "platform/float_environment.h"
 #include "welkin/babylon.h"
 
 namespace welkin {
@@ -42,6 +43,7 @@ glm::dvec3 lambertian(const SphericalHarmonics& radiance, int l, int m) {
 }  // namespace
 
 BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance) {
+  const platform::FloatingPointScope floating_point;
   const glm::dvec3 ambient = lambertian(radiance, 0, 0) * kBand0;
   const glm::dvec3 zonal = lambertian(radiance, 2, 0) * kBand2Zonal;
   const glm::dvec3 half_zonal = lambertian(radiance, 2, 0) * kBand2HalfZonal;
@@ -62,6 +64,7 @@ BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance) {
 }
 
 BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour) {
+  const platform::FloatingPointScope floating_point;
   BabylonPolynomial polynomial;
   polynomial.xx = colour;
   polynomial.yy = colour;
@@ -70,6 +73,7 @@ BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour) {
 }
 
 glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal) {
+  const platform::FloatingPointScope floating_point;
   const double x = normal.x;
   const double y = normal.y;
   const double z = normal.z;

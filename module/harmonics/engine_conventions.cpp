@@ -17,6 +17,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "platform/float_environment.h"
 #include "welkin/babylon.h"
 #include "welkin/convention.h"
 #include "welkin/engine_light.h"
@@ -99,7 +100,7 @@ const Convention& convention(std::string_view name) {
       std::find_if(kConventions.begin(), kConventions.end(), [&](const Convention& each) { return each.name == name; });
   if (found == kConventions.end()) {
     throw Error(ErrorCode::invalid_argument,
-                "\"" + std::string(name) + "\" is no convention that is known here; there are " + all_names());
+                "\"" + std::string(name) + "\" is not the name of a convention; the names are " + all_names());
   }
   return *found;
 }
@@ -270,6 +271,7 @@ bool has_engine_light(Engine engine) noexcept {
 }
 
 EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine) {
+  const platform::FloatingPointScope floating_point;
   switch (engine) {
     case Engine::babylon: return babylon(radiance);
     case Engine::three: return three(radiance);
@@ -289,6 +291,7 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
 }
 
 EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine) {
+  const platform::FloatingPointScope floating_point;
   return engine_light_in_place(transform(radiance, convention(engine).from_welkin), engine);
 }
 

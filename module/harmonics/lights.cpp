@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "math/basis.h"
+#include "platform/float_environment.h"
 #include "welkin/directional_light.h"
 #include "welkin/error.h"
 
@@ -25,6 +26,7 @@ double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g
 // A light of irradiance E from direction d has the coefficients E Y(l, m)(d). Least squares over bands 1 and 2:
 // E = sum c(l, m) Y(l, m)(d) / sum Y(l, m)(d)^2, and the second sum is (3 + 5) / (4 pi) whatever d is.
 std::optional<DominantLight> dominant_light(const SphericalHarmonics& radiance) {
+  const platform::FloatingPointScope floating_point;
   if (radiance.bands() < 2) return std::nullopt;
   const glm::dvec3 linear(luminance(radiance.at(1, 1)), luminance(radiance.at(1, -1)), luminance(radiance.at(1, 0)));
   const double largest = std::max({std::abs(linear.x), std::abs(linear.y), std::abs(linear.z)});
@@ -66,6 +68,7 @@ glm::dvec3 unit(const glm::dvec3& direction) {
 //   c(l, m) = L solid_angle k_l Y(l, m)(d),   k_l = (2 - t) P_l'(1 - t) / (l (l + 1)),   k_0 = 1,
 // and k_l goes to 1 as the disc shrinks to a point.
 SphericalHarmonics sun_harmonics(const Sun& sun, int bands) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics harmonics(bands);
   if (!(sun.solid_angle >= 0.0 && sun.solid_angle <= 4.0 * std::numbers::pi)) {
     refuse("the sun's solid angle is " + std::to_string(sun.solid_angle) + " sr; it must be from 0 to 4 pi");

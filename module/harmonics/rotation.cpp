@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 
@@ -65,10 +66,12 @@ double distance_from_orthogonal(const glm::dmat3& matrix) {
 }  // namespace
 
 SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const glm::dquat& rotation) {
+  const platform::FloatingPointScope floating_point;
   return turned(harmonics, glm::mat3_cast(normalised(rotation)));
 }
 
 SphericalHarmonics transform(const SphericalHarmonics& harmonics, const glm::dmat3& orthogonal) {
+  const platform::FloatingPointScope floating_point;
   const double off = distance_from_orthogonal(orthogonal);
   if (!(off <= kOrthogonalWithin)) {
     throw Error(ErrorCode::invalid_argument,

@@ -12,6 +12,7 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/harmonic_transforms.h"
 
@@ -39,6 +40,7 @@ SphericalHarmonics::SphericalHarmonics(int bands)
     : bands_(bands), values_(checked_coefficient_count(bands), glm::dvec3(0.0)) {}
 
 void evaluate_basis(const glm::dvec3& direction, int bands, std::span<double> values) {
+  const platform::FloatingPointScope floating_point;
   const std::size_t count = checked_coefficient_count(bands);
   if (values.size() < count) {
     throw Error(ErrorCode::invalid_argument, "room for " + std::to_string(values.size()) + " basis values; " +
@@ -48,6 +50,7 @@ void evaluate_basis(const glm::dvec3& direction, int bands, std::span<double> va
 }
 
 glm::dvec3 evaluate(const SphericalHarmonics& coefficients, const glm::dvec3& direction) {
+  const platform::FloatingPointScope floating_point;
   std::array<double, kMaximumCoefficients> basis;
   math::evaluate_basis(direction.x, direction.y, direction.z, coefficients.bands(), basis.data());
   glm::dvec3 sum(0.0);
@@ -59,6 +62,7 @@ glm::dvec3 evaluate(const SphericalHarmonics& coefficients, const glm::dvec3& di
 // Equation 9 for even l > 0, with n = l / 2: 2 pi (-1)^(n - 1) / ((l + 2) (l - 1)) x l! / (2^l n!^2). The last
 // factor, the central binomial coefficient over 4^n, is the product of (2k - 1) / (2k) over k = 1..n.
 double cosine_lobe(int l) {
+  const platform::FloatingPointScope floating_point;
   constexpr double kPi = std::numbers::pi;
   if (l == 1) return 2.0 * kPi / 3.0;
   if (l % 2 != 0) return 0.0;
@@ -69,6 +73,7 @@ double cosine_lobe(int l) {
 }
 
 SphericalHarmonics irradiance_from_radiance(const SphericalHarmonics& radiance) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics irradiance = radiance;
   for (int l = 0; l < irradiance.bands(); ++l) {
     const double lobe = cosine_lobe(l);
@@ -78,18 +83,23 @@ SphericalHarmonics irradiance_from_radiance(const SphericalHarmonics& radiance) 
 }
 
 SphericalHarmonics lambertian_from_irradiance(const SphericalHarmonics& irradiance) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics reflected = irradiance;
   for (glm::dvec3& coefficient : reflected.coefficients()) coefficient *= std::numbers::inv_pi;
   return reflected;
 }
 
 SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int bands) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics harmonics(bands);
   harmonics.at(0, 0) = radiance * band_zero_of_one();
   return harmonics;
 }
 
-glm::dvec3 average_radiance(const SphericalHarmonics& radiance) { return radiance.at(0, 0) / band_zero_of_one(); }
+glm::dvec3 average_radiance(const SphericalHarmonics& radiance) {
+  const platform::FloatingPointScope floating_point;
+  return radiance.at(0, 0) / band_zero_of_one();
+}
 
 namespace {
 
@@ -108,19 +118,25 @@ SphericalHarmonics combined(const SphericalHarmonics& a, double factor_a, const 
 
 }  // namespace
 
-SphericalHarmonics add(const SphericalHarmonics& a, const SphericalHarmonics& b) { return combined(a, 1.0, b, 1.0); }
+SphericalHarmonics add(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  const platform::FloatingPointScope floating_point;
+  return combined(a, 1.0, b, 1.0);
+}
 
 SphericalHarmonics scale(const SphericalHarmonics& a, const glm::dvec3& factor) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics scaled = a;
   for (glm::dvec3& value : scaled.coefficients()) value *= factor;
   return scaled;
 }
 
 SphericalHarmonics lerp(const SphericalHarmonics& a, const SphericalHarmonics& b, double t) {
+  const platform::FloatingPointScope floating_point;
   return combined(a, 1.0 - t, b, t);
 }
 
 SphericalHarmonics with_bands(const SphericalHarmonics& harmonics, int bands) {
+  const platform::FloatingPointScope floating_point;
   SphericalHarmonics result(bands);
   const std::size_t kept = std::min(result.coefficients().size(), harmonics.coefficients().size());
   std::copy_n(harmonics.coefficients().begin(), kept, result.coefficients().begin());
@@ -144,6 +160,7 @@ glm::dvec3 sum_of(const SphericalHarmonics& harmonics, const std::vector<double>
 // direction. In z a Gauss rule of D / 2 + 1 points is exact for it, along each circle D + 1 equal steps are. Both
 // functions are summed in the same way, so that a b and b a have the same bits.
 SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics& b, int bands) {
+  const platform::FloatingPointScope floating_point;
   if (bands < 0 || bands > kMaximumBands) {
     throw Error(ErrorCode::invalid_argument, "a product of " + std::to_string(bands) + " bands; 1 to " +
                                                  std::to_string(kMaximumBands) + " are possible, 0 for all there are");

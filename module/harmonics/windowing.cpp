@@ -15,6 +15,7 @@
 
 #include "math/basis.h"
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/windowing.h"
 
@@ -216,6 +217,7 @@ Low channel_minimum(std::vector<double> channel, int bands) {
 }  // namespace
 
 HarmonicMinimum minimum(const SphericalHarmonics& harmonics) {
+  const platform::FloatingPointScope floating_point;
   HarmonicMinimum result;
   std::vector<double> channel(harmonics.coefficients().size());
   for (int c = 0; c < 3; ++c) {
@@ -351,6 +353,7 @@ const char* name(Window window) noexcept {
 }
 
 Windowed apply_window(const SphericalHarmonics& radiance, Window window, double width) {
+  const platform::FloatingPointScope floating_point;
   // 1e12 bands of width leave every factor 1; beyond it l / width could vanish.
   if (!(width >= 0.0 && width <= 1e12)) {
     throw Error(ErrorCode::invalid_argument, "the window's width is " + std::to_string(width) +

@@ -161,7 +161,7 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
                   [&](std::size_t tile, std::size_t) {
                     RingSums ring_sums(weights, faces, parts[tile], sums.data());
                     for (int row = 0; row < weights.lines(); ++row) {
-                      if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+                      jobs::throw_if_cancelled(control);
                       for (const bool polar : {false, true}) {
                         weights.weigh(weights.kind_of(polar, row), row, scratch[tile], ring_sums);
                       }

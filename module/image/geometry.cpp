@@ -11,6 +11,7 @@
 
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/resampling.h"
 
@@ -228,6 +229,7 @@ std::vector<double> solid_angles_of(const TexelGrid& grid, const std::vector<std
 namespace welkin {
 
 glm::dmat3 turn_about_y(double degrees) {
+  const platform::FloatingPointScope floating_point;
   if (!(std::abs(degrees) <= 1e6)) {
     throw Error(ErrorCode::invalid_argument,
                 "a turn of " + std::to_string(degrees) + " degrees about y; it must be within 1e6 degrees");

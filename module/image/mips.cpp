@@ -15,6 +15,7 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/float_environment.h"
 #include "simd/dispatch.h"
 #include "welkin/error.h"
 #include "welkin/mip_chain.h"
@@ -171,6 +172,7 @@ double texels_of_level(const CubemapChain& chain, int level) {
 }  // namespace
 
 void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   if (chain.levels() == 0) throw Error(ErrorCode::invalid_argument, "the chain has no levels to fill");
   double total = 0.0;
   for (int level = 0; level + 1 < chain.levels(); ++level) total += texels_of_level(chain, level);
@@ -184,6 +186,7 @@ void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control) {
 }
 
 CubemapChain build_mips(const CubemapView& source, MipFilter filter, int levels, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(source);
   if (levels < 0 || levels > full_chain_levels(source.size)) {
     throw Error(ErrorCode::invalid_argument, "levels is " + std::to_string(levels) + "; a cubemap of " +

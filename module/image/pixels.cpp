@@ -67,6 +67,63 @@ float float_from_half(std::uint16_t half) noexcept {
   return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(scaled));
 }
 
+std::uint16_t half_from_float(float value) noexcept {
+  // In integers: the caller's rounding mode does not matter, and nothing is rounded twice.
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t sign = (bits >> 16U) & 0x8000U;
+  const std::uint32_t magnitude = bits & 0x7FFFFFFFU;
+  constexpr std::uint32_t least_normal = 0x38800000U;  // 2^-14
+  constexpr std::uint32_t largest = 0x477FE000U;       // 65504
+  if (magnitude >= largest) return static_cast<std::uint16_t>(sign | 0x7BFFU);
+  const std::uint32_t exponent = magnitude >> 23U;
+  if (exponent < 102U) return static_cast<std::uint16_t>(sign);  // less than half of the least denormal
+  // What is below the last bit of the half, and the number from which that bit counts up.
+  const bool denormal = magnitude < least_normal;
+  const std::uint32_t shift = denormal ? 126U - exponent : 13U;
+  const std::uint32_t number = denormal ? (magnitude & 0x7FFFFFU) | 0x800000U : magnitude - 0x38000000U;
+  const std::uint32_t below_half = (1U << (shift - 1U)) - 1U;
+  return static_cast<std::uint16_t>(sign | ((number + below_half + ((number >> shift) & 1U)) >> shift));
+}
+
+namespace {
+
+std::uint16_t bounded_half(float value, std::uint64_t& changed) noexcept {
+  constexpr float kLargestHalf = 65504.0F;
+  if (value >= -kLargestHalf && value <= kLargestHalf) return half_from_float(value);
+  ++changed;
+  return value == value ? half_from_float(value) : std::uint16_t{0};
+}
+
+template <class Channel, class Convert>
+void write_texels(const float* values, int channels, std::size_t count, int target_channels, Channel one, void* texels,
+                  const Convert& convert) noexcept {
+  const int common = std::min(channels, target_channels);
+  const std::size_t bytes = static_cast<std::size_t>(target_channels) * sizeof(Channel);
+  auto* place = static_cast<std::byte*>(texels);
+  std::array<Channel, 4> texel{Channel{}, Channel{}, Channel{}, one};
+  for (std::size_t i = 0; i < count; ++i, values += channels, place += bytes) {
+    for (int c = 0; c < common; ++c) texel[static_cast<std::size_t>(c)] = convert(values[c]);
+    std::memcpy(place, texel.data(), bytes);
+  }
+}
+
+}  // namespace
+
+std::uint64_t encode_texels(const float* values, int channels, std::size_t count, TexelLayout layout,
+                            void* texels) noexcept {
+  std::uint64_t changed = 0;
+  if (layout.halves) {
+    constexpr std::uint16_t one = 0x3C00;
+    write_texels(values, channels, count, layout.channels, one, texels,
+                 [&changed](float value) { return bounded_half(value, changed); });
+  } else if (layout.channels == channels) {
+    std::memcpy(texels, values, count * layout.texel_bytes());
+  } else {
+    write_texels(values, channels, count, layout.channels, 1.0F, texels, [](float value) { return value; });
+  }
+  return changed;
+}
+
 double linear_from_srgb(double encoded) noexcept {
   if (encoded <= 0.04045) return encoded / 12.92;
   const double t = (encoded + 0.055) / 1.055;  // t^2.4 = t^2 (t^(1/5))^2

@@ -10,6 +10,7 @@
 #include "welkin/cubemap_chain.h"
 #include "welkin/image_view.h"
 #include "welkin/resampling.h"
+#include "welkin/upload.h"
 
 namespace welkin::image {
 
@@ -19,6 +20,48 @@ void decode_texels(PixelFormat format, const void* texels, int count, float* rgb
 
 /// A binary16 as a float, exactly; infinities and NaNs stay what they are.
 [[nodiscard]] float float_from_half(std::uint16_t half) noexcept;
+
+/// The nearest binary16, ties to even; what is beyond the largest half becomes that, with its sign. Not for NaN.
+[[nodiscard]] std::uint16_t half_from_float(float value) noexcept;
+
+/// How texels are written: interleaved floats or halves.
+struct TexelLayout {
+  int channels = 4;  ///< 2 to 4
+  bool halves = false;
+
+  [[nodiscard]] std::size_t channel_bytes() const noexcept { return halves ? 2 : 4; }
+  [[nodiscard]] std::size_t texel_bytes() const noexcept {
+    return static_cast<std::size_t>(channels) * channel_bytes();
+  }
+};
+
+/// Writes `count` texels of `channels` (2 or 3) packed floats. A fourth channel is 1, a third that is not given 0.
+/// Floats stay what they are. A half beyond the largest becomes that, NaN becomes 0; returned is how many values were
+/// so changed. `texels` may lie anywhere.
+std::uint64_t encode_texels(const float* values, int channels, std::size_t count, TexelLayout layout,
+                            void* texels) noexcept;
+
+/// Texels from packed RGB floats, alpha 1. Returns how many channel values the format could not hold: what is above its
+/// largest value becomes that, NaN becomes 0, and negatives 0 in the unsigned formats. Floats are kept as they are.
+std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t count, std::uint8_t* texels) noexcept;
+
+// Floats of few bits, as graphics APIs define them, each rounded to the nearest value that there is.
+
+inline constexpr float kLargestHalf = 65504.0F;
+inline constexpr float kLargestFloat11 = 65024.0F;      ///< 6 bits of mantissa
+inline constexpr float kLargestFloat10 = 64512.0F;      ///< 5 bits of mantissa
+inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
+
+/// VK_FORMAT_B10G11R11_UFLOAT_PACK32: red in bits 0 to 10, green 11 to 21, blue 22 to 31, ties to even.
+/// Finite values from 0 to the largest of each.
+[[nodiscard]] std::uint32_t pack_b10g11r11(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_b10g11r11(std::uint32_t texel) noexcept;
+
+/// VK_FORMAT_E5B9G9R9_UFLOAT_PACK32: mantissas of red in bits 0 to 8, green 9 to 17, blue 18 to 26, one exponent in 27
+/// to 31; a value is mantissa x 2^(exponent - 24). By the formulas of the Vulkan specification ("RGB to shared exponent
+/// conversion"): halves are rounded up. Finite values from 0 to `kLargestSharedFloat`.
+[[nodiscard]] std::uint32_t pack_e5b9g9r9(const std::array<float, 3>& rgb) noexcept;
+[[nodiscard]] std::array<float, 3> unpack_e5b9g9r9(std::uint32_t texel) noexcept;
 
 /// The sRGB transfer function's inverse (IEC 61966-2-1) for an encoded value in [0, 1]; error below 1e-15.
 [[nodiscard]] double linear_from_srgb(double encoded) noexcept;

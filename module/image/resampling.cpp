@@ -14,6 +14,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "welkin/error.h"
 #include "welkin/mip_chain.h"
 #include "welkin/resampling.h"
@@ -176,9 +177,7 @@ class Resampler {
     glm::dvec3 sum(0.0);
     double weights = 0.0;
     for (int sub_row = 0; sub_row < cells_.samples_down(); ++sub_row) {
-      if (across >= kSamplesToLookUp && control_.stop.stop_requested()) {
-        throw Error(ErrorCode::cancelled, "cancelled by the caller");
-      }
+      if (across >= kSamplesToLookUp) jobs::throw_if_cancelled(control_);
       const Cells::RowPlace place = cells_.row_place(row, sub_row);
       for (int sub_column = 0; sub_column < across; ++sub_column) {
         const Cells::Sample sample = cells_.sample(place, column * across + sub_column);
@@ -248,6 +247,7 @@ CubemapImage reduced(const CubemapView& source, int levels, const Control& contr
 }  // namespace
 
 CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_face_size(size);
   require_orthogonal(turn);
@@ -264,6 +264,7 @@ CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& t
 
 CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, const Control& control,
                         ResampleFilter filter) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_face_size(size);
   require_orthogonal(turn);
@@ -280,6 +281,7 @@ CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& t
 
 LatLongImage to_lat_long(const CubemapView& source, int width, int height, const glm::dmat3& turn,
                          const Control& control, ResampleFilter filter) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_lat_long_size(width, height);
   require_orthogonal(turn);
@@ -304,6 +306,7 @@ LatLongImage to_lat_long(const CubemapView& source, int width, int height, const
 
 LatLongImage to_lat_long(const LatLongView& source, int width, int height, const glm::dmat3& turn,
                          const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_lat_long_size(width, height);
   require_orthogonal(turn);

@@ -1,4 +1,4 @@
-// Passes that do not wait for each other, at the same time.
+// Passes that run at the same time, but for those that wait for each other.
 #pragma once
 
 #include <cstddef>
@@ -9,24 +9,11 @@
 
 namespace welkin::jobs {
 
-/// One of them: its work, given a control of its own, and its share of the whole (any unit).
-struct Pass {
-  std::function<void(const Control&)> work;
-  double cost = 1.0;
-};
-
-/// Runs all passes, in the caller's arena and in any order; the first in the calling thread, so the longest belongs
-/// there: whoever has time helps with its tiles, while the caller, once done, can only take passes nobody has begun.
-/// The first exception comes out when all passes have ended; those not yet begun are then left out. Progress is that
-/// of all by cost. Throws `Error` (cancelled) too.
-void run_together(const std::vector<Pass>& passes, const Control& control);
-
-// Passes that run at the same time, but for those that wait for each other.
-
 /// Passes, what each waits for and what it is expected to cost. Made once, run once.
-class PassGraph {
+class TaskGraph {
  public:
-  /// A pass may use TBB, reports its own progress to the control that it gets, and looks at its stop token.
+  /// A pass may run tiles, graphs and anything else of TBB. It reports its own progress to the control that it gets,
+  /// and looks at that control's stop token.
   using Work = std::function<void(const Control&)>;
 
   /// A pass that begins when all of `after`, passes that were added before, have ended. `cost` > 0 in any unit: orders

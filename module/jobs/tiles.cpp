@@ -13,7 +13,6 @@
 #include <cmath>
 #include <fstream>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 
@@ -35,49 +34,6 @@ class TileScope {
   ~TileScope() { --tiles_on_this_thread; }
   TileScope(const TileScope&) = delete;
   TileScope& operator=(const TileScope&) = delete;
-
- private:
-  platform::FloatingPointScope environment_;
-};
-
-void throw_if_stopped(const Control& control) {
-  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
-}
-
-/// Counts finished tiles and tells the caller, one call at a time and never backwards.
-///
-/// The counts are relaxed. oneTBB orders every tile before the join, and the lock orders the callbacks (whoever
-/// fails to get it has counted before: on x86 no later instruction overtakes that addition). An order between
-/// tiles, made here, would hide from the thread sanitizer the races of tiles that do not overlap in time.
-class Progress {
- public:
-  Progress(const Control& control, std::size_t total) : control_(control), total_(total) {}
-
-  /// How many tiles are done.
-  [[nodiscard]] std::size_t done() const { return done_.load(std::memory_order_relaxed); }
-
-  void tile_done() {
-    done_.fetch_add(1, std::memory_order_relaxed);
-    if (!control_.progress) return;
-    // Whoever holds the lock reports for the others too, and looks once more after letting go of it.
-    while (reported_.load(std::memory_order_relaxed) < done()) {
-      const std::unique_lock lock(mutex_, std::try_to_lock);
-      if (!lock) return;
-      const std::size_t now = done();
-      if (now <= reported_.load(std::memory_order_relaxed)) continue;
-      reported_.store(now, std::memory_order_relaxed);
-      // The callback may use TBB: isolated, its waiting cannot pick up one of our tiles, which would come
-      // back here.
-      tbb::this_task_arena::isolate([&] { control_.progress(static_cast<double>(now) / static_cast<double>(total_)); });
-    }
-  }
-
- private:
-  const Control& control_;
-  std::size_t total_;
-  std::atomic<std::size_t> done_{0};
-  std::atomic<std::size_t> reported_{0};
-  std::mutex mutex_;
 };
 
 /// Numbers for the threads inside a job, each held by one at a time. (TBB's own thread index does not do:
@@ -130,27 +86,20 @@ std::size_t worker_count(Placement placement) {
   return static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
 }
 
-Control part_of(const Control& control, double from, double to) {
-  Control part{control.stop, {}};
-  if (control.progress) {
-    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
-  }
-  return part;
-}
-
 void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,
                const std::function<void(std::size_t, std::size_t)>& tile) {
-  throw_if_stopped(control);
+  throw_if_cancelled(control);
   Progress progress(control, count);
   WorkerNumbers numbers(workers);
   const auto run_one = [&](std::size_t index) {
-    throw_if_stopped(control);
+    throw_if_cancelled(control);
+    const platform::FloatingPointScope floating_point;
     {
       const WorkerScope worker(numbers);
       const TileScope scope;
       tile(index, worker.number());
     }
-    progress.tile_done();
+    progress.add(1);
   };
   if (placement == Placement::calling_thread || count <= 1) {
     for (std::size_t index = 0; index < count; ++index) run_one(index);
@@ -180,6 +129,7 @@ constexpr int kMostThreads = 1024;  // oneTBB makes room for each, and has no bo
 /// Processors that the control group's quota grants (cgroup v2: "QUOTA PERIOD" in microseconds, or "max"),
 /// or 0 where there is none. oneTBB counts processors by affinity and knows nothing of quotas.
 int quota_processors() {
+  const platform::FloatingPointScope floating_point;
   std::ifstream file("/sys/fs/cgroup/cpu.max");
   std::string quota;
   double period = 0.0;

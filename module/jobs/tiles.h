@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "welkin/control.h"
+#include "jobs/control.h"
 
 namespace welkin::jobs {
 
@@ -25,15 +25,12 @@ enum class Placement {
 /// How many workers may be inside a job at once: the length of an array of scratch space, one entry each.
 [[nodiscard]] std::size_t worker_count(Placement placement);
 
-/// The part [from, to] of a call's progress, and its stop token. `control` must outlive what is returned.
-[[nodiscard]] Control part_of(const Control& control, double from, double to);
-
 /// Calls `tile(index, worker)` once for every index in [0, count); `worker` is below `workers`, which is what
 /// `worker_count` said when the scratch space was made, and belongs to nobody else while the tile runs.
 ///
-/// Tiles run with the default floating-point environment (round to nearest, denormals kept) whatever the
-/// caller's thread has set, and leave that as it was. Before each tile the stop token is checked; after
-/// each one progress is reported. The first exception that a tile throws ends the job and comes out here.
+/// Tiles run, and progress is reported, with the default floating-point environment (round to nearest, denormals kept)
+/// whatever the thread has set, and leave that as it was. Before each tile the stop token is checked; after each one
+/// progress is reported. The first exception that a tile throws ends the job and comes out here.
 /// Throws `Error` (cancelled). Allocates nothing of its own between the first tile's start and the last
 /// one's end. Tiles run whatever becomes of the caller's own TBB group: a result is whole or there is none.
 void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,

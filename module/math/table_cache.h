@@ -7,6 +7,8 @@
 #include <mutex>
 #include <utility>
 
+#include "platform/float_environment.h"
+
 namespace welkin::math {
 
 /// Keeps the tables that were used last, within a bound on their bytes; thread-safe.
@@ -24,12 +26,14 @@ class TableCache {
   explicit TableCache(std::size_t bound_bytes) : bound_bytes_(bound_bytes) {}
 
   /// The table for `key`, from `build()` (which returns a std::shared_ptr<const Table>) if it is not here.
-  /// What `build` throws comes out here, and the next one to ask tries again.
+  /// What `build` throws comes out here, and the next one to ask tries again. A table outlives the call that it was
+  /// built for, so `build` runs with the default floating-point environment whoever calls.
   template <class Build>
   std::shared_ptr<const Table> get(const Key& key, const Build& build) {
     const std::shared_ptr<Entry> entry = find_or_add(key);
     const std::scoped_lock building(entry->building);
     if (!entry->table) {
+      const platform::FloatingPointScope floating_point;
       entry->table = build();
       const std::scoped_lock lock(mutex_);
       entry->bytes = entry->table->bytes();

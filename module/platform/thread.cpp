@@ -7,12 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <string>
 
 namespace welkin::detail {
-
-long current_thread_number() noexcept { return ::syscall(SYS_gettid); }
 
 void name_current_thread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
@@ -25,17 +21,8 @@ void rank_current_thread(ThreadPriority priority) noexcept {
   // A thread made by a real-time one is one too, and has no nice value.
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &none));
   // On Linux a thread has a nice value of its own, its maker's at first, and its number stands for a process's here.
-  const auto thread = static_cast<id_t>(current_thread_number());
+  const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
   static_cast<void>(setpriority(PRIO_PROCESS, thread, std::min(kNicest, getpriority(PRIO_PROCESS, thread) + kNicer)));
-}
-
-bool asleep(long thread_number) {
-  std::ifstream file("/proc/self/task/" + std::to_string(thread_number) + "/stat");
-  std::string line;
-  if (!std::getline(file, line)) return true;
-  // "number (name) state ...": the name may hold anything, parentheses too.
-  const std::size_t state = line.rfind(')') + 2;
-  return state >= line.size() || (line[state] != 'R' && line[state] != 'D');
 }
 
 }  // namespace welkin::detail

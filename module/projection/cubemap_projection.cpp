@@ -485,11 +485,11 @@ void describe_projection(Projection& projection, int size, const ProjectionOptio
   diagnostics.error_estimate =
       estimate_error(projection.radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(target)});
   if (target > 0) {
-    diagnostics.passes.push_back(
-        {"reduce", "skip", "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
+    diagnostics.passes.push_back({"reduce", PassAction::skip,
+                                  "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
   }
   diagnostics.passes.push_back(
-      {"project", "run", "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
+      {"project", PassAction::run, "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
 }
 
 }  // namespace welkin::projection

@@ -18,6 +18,7 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/float_environment.h"
 #include "projection/pixel_policy.h"
 #include "projection/projection_kernels.h"
 #include "projection/texel_weights.h"
@@ -190,6 +191,7 @@ const std::byte* row_of(const void* pixels, std::ptrdiff_t stride, PixelFormat f
 
 std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
                                           const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(cubemap);
   projection::check_options(options);
   const auto texels = projection::cosine_texels_of_cubemap(cubemap.size);
@@ -204,6 +206,7 @@ std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<
 
 std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long, std::span<const glm::dvec3> normals,
                                           const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(lat_long);
   projection::check_options(options);
   const auto texels = projection::cosine_texels_of_lat_long(lat_long.width, lat_long.height);
@@ -216,10 +219,12 @@ std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long, std::span
 }
 
 glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal) {
+  const platform::FloatingPointScope floating_point;
   return direct_irradiance(cubemap, {&normal, 1}).front();
 }
 
 glm::dvec3 reference_irradiance(const LatLongView& lat_long, const glm::dvec3& normal) {
+  const platform::FloatingPointScope floating_point;
   return direct_irradiance(lat_long, {&normal, 1}).front();
 }
 
@@ -412,12 +417,14 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 
 std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const std::vector<glm::dvec3> directions = projection::spiral(normals);
   return errors_at(directions, direct_irradiance(cubemap, directions, options, control), radiance);
 }
 
 std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long, const SphericalHarmonics& radiance,
                                                int normals, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   const std::vector<glm::dvec3> directions = projection::spiral(normals);
   return errors_at(directions, direct_irradiance(lat_long, directions, options, control), radiance);
 }
@@ -480,6 +487,7 @@ CubemapImage directly(const View& source, int size, const Control& control) {
 }  // namespace
 
 CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   CubemapImage result = empty_cubemap(size);
   const projection::ProjectionKernels& kernels = projection::projection_kernels();
   const std::vector<double> channels = channels_of(irradiance);
@@ -512,10 +520,12 @@ CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, 
 }
 
 CubemapImage direct_irradiance_cubemap(const CubemapView& source, int size, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return directly(source, size, control);
 }
 
 CubemapImage direct_irradiance_cubemap(const LatLongView& source, int size, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return directly(source, size, control);
 }
 

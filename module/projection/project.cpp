@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "projection/box_reduction.h"
 #include "projection/cubemap_projection.h"
 #include "projection/lat_long_projection.h"
@@ -21,6 +22,16 @@
 #include "welkin/projection.h"
 
 namespace welkin {
+
+const char* name(PassAction action) noexcept {
+  switch (action) {
+    case PassAction::run: return "run";
+    case PassAction::reuse: return "reuse";
+    case PassAction::skip: break;
+  }
+  return "skip";
+}
+
 namespace {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
@@ -50,6 +61,7 @@ std::size_t FaceHarmonics::bytes() const noexcept {
 }
 
 FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   FaceHarmonics faces(cubemap.size, options);
   constexpr std::array<int, 6> kAll{0, 1, 2, 3, 4, 5};
   update_faces(faces, cubemap, kAll, control);
@@ -57,6 +69,7 @@ FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions&
 }
 
 void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<const int> faces, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(cubemap);
   projection::check_options(kept.options());
   if (kept.options().quadrature == Quadrature::midpoint &&
@@ -75,6 +88,7 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
 }
 
 Projection total(const FaceHarmonics& faces) {
+  const platform::FloatingPointScope floating_point;
   projection::SixFaceSums sums;
   for (int face = 0; face < 6; ++face) {
     sums[static_cast<std::size_t>(face)] = faces.face(face);
@@ -197,7 +211,8 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
         projection::estimate_error(projection.radiance, {static_cast<double>(target), static_cast<double>(target)});
     projection.diagnostics.passes.insert(
         projection.diagnostics.passes.begin(),
-        {"reduce", "run", "plain box to " + std::to_string(target) + ", before gamma and clamp", milliseconds});
+        {"reduce", PassAction::run, "plain box to " + std::to_string(target) + ", before gamma and clamp",
+         milliseconds});
     return projection;
   }
   const Stopwatch projecting;
@@ -210,12 +225,14 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
 }  // namespace
 
 Projection project(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(cubemap);
   projection::check_options(options);
   return project_level(cubemap, options, control);
 }
 
 Projection project(std::span<const CubemapView> mips, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check_chain(mips);
   projection::check_options(options);
   const int target = projection::effective_target(mips[0].size, options);
@@ -231,11 +248,12 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
                             level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
   projection.diagnostics.passes.insert(
       projection.diagnostics.passes.begin(),
-      {"reduce", "reuse", "the mip chain has a level of size " + std::to_string(level.size)});
+      {"reduce", PassAction::reuse, "the mip chain has a level of size " + std::to_string(level.size)});
   return projection;
 }
 
 Projection project(const LatLongView& lat_long, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   image::check_view(lat_long);
   projection::check_options(options);
   const Stopwatch projecting;
@@ -256,9 +274,9 @@ Projection project(const LatLongView& lat_long, const ProjectionOptions& options
                     projector.project_block(block, rows, worker);
                   });
   Projection projection = projector.finish();
-  projection.diagnostics.passes.push_back({"cubemap", "skip", "a lat-long is projected row by row as it is"});
+  projection.diagnostics.passes.push_back({"cubemap", PassAction::skip, "a lat-long is projected row by row as it is"});
   projection.diagnostics.passes.push_back(
-      {"project", "run", std::to_string(lat_long.width) + " x " + std::to_string(lat_long.height) + " texels",
+      {"project", PassAction::run, std::to_string(lat_long.width) + " x " + std::to_string(lat_long.height) + " texels",
        projecting.milliseconds()});
   return projection;
 }

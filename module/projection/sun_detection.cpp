@@ -14,6 +14,7 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "welkin/directional_light.h"
 #include "welkin/error.h"
 
@@ -40,7 +41,8 @@ void check_shape(int columns, int rows, int largest_columns, int largest_rows, s
   if (in_range && values == std::size_t{3} * static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) return;
   throw Error(ErrorCode::invalid_argument,
               std::string(what) + " of " + std::to_string(columns) + " x " + std::to_string(rows) + " texels with " +
-                  std::to_string(values) + " floats is none: it takes 3 floats a texel, and from 1 x 1 to " +
+                  std::to_string(values) +
+                  " floats does not fit: a picture has 3 floats for each texel, and from 1 x 1 to " +
                   std::to_string(largest_columns) + " x " + std::to_string(largest_rows) + " texels");
 }
 
@@ -127,12 +129,14 @@ std::optional<Sun> take_out(const image::TexelGrid& grid, float* pixels, const S
 }  // namespace projection
 
 std::optional<Sun> take_out_sun(LatLongImage& image, const SunOptions& options) {
+  const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   projection::check_shape(image.width, image.height, 65536, 32768, image.pixels.size(), "a lat-long");
   return projection::take_out(image::TexelGrid::lat_long(image.width, image.height), image.pixels.data(), options);
 }
 
 std::optional<Sun> take_out_sun(CubemapImage& image, const SunOptions& options) {
+  const platform::FloatingPointScope floating_point;
   projection::check_options(options);
   const int size = std::clamp(image.size, 0, 16385);  // six times anything larger might not be an int
   projection::check_shape(size, 6 * size, 16384, 6 * 16384, image.pixels.size(),

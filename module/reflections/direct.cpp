@@ -14,6 +14,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
+#include "platform/float_environment.h"
 #include "projection/sun_detection.h"
 #include "reflections/lobe.h"
 #include "welkin/error.h"
@@ -414,11 +415,13 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
 
 std::vector<glm::dvec3> reference_specular(const LatLongView& source, double roughness,
                                            const std::vector<glm::dvec3>& directions, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return reference(source, roughness, directions, control);
 }
 
 std::vector<glm::dvec3> reference_specular(const CubemapView& source, double roughness,
                                            const std::vector<glm::dvec3>& directions, const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return reference(source, roughness, directions, control);
 }
 

@@ -16,6 +16,7 @@
 #include "image/sphere_grid.h"
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
@@ -178,16 +179,16 @@ class Prefilter {
   }
 
   Prefiltered run(int bands, const Control& control) {
-    std::vector<jobs::Pass> passes;
-    if (plan_.bands > 0) passes.push_back({[&](const Control& part) { run_spectral(bands, part); }, 2.0});
-    if (plan_.sampled) passes.push_back({[&](const Control& part) { run_sampled(part); }, 100.0});
+    jobs::TaskGraph graph;
+    if (plan_.bands > 0) graph.add(2.0, [&](const Control& part) { run_spectral(bands, part); });
+    if (plan_.sampled) graph.add(100.0, [&](const Control& part) { run_sampled(part); });
     for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
       const MipPlan& mip = plan_.mips[level];
-      if (mip.copy) passes.push_back({[this, level](const Control& part) { copy_mip(level, part); }, 1.0});
+      if (mip.copy) graph.add(1.0, [this, level](const Control& part) { copy_mip(level, part); });
       if (!mip.copy && mip.method == PrefilterMethod::reference)
-        passes.push_back({[this, level](const Control& part) { integrate_mip(level, part); }, 1000.0});
+        graph.add(1000.0, [this, level](const Control& part) { integrate_mip(level, part); });
     }
-    jobs::run_together(passes, control);
+    graph.run(control);
     finish();
     return std::move(result_);
   }
@@ -197,7 +198,7 @@ class Prefilter {
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
     const std::scoped_lock lock(mutex_);
-    passes_.push_back({name, "run", reason, milliseconds});
+    passes_.push_back({name, PassAction::run, reason, milliseconds});
   }
 
   void run_spectral(int bands, const Control& control);
@@ -290,15 +291,14 @@ void Prefilter<View>::run_spectral(int bands, const Control& control) {
     add_harmonics(bright_, shape.width, shape.height, *result_.harmonics);
   }
 
-  std::vector<jobs::Pass> passes;
+  jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
     if (mip.bands.bands() == 0) continue;
-    passes.push_back(
-        {[this, level, &spectrum, &shape](const Control& part) { spectral_mip(level, spectrum, shape, part); },
-         static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands()});
+    graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
+              [this, level, &spectrum, &shape](const Control& part) { spectral_mip(level, spectrum, shape, part); });
   }
-  jobs::run_together(passes, jobs::part_of(control, 0.4, 1.0));
+  graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
 }
 
@@ -338,7 +338,7 @@ void Prefilter<View>::run_sampled(const Control& control) {
   const PaddedCube cube(base);
   memory_.take(base.bytes() + cube.bytes());
   note("sampled: mip chain", "of the source at its full size", watch.milliseconds());
-  std::vector<jobs::Pass> passes;
+  jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
     if (mip.copy || mip.method != PrefilterMethod::sampled) continue;
@@ -350,9 +350,9 @@ void Prefilter<View>::run_sampled(const Control& control) {
       record(level).samples = static_cast<int>(taps.size());
       end_mip(level, "sampled", mip_watch, part);
     };
-    passes.push_back({work, static_cast<double>(mip.size) * mip.size});
+    graph.add(static_cast<double>(mip.size) * mip.size, work);
   }
-  jobs::run_together(passes, control);
+  graph.run(control);
   memory_.give_back(base.bytes() + cube.bytes());
 }
 
@@ -449,11 +449,13 @@ const char* name(PrefilterMethod method) noexcept {
 
 PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
                                        const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return reflections::prefilter(source, options, 0, {}, control).specular;
 }
 
 PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
                                        const Control& control) {
+  const platform::FloatingPointScope floating_point;
   return reflections::prefilter(source, options, 0, {}, control).specular;
 }
 

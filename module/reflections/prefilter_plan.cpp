@@ -7,6 +7,7 @@
 #include <string>
 
 #include "image/pixels.h"
+#include "platform/float_environment.h"
 #include "projection/pixel_policy.h"
 #include "transform/spectrum.h"
 #include "welkin/error.h"
@@ -168,6 +169,7 @@ const char* name(RoughnessSchedule schedule) noexcept {
 }
 
 std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size) {
+  const platform::FloatingPointScope floating_point;
   image::require_range("mips", mips, 1, kMostMips);
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
   std::vector<double> table;
@@ -183,6 +185,7 @@ std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int 
 }
 
 double mip_of_roughness(const std::vector<double>& table, double roughness) {
+  const platform::FloatingPointScope floating_point;
   if (table.empty())
     throw Error(ErrorCode::invalid_argument, "the table of roughness is empty; it needs one entry a mip");
   for (std::size_t mip = 1; mip < table.size(); ++mip) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "sky/spectrum.h"
 #include "welkin/error.h"
 
@@ -103,6 +104,7 @@ void sky::check_wavelengths(const std::vector<double>& wavelengths) {
 }
 
 void check(const Atmosphere& atmosphere) {
+  const platform::FloatingPointScope floating_point;
   sky::check_wavelengths(atmosphere.wavelengths_nm);
   const std::size_t wavelengths = atmosphere.wavelengths_nm.size();
   require("bottom_radius_m", atmosphere.bottom_radius_m, 1.0, 1e9);
@@ -117,7 +119,7 @@ void check(const Atmosphere& atmosphere) {
   require("aerosol_asymmetry", atmosphere.aerosol_asymmetry, -kLargestAsymmetry, kLargestAsymmetry);
   if (atmosphere.aerosol_phase != AerosolPhase::cornette_shanks &&
       atmosphere.aerosol_phase != AerosolPhase::henyey_greenstein) {
-    refuse("the atmosphere's aerosol_phase is none that there is");
+    refuse("the atmosphere's aerosol_phase has no known value; pass cornette_shanks or henyey_greenstein");
   }
   check_values("ground_albedo", atmosphere.ground_albedo, wavelengths, 1.0);
   if (atmosphere.solar_irradiance.empty()) {
@@ -128,6 +130,7 @@ void check(const Atmosphere& atmosphere) {
 }
 
 std::vector<DensityLayer> exponential_profile(double scale_height_m) {
+  const platform::FloatingPointScope floating_point;
   if (!(scale_height_m > 0.0) || !std::isfinite(scale_height_m)) {
     refuse("the scale height is " + text(scale_height_m) + " m; it must be above 0 and finite");
   }
@@ -135,6 +138,7 @@ std::vector<DensityLayer> exponential_profile(double scale_height_m) {
 }
 
 std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m) {
+  const platform::FloatingPointScope floating_point;
   if (!(centre_m >= 0.0) || !std::isfinite(centre_m)) {
     refuse("the tent's centre is " + text(centre_m) + " m; it must be 0 or above and finite");
   }
@@ -153,12 +157,14 @@ Atmosphere without_aerosol(Atmosphere atmosphere) {
 }
 
 Atmosphere with_ground_albedo(Atmosphere atmosphere, double albedo) {
+  const platform::FloatingPointScope floating_point;
   require("ground albedo", albedo, 0.0, 1.0);
   atmosphere.ground_albedo.assign(atmosphere.wavelengths_nm.size(), albedo);
   return atmosphere;
 }
 
 glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees) {
+  const platform::FloatingPointScope floating_point;
   require("sun's elevation", elevation_degrees, -90.0, 90.0);
   if (!(std::abs(azimuth_degrees) <= 1e6)) {
     refuse("the sun's azimuth is " + text(azimuth_degrees) + " degrees; it must be from -1e6 to 1e6");
@@ -239,6 +245,7 @@ double carbon_dioxide(double wavelength_nm) {
 }  // namespace
 
 Atmosphere earth(const std::vector<double>& wavelengths_nm) {
+  const platform::FloatingPointScope floating_point;
   check_wavelengths(wavelengths_nm);
   Atmosphere air;
   air.name = "Earth (Bruneton 2017)";
@@ -261,6 +268,7 @@ Atmosphere earth(const std::vector<double>& wavelengths_nm) {
 }
 
 Atmosphere earth_hillaire() {
+  const platform::FloatingPointScope floating_point;
   Atmosphere air = earth();
   air.name = "Earth (Hillaire 2020)";
   air.top_radius_m = 6'460'000.0;
@@ -279,6 +287,7 @@ Atmosphere earth_hillaire() {
 // it scatters 94, 86 and 76 % at 680, 550 and 440 nm, forward with a mean cosine of 0.65: rounded from the ranges of
 // the landers' cameras (Pollack et al. 1995; Tomasko et al. 1999). Rusty ground.
 Atmosphere mars() {
+  const platform::FloatingPointScope floating_point;
   Atmosphere air;
   air.name = "Mars";
   air.bottom_radius_m = 3'389'500.0;

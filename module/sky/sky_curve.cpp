@@ -123,7 +123,7 @@ void SkyCurve::Nodes::bake_sun(const SkyView& view) {
 }
 
 SkyCurve::SkyCurve(const SkyView& view, const SkyCurveOptions& options, const Control& control) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   nodes_ = std::make_shared<const Nodes>(view, options, SkyProjector(view, checked(options)), control);
 }
 
@@ -132,7 +132,7 @@ int SkyCurve::bands() const noexcept { return nodes_->bands; }
 void SkyCurve::at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const {
   const int bands = nodes_->bands;
   sky::check_room(coefficients.size(), bands);
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const sky::SunAngles angles = sky::sun_angles(sun);
   std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
   std::array<double, 3 * sky::even_count(kMaximumBands)> values;
@@ -153,7 +153,7 @@ SphericalHarmonics SkyCurve::at(const glm::dvec3& sun) const {
 }
 
 glm::dvec3 SkyCurve::sun_irradiance(const glm::dvec3& sun) const {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const sky::SunAngles angles = sky::sun_angles(sun);
   double results[3];
   nodes_->direct.at(nodes_->direct_axis.place(angles.zenith_cosine), results);

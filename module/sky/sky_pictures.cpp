@@ -41,7 +41,7 @@ class SunnySlice {
   SunnySlice(const SkyView& view, const glm::dvec3& sun)
       : kernels_(sky::view_kernels()), run_(SkyViewAccess::slice(view).run(sky::sun_unit(sun))) {
     if (run_.outside) return;
-    const platform::FloatingPointScope scope;
+    const platform::FloatingPointScope floating_point;
     rows_.resize(std::size_t{2} * sky::kSkyRow * static_cast<std::size_t>(run_.half) *
                  static_cast<std::size_t>(run_.azimuths));
     kernels_.reduce(run_, rows_.data());
@@ -89,7 +89,7 @@ void for_rows(int rows, int columns, const Control& control, const Row& row) {
 template <class Covered>
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
               std::vector<float>& pixels) {
-  const platform::FloatingPointScope scope;
+  const platform::FloatingPointScope floating_point;
   const Sun sun = view.sun(towards);
   if (!(std::max({sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}) > 0.0)) return;
   const math::SineCosine radius = math::sine_cosine_of_turns(sun.angular_radius_degrees / 360.0);
@@ -115,6 +115,7 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
 
 CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
                          const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check_size("the sky's cubemap size", size);
   const auto edge = static_cast<std::size_t>(size);
   CubemapImage picture{size, std::vector<float>(18 * edge * edge)};
@@ -136,6 +137,7 @@ CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, c
 
 LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height, const SkyPictureOptions& options,
                           const Control& control) {
+  const platform::FloatingPointScope floating_point;
   check_size("the sky's lat-long height", height);
   const int width = 2 * height;
   const auto columns = static_cast<std::size_t>(width);

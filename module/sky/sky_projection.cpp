@@ -52,7 +52,7 @@ void check(const SkyHarmonicsOptions& options) {
   }
   throw Error(ErrorCode::invalid_argument, "sky harmonics: quadrature " +
                                                std::to_string(static_cast<int>(options.quadrature)) +
-                                               " is none; uniform, gauss and gauss-split are");
+                                               " is unknown; pass uniform, gauss or gauss_split");
 }
 
 void add_ring(RingRule& rings, double cosine, double weight) {
@@ -456,7 +456,7 @@ struct SkyProjector::Prepared {
 };
 
 SkyProjector::SkyProjector(SkyView view, const SkyHarmonicsOptions& options) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   prepared_ = std::make_shared<const Prepared>(Prepared{sky::SkyProjection(std::move(view), options)});
 }
 
@@ -464,7 +464,7 @@ void SkyProjector::project(const glm::dvec3& sun, std::span<glm::dvec3> coeffici
   const sky::SkyProjection& projection = prepared_->projection;
   const int bands = projection.options().bands;
   sky::check_room(coefficients.size(), bands);
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const sky::SunAngles angles = sky::sun_angles(sun);
   std::array<glm::dvec3, sky::even_count(kMaximumBands)> even;
   projection.project(angles, even);

@@ -101,7 +101,7 @@ class Precomputation {
     const auto start = std::chrono::steady_clock::now();
     work();
     const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    result_.passes.push_back({name, "run", reason, time.count()});
+    result_.passes.push_back({name, PassAction::run, reason, time.count()});
   }
 
   void transmittance();
@@ -291,14 +291,14 @@ void Precomputation::clip() {
 }  // namespace
 
 SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control) {
-  const platform::FloatingPointScope environment;                    // for what is computed outside of tiles
+  const platform::FloatingPointScope floating_point;                 // for what is computed outside of tiles
   const std::uint64_t bytes = sky_table_bytes(atmosphere, options);  // checks both
   if (bytes > options.memory_limit_bytes) {
     throw Error(ErrorCode::limit_exceeded, "the sky tables need " + std::to_string(bytes) + " bytes, the limit is " +
                                                std::to_string(options.memory_limit_bytes) +
                                                ": take smaller tables or raise memory_limit_bytes");
   }
-  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  jobs::throw_if_cancelled(control);
   static_cast<void>(sky::solver_kernels());  // a process's first choice of them allocates: not inside a tile
   return Precomputation(atmosphere, options, control).run();
 }

@@ -67,7 +67,7 @@ struct SkyView::Slice {
 
 SkyView::SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options)
     : slice_([&] {
-        const platform::FloatingPointScope scope;
+        const platform::FloatingPointScope floating_point;
         return std::make_shared<const Slice>(Slice{sky::SkySlice(checked(tables, altitude_m), altitude_m, options)});
       }()) {}
 
@@ -83,7 +83,7 @@ const std::shared_ptr<const SkyTables>& SkyView::tables() const noexcept { retur
 double SkyView::altitude_m() const noexcept { return slice_->slice.altitude(); }
 
 glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun) const {
-  const platform::FloatingPointScope scope;
+  const platform::FloatingPointScope floating_point;
   const sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   const glm::dvec3 towards = sky::of_moderate_length(direction);
   const double xyz[3] = {towards.x, towards.y, towards.z};
@@ -98,7 +98,7 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
            " directions");
   }
   const sky::ViewKernels& kernels = sky::view_kernels();
-  const platform::FloatingPointScope scope;
+  const platform::FloatingPointScope floating_point;
   sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   // Reducing the slice to the sun pays from some directions on; of large tables it would not fit on the stack.
   constexpr std::size_t room = 16384;
@@ -123,7 +123,7 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
 }
 
 Sun SkyView::sun(const glm::dvec3& sun) const {
-  const platform::FloatingPointScope scope;
+  const platform::FloatingPointScope floating_point;
   const sky::SkySlice& slice = slice_->slice;
   const double half_turns = tables()->atmosphere.sun_angular_radius_degrees / 720.0;
   const double sine = math::sine_cosine_of_turns(half_turns).sine;
@@ -138,7 +138,7 @@ Sun SkyView::sun(const glm::dvec3& sun) const {
 }
 
 glm::dvec3 SkyView::irradiance(const glm::dvec3& sun) const {
-  const platform::FloatingPointScope scope;
+  const platform::FloatingPointScope floating_point;
   const sky::SkySlice& slice = slice_->slice;
   const double mu_s = sky::sun_unit(sun).y;
   if (slice.outside()) return {};

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "platform/float_environment.h"
 #include "welkin/atmosphere.h"
 
 namespace welkin {
@@ -161,6 +162,7 @@ Shares shares(const std::vector<double>& rising, double place) {
 }  // namespace
 
 std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) {
+  const platform::FloatingPointScope floating_point;
   sky::check_wavelengths(wavelengths_nm);
   std::vector<double> rising = wavelengths_nm;
   const bool falling = rising.front() > rising.back();

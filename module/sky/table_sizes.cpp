@@ -31,11 +31,11 @@ std::uint64_t product(std::initializer_list<int> sizes) {
 
 void check_options(const SkyTableOptions& options) {
   if (options.layout != ScatteringLayout::full && options.layout != ScatteringLayout::compact) {
-    throw Error(ErrorCode::invalid_argument, "sky table option layout is none that there is; take full or compact");
+    throw Error(ErrorCode::invalid_argument, "the sky table option layout has no known value; pass full or compact");
   }
   if (options.colour != SkyColour::spectral && options.colour != SkyColour::linear_srgb) {
     throw Error(ErrorCode::invalid_argument,
-                "sky table option colour is none that there is; take spectral or linear_srgb");
+                "the sky table option colour has no known value; pass spectral or linear_srgb");
   }
   require("heights", options.heights, 2, 128);
   require("view_zeniths", options.view_zeniths, 4, 1024);

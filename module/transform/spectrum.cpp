@@ -236,7 +236,7 @@ Spectrum analyse(const LatLongView& source, int bands, const Control& control) {
   if (source.format != PixelFormat::rgb_f32) {
     throw Error(ErrorCode::invalid_argument, "the transform reads rgb_f32 pixels only; decode them first");
   }
-  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  jobs::throw_if_cancelled(control);
   return Analysis(source, bands).run(control);
 }
 
@@ -385,7 +385,7 @@ void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::
     throw Error(ErrorCode::invalid_argument,
                 "the grid has " + std::to_string(grid.columns()) + " columns; it needs an even number");
   }
-  if (control.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled by the caller");
+  jobs::throw_if_cancelled(control);
   Synthesis(spectrum, zonal, grid).run(control);
 }
 

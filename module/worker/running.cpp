@@ -1,74 +1,106 @@
-// Starting computations, running them, and what they leave.
+// Starting computations, running them, what they leave, and waiting for them.
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
 #include <iterator>
-#include <new>
+#include <memory>
+#include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
-#include "platform/thread.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
 namespace welkin::detail {
 namespace {
 
+thread_local const ThreadRole* innermost_role = nullptr;
+
 /// Looks whether a job is ready for about as long as it takes the system to wake two sleeping threads, which is what
 /// going to sleep at once would cost: the worker's, and then this one.
 void look_briefly(const JobRecord& job) noexcept {
   constexpr std::chrono::microseconds kTime{150};
-  const auto end = std::chrono::steady_clock::now() + kTime;
-  while (!job.ready.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < end) {
-    std::this_thread::yield();
-  }
+  const auto end = Scheduler::Clock::now() + kTime;
+  while (!job.ready.load(std::memory_order_acquire) && Scheduler::Clock::now() < end) std::this_thread::yield();
 }
 
 }  // namespace
 
-ComputationList& Scheduler::waiting(Priority priority) noexcept { return waiting_[static_cast<std::size_t>(priority)]; }
+ThreadRole::ThreadRole(const Scheduler& scheduler, Kind kind, std::shared_ptr<Computation> running) noexcept
+    : scheduler_(&scheduler), kind_(kind), running_(std::move(running)), outer_(innermost_role) {
+  innermost_role = this;
+}
+ThreadRole::~ThreadRole() { innermost_role = outer_; }
 
-bool Scheduler::any_waiting() const noexcept {
-  return !waiting_[0].empty() || !waiting_[1].empty() || !waiting_[2].empty();
+bool ThreadRole::has_any(const Scheduler& scheduler) noexcept {
+  const ThreadRole* role = innermost_role;
+  while (role != nullptr && role->scheduler_ != &scheduler) role = role->outer_;
+  return role != nullptr;
+}
+
+bool ThreadRole::is_worker(const Scheduler& scheduler) noexcept {
+  const ThreadRole* role = innermost_role;
+  while (role != nullptr && (role->scheduler_ != &scheduler || role->kind_ != worker)) role = role->outer_;
+  return role != nullptr;
+}
+
+std::shared_ptr<Computation> ThreadRole::running(const Scheduler& scheduler) noexcept {
+  const ThreadRole* role = innermost_role;
+  while (role != nullptr && (role->scheduler_ != &scheduler || !role->running_)) role = role->outer_;
+  return role != nullptr ? role->running_ : nullptr;
+}
+
+bool ThreadRole::is_inside(const Computation& computation) noexcept {
+  const ThreadRole* role = innermost_role;
+  while (role != nullptr && role->running_.get() != &computation) role = role->outer_;
+  return role != nullptr;
+}
+
+ComputationList& Scheduler::waiting(TaskPriority priority) noexcept {
+  return waiting_[static_cast<std::size_t>(priority)];
+}
+
+std::size_t Scheduler::waiting_count() const noexcept {
+  return waiting_[0].size() + waiting_[1].size() + waiting_[2].size();
 }
 
 bool Scheduler::is_waiting(const Computation& computation) const noexcept {
   return computation.list != nullptr && computation.list != &running_ && !computation.parent;
 }
 
-bool Scheduler::has_waiting() const {
-  const Lock lock(mutex_);
-  return any_waiting();
+bool Scheduler::has_waiting() {
+  const Books books(*this);
+  return waiting_count() > 0;
 }
 
 void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front) {
   ComputationList& list = waiting(computation->priority);
   list.splice(in_front ? list.begin() : list.end(), from);
+  news_ = true;
   computation->list = &list;
   computation->place = in_front ? list.begin() : std::prev(list.end());
 }
 
-ComputationList Scheduler::taken_out(const std::shared_ptr<Computation>& computation) {
+ComputationList Scheduler::take_out(const std::shared_ptr<Computation>& computation) {
   ComputationList node;
   node.splice(node.begin(), *computation->list, computation->place);
+  news_ = true;
   computation->list = nullptr;
   computation->parent = nullptr;
   close(*computation);
   bytes_ -= std::exchange(computation->bytes, 0);
-  idle_.notify_all();
   return node;
 }
 
 void Scheduler::update_priority(const std::shared_ptr<Computation>& computation) {
   if (!is_waiting(*computation) && !computation->parent) return;
-  Priority highest = Priority::low;
+  TaskPriority highest = TaskPriority::low;
   for (const std::shared_ptr<JobRecord>& job : computation->jobs) highest = std::max(highest, job->priority);
   rank(computation, highest);
 }
 
-void Scheduler::rank(const std::shared_ptr<Computation>& computation, Priority priority) {
+void Scheduler::rank(const std::shared_ptr<Computation>& computation, TaskPriority priority) {
   if (priority == computation->priority) return;
   computation->priority = priority;
   if (!is_waiting(*computation)) return;
@@ -77,47 +109,81 @@ void Scheduler::rank(const std::shared_ptr<Computation>& computation, Priority p
   enqueue(computation, node, false);
 }
 
-Priority Scheduler::priority_of(const JobRecord& job) const {
-  const Lock lock(mutex_);
+TaskPriority Scheduler::priority_of(const JobRecord& job) {
+  const Books books(*this);
   return job.priority;
 }
 
-void Scheduler::set_priority(JobRecord& job, Priority priority) {
-  const Lock lock(mutex_);
+void Scheduler::set_priority(JobRecord& job, TaskPriority priority) {
+  const Books books(*this);
   job.priority = priority;
   if (!job.settled) update_priority(job.computation);
 }
 
-void Scheduler::call_for_hands() {
-  if (executor_->lent()) {
-    // Whoever ends the worker waits for this: the arena may go after it.
-    const Lock lock(mutex_);
-    if (closed_) return;
-    ++calling_;
+// Threads.
+
+/// With the mutex held: whom to call for what waits.
+void Scheduler::plan_calls(DeferredWork& work) {
+  if (own_threads_) {
+    // While something runs, threads that are parked may be inside of its tasks, and it does not show which: all are
+    // called. (What this thread itself runs has no tasks now.)
+    const std::size_t mine = ThreadRole::is_worker(*this) ? 1 : 0;
+    if (work.startable > 0 && running_.size() > mine) work.startable = threads_;
+  } else if (options_.executor && !closed_ && !work.refused) {
+    work.tasks = std::min(threads_ - lent_, static_cast<int>(waiting_count()) - unstarted_);
+    if (work.tasks <= 0) return;
+    lent_ += work.tasks;
+    unstarted_ += work.tasks;
+    ++lending_;  // until this is over, whoever ends the worker waits: the executor may go then
   }
-  const bool called = executor_->call_one(shared_from_this());
-  const Lock lock(mutex_);
-  if (executor_->lent()) {
-    --calling_;
-    idle_.notify_all();
-  }
-  // A thread that was called may yet be kept by a tile in which somebody waits; but then something runs.
-  if (!watching_ && any_waiting() && (!called || executor_->lent() || !running_.empty())) watch_.notify_one();
 }
 
-void Scheduler::start_running(const std::shared_ptr<Computation>& computation) {
-  running_.splice(running_.end(), *computation->list, computation->place);
-  computation->list = &running_;
-  computation->thread = current_thread_number();
-  ++events_;
-  // What it waits for may be among these, and the thread that was called for that kept by one of its tiles.
-  if (!watching_ && any_waiting()) watch_.notify_one();
+/// Without the mutex, and without any other lock: `post` comes through here.
+void Scheduler::call_for_hands(DeferredWork& work) {
+  if (own_threads_) {
+    own_threads_->call(std::exchange(work.startable, 0));
+    return;
+  }
+  int tasks = std::exchange(work.tasks, 0);
+  if (tasks <= 0) return;
+  try {
+    for (; tasks > 0; --tasks) {
+      auto task = std::make_unique<std::shared_ptr<Scheduler>>(shared_from_this());
+      options_.executor->enqueue(run_task, task.get());
+      static_cast<void>(task.release());
+    }
+  } catch (...) {
+    Books books(*this);
+    books.work.refused = true;
+    lent_ -= tasks;
+    unstarted_ -= tasks;
+    // A task that is there yet will ask again when it ends. If there is none, nobody will.
+    for (ComputationList& list : waiting_) {
+      while (lent_ == 0 && !list.empty()) {
+        end(std::shared_ptr<Computation>(list.front()), std::current_exception(), books.work);
+      }
+    }
+  }
+  --lending_;
+  signal();
 }
 
-bool Scheduler::run_next() {
+void Scheduler::run_task(void* task) {
+  const std::unique_ptr<std::shared_ptr<Scheduler>> lent(static_cast<std::shared_ptr<Scheduler>*>(task));
+  Scheduler& scheduler = **lent;
+  {
+    const ThreadRole role(scheduler);
+    scheduler.run_next(true);
+  }
+  const Books books(scheduler);
+  --scheduler.lent_;
+}
+
+bool Scheduler::run_next(bool lent) {
   std::shared_ptr<Computation> next;
   {
-    const Lock lock(mutex_);
+    const Books books(*this);
+    if (lent) --unstarted_;
     for (auto list = waiting_.rbegin(); list != waiting_.rend() && !next; ++list) {
       if (!list->empty()) next = list->front();
     }
@@ -128,49 +194,35 @@ bool Scheduler::run_next() {
   return true;
 }
 
-void Scheduler::help(const JobRecord& job) {
-  if (!ThreadExecutor::runs_for(*this)) return look_briefly(job);
-  // A continuation waits for what it follows, and that for what it follows: from the first on.
-  std::vector<std::shared_ptr<Computation>> line;
-  try {
-    const Lock lock(mutex_);
-    if (job.settled) return;
-    line.push_back(job.computation);
-    while (line.back()->parent) line.push_back(line.back()->parent->computation);
-  } catch (const std::bad_alloc&) {
-    return;  // then it waits, as on a plain future
-  }
-  for (auto next = line.rbegin(); next != line.rend(); ++next) {
-    {
-      const Lock lock(mutex_);
-      if (!is_waiting(**next)) return;
-      start_running(*next);
-    }
-    run(*next);
-  }
+void Scheduler::start_running(const std::shared_ptr<Computation>& computation) {
+  running_.splice(running_.end(), *computation->list, computation->place);
+  computation->list = &running_;
 }
 
 void Scheduler::run(const std::shared_ptr<Computation>& computation) {
   const Control control{computation->stop.get_token(),
                         [running = computation.get()](double done) { running->report(done); }};
   std::exception_ptr error;
-  try {
-    // Isolated: when it waits for tasks of its own, it does not pick up another job's, which may be long, or wait for
-    // this very job.
-    tbb::this_task_arena::isolate([&] { computation->run(control); });
-  } catch (...) {
-    error = std::current_exception();
+  if (computation->failure && !computation->runs_after_errors) {
+    error = computation->failure;
+  } else {
+    const ThreadRole role(*this, ThreadRole::worker, computation);
+    try {
+      // Isolated: when it waits for tasks of its own, it does not pick up another job's, which may be long, or wait for
+      // this very job.
+      tbb::this_task_arena::isolate([&] { computation->run(control); });
+    } catch (...) {
+      error = std::current_exception();
+    }
   }
   complete(computation, std::move(error));
 }
 
 void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error) {
   JobList jobs;
-  Orphans orphans;
   std::size_t wanted = 0;
   {
-    const Lock lock(mutex_);
-    ++events_;
+    const Books books(*this);
     close(*computation);
     jobs.splice(jobs.end(), computation->jobs);
     bytes_ -= std::exchange(computation->bytes, 0);
@@ -179,36 +231,107 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
       if (!job->withdrawn) ++wanted;
     }
   }
-  const bool failed = error != nullptr;
-  if (!failed) computation->report(1.0);
+  if (!error) computation->report(1.0);
   for (const std::shared_ptr<JobRecord>& job : jobs) {
-    if (job->withdrawn) {
-      fail(*job, *job->withdrawn, orphans);
-      continue;
-    }
-    --wanted;
-    try {
-      if (failed) {
-        job->fail(wanted > 0 ? error : std::exchange(error, nullptr));
-      } else {
-        computation->deliver(*job, wanted == 0);
+    if (!job->withdrawn) {
+      try {
+        --wanted;
+        if (!error) computation->deliver(*job, wanted == 0);
+        job->error = error;
+      } catch (...) {
+        job->error = std::current_exception();
       }
-    } catch (...) {
-      job->fail(std::current_exception());
     }
     job->ready.store(true, std::memory_order_release);
-    pass_on(*job, orphans);
+  }
+  error = nullptr;
+  {
+    Books books(*this);
+    for (const std::shared_ptr<JobRecord>& job : jobs) hand_on(*job, books.work);
   }
   computation->release();
-  abandon(std::move(orphans));
-  const Lock lock(mutex_);
-  static_cast<void>(taken_out(computation));
+  ComputationList over;
+  const Books books(*this);
+  over = take_out(computation);
+}
+
+// Waiting.
+
+void Scheduler::signal() {
+  // An exchange and not a load, so that it has a place in the order of the count's changes: who counts later sees what
+  // has come.
+  if (waiters_.fetch_add(0) == 0) return;
+  {
+    const Lock lock(signal_mutex_);
+    ++signals_;
+  }
+  signal_.notify_all();
+}
+
+void Scheduler::wait(const JobRecord& job) {
+  const auto ready = [&] { return job.ready.load(std::memory_order_acquire); };
+  if (ready()) return;
+  if (!ThreadRole::is_worker(*this)) {
+    look_briefly(job);
+    return wait_for(ready);
+  }
+  // Nothing must be left to another thread, because all may wait: what the job needs first is run here, and if another
+  // thread runs that, what comes next when it is done.
+  const std::shared_ptr<Computation> here = ThreadRole::running(*this);
+  bool hopeless = false;
+  wait_for([&] {
+    while (!ready()) {
+      std::shared_ptr<Computation> next;
+      {
+        const Books books(*this);
+        next = startable_for(job);
+        if (next) start_running(next);
+        hopeless = !next && never_ends(job);
+        if (here) here->waits_for = hopeless ? nullptr : job.computation;
+      }
+      if (!next) return hopeless;
+      run(next);
+    }
+    return true;
+  });
+  if (here) {
+    const Books books(*this);
+    here->waits_for = nullptr;
+  }
+  if (hopeless) {
+    throw Error(ErrorCode::invalid_argument, "a request waits for job " + std::to_string(job.id) +
+                                                 ", which cannot end before the request does: it waits for the "
+                                                 "request's job itself, or for one that does");
+  }
+}
+
+void Scheduler::wait_until(const JobRecord& job, Clock::time_point end) {
+  wait_for([&] { return job.ready.load(std::memory_order_acquire); }, end);
+}
+
+/// What must run first for the job, if no thread has started it.
+std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) const {
+  const std::shared_ptr<Computation>* first = &job.computation;
+  while ((*first)->parent) first = &(*first)->parent->computation;
+  return is_waiting(**first) ? *first : nullptr;
+}
+
+/// Whether the job, or what its computation waits for, is what the calling thread is inside of.
+bool Scheduler::never_ends(const JobRecord& job) {
+  if (job.settled) return false;
+  const Computation* computation = job.computation.get();
+  while (computation != nullptr && !ThreadRole::is_inside(*computation)) {
+    computation = computation->parent ? computation->parent->computation.get() : computation->waits_for.get();
+  }
+  return computation != nullptr;
 }
 
 void Scheduler::wait_until_idle() {
-  if (ThreadExecutor::serves(*this)) return;
-  Lock lock(mutex_);
-  idle_.wait(lock, [&] { return !any_waiting() && running_.empty(); });
+  if (ThreadRole::has_any(*this)) return;
+  wait_for([&] {
+    const Books books(*this);
+    return waiting_count() == 0 && running_.empty();
+  });
 }
 
 }  // namespace welkin::detail

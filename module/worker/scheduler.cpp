@@ -1,56 +1,58 @@
-// Noticing that all threads sleep while computations wait.
-//
-// A request or a continuation may wait on the future of another job. If all of a worker's threads do that, nobody is
-// left to run what they wait for; a plain std::future gives no hint of it. So one thread looks, every few milliseconds
-// and only while computations wait: if none has started or ended and all threads sleep, it has one run outside the
-// arena. Threads that are merely kept off the processor by more important ones do not sleep.
+// Letting jobs in: latest wins, equal ones share a run, limits hold.
 #include "worker/scheduler.h"
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <new>
 #include <string>
-#include <system_error>
 #include <utility>
-#include <vector>
 
-#include "platform/thread.h"
 #include "welkin/worker.h"
 #include "worker/thread_executor.h"
 
 namespace welkin::detail {
 namespace {
 
-constexpr int kMostThreads = 1024;
+constexpr int kMaxThreads = 1024;
 
-const WorkerOptions& checked(const WorkerOptions& options) {
-  if (options.threads < 0 || options.threads > kMostThreads) {
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: threads is " + std::to_string(options.threads) +
-                                                 "; it must be from 0 to " + std::to_string(kMostThreads));
+void check(const WorkerOptions& options) {
+  const int threads = options.executor ? options.executor->concurrency() : options.threads;
+  const int least = options.executor ? 1 : 0;
+  if (threads < least || threads > kMaxThreads) {
+    const char* what = options.executor ? "the executor's concurrency is " : "threads is ";
+    throw Error(ErrorCode::invalid_argument, "WorkerOptions: " + (what + std::to_string(threads)) +
+                                                 "; it must be from " + std::to_string(least) + " to " +
+                                                 std::to_string(kMaxThreads));
   }
-  if (options.most_jobs == 0) {
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: most_jobs is 0; it must be at least 1");
+  if (options.max_jobs == 0) {
+    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at least 1");
   }
-  return options;
 }
 
 }  // namespace
 
-Scheduler::Scheduler(WorkerOptions options)
-    : options_(std::move(options)), executor_(std::make_unique<ThreadExecutor>(checked(options_))) {}
+Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
+                 std::shared_ptr<JobRecord> its_parent)
+    : job(std::move(its_job)), parent(std::move(its_parent)), node{std::move(computation)} {
+  if (!job) return;
+  job_node.push_back(job);
+  job->place = job_node.begin();
+  if (parent) return;
+  if (node.front()->kind != nullptr) shareable.emplace(node.front()->hash(), node.front());
+  if (!job->key.empty()) keyed.emplace(job->key, job);
+}
 
-Scheduler::~Scheduler() = default;
+Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)) {
+  check(options_);
+  if (!options_.executor) own_threads_ = std::make_unique<ThreadExecutor>(options_);
+  threads_ = own_threads_ ? own_threads_->concurrency() : options_.executor->concurrency();
+}
 
-void Scheduler::start() { executor_->start(shared_from_this()); }
+Scheduler::~Scheduler() {
+  for (Arrival* arrival = inbox_; arrival != nullptr;) delete std::exchange(arrival, arrival->next);
+}
 
-WorkerLoad Scheduler::load() const {
-  const Lock lock(mutex_);
-  return {.waiting = waiting_[0].size() + waiting_[1].size() + waiting_[2].size(),
-          .running = running_.size(),
-          .undrained = drained_.size(),
-          .jobs = jobs_,
-          .bytes = bytes_};
+void Scheduler::start() {
+  if (own_threads_) own_threads_->start(shared_from_this());
 }
 
 std::uint64_t Scheduler::next_id() noexcept {
@@ -58,7 +60,276 @@ std::uint64_t Scheduler::next_id() noexcept {
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
-int Scheduler::threads() const noexcept { return executor_->threads(); }
+// The inbox.
+
+Scheduler::Books::Books(Scheduler& scheduler, Lock lock) : scheduler_(scheduler), lock_(std::move(lock)) {
+  if (lock_) scheduler_.empty_inbox(work);
+}
+
+Scheduler::Books::~Books() {
+  while (lock_) {
+    scheduler_.end_losers(work);
+    scheduler_.plan_calls(work);
+    work.news = std::exchange(scheduler_.news_, false);
+    lock_.unlock();
+    scheduler_.carry_out(work);
+    // What came while the mutex was held, by this thread or by another one that `carry_out` has met.
+    if (!scheduler_.inbox_has_something() || !lock_.try_lock()) return;
+    scheduler_.empty_inbox(work);
+  }
+}
+
+void Scheduler::put_in_inbox(std::unique_ptr<Arrival> arrival) {
+  arrival->next = inbox_.load(std::memory_order_relaxed);
+  while (!inbox_.compare_exchange_weak(arrival->next, arrival.get(), std::memory_order_acq_rel)) {
+  }
+  static_cast<void>(arrival.release());
+  const Books books(*this, Lock(mutex_, std::try_to_lock));
+}
+
+/// After the mutex was unlocked. An exchange and not a load, so that it has a place in the order of the inbox's
+/// changes: an arrival comes before it, and is seen, or after it, and then its thread sees the mutex unlocked.
+bool Scheduler::inbox_has_something() noexcept {
+  Arrival* none = nullptr;
+  return !inbox_.compare_exchange_strong(none, nullptr, std::memory_order_acq_rel);
+}
+
+void Scheduler::empty_inbox(DeferredWork& work) {
+  Arrival* newest = inbox_.exchange(nullptr, std::memory_order_acq_rel);
+  Arrival* oldest = nullptr;
+  while (newest != nullptr) {
+    Arrival* const next = std::exchange(newest->next, oldest);
+    oldest = std::exchange(newest, next);
+  }
+  while (oldest != nullptr) {
+    const std::unique_ptr<Arrival> arrival(std::exchange(oldest, oldest->next));
+    if (arrival->parent) {
+      follow(*arrival, work);
+    } else {
+      admit(*arrival, find_equal(*arrival), work);
+    }
+  }
+}
+
+// Posts.
+
+void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
+                       ComputationList follower) {
+  const std::shared_ptr<Computation> posted = job->computation;
+  job->id = next_id();
+  job->key = options.key;
+  job->scheduler = shared_from_this();
+  job->priority = options.priority;
+  posted->priority = options.priority;
+  posted->bytes = options.bytes.value_or(bytes);
+
+  // All that may run out of memory comes before the books change.
+  auto arrival = std::make_unique<Arrival>(posted, job, nullptr);
+  if (!follower.empty()) hang(follower, job);
+  if (!closed_ && reserve(posted->bytes)) return put_in_inbox(std::move(arrival));
+  Admission admission{};
+  wait_for([&] {
+    Books books(*this);
+    admission = decide(*arrival, books.work);
+    return admission != Admission::wait;
+  });
+}
+
+/// For a job that may be beyond the limits.
+Scheduler::Admission Scheduler::decide(Arrival& arrival, DeferredWork& work) {
+  const std::shared_ptr<JobRecord>& job = arrival.job;
+  const std::uint64_t bytes = job->computation->bytes;
+  const auto refused = [&](ErrorCode reason) {
+    forget(*job);
+    refuse(arrival, reason, work);
+    return Admission::refused;
+  };
+  if (closed_) return refused(ErrorCode::stopped);
+  if (job->withdrawn) return refused(*job->withdrawn);  // a newer job of its key came while it waited for room
+  if (bytes > options_.max_bytes) return refused(ErrorCode::limit_exceeded);
+
+  const std::shared_ptr<Computation> equal = find_equal(arrival);
+  const auto newest = newest_.find(job->key);
+  const std::shared_ptr<JobRecord> older = newest == newest_.end() || newest->second == job ? nullptr : newest->second;
+  while (!make_room(arrival, equal.get(), older.get(), work)) {
+    if (options_.overflow == OverflowPolicy::wait && !ThreadRole::has_any(*this)) {
+      // It is the newest of its key already.
+      if (older) {
+        newest->second = job;
+        withdraw(older, ErrorCode::replaced, work);
+      } else if (!arrival.keyed.empty()) {
+        newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
+      }
+      return Admission::wait;
+    }
+    if (options_.overflow != OverflowPolicy::wait) return refused(ErrorCode::queue_full);
+    ++jobs_;
+    bytes_ += bytes;
+    break;
+  }
+  admit(arrival, equal, work);
+  return Admission::admitted;
+}
+
+/// True if the job has a place now, maybe because others were dropped for it.
+bool Scheduler::make_room(const Arrival& arrival, const Computation* equal, const JobRecord* older,
+                          DeferredWork& work) {
+  const JobRecord& job = *arrival.job;
+  const std::uint64_t bytes = equal != nullptr ? 0 : job.computation->bytes;
+  // What giving up the older job frees at once.
+  const Computation* const going =
+      older != nullptr && !older->withdrawn && older->computation->jobs.size() == 1 && is_waiting(*older->computation)
+          ? older->computation.get()
+          : nullptr;
+  const std::size_t freed_jobs = going != nullptr ? 1 : 0;
+  const std::uint64_t freed_bytes = going != nullptr ? going->bytes : 0;
+  const auto reserved = [&] {
+    if (!reserve(bytes, freed_jobs, freed_bytes)) return false;
+    bytes_ += job.computation->bytes - bytes;  // `admit` gives back what an equal one spares
+    return true;
+  };
+  if (reserved()) return true;
+  if (options_.overflow != OverflowPolicy::drop_oldest) return false;
+
+  // Those that may go, in the order in which they would. Nobody is dropped in vain.
+  const auto each = [&](auto take) {
+    for (int priority = 0; priority <= static_cast<int>(job.priority); ++priority) {
+      ComputationList& list = waiting(static_cast<TaskPriority>(priority));
+      for (auto place = list.begin(); place != list.end();) {
+        const std::shared_ptr<Computation> candidate = *place++;
+        const bool counted = !candidate->jobs.empty() && candidate->jobs.front()->counted;
+        if (counted && candidate.get() != equal && candidate.get() != going && !take(*candidate)) return;
+      }
+    }
+  };
+  std::size_t all_jobs = freed_jobs;
+  std::uint64_t all_bytes = freed_bytes;
+  each([&](const Computation& candidate) {
+    all_jobs += candidate.jobs.size();
+    all_bytes += candidate.bytes;
+    return true;
+  });
+  if (!fits(jobs_, bytes, all_jobs, all_bytes)) return false;
+  bool enough = false;
+  each([&](Computation& candidate) {
+    while (!candidate.jobs.empty()) withdraw(candidate.jobs.front(), ErrorCode::queue_full, work);
+    enough = reserved();
+    return !enough;
+  });
+  return enough;
+}
+
+/// A job with a place within the limits.
+void Scheduler::admit(Arrival& arrival, const std::shared_ptr<Computation>& equal, DeferredWork& work) {
+  const std::shared_ptr<JobRecord>& job = arrival.job;
+  const std::shared_ptr<Computation> posted = job->computation;
+  job->counted = true;
+  if (closed_) {
+    bytes_ -= posted->bytes;
+    settle(*job);
+    return refuse(arrival, ErrorCode::stopped, work);
+  }
+  if (equal) {
+    bytes_ -= std::exchange(posted->bytes, 0);
+    work.discarded.splice(work.discarded.end(), arrival.node);
+    job->computation = equal;
+    job->progress = &equal->progress;
+    if (job->priority > equal->priority) rank(equal, job->priority);
+  } else {
+    enqueue(posted, arrival.node, false);
+    if (!arrival.shareable.empty()) {
+      posted->entry = shareable_.insert(arrival.shareable.extract(arrival.shareable.begin()));
+      posted->indexed = true;
+    }
+    ++work.startable;
+  }
+  job->computation->jobs.splice(job->computation->jobs.end(), arrival.job_node);
+  if (job->key.empty()) return;
+  const auto newest = newest_.find(job->key);
+  if (newest == newest_.end()) {
+    newest_.insert(arrival.keyed.extract(arrival.keyed.begin()));
+    return;
+  }
+  const std::shared_ptr<JobRecord> older = std::exchange(newest->second, job);
+  // Last: if it is the older job's run that this one shares, that must not stop.
+  if (older != job) withdraw(older, ErrorCode::replaced, work);
+}
+
+void Scheduler::refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work) {
+  arrival.job->withdrawn = reason;
+  arrival.job->settled = true;
+  work.losers.splice(work.losers.end(), arrival.job_node);
+  work.discarded.splice(work.discarded.end(), arrival.node);
+}
+
+std::shared_ptr<Computation> Scheduler::find_equal(const Arrival& arrival) const {
+  if (arrival.shareable.empty()) return nullptr;
+  const auto [hash, computation] = *arrival.shareable.begin();
+  const auto [first, last] = shareable_.equal_range(hash);
+  for (auto place = first; place != last; ++place) {
+    const std::shared_ptr<Computation>& candidate = place->second;
+    if (candidate->kind != computation->kind) continue;
+    // One that was told to stop gives no result.
+    if (candidate->jobs.front()->withdrawn) continue;
+    if (candidate->list == &running_ && !computation->joinable_while_running) continue;
+    try {
+      if (candidate->equals(*computation)) return candidate;
+    } catch (...) {  // NOLINT(bugprone-empty-catch): a comparison that fails finds nothing equal
+    }
+  }
+  return nullptr;
+}
+
+void Scheduler::close(Computation& computation) {
+  if (!computation.indexed) return;
+  shareable_.erase(computation.entry);
+  computation.indexed = false;
+}
+
+bool Scheduler::fits(std::size_t jobs, std::uint64_t bytes, std::size_t freed_jobs,
+                     std::uint64_t freed_bytes) const noexcept {
+  // What is there may be beyond the limits: posts from the worker's own threads are let in.
+  const std::uint64_t rest = bytes_ - freed_bytes;
+  return jobs - freed_jobs < options_.max_jobs && rest <= options_.max_bytes && bytes <= options_.max_bytes - rest;
+}
+
+bool Scheduler::reserve(std::uint64_t bytes, std::size_t freed_jobs, std::uint64_t freed_bytes) noexcept {
+  std::size_t jobs = jobs_;
+  do {
+    if (!fits(jobs, bytes, freed_jobs, freed_bytes)) return false;
+  } while (!jobs_.compare_exchange_weak(jobs, jobs + 1));
+  std::uint64_t held = bytes_;
+  do {
+    const std::uint64_t rest = held - freed_bytes;
+    if (rest > options_.max_bytes || bytes > options_.max_bytes - rest) {
+      --jobs_;
+      return false;
+    }
+  } while (!bytes_.compare_exchange_weak(held, held + bytes));
+  return true;
+}
+
+void Scheduler::settle(JobRecord& job) {
+  job.settled = true;
+  news_ = true;
+  if (std::exchange(job.counted, false)) --jobs_;
+  forget(job);
+}
+
+void Scheduler::forget(const JobRecord& job) {
+  if (job.key.empty()) return;
+  const auto newest = newest_.find(job.key);
+  if (newest != newest_.end() && newest->second.get() == &job) newest_.erase(newest);
+}
+
+WorkerLoad Scheduler::load() {
+  const Books books(*this);
+  return {.waiting = waiting_[0].size() + waiting_[1].size() + waiting_[2].size(),
+          .running = running_.size(),
+          .undrained = drained_.size(),
+          .jobs = jobs_,
+          .bytes = bytes_};
+}
 
 }  // namespace welkin::detail
 
@@ -80,9 +351,10 @@ Worker::~Worker() {
 
 // What is called below may end with this worker gone: a callback or a request may destroy it.
 
-void Worker::submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes) {
+void Worker::submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
+                    detail::ComputationList follower) {
   const auto scheduler = scheduler_;
-  scheduler->submit(job, options, bytes);
+  scheduler->submit(job, options, bytes, std::move(follower));
 }
 
 std::size_t Worker::drain(std::chrono::nanoseconds budget) {
@@ -95,266 +367,13 @@ void Worker::terminate() {
   scheduler->terminate();
 }
 
-void Worker::wait_until_idle() { scheduler_->wait_until_idle(); }
+void Worker::wait_until_idle() {
+  const auto scheduler = scheduler_;
+  scheduler->wait_until_idle();
+}
 
 WorkerLoad Worker::load() const { return scheduler_->load(); }
 
 int Worker::threads() const noexcept { return scheduler_->threads(); }
 
-bool JobHandle::cancel() const { return record_->scheduler->cancel(record_); }
-
-Priority JobHandle::priority() const { return record_->scheduler->priority_of(*record_); }
-
-void JobHandle::set_priority(Priority priority) const { record_->scheduler->set_priority(*record_, priority); }
-
-namespace detail {
-
-bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
-            const std::shared_ptr<JobRecord>& job) {
-  return parent->scheduler->attach(parent, child, job);
-}
-
-bool attach(const std::shared_ptr<JobRecord>& parent, DeliveryList delivery) {
-  return parent->scheduler->attach(*parent, std::move(delivery));
-}
-
-void help(const std::shared_ptr<JobRecord>& job) { job->scheduler->help(*job); }
-
-}  // namespace detail
 }  // namespace welkin
-
-namespace welkin::detail {
-namespace {
-
-// The first look is early: a thread that was called may be kept by another job's task while a free one sleeps on.
-constexpr std::chrono::milliseconds kFirstLook{1};
-constexpr std::chrono::milliseconds kLook{10};
-constexpr int kLooksBeforeRescue = 2;
-// A lent arena in which nothing of ours runs may simply be busy: that cannot be told from being stuck.
-constexpr int kLooksBeforeRescueFromLent = 10;
-
-}  // namespace
-
-bool Scheduler::nobody_moves() const {
-  std::vector<long> threads;
-  {
-    const Lock lock(mutex_);
-    for (const std::shared_ptr<Computation>& computation : running_) threads.push_back(computation->thread);
-  }
-  return executor_->all_asleep() && std::all_of(threads.begin(), threads.end(), asleep);
-}
-
-void Scheduler::watch() {
-  Lock lock(mutex_);
-  while (!closed_) {
-    watch_.wait(lock, [&] { return closed_ || any_waiting(); });
-    watching_ = true;
-    int still = 0;
-    std::chrono::milliseconds pause = kFirstLook;
-    while (!closed_ && any_waiting()) {
-      const std::uint64_t before = events_;
-      const bool runs = !running_.empty();
-      watch_.wait_for(lock, std::exchange(pause, kLook), [&] { return closed_; });
-      if (closed_) break;
-      const bool moved = events_ != before;
-      lock.unlock();
-      try {
-        still = !moved && nobody_moves() ? still + 1 : 0;
-        executor_->call_all();
-        if (still >= (executor_->lent() && !runs ? kLooksBeforeRescueFromLent : kLooksBeforeRescue)) {
-          still = 0;
-          executor_->rescue(shared_from_this());
-        }
-      } catch (const std::bad_alloc&) {
-        // The next look may do better.
-      } catch (const std::system_error&) {
-      }
-      lock.lock();
-    }
-    watching_ = false;
-  }
-}
-
-// Letting jobs in: latest wins, equal ones share a run, limits hold.
-
-void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions& options, std::uint64_t bytes) {
-  const std::shared_ptr<Computation> posted = job->computation;
-  job->id = next_id();
-  job->key = options.key;
-  job->scheduler = shared_from_this();
-  job->priority = options.priority;
-  posted->priority = options.priority;
-  posted->bytes = options.bytes.value_or(bytes);
-
-  // All that may run out of memory comes before the books change.
-  PendingPost pending{job};
-  DeferredWork deferred;
-  Admission admission{};
-  {
-    Lock lock(mutex_);
-    try {
-      while ((admission = decide(pending, deferred)) == Admission::wait) {
-        if (deferred.losers.empty() && !deferred.stopping) {
-          room_.wait(lock);
-        } else {
-          lock.unlock();
-          carry_out(std::exchange(deferred, {}));
-          lock.lock();
-        }
-      }
-    } catch (...) {
-      forget(*job);
-      throw;
-    }
-  }
-  carry_out(std::move(deferred));
-  if (admission == Admission::refused) {
-    posted->release();
-    Orphans none;  // nobody knows of the job yet
-    fail(*job, *job->withdrawn, none);
-  } else if (job->computation == posted) {
-    call_for_hands();
-  } else {
-    posted->release();
-  }
-}
-
-Scheduler::Admission Scheduler::decide(PendingPost& pending, DeferredWork& deferred) {
-  const std::shared_ptr<JobRecord>& job = pending.job;
-  const std::uint64_t bytes = job->computation->bytes;
-  const auto refuse = [&](ErrorCode reason) {
-    forget(*job);
-    job->withdrawn = reason;
-    job->settled = true;
-    return Admission::refused;
-  };
-  if (closed_) return refuse(ErrorCode::stopped);
-  if (job->withdrawn) return refuse(*job->withdrawn);  // a newer job of its key came while it waited for room
-  if (bytes > options_.most_bytes) return refuse(ErrorCode::limit_exceeded);
-
-  const std::shared_ptr<Computation> equal = find_equal(pending);
-  std::shared_ptr<JobRecord> older;
-  if (!job->key.empty()) {
-    older = newest_.try_emplace(job->key).first->second;
-    if (older == job) older = nullptr;
-  }
-
-  // What giving up the older job frees at once.
-  const bool older_goes =
-      older && !older->withdrawn && older->computation->jobs.size() == 1 && is_waiting(*older->computation);
-  const std::size_t freed_jobs = older_goes ? 1 : 0;
-  const std::uint64_t freed_bytes = older_goes ? older->computation->bytes : 0;
-  const std::uint64_t more_bytes = equal ? 0 : bytes;
-  if (!fits(freed_jobs, more_bytes, freed_bytes)) {
-    switch (options_.when_full) {
-      case WhenFull::wait:
-        if (ThreadExecutor::serves(*this)) break;
-        if (!job->key.empty()) newest_[job->key] = job;
-        if (older) withdraw(older, ErrorCode::replaced, deferred);
-        return Admission::wait;
-      case WhenFull::refuse: return refuse(ErrorCode::queue_full);
-      case WhenFull::drop_oldest: {
-        const std::array<const Computation*, 2> spared{equal.get(), older_goes ? older->computation.get() : nullptr};
-        if (!make_room(*job, freed_jobs, more_bytes, freed_bytes, spared, deferred)) {
-          return refuse(ErrorCode::queue_full);
-        }
-      }
-    }
-  }
-  admit(pending, equal, older, deferred);
-  return Admission::admitted;
-}
-
-void Scheduler::admit(PendingPost& pending, const std::shared_ptr<Computation>& equal,
-                      const std::shared_ptr<JobRecord>& older, DeferredWork& deferred) {
-  const std::shared_ptr<JobRecord>& job = pending.job;
-  if (equal) job->computation = equal;
-  job->computation->jobs.splice(job->computation->jobs.end(), pending.job_node);
-  job->counted = true;
-  ++jobs_;
-  if (equal) {
-    if (job->priority > equal->priority) rank(equal, job->priority);
-  } else {
-    bytes_ += job->computation->bytes;
-    enqueue(job->computation, pending.node, false);
-    if (!pending.entry.empty()) {
-      job->computation->entry = shareable_.insert(pending.entry.extract(pending.entry.begin()));
-      job->computation->indexed = true;
-    }
-  }
-  if (!job->key.empty()) newest_.find(job->key)->second = job;
-  // Last: if it is the older job's run that this one shares, that must not stop.
-  if (older) withdraw(older, ErrorCode::replaced, deferred);
-}
-
-std::shared_ptr<Computation> Scheduler::find_equal(const PendingPost& pending) const {
-  if (pending.entry.empty()) return nullptr;
-  const auto [hash, computation] = *pending.entry.begin();
-  const auto [first, last] = shareable_.equal_range(hash);
-  for (auto candidate = first; candidate != last; ++candidate) {
-    // One that was told to stop gives no result.
-    if (candidate->second->jobs.front()->withdrawn) continue;
-    if (candidate->second->list == &running_ && !computation->joinable_while_running()) continue;
-    if (candidate->second->equals(*computation)) return candidate->second;
-  }
-  return nullptr;
-}
-
-void Scheduler::close(Computation& computation) {
-  if (!computation.indexed) return;
-  shareable_.erase(computation.entry);
-  computation.indexed = false;
-}
-
-bool Scheduler::fits(std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t freed_bytes) const noexcept {
-  // What is there may be beyond the limits: posts from the worker's own threads are let in.
-  const std::uint64_t rest = bytes_ - freed_bytes;
-  return jobs_ - freed_jobs < options_.most_jobs && rest <= options_.most_bytes && bytes <= options_.most_bytes - rest;
-}
-
-bool Scheduler::make_room(const JobRecord& job, std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t freed_bytes,
-                          const std::array<const Computation*, 2>& spared, DeferredWork& deferred) {
-  // Of those that may go, in the order in which they would: how many it takes.
-  const auto each = [&](auto take) {
-    for (int priority = 0; priority <= static_cast<int>(job.priority); ++priority) {
-      ComputationList& list = waiting(static_cast<Priority>(priority));
-      for (auto place = list.begin(); place != list.end();) {
-        const std::shared_ptr<Computation> candidate = *place++;
-        const bool counted = !candidate->jobs.empty() && candidate->jobs.front()->counted;
-        const bool kept = candidate.get() == spared[0] || candidate.get() == spared[1];
-        if (counted && !kept && !take(candidate)) return;
-      }
-    }
-  };
-  std::size_t number = 0;
-  bool enough = false;
-  each([&](const std::shared_ptr<Computation>& candidate) {
-    freed_jobs += candidate->jobs.size();
-    freed_bytes += candidate->bytes;
-    enough = fits(freed_jobs, bytes, freed_bytes);
-    ++number;
-    return !enough;
-  });
-  if (!enough) return false;
-  each([&](const std::shared_ptr<Computation>& candidate) {
-    withdraw_all(candidate, ErrorCode::queue_full, deferred);
-    return --number > 0;
-  });
-  return true;
-}
-
-void Scheduler::forget(const JobRecord& job) {
-  const auto entry = newest_.find(job.key);
-  if (entry != newest_.end() && (entry->second == nullptr || entry->second.get() == &job)) newest_.erase(entry);
-}
-
-void Scheduler::count_out(JobRecord& job) {
-  if (job.counted) {
-    --jobs_;
-    job.counted = false;
-  }
-  if (!job.key.empty()) forget(job);
-  room_.notify_all();
-}
-
-}  // namespace welkin::detail

@@ -1,11 +1,16 @@
 // A worker's books: which computation waits, runs or is done, and for whom.
 //
-// Everything is guarded by one mutex, which is held for a few list operations at a time and never while code of a
-// request, a callback, a promise or a stop token runs (but for requests' operator==): what is to be done outside is
-// collected in a `DeferredWork` and carried out after the mutex is unlocked.
+// Everything is guarded by one mutex. It is held for a few list operations at a time, and never while code of a
+// request, a callback or a stop token runs (but for requests' operator==): such work is collected in a `DeferredWork`
+// and carried out after the mutex is unlocked.
 //
-// A computation is in one of three kinds of list: that of its parent's continuation, one of those that wait, that of
-// those that run. It is in none before it is let in and when it is over.
+// The threads of a worker may rank so low that the system keeps them off the processors for seconds, also while they
+// hold the mutex. So `post`, `then` and `on_drain` do not wait for it. They put what they bring into an inbox, a list
+// without a lock, and try the mutex once. Whoever holds it looks into the inbox when taking it and after letting go of
+// it, so that nothing stays there (`Books`).
+//
+// A computation is in one of three kinds of list: that of its parent's followers, one of those that wait, that of those
+// that run. It is in none before it is let in and when it is over.
 #pragma once
 
 #include <array>
@@ -15,10 +20,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "welkin/worker.h"
@@ -27,35 +33,41 @@ namespace welkin::detail {
 
 class ThreadExecutor;
 
-/// Work that a change of the books defers until the mutex is unlocked.
+/// What a change of the books brings with it. The losers get their errors before the mutex is unlocked, all else
+/// happens after.
 struct DeferredWork {
-  JobList losers;                         ///< whose futures get the error that `withdrawn` says
+  JobList losers;                         ///< that end without a result; their errors are in them
+  JobList done;                           ///< losers that have ended; kept for as long as the mutex is held
   ComputationList discarded;              ///< whose memory is to come back
-  std::shared_ptr<Computation> stopping;  ///< that runs for nobody any more
+  ComputationList at_once;                ///< that are to run here
+  ComputationList ended;                  ///< that cannot start any more, as the worker has ended
+  std::shared_ptr<Computation> stopping;  ///< that run for nobody any more: the first, and `next_to_stop`
+  int startable = 0;                      ///< how many have begun to wait for a thread
+  int tasks = 0;                          ///< to be handed to the executor
+  bool refused = false;                   ///< the executor has just refused a task: do not ask again at once
+  bool news = false;                      ///< for those who wait
 };
 
-/// What was attached to jobs and has lost its worker, because that has ended: for `abandon`.
-struct Orphans {
-  ComputationList continuations;  ///< that cannot start any more
-  DeliveryList deliveries;        ///< that nobody will drain
-};
+using JobsByKey = std::map<std::string, std::shared_ptr<JobRecord>>;
 
-/// A job that is being posted, with the list nodes it needs once it is admitted.
-struct PendingPost {
-  explicit PendingPost(std::shared_ptr<JobRecord> asking)
-      : job(std::move(asking)), job_node{job}, node{job->computation} {
-    job->place = job_node.begin();
-    if (job->computation->shareable()) entry.emplace(job->computation->hash(), job->computation);
-  }
+/// What comes in, with the list nodes that it needs later: a posted job, or a computation that follows a job.
+struct Arrival {
+  Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
+          std::shared_ptr<JobRecord> its_parent);
 
-  std::shared_ptr<JobRecord> job;
-  JobList job_node;
+  std::shared_ptr<JobRecord> job;     ///< may be null for one that follows
+  std::shared_ptr<JobRecord> parent;  ///< null for a post
   ComputationList node;
-  ComputationIndex entry;  ///< one, if it can be shared
+  JobList job_node;
+  ComputationIndex shareable;  ///< one entry, if the computation can be shared
+  JobsByKey keyed;             ///< one entry, if the job has a key
+  Arrival* next = nullptr;     ///< in the inbox
 };
 
 class Scheduler : public std::enable_shared_from_this<Scheduler> {
  public:
+  using Clock = std::chrono::steady_clock;
+
   /// Throws `Error` (invalid_argument) for options out of range.
   explicit Scheduler(WorkerOptions options);
   ~Scheduler();
@@ -66,100 +78,186 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void start();
 
   // The other half of the public interface.
-  void submit(const std::shared_ptr<JobRecord>& job, const PostOptions& options, std::uint64_t bytes);
+  void submit(const std::shared_ptr<JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
+              ComputationList follower);
   bool cancel(const std::shared_ptr<JobRecord>& job);
-  [[nodiscard]] Priority priority_of(const JobRecord& job) const;
-  void set_priority(JobRecord& job, Priority priority);
+  [[nodiscard]] TaskPriority priority_of(const JobRecord& job);
+  void set_priority(JobRecord& job, TaskPriority priority);
   bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
               const std::shared_ptr<JobRecord>& job);
-  bool attach(JobRecord& parent, DeliveryList delivery);
-  void help(const JobRecord& job);
+  void wait(const JobRecord& job);
+  /// Only waits, at most until then.
+  void wait_until(const JobRecord& job, Clock::time_point end);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
   /// After `terminate`, when the worker goes: drops what was not drained, and lets go of threads that cannot be waited
   /// for because this is one of them.
   void abandon_rest();
   void wait_until_idle();
-  [[nodiscard]] WorkerLoad load() const;
-  [[nodiscard]] int threads() const noexcept;
+  [[nodiscard]] WorkerLoad load();
+  [[nodiscard]] int threads() const noexcept { return threads_; }
 
-  // What the executor's threads do.
+  // What threads do that run computations.
   /// Runs the first of those that wait; false if there is none.
-  bool run_next();
-  [[nodiscard]] bool has_waiting() const;
-  /// On the watching thread: looks, while computations wait, whether all threads that could start one sleep, and has it
-  /// rescued. Returns when the worker ends.
-  void watch();
+  bool run_next() { return run_next(false); }
+  [[nodiscard]] bool has_waiting();
 
  private:
   using Lock = std::unique_lock<std::mutex>;
 
-  // Admitting jobs (scheduler.cpp). With the mutex held, but for that of `submit`.
+  /// The mutex, held. What is in the inbox has been let in. When this goes, the mutex is unlocked, what has been
+  /// deferred is carried out, and what came in meanwhile is let in.
+  class Books {
+   public:
+    explicit Books(Scheduler& scheduler) : Books(scheduler, Lock(scheduler.mutex_)) {}
+    Books(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
+    ~Books();
+    Books(const Books&) = delete;
+    Books& operator=(const Books&) = delete;
+
+    DeferredWork work;
+
+   private:
+    Scheduler& scheduler_;
+    Lock lock_;
+  };
+
+  // Letting jobs in (scheduler.cpp). With the mutex held, but for `put_in_inbox` and `reserve`.
   enum class Admission { admitted, refused, wait };
-  [[nodiscard]] Admission decide(PendingPost& pending, DeferredWork& deferred);
-  void admit(PendingPost& pending, const std::shared_ptr<Computation>& equal, const std::shared_ptr<JobRecord>& older,
-             DeferredWork& deferred);
-  [[nodiscard]] std::shared_ptr<Computation> find_equal(const PendingPost& pending) const;
-  [[nodiscard]] bool fits(std::size_t freed_jobs, std::uint64_t bytes, std::uint64_t freed_bytes) const noexcept;
-  [[nodiscard]] bool make_room(const JobRecord& job, std::size_t freed_jobs, std::uint64_t bytes,
-                               std::uint64_t freed_bytes, const std::array<const Computation*, 2>& spared,
-                               DeferredWork& deferred);
-  void count_out(JobRecord& job);
+  void put_in_inbox(std::unique_ptr<Arrival> arrival);
+  void empty_inbox(DeferredWork& work);
+  [[nodiscard]] bool inbox_has_something() noexcept;
+  [[nodiscard]] Admission decide(Arrival& arrival, DeferredWork& work);
+  [[nodiscard]] bool make_room(const Arrival& arrival, const Computation* equal, const JobRecord* older,
+                               DeferredWork& work);
+  void admit(Arrival& arrival, const std::shared_ptr<Computation>& equal, DeferredWork& work);
+  void follow(Arrival& arrival, DeferredWork& work);
+  static void hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent);
+  static void refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work);
+  [[nodiscard]] std::shared_ptr<Computation> find_equal(const Arrival& arrival) const;
+  /// Counts a job and bytes against the limits if they hold then, with as much less in flight as will be freed.
+  [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
+  [[nodiscard]] bool fits(std::size_t jobs, std::uint64_t bytes, std::size_t freed_jobs,
+                          std::uint64_t freed_bytes) const noexcept;
+  void settle(JobRecord& job);
   void forget(const JobRecord& job);
   /// No more jobs join it.
   void close(Computation& computation);
 
-  // Giving jobs up, and what follows when they are done (settling.cpp).
-  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& deferred);
-  void withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason, DeferredWork& deferred);
-  void settle(JobRecord& job);
-  void carry_out(DeferredWork deferred);
-  void fail(JobRecord& job, ErrorCode reason, Orphans& orphans);
-  /// Hands on what was attached to a job that is done.
-  void pass_on(JobRecord& job, Orphans& orphans);
-  void abandon(Orphans orphans);
-  ComputationList fail_orphans(Orphans& orphans);
-  static void let_go(const ComputationList& ended, const DeliveryList& late);
-  void stop_running();
+  // Giving jobs up, and what follows when they are done (settling.cpp). With the mutex held, but for `carry_out`.
+  bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work);
+  static void stop(const std::shared_ptr<Computation>& computation, DeferredWork& work);
+  void hand_on(JobRecord& job, DeferredWork& work);
+  void hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work);
+  void end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work);
+  void end_losers(DeferredWork& work);
+  void carry_out(DeferredWork& work);
   [[nodiscard]] static std::uint64_t next_id() noexcept;
 
-  // Starting and running (running.cpp). With the mutex held: enqueue to update_priority.
+  // Starting, running, waiting (running.cpp). With the mutex held: enqueue to never_ends.
   void enqueue(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front);
   void start_running(const std::shared_ptr<Computation>& computation);
-  [[nodiscard]] ComputationList taken_out(const std::shared_ptr<Computation>& computation);
-  [[nodiscard]] bool any_waiting() const noexcept;
+  [[nodiscard]] ComputationList take_out(const std::shared_ptr<Computation>& computation);
+  [[nodiscard]] std::size_t waiting_count() const noexcept;
   [[nodiscard]] bool is_waiting(const Computation& computation) const noexcept;
-  [[nodiscard]] ComputationList& waiting(Priority priority) noexcept;
+  [[nodiscard]] ComputationList& waiting(TaskPriority priority) noexcept;
   void update_priority(const std::shared_ptr<Computation>& computation);
-  void rank(const std::shared_ptr<Computation>& computation, Priority priority);
-  void call_for_hands();
+  void rank(const std::shared_ptr<Computation>& computation, TaskPriority priority);
+  [[nodiscard]] std::shared_ptr<Computation> startable_for(const JobRecord& job) const;
+  [[nodiscard]] static bool never_ends(const JobRecord& job);
   void run(const std::shared_ptr<Computation>& computation);
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
-  /// Whether no thread of this scheduler's runs or is about to (scheduler.cpp). Without the mutex.
-  [[nodiscard]] bool nobody_moves() const;
+  // Threads (running.cpp).
+  bool run_next(bool lent);
+  void plan_calls(DeferredWork& work);
+  void call_for_hands(DeferredWork& work);
+  static void run_task(void* task);
+  /// Tells those who wait for something that it may have come.
+  void signal();
+  /// Waits until `done()`, at most until `end`.
+  template <class Done>
+  void wait_for(const Done& done, std::optional<Clock::time_point> end = {});
 
   WorkerOptions options_;
-  std::unique_ptr<ThreadExecutor> executor_;
+  std::unique_ptr<ThreadExecutor> own_threads_;  ///< null with an executor of the engine's
+  int threads_ = 0;
 
-  mutable std::mutex mutex_;
-  std::condition_variable room_;            ///< for those who wait in `submit`
-  std::condition_variable idle_;            ///< for those who wait for the end of what runs
-  std::condition_variable watch_;           ///< for the watching thread
+  std::atomic<Arrival*> inbox_{nullptr};  ///< the newest first
+  std::atomic<std::size_t> jobs_{0};      ///< in flight, those in the inbox too
+  std::atomic<std::uint64_t> bytes_{0};
+
+  std::mutex mutex_;
   std::array<ComputationList, 3> waiting_;  ///< by priority
   ComputationList running_;
-  DeliveryList drained_;                   ///< callbacks for the next `drain`
+  ComputationList drained_;                ///< callbacks for the next `drain`
   std::atomic<std::size_t> undrained_{0};  ///< how many these are, for who does not hold the mutex
-  std::unordered_map<std::string, std::shared_ptr<JobRecord>> newest_;  ///< job in flight of each key
-  ComputationIndex shareable_;                                          ///< in flight, by hash
-  std::size_t jobs_ = 0;                                                ///< that count against the limit
-  std::uint64_t bytes_ = 0;
-  std::uint64_t events_ = 0;  ///< computations started or ended: whether anything moves
-  std::size_t calling_ = 0;   ///< threads that ask a lent arena for hands
-  std::size_t ending_ = 0;    ///< threads in `terminate` that are giving jobs their errors
-  bool watching_ = false;     ///< the watching thread looks by itself for now
-  bool closed_ = false;       ///< terminated: nothing starts any more
-  bool abandoned_ = false;    ///< nobody will drain any more
+  JobsByKey newest_;                       ///< job in flight of each key
+  ComputationIndex shareable_;             ///< in flight, by hash
+  int lent_ = 0;                           ///< tasks that the executor has, or runs
+  int unstarted_ = 0;                      ///< of these, that it has not called yet
+  std::atomic<int> lending_{0};            ///< threads that are inside the executor's `enqueue`
+  std::atomic<bool> closed_{false};        ///< terminated: nothing starts any more. Written with the mutex held
+  bool abandoned_ = false;                 ///< nobody will drain any more
+  bool news_ = false;                      ///< what somebody may wait for has happened: a job done, room, an end
+
+  std::mutex signal_mutex_;  ///< held by those who wait, and by those who signal to them if there are any
+  std::condition_variable signal_;
+  std::uint64_t signals_ = 0;
+  std::atomic<int> waiters_{0};
+};
+
+template <class Done>
+void Scheduler::wait_for(const Done& done, std::optional<Clock::time_point> end) {
+  struct Waiter {
+    explicit Waiter(std::atomic<int>& count) : count_(count) { ++count_; }
+    ~Waiter() { --count_; }
+    std::atomic<int>& count_;
+  } const waiter(waiters_);
+  for (;;) {
+    std::uint64_t seen = 0;
+    {
+      const Lock lock(signal_mutex_);
+      seen = signals_;
+    }
+    if (done()) return;
+    Lock lock(signal_mutex_);
+    const auto signalled = [&] { return signals_ != seen; };
+    if (!end) {
+      signal_.wait(lock, signalled);
+    } else if (!signal_.wait_until(lock, *end, signalled)) {
+      return;
+    }
+  }
+}
+
+/// What the calling thread is to a scheduler, for as long as this object lives.
+class ThreadRole {
+ public:
+  enum Kind {
+    worker,     ///< its own, or a lent one that runs its work
+    bystander,  ///< inside something that its work waits for
+  };
+  explicit ThreadRole(const Scheduler& scheduler, Kind kind = worker,
+                      std::shared_ptr<Computation> running = nullptr) noexcept;
+  ~ThreadRole();
+  ThreadRole(const ThreadRole&) = delete;
+  ThreadRole& operator=(const ThreadRole&) = delete;
+
+  /// Whether the thread is either, and so must not wait for the scheduler's work to end.
+  [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept;
+  /// Whether the scheduler may run computations on it.
+  [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept;
+  /// The computation that the thread is inside of, the innermost one; null if there is none.
+  [[nodiscard]] static std::shared_ptr<Computation> running(const Scheduler& scheduler) noexcept;
+  /// Whether the thread is inside of this computation.
+  [[nodiscard]] static bool is_inside(const Computation& computation) noexcept;
+
+ private:
+  const Scheduler* scheduler_;
+  Kind kind_;
+  std::shared_ptr<Computation> running_;
+  const ThreadRole* outer_;
 };
 
 }  // namespace welkin::detail

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "jobs/control.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
@@ -13,20 +14,23 @@ namespace {
 
 const char* what_happened(ErrorCode reason) noexcept {
   switch (reason) {
-    case ErrorCode::cancelled: return "cancelled by the caller";
+    case ErrorCode::cancelled: return jobs::kCancelled;
     case ErrorCode::replaced: return "a newer request with the same key took its place";
     case ErrorCode::queue_full: return "the worker is at its limit of jobs or bytes in flight (WorkerOptions)";
     case ErrorCode::stopped: return "the worker was terminated";
-    case ErrorCode::limit_exceeded: return "the request alone takes more than the worker's most_bytes (WorkerOptions)";
+    case ErrorCode::limit_exceeded: return "the request alone takes more than the worker's max_bytes (WorkerOptions)";
     default: return "given up";
   }
 }
 
-/// The error for a job's future, or that there was no memory for it.
-std::exception_ptr error_of(const JobRecord& job, ErrorCode reason) noexcept {
+/// Why a job that is ready has no result, or that there was no memory to say it; null if it has one. Who gives jobs up
+/// by the hundred does not make errors that nobody may want: they are made here.
+std::exception_ptr error_of(const JobRecord& job) noexcept {
+  if (!job.withdrawn) return job.error;
   try {
     const std::string key = job.key.empty() ? "" : " (" + job.key + ")";
-    return std::make_exception_ptr(Error(reason, "job " + std::to_string(job.id) + key + ": " + what_happened(reason)));
+    return std::make_exception_ptr(
+        Error(*job.withdrawn, "job " + std::to_string(job.id) + key + ": " + what_happened(*job.withdrawn)));
   } catch (...) {
     return std::current_exception();
   }
@@ -34,7 +38,7 @@ std::exception_ptr error_of(const JobRecord& job, ErrorCode reason) noexcept {
 
 }  // namespace
 
-bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& deferred) {
+bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, DeferredWork& work) {
   if (job->settled || job->withdrawn) return false;
   // A continuation that has not started gives up the job that it follows, which nobody else hears of.
   while (job && !job->settled && !job->withdrawn) {
@@ -42,183 +46,171 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Defer
     const std::shared_ptr<Computation> computation = job->computation;
     std::shared_ptr<JobRecord> next;
     if (computation->jobs.size() > 1) {
-      deferred.losers.splice(deferred.losers.end(), computation->jobs, job->place);
+      work.losers.splice(work.losers.end(), computation->jobs, job->place);
       settle(*job);
       update_priority(computation);
     } else if (computation->list == &running_) {
-      deferred.stopping = computation;
+      stop(computation, work);
     } else if (computation->list != nullptr) {
       next = computation->parent;
       settle(*job);
-      deferred.losers.splice(deferred.losers.end(), computation->jobs);
-      ComputationList node = taken_out(computation);
-      deferred.discarded.splice(deferred.discarded.end(), node);
+      work.losers.splice(work.losers.end(), computation->jobs);
+      ComputationList node = take_out(computation);
+      work.discarded.splice(work.discarded.end(), node);
     } else {
-      room_.notify_all();  // it still waits in `submit`, which looks
+      news_ = true;  // it still waits in `submit`, which looks
     }
     job = next;
   }
   return true;
 }
 
-void Scheduler::withdraw_all(const std::shared_ptr<Computation>& computation, ErrorCode reason,
-                             DeferredWork& deferred) {
-  while (!computation->jobs.empty()) {
-    if (!withdraw(computation->jobs.front(), reason, deferred)) return;
-  }
+void Scheduler::stop(const std::shared_ptr<Computation>& computation, DeferredWork& work) {
+  computation->next_to_stop = std::move(work.stopping);
+  work.stopping = computation;
 }
 
-void Scheduler::settle(JobRecord& job) {
-  job.settled = true;
-  count_out(job);
+/// The job is ready.
+void Scheduler::hand_on(JobRecord& job, DeferredWork& work) {
+  job.done = true;
+  news_ = true;
+  hand_on(job, job.followers, work);
 }
 
-void Scheduler::carry_out(DeferredWork deferred) {
-  if (deferred.stopping) {
-    // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
-    const ThreadExecutor::Service service(*this, ThreadExecutor::Role::bystander);
-    deferred.stopping->stop.request_stop();
-  }
-  Orphans orphans;
-  for (const std::shared_ptr<JobRecord>& job : deferred.losers) fail(*job, *job->withdrawn, orphans);
-  for (const std::shared_ptr<Computation>& computation : deferred.discarded) computation->release();
-  abandon(std::move(orphans));
-}
-
-void Scheduler::fail(JobRecord& job, ErrorCode reason, Orphans& orphans) {
-  job.fail(error_of(job, reason));
-  job.ready.store(true, std::memory_order_release);
-  pass_on(job, orphans);
-}
-
-void Scheduler::pass_on(JobRecord& job, Orphans& orphans) {
-  {
-    const Lock lock(mutex_);
-    job.done = true;
-    DeliveryList& deliveries = abandoned_ ? orphans.deliveries : drained_;
-    deliveries.splice(deliveries.end(), job.delivery);
-    undrained_.store(drained_.size(), std::memory_order_release);
-    if (job.continuation.empty()) return;
-    const std::shared_ptr<Computation> next = job.continuation.front();
+void Scheduler::hand_on(const JobRecord& job, ComputationList& followers, DeferredWork& work) {
+  while (!followers.empty()) {
+    const std::shared_ptr<Computation> next = followers.front();
+    ComputationList node;
+    node.splice(node.begin(), followers, followers.begin());
     next->parent = nullptr;
-    if (closed_) {
-      ComputationList node = taken_out(next);
-      orphans.continuations.splice(orphans.continuations.end(), node);
-      return;
-    }
-    enqueue(next, job.continuation, true);
-  }
-  call_for_hands();
-}
-
-void Scheduler::abandon(Orphans orphans) {
-  const ComputationList ended = fail_orphans(orphans);
-  let_go(ended, orphans.deliveries);
-}
-
-/// No code of the user's runs in here.
-ComputationList Scheduler::fail_orphans(Orphans& orphans) {
-  // One continuation after the other, not each inside its parent's end: a chain may be long. And all jobs get their
-  // errors before any coroutine goes on: it may wait for one of them.
-  ComputationList ended;
-  while (!orphans.continuations.empty()) {
-    const std::shared_ptr<Computation> computation = orphans.continuations.front();
-    ended.splice(ended.end(), orphans.continuations, orphans.continuations.begin());
-    JobList jobs;
-    {
-      const Lock lock(mutex_);
-      jobs.splice(jobs.end(), computation->jobs);
-      for (const std::shared_ptr<JobRecord>& job : jobs) {
-        if (!job->withdrawn) job->withdrawn = ErrorCode::stopped;
-        settle(*job);
+    next->list = nullptr;
+    next->failure = error_of(job);
+    if (next->where == Place::at_once) {
+      work.at_once.splice(work.at_once.end(), node);
+    } else if (next->where == Place::drain) {
+      ComputationList& list = abandoned_ ? work.ended : drained_;
+      list.splice(list.end(), node);
+      undrained_.store(drained_.size(), std::memory_order_release);
+    } else {
+      enqueue(next, node, true);
+      if (closed_) {
+        end(next, nullptr, work);
+      } else {
+        ++work.startable;
       }
     }
-    for (const std::shared_ptr<JobRecord>& job : jobs) fail(*job, *job->withdrawn, orphans);
   }
-  return ended;
 }
 
-void Scheduler::let_go(const ComputationList& ended, const DeliveryList& late) {
-  for (const std::shared_ptr<Computation>& computation : ended) computation->release();
-  // A coroutine that throws out of itself has nobody to throw to here, as on a thread of the worker.
-  const auto go_on = [](const auto& resume) {
+/// Of a computation that waits, and that no thread will start: because of the error, or as the worker has ended.
+void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, DeferredWork& work) {
+  for (const std::shared_ptr<JobRecord>& job : computation->jobs) {
+    if (error) {
+      job->error = error;
+    } else {
+      job->withdrawn = ErrorCode::stopped;
+    }
+    settle(*job);
+  }
+  work.losers.splice(work.losers.end(), computation->jobs);
+  ComputationList node = take_out(computation);
+  work.ended.splice(work.ended.end(), node);
+}
+
+/// One after the other, and not each inside the end of the one that it follows: a chain may be long.
+void Scheduler::end_losers(DeferredWork& work) {
+  while (!work.losers.empty()) {
+    JobRecord& job = *work.losers.front();
+    work.done.splice(work.done.end(), work.losers, work.losers.begin());
+    job.ready.store(true, std::memory_order_release);
+    hand_on(job, work);
+  }
+}
+
+/// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
+void Scheduler::carry_out(DeferredWork& work) {
+  // Code of the user's may throw out of a coroutine, a destructor or a stop callback, and there is nobody to throw to,
+  // as on a thread of the worker.
+  const auto go_on = [](const auto& call) {
     try {
-      resume();
-    } catch (...) {
+      call();
+    } catch (...) {  // NOLINT(bugprone-empty-catch)
     }
   };
-  for (const std::shared_ptr<Computation>& computation : ended) go_on([&] { computation->abandon(); });
-  for (const Delivery& delivery : late) {
-    if (delivery.even_at_the_end) go_on(delivery.run);
+  if (work.news) signal();
+  call_for_hands(work);
+  while (work.stopping) {
+    // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
+    const ThreadRole role(*this, ThreadRole::bystander);
+    const std::shared_ptr<Computation> computation = std::move(work.stopping);
+    work.stopping = std::move(computation->next_to_stop);
+    computation->stop.request_stop();
   }
+  for (const std::shared_ptr<Computation>& computation : work.at_once) {
+    try {
+      computation->run({});
+    } catch (...) {
+      computation->failure = std::current_exception();
+      go_on([&] { computation->run({}); });
+    }
+  }
+  for (const std::shared_ptr<Computation>& computation : work.discarded) computation->release();
+  for (const std::shared_ptr<Computation>& computation : work.ended) computation->release();
+  for (const std::shared_ptr<Computation>& computation : work.ended) go_on([&] { computation->abandon(); });
+  work = {};
 }
 
 bool Scheduler::cancel(const std::shared_ptr<JobRecord>& job) {
-  DeferredWork deferred;
-  bool given_up = false;
-  {
-    const Lock lock(mutex_);
-    given_up = withdraw(job, ErrorCode::cancelled, deferred);
-  }
-  carry_out(std::move(deferred));
-  return given_up;
-}
-
-bool Scheduler::attach(JobRecord& parent, DeliveryList delivery) {
-  const Lock lock(mutex_);
-  if (parent.done && abandoned_) return false;
-  DeliveryList& to = parent.done ? drained_ : parent.delivery;
-  to.splice(to.end(), delivery);
-  undrained_.store(drained_.size(), std::memory_order_release);
-  return true;
+  Books books(*this);
+  return withdraw(job, ErrorCode::cancelled, books.work);
 }
 
 bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
                        const std::shared_ptr<JobRecord>& job) {
-  Orphans orphans;
-  ComputationList node{child};
-  if (job) job->place = child->jobs.insert(child->jobs.end(), job);
-  {
-    const Lock lock(mutex_);
-    child->priority = parent->priority;
-    if (job) {
-      job->priority = parent->priority;
-      job->scheduler = parent->scheduler;
-      job->id = next_id();
-    }
-    if (!parent->done) {
-      child->parent = parent;
-      child->list = &parent->continuation;
-      child->place = node.begin();
-      parent->continuation.splice(parent->continuation.end(), node);
-      return true;
-    }
-    if (!closed_) {
-      enqueue(child, node, true);
-    } else if (job) {
-      orphans.continuations.splice(orphans.continuations.end(), node);
-    } else {
-      return false;
-    }
+  if (job) {
+    job->scheduler = parent->scheduler;
+    job->id = next_id();
   }
-  if (!orphans.continuations.empty()) {
-    abandon(std::move(orphans));
-    return false;
+  auto arrival = std::make_unique<Arrival>(child, job, parent);
+  if (!closed_) {
+    put_in_inbox(std::move(arrival));
+    return true;
   }
-  call_for_hands();
-  return true;
+  Books books(*this);
+  const bool too_late = parent->done && (child->where == Place::drain ? abandoned_ : child->where == Place::worker);
+  if (too_late && !job) return false;
+  follow(*arrival, books.work);
+  return !too_late;
+}
+
+void Scheduler::follow(Arrival& arrival, DeferredWork& work) {
+  const std::shared_ptr<Computation> child = arrival.node.front();
+  child->priority = arrival.parent->priority;
+  if (arrival.job) arrival.job->priority = arrival.parent->priority;
+  child->jobs.splice(child->jobs.end(), arrival.job_node);
+  if (arrival.parent->done) return hand_on(*arrival.parent, arrival.node, work);
+  hang(arrival.node, arrival.parent);
+}
+
+/// On a job that is not done.
+void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& parent) {
+  Computation& child = *node.front();
+  child.parent = parent;
+  child.list = &parent->followers;
+  child.place = node.begin();
+  parent->followers.splice(parent->followers.end(), node);
 }
 
 std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
-  using Clock = std::chrono::steady_clock;
   constexpr std::chrono::microseconds kPause{20};
   const auto start = Clock::now();
   const auto spent = [&] { return Clock::now() - start >= budget; };
   std::size_t there = 0;
   for (std::size_t called = 0;; ++called) {
     // Without the mutex: most frames have nothing to drain.
-    if (undrained_.load(std::memory_order_acquire) == 0 || (called > 0 && (called >= there || spent()))) return called;
-    DeliveryList one;
+    const bool nothing = undrained_.load(std::memory_order_acquire) == 0 && inbox_.load() == nullptr;
+    if (nothing || (called > 0 && (called >= there || spent()))) return called;
+    ComputationList one;
     {
       // The mutex may be held by a thread of ours that more important ones keep off the processor: the budget is for
       // that too. Sleeping, and not spinning, gives it this one.
@@ -228,80 +220,101 @@ std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
         std::this_thread::sleep_for(kPause);
         static_cast<void>(lock.try_lock());
       }
+      const Books books(*this, std::move(lock));
       if (called == 0) there = drained_.size();
       if (drained_.empty()) return called;
       one.splice(one.begin(), drained_, drained_.begin());
       undrained_.store(drained_.size(), std::memory_order_release);
     }
-    one.front().run();
+    one.front()->run({});
   }
 }
 
 void Scheduler::terminate() {
-  Orphans left;
   {
-    const Lock lock(mutex_);
+    Books books(*this);
     closed_ = true;
+    news_ = true;  // who waits for room looks
     for (ComputationList& list : waiting_) {
-      while (!list.empty()) {
-        const std::shared_ptr<Computation> computation = list.front();
-        ComputationList node = taken_out(computation);
-        left.continuations.splice(left.continuations.end(), node);
-      }
+      while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, books.work);
     }
     for (const std::shared_ptr<Computation>& computation : running_) {
-      for (const std::shared_ptr<JobRecord>& job : computation->jobs) {
-        if (!job->withdrawn) job->withdrawn = ErrorCode::stopped;
-      }
+      if (computation->jobs.empty() || computation->jobs.front()->withdrawn) continue;  // it was told to stop before
+      for (const std::shared_ptr<JobRecord>& job : computation->jobs) job->withdrawn = ErrorCode::stopped;
+      stop(computation, books.work);
     }
-    room_.notify_all();
-    watch_.notify_all();
-    ++ending_;
   }
-  const ComputationList ended = fail_orphans(left);
-  {
-    const Lock lock(mutex_);
-    --ending_;
-    idle_.notify_all();
-  }
-  stop_running();
-  let_go(ended, left.deliveries);
-  executor_->dismiss();
-  if (ThreadExecutor::serves(*this)) return;
-  {
-    Lock lock(mutex_);
-    idle_.wait(lock, [&] { return running_.empty() && calling_ == 0 && ending_ == 0; });
-  }
-  executor_->join();
-}
-
-void Scheduler::stop_running() {
-  const ThreadExecutor::Service service(*this, ThreadExecutor::Role::bystander);  // as in `carry_out`
-  for (;;) {
-    std::stop_source stop(std::nostopstate);
-    {
-      const Lock lock(mutex_);
-      for (const std::shared_ptr<Computation>& computation : running_) {
-        if (computation->stop.stop_requested()) continue;
-        stop = computation->stop;
-        break;
-      }
-    }
-    if (!stop.stop_possible()) return;
-    stop.request_stop();
-  }
+  if (own_threads_) own_threads_->dismiss();
+  if (ThreadRole::has_any(*this)) return;
+  wait_for([&] {
+    const Books books(*this);
+    return running_.empty() && lending_ == 0;
+  });
+  if (own_threads_) own_threads_->join();
+  std::shared_ptr<Executor> no_more_used;
+  const Books books(*this);
+  no_more_used.swap(options_.executor);
 }
 
 void Scheduler::abandon_rest() {
-  Orphans rest;
   {
-    const Lock lock(mutex_);
+    Books books(*this);
     abandoned_ = true;
-    rest.deliveries.splice(rest.deliveries.end(), drained_);
+    books.work.ended.splice(books.work.ended.end(), drained_);
     undrained_.store(0, std::memory_order_release);
   }
-  abandon(std::move(rest));
-  if (ThreadExecutor::serves(*this)) executor_->detach();
+  if (own_threads_ && ThreadRole::has_any(*this)) own_threads_->detach();
 }
 
 }  // namespace welkin::detail
+
+namespace welkin {
+
+using detail::error_of;
+
+std::optional<JobError> JobHandle::error() const {
+  if (!ready() || !record_->failed()) return std::nullopt;
+  try {
+    std::rethrow_exception(error_of(*record_));
+  } catch (const Error& error) {
+    return JobError{error.code(), error.what()};
+  } catch (const std::exception& exception) {
+    return JobError{std::nullopt, exception.what()};
+  } catch (...) {
+    return JobError{std::nullopt, "an exception that is no std::exception"};
+  }
+}
+
+bool JobHandle::cancel() const { return record_ && record_->scheduler->cancel(record_); }
+
+TaskPriority JobHandle::priority() const {
+  return record_ ? record_->scheduler->priority_of(*record_) : TaskPriority::normal;
+}
+
+void JobHandle::set_priority(TaskPriority priority) const {
+  if (record_) record_->scheduler->set_priority(*record_, priority);
+}
+
+namespace detail {
+
+bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
+            const std::shared_ptr<JobRecord>& job) {
+  return parent->scheduler->attach(parent, child, job);
+}
+
+void wait(const std::shared_ptr<JobRecord>& job) { job->scheduler->wait(*job); }
+
+void wait_for(const std::shared_ptr<JobRecord>& job, std::chrono::nanoseconds time) {
+  job->scheduler->wait_until(*job, Scheduler::Clock::now() + time);
+}
+
+void throw_error_of(const JobRecord& job) {
+  if (job.failed()) std::rethrow_exception(error_of(job));
+}
+
+void throw_taken() {
+  throw Error(ErrorCode::invalid_argument, "the job's result was taken before, or there is no job");
+}
+
+}  // namespace detail
+}  // namespace welkin

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "math/elementary.h"
+#include "platform/float_environment.h"
 #include "sky/sky_projection.h"
 #include "sky/sunlight.h"
 #include "welkin/error.h"
@@ -160,6 +161,7 @@ SkyLight::State::State(Worker& worker, std::shared_ptr<const SkyTables> tables, 
 }
 
 SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
+  const platform::FloatingPointScope floating_point;
   check_tables(atmosphere, checked(options).tables);
   state_ = std::make_unique<State>(worker, nullptr, options);
   state_->wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
@@ -168,6 +170,7 @@ SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightO
 }
 
 SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options) {
+  const platform::FloatingPointScope floating_point;
   if (!tables)
     throw Error(ErrorCode::invalid_argument, "dynamic sky: the tables are a null pointer; precompute_sky makes some");
   SkyLightOptions with_tables = checked(options);
@@ -182,6 +185,7 @@ SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, cons
 SkyLight::~SkyLight() { state_->bakery->close(); }
 
 void SkyLight::set_sun(double elevation_degrees, double azimuth_degrees) {
+  const platform::FloatingPointScope floating_point;
   if (!(elevation_degrees >= -90.0 && elevation_degrees <= 90.0)) {
     refuse("the sun's elevation in degrees", elevation_degrees, "-90 to 90 are possible");
   }
@@ -191,7 +195,10 @@ void SkyLight::set_sun(double elevation_degrees, double azimuth_degrees) {
   state_->move_sun(unit(sun_direction(elevation_degrees, azimuth_degrees)));
 }
 
-void SkyLight::set_sun(const glm::dvec3& direction) { state_->move_sun(unit(direction)); }
+void SkyLight::set_sun(const glm::dvec3& direction) {
+  const platform::FloatingPointScope floating_point;
+  state_->move_sun(unit(direction));
+}
 
 void SkyLight::State::move_sun(const glm::dvec3& to) {
   bakery->retry();
@@ -222,6 +229,7 @@ void SkyLight::State::move_sun(const glm::dvec3& to) {
 }
 
 void SkyLight::set_intensity(double intensity) {
+  const platform::FloatingPointScope floating_point;
   check_range("intensity", intensity, 0.0, kLargestIntensity);
   state_->bakery->retry();
   if (intensity == state_->intensity) return;
@@ -231,6 +239,7 @@ void SkyLight::set_intensity(double intensity) {
 }
 
 void SkyLight::set_altitude(double altitude_m) {
+  const platform::FloatingPointScope floating_point;
   check_altitude(altitude_m);
   worker::SkyWish& wish = state_->wish;
   state_->bakery->retry();
@@ -247,6 +256,7 @@ void SkyLight::set_altitude(double altitude_m) {
 }
 
 void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
+  const platform::FloatingPointScope floating_point;
   check_tables(atmosphere, state_->options.tables);
   worker::SkyWish& wish = state_->wish;
   state_->bakery->retry();
@@ -351,6 +361,7 @@ void SkyLight::State::place_reflections() {
 }
 
 const SkyLightFrame& SkyLight::update(double seconds) {
+  const platform::FloatingPointScope floating_point;
   if (!(seconds >= 0.0)) refuse("a frame of seconds", seconds, "0 and up are possible");
   State& state = *state_;
   ++state.counters.frames;

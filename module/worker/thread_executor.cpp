@@ -17,8 +17,6 @@
 namespace welkin::detail {
 namespace {
 
-thread_local const ThreadExecutor::Service* innermost_service = nullptr;
-
 /// Has oneTBB make the threads of the process's pool now, and from here. It makes them when they are first wanted, and
 /// a thread inherits its maker's rank: made from one of ours, by a request that opens an arena of its own, the engine's
 /// pool would rank as low as we do, for good.
@@ -43,43 +41,20 @@ void make_pool_threads() {
 
 }  // namespace
 
-ThreadExecutor::Service::Service(const Scheduler& scheduler, Role role) noexcept
-    : scheduler_(&scheduler), role_(role), outer_(innermost_service) {
-  innermost_service = this;
-}
-ThreadExecutor::Service::~Service() { innermost_service = outer_; }
-
-bool ThreadExecutor::serves(const Scheduler& scheduler) noexcept {
-  for (const Service* service = innermost_service; service != nullptr; service = service->outer_) {
-    if (service->scheduler_ == &scheduler) return true;
-  }
-  return false;
-}
-
-bool ThreadExecutor::runs_for(const Scheduler& scheduler) noexcept {
-  for (const Service* service = innermost_service; service != nullptr; service = service->outer_) {
-    if (service->scheduler_ == &scheduler && service->role_ == Role::worker) return true;
-  }
-  return false;
-}
-
 ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
-    : threads_(options.lent_arena ? 0
-                                  : (options.threads == 0 ? std::max(1, available_threads() - 1) : options.threads)),
+    : threads_(options.threads == 0 ? std::max(1, available_threads() - 1) : options.threads),
       priority_(options.thread_priority),
       name_(options.name),
-      lent_arena_(options.lent_arena),
-      numbers_(static_cast<std::size_t>(threads_)) {
-  if (threads_ > 0) {
-    arena_ = std::make_unique<tbb::task_arena>(threads_, static_cast<unsigned>(threads_));
-    arena_->initialize();
-  }
-  parked_.reserve(static_cast<std::size_t>(threads_));
+      arena_(threads_, static_cast<unsigned>(threads_)),
+      places_(static_cast<std::size_t>(threads_)) {
+  arena_.initialize();
 }
 
 ThreadExecutor::~ThreadExecutor() = default;
 
-void ThreadExecutor::set_up_thread(const char* suffix) const noexcept {
+void ThreadExecutor::set_up_thread(int number) const noexcept {
+  char suffix[8] = {};
+  std::snprintf(suffix, sizeof suffix, "%d", number);
   // What is cut is the name, not what tells the threads apart.
   const int room = static_cast<int>(kMostNameCharacters - std::strlen(suffix) - 1);
   char name[kMostNameCharacters + 1] = {};
@@ -89,37 +64,27 @@ void ThreadExecutor::set_up_thread(const char* suffix) const noexcept {
 }
 
 void ThreadExecutor::start(const std::shared_ptr<Scheduler>& scheduler) {
-  if (!lent() && priority_ != ThreadPriority::normal) make_pool_threads();
+  if (priority_ != ThreadPriority::normal) make_pool_threads();
   const std::lock_guard lock(threads_mutex_);
-  own_threads_.reserve(static_cast<std::size_t>(threads_) + 1);
+  own_threads_.reserve(static_cast<std::size_t>(threads_));
   for (int number = 0; number < threads_; ++number) {
     own_threads_.emplace_back([this, scheduler, number] { serve(*scheduler, number); });
   }
-  own_threads_.emplace_back([this, scheduler] {
-    set_up_thread("watch");
-    scheduler->watch();
-  });
 }
 
 void ThreadExecutor::serve(Scheduler& scheduler, int number) {
-  char suffix[8] = {};
-  std::snprintf(suffix, sizeof suffix, "%d", number);
-  set_up_thread(suffix);
-  numbers_[static_cast<std::size_t>(number)] = current_thread_number();
+  set_up_thread(number);
   const auto work = [&] {
-    const Service service(scheduler);
+    const ThreadRole role(scheduler);
     for (;;) {
       if (scheduler.run_next()) continue;
-      {
-        const std::lock_guard lock(mutex_);
-        if (dismissed_) return;
-      }
-      park(scheduler);
+      if (dismissed_) return;
+      park(scheduler, places_[static_cast<std::size_t>(number)]);
     }
   };
   for (;;) {
     try {
-      return arena_->execute(work);
+      return arena_.execute(work);
     } catch (const std::bad_alloc&) {
       // oneTBB had no memory to enter the arena or to park with; others may give some back.
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -127,118 +92,46 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   }
 }
 
-void ThreadExecutor::park(const Scheduler& scheduler) {
+void ThreadExecutor::park(Scheduler& scheduler, Place& place) {
   Parking parking;
   parking.blocker = parking.group.defer([] {});
-  {
-    const std::lock_guard lock(mutex_);
-    if (dismissed_) return;
-    parked_.push_back(&parking);
-  }
+  place = &parking;
   // What came after this thread looked for work, but before it could be seen to be free.
-  if (scheduler.has_waiting()) {
-    tbb::task_handle blocker;
-    const std::lock_guard lock(mutex_);
-    if (std::erase(parked_, &parking) > 0) blocker = std::move(parking.blocker);
-  }
+  if (dismissed_ || scheduler.has_waiting()) call(place);
   parking.group.wait();
 }
 
-bool ThreadExecutor::call_one(const std::shared_ptr<Scheduler>& scheduler) {
-  if (lent()) {
-    try {
-      lent_arena_([scheduler] {
-        const Service service(*scheduler);
-        scheduler->run_next();
-      });
-    } catch (...) {
-      // The job stays where it is; the watching thread will see to it.
-      return false;
-    }
-    return true;
-  }
-  // Taken out of the parking place before it goes: that is the waiting thread's, and gone as soon as the wait ends.
-  tbb::task_handle blocker;
-  const std::lock_guard lock(mutex_);
-  if (parked_.empty()) return false;
-  blocker = std::move(parked_.back()->blocker);
-  parked_.pop_back();
+bool ThreadExecutor::call(Place& place) {
+  // The blocker is taken out of the parking before it goes: that is the waiting thread's, and gone as soon as the wait
+  // ends.
+  Parking* const parking = place.load() != nullptr ? place.exchange(nullptr) : nullptr;
+  if (parking == nullptr) return false;
+  const tbb::task_handle blocker = std::move(parking->blocker);
   return true;
 }
 
-void ThreadExecutor::call_all() {
-  for (;;) {
-    tbb::task_handle blocker;
-    const std::lock_guard lock(mutex_);
-    if (parked_.empty()) return;
-    blocker = std::move(parked_.back()->blocker);
-    parked_.pop_back();
+void ThreadExecutor::call(int count) {
+  for (auto place = places_.begin(); count > 0 && place != places_.end(); ++place) {
+    if (call(*place)) --count;
   }
-}
-
-void ThreadExecutor::rescue(const std::shared_ptr<Scheduler>& scheduler) {
-  const std::lock_guard lock(threads_mutex_);
-  if (leaving_) return;
-  rescuers_.remove_if([](Rescuer& rescuer) {
-    if (!rescuer.finished) return false;
-    rescuer.thread.join();
-    return true;
-  });
-  Rescuer& rescuer = rescuers_.emplace_back();
-  try {
-    rescuer.thread = std::thread([this, scheduler, &rescuer] {
-      set_up_thread("rescue");
-      try {
-        tbb::task_arena(1).execute([&] {
-          const Service service(*scheduler);
-          scheduler->run_next();
-        });
-      } catch (const std::bad_alloc&) {
-        // oneTBB had no memory for the arena; the job still waits, and the watch goes on.
-      }
-      rescuer.finished = true;
-    });
-  } catch (...) {
-    rescuers_.pop_back();
-    throw;
-  }
-}
-
-bool ThreadExecutor::all_asleep() const {
-  return std::all_of(numbers_.begin(), numbers_.end(),
-                     [](const std::atomic<long>& number) { return number != 0 && asleep(number); });
 }
 
 void ThreadExecutor::dismiss() {
-  {
-    const std::lock_guard lock(mutex_);
-    dismissed_ = true;
-  }
-  {
-    const std::lock_guard lock(threads_mutex_);
-    leaving_ = true;
-  }
-  call_all();
+  dismissed_ = true;
+  call(threads_);
 }
 
 void ThreadExecutor::join() {
-  // No thread is added any more, so the lists need no guard; but only one may join, and all wait for that.
-  const std::lock_guard lock(join_mutex_);
+  const std::lock_guard lock(threads_mutex_);
   for (std::thread& thread : own_threads_) {
     if (thread.joinable()) thread.join();
-  }
-  for (Rescuer& rescuer : rescuers_) {
-    if (rescuer.thread.joinable()) rescuer.thread.join();
   }
 }
 
 void ThreadExecutor::detach() {
-  const std::lock_guard lock(join_mutex_);
+  const std::lock_guard lock(threads_mutex_);
   for (std::thread& thread : own_threads_) {
     if (thread.joinable()) thread.detach();
-  }
-  for (Rescuer& rescuer : rescuers_) {
-    if (rescuer.thread.joinable()) rescuer.thread.detach();
   }
 }
 

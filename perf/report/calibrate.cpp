@@ -261,7 +261,7 @@ class Calibration {
     std::vector<PassRecord> passes = fastest_passes([&] {
       made = prefilter_specular(view, options, quiet());
       std::vector<PassRecord> records = made.pixels.passes;
-      records.push_back({kFirstMip, "run", "", made.mips.front().milliseconds});
+      records.push_back({kFirstMip, PassAction::run, "", made.mips.front().milliseconds});
       return records;
     });
     made.pixels.passes = std::move(passes);

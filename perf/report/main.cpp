@@ -30,16 +30,16 @@ namespace {
 constexpr const char* kReportFooter =
     R"(What it does:
   Measures error and time of every method and setting of every pass on this
-  machine, on a built-in light (or --environment), and writes one page with plots and
-  tables: error over time, the Pareto front, and which setting to take for an
-  error of 0.1, 0.5, 1 or 5 %. The page needs no network and prints well. Errors are
-  against the truth in double precision, and the same on every run; times are the
-  least of several calls.
+  machine, on a built-in light or on --environment. Writes one page with plots and
+  tables: error over time, the Pareto front, and the setting to take for an error
+  of 0.1, 0.5, 1 or 5 %. The page needs no network and prints well. Errors are
+  measured against the truth in double precision and are the same on every run. A
+  time is the shortest of several calls.
 
-  Peers stand on the same axes where the machine has them: Filament's cmgen
-  (Debian: libfilament-tools) as a process on a file, its start, reading and
-  writing included; Babylon.js and three.js in Node.js (--node-modules), called
-  with their data in memory. None is needed.
+  Other programs are plotted beside Welkin if the machine has them. Filament's
+  cmgen (Debian: libfilament-tools) is a process that reads a file, so its start,
+  reading and writing count. Babylon.js and three.js run in Node.js
+  (--node-modules) with their data in memory.
 
 Examples:
   welkin report                               report.html, minutes
@@ -51,8 +51,8 @@ Examples:
   welkin report --calibrate -o costs.json     for welkin bake --costs costs.json
   welkin report --node-modules build/release/tests/engine
 
-Units: errors are relative, 0.01 is 1 %; what rms and maximum are stands below
-  each table. Times are seconds in JSON and CSV.
+Units: errors are relative, 0.01 is 1 %; the text below each table defines rms
+  and maximum. Times are seconds in JSON and CSV.
 
 Exit codes: 0 done, regressions or not; 1 a file is bad; 2 the command line is.)";
 
@@ -222,16 +222,16 @@ std::string answer(ReportCommandOptions& options) {
 void add_output_files(Options& table, ReportCommandOptions& options) {
   table.push_back({.names = "-o,--output",
                    .target = &options.page,
-                   .text = "The page (default report.html; none if only raw figures are asked for)",
+                   .text = "The page to write; default report.html, or no page if only raw figures are asked for",
                    .type = "FILE.html"});
   table.push_back({.names = "--json",
                    .target = &options.json,
-                   .text = "Raw figures as JSON, which --against reads",
+                   .text = "Write the raw figures as JSON, which --against reads",
                    .type = "FILE"});
-  table.push_back({.names = "--csv", .target = &options.csv, .text = "Raw figures as CSV", .type = "FILE"});
+  table.push_back({.names = "--csv", .target = &options.csv, .text = "Write the raw figures as CSV", .type = "FILE"});
   table.push_back({.names = "--plots",
                    .target = &options.plots,
-                   .text = "Each plot as an SVG file, in this folder",
+                   .text = "Write each plot as an SVG file to this folder",
                    .type = "DIR"});
 }
 
@@ -255,8 +255,9 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
                    .type = "FILE"});
   table.push_back({.names = "--threads",
                    .target = &options.run.threads,
-                   .text = "Threads that timed calls work with (default 1, by processor time, which repeats best; else "
-                           "by wall time); 0: all that this process may use",
+                   .text =
+                       "Threads of the timed calls. The default is 1 and counts processor time, which repeats best; "
+                       "more count wall time. 0: all that this process may use",
                    .type = "N",
                    .bounds = whole_between(0, 1024)});
 }
@@ -265,7 +266,7 @@ void add_comparisons(Options& table, ReportCommandOptions& options) {
   constexpr const char* kAgainst = "--against";
   table.push_back({.names = kAgainst,
                    .target = &options.against,
-                   .text = "An earlier report's JSON: what has become worse or better since",
+                   .text = "Compare with the JSON of an earlier report",
                    .type = "OLD.json"});
   table.push_back({.names = "--error-factor",
                    .target = &options.factors.error_factor,
@@ -292,12 +293,13 @@ void add_stability(Options& table, ReportCommandOptions& options) {
   constexpr const char* kStability = "--stability";
   table.push_back({.names = kStability,
                    .target = &options.stability,
-                   .text = "Extreme and stiff cases instead: what is promised, what was measured. A table; JSON with "
-                           "--json, Markdown with -o. --quick leaves out what takes long",
+                   .text =
+                       "Measure extreme and stiff cases against their promises instead. Prints a table; --json writes "
+                       "JSON, -o writes Markdown, --quick leaves out the slow cases",
                    .excludes = {"--csv", "--plots", "--passes", "--environment", "--threads", "--against"}});
   table.push_back({.names = "--stability-subject",
                    .target = &options.stability_subject,
-                   .text = "Only this subject's cases",
+                   .text = "Run only the cases of this subject",
                    .type = alternatives(report::stability_subjects()),
                    .words = report::stability_subjects(),
                    .needs = {kStability}});
@@ -306,8 +308,9 @@ void add_stability(Options& table, ReportCommandOptions& options) {
 void add_calibration(Options& table, ReportCommandOptions& options) {
   table.push_back({.names = "--calibrate",
                    .target = &options.calibrate,
-                   .text = "Measure what work costs on this machine instead, for the plans of 'welkin bake --costs': "
-                           "JSON, printed or with -o into a file; some four seconds on one thread",
+                   .text =
+                       "Measure the cost of work on this machine instead, for 'welkin bake --costs'. Prints JSON or "
+                       "writes it with -o, after about four seconds on one thread",
                    .excludes = {"--stability", "--scale", "--quick", "--csv", "--plots", "--passes", "--environment",
                                 "--threads", "--against"}});
 }

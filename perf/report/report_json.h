@@ -10,7 +10,7 @@ namespace welkin::report {
 
 /// {"format": "welkin report", "version": 1, "machine", "scale", "environment", "notes", "passes", "measurements":
 /// [{pass, method, setting, error_rms, error_maximum, seconds, truth, peer, on_front}], "recommendations": [{pass,
-/// target, method, setting} (null, null where none reaches it)]}. One line a measurement. A number that is none is
+/// target, method, setting} (null, null where none reaches it)]}. One line a measurement. A NaN is
 /// null.
 [[nodiscard]] std::string to_json(const Report& report);
 

@@ -48,7 +48,7 @@ struct StabilityOptions {
 
 /// Runs the cases in a fixed order. Progress is the share of cases that are done. Full: some two minutes and 1
 /// GiB; quick: one minute. An exception in a case is its result (`failure`), not the end.
-/// Throws `Error`: invalid_argument (a subject that is none), cancelled.
+/// Throws `Error`: invalid_argument (an unknown subject), cancelled.
 [[nodiscard]] std::vector<StabilityResult> run_stability(const StabilityOptions& options = {},
                                                          const Control& control = {});
 
@@ -59,7 +59,8 @@ struct StabilityOrigin {
   std::string command{};  ///< that made the page
 };
 
-/// docs/stability.md: a table a subject, then what does not hold and what to do. Paragraphs are wrapped at 120 columns.
+/// docs/stability_table.md: a table a subject, then what does not hold and what to do. Paragraphs are wrapped at 120
+/// columns.
 [[nodiscard]] std::string stability_markdown(const std::vector<StabilityResult>& results,
                                              const StabilityOrigin& origin);
 

@@ -19,6 +19,7 @@
 #include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance_cubemap.h"
 #include "welkin/plan.h"
+#include "welkin/result_cache.h"
 #include "welkin/sky_plan.h"
 #include "welkin/texture_file.h"
 
@@ -69,7 +70,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   BakeResult found = bake_file(directory.file("sky.env"), {}, small_bake());
   REQUIRE(found.stored_polynomial);
   CHECK(found.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
-  CHECK(pass_named(found, "project").action == "reuse");
+  CHECK(pass_named(found, "project").action == PassAction::reuse);
   CHECK(found.diagnostics.passes.front().name == "read");
   // That is also where the coefficients and the irradiance come from.
   const Projection stored = project_file(directory.file("sky.env"));
@@ -83,7 +84,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   BakeOptions more = small_bake();
   more.bands = 4;
   const BakeResult projected = bake_file(directory.file("sky.env"), {}, more);
-  CHECK(pass_named(projected, "project").action == "run");
+  CHECK(pass_named(projected, "project").action == PassAction::run);
   CHECK(projected.stored_polynomial);
   for (std::size_t k = 0; k < 9; ++k) {
     INFO("coefficient " << k);
@@ -204,8 +205,8 @@ TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][co
       CHECK(result.specular->mips[static_cast<std::size_t>(level)].roughness ==
             file.roughness[static_cast<std::size_t>(first + level)]);
     }
-    CHECK(pass_named(result, "specular").action == "reuse");
-    CHECK(pass_named(result, "project").action == "reuse");
+    CHECK(pass_named(result, "specular").action == PassAction::reuse);
+    CHECK(pass_named(result, "project").action == PassAction::reuse);
     CHECK(same_bytes(level_values(result.background, 0), level_values(stored, 0)));
   }
 }
@@ -235,7 +236,7 @@ TEST_CASE("A KTX2's levels are the background's mips", "[plan][codec]") {
   CHECK(planned.pass("background mips").action == PassAction::reuse);
   const BakeResult result = bake(file, planned);
   CHECK(same_bits(result.background, odd_chain()));
-  CHECK(pass_named(result, "background mips").action == "reuse");
+  CHECK(pass_named(result, "background mips").action == PassAction::reuse);
   BakeOptions smaller = whole_bake();
   smaller.background_size = 8;
   CHECK(plan(file, needs, smaller).pass("background mips").action == PassAction::run);
@@ -252,6 +253,46 @@ TEST_CASE("A KTX2 that speaks of roughness holds reflections", "[plan][codec]") 
   const BakeResult result = bake(file, planned);
   CHECK(same_bytes(level_values(result.specular->cubemap, 0), level_values(odd_chain(), 1)));
   CHECK(plan(file, {}, whole_bake()).pass("background mips").action == PassAction::run);
+}
+
+TEST_CASE("A cached bake of a file is the bake of the file, whatever was baked of its pixels before", "[plan][codec]") {
+  const TemporaryDirectory directory;
+  for (const auto& path : {write_env(directory), write_ktx2(directory, "")}) {
+    const StoredEnvironment file = probe_environment(path);
+    ResultCache cache;
+    for (const bool stored_results : {true, false, true, false}) {
+      INFO(path << (stored_results ? ", with" : ", without") << " what it carries");
+      const Plan planned = plan(file, {.stored_results = stored_results}, whole_bake());
+      const BakeResult expected = bake(file, planned);
+      const BakeResult found = cache.bake(file, planned);
+      CHECK(same_bits(found.background, expected.background));
+      CHECK(same_bits(found.specular->cubemap, expected.specular->cubemap));
+      CHECK(same_bits(found.irradiance, expected.irradiance));
+      CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), expected.radiance->coefficients()));
+      CHECK(found.stored_polynomial.has_value() == expected.stored_polynomial.has_value());
+      CHECK(found.diagnostics.passes.front().name == "read");
+      CHECK(pass_named(found, "hash").action == PassAction::run);
+    }
+    const BakeResult again = cache.bake(file, plan(file, {.stored_results = false}, whole_bake()));
+    for (const char* pass : {"specular", "background", "background mips", "project", "irradiance"}) {
+      INFO(pass);
+      CHECK(pass_named(again, pass).action == PassAction::reuse);
+    }
+    CHECK(pass_named(again, "clean").action == PassAction::skip);
+  }
+}
+
+TEST_CASE("A cached plan leaves out what it left out before, and says why", "[plan]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
+  const Plan planned = plan(picture.view(), {.glossy = std::nullopt, .background = false}, whole_bake());
+  ResultCache cache;
+  for (int round = 0; round < 2; ++round) {
+    const BakeResult found = cache.bake(picture.view(), planned);
+    CHECK(pass_named(found, "specular").reason == planned.pass("specular").reason);
+    CHECK(pass_named(found, "project").action == (round == 0 ? PassAction::run : PassAction::reuse));
+  }
+  const TestLatLong other = make_lat_long(Content::high_range, 32, 16, 3);
+  CHECK(thrown_by([&] { static_cast<void>(cache.bake(other.view(), planned)); }).says("plan again"));
 }
 
 TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]") {

@@ -142,7 +142,7 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
   for (const char* name : {"background", "background mips", "specular", "irradiance", "brdf", "clean"}) {
     const PassRecord& pass = pass_named(nothing, name);
     INFO(name);
-    CHECK(pass.action == "skip");
+    CHECK(pass.action == PassAction::skip);
     CHECK(!pass.reason.empty());
     CHECK(pass.milliseconds == 0.0);
   }
@@ -153,17 +153,17 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
   CHECK(sharp.background.size() == 12);  // the source's own
   CHECK(sharp.background.levels() == 1);
   CHECK(same_bytes<float>(level_values(sharp.background, 0), source.pixels));
-  CHECK(pass_named(sharp, "background").action == "run");
-  CHECK(pass_named(sharp, "background mips").action == "skip");
+  CHECK(pass_named(sharp, "background").action == PassAction::run);
+  CHECK(pass_named(sharp, "background mips").action == PassAction::skip);
 
   const BakeResult all = bake(source.view(), small_bake());
   for (const char* name : {"background mips", "specular", "project", "irradiance"}) {
     INFO(name);
-    CHECK(pass_named(all, name).action == "run");
+    CHECK(pass_named(all, name).action == PassAction::run);
     CHECK(pass_named(all, name).milliseconds > 0.0);
     CHECK(!pass_named(all, name).reason.empty());
   }
-  CHECK(pass_named(bake(source.view(), small_bake()), "brdf").action == "reuse");
+  CHECK(pass_named(bake(source.view(), small_bake()), "brdf").action == PassAction::reuse);
 }
 
 TEST_CASE("Irradiance can be convolved directly", "[bake]") {
@@ -217,7 +217,7 @@ TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
     for (std::size_t k = 0; k < clean.irradiance.pixels.size(); ++k) {
       CHECK(found.irradiance.pixels[k] == Approx(clean.irradiance.pixels[k]).epsilon(1e-5));
     }
-    CHECK(pass_named(found, "clean").action == "run");
+    CHECK(pass_named(found, "clean").action == PassAction::run);
   }
 }
 

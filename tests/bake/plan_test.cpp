@@ -90,7 +90,7 @@ void check_all_needs(const View& view, const BakeResult& whole, const BakeOption
       const PlannedPass& said = planned.passes[k];
       const PassRecord& done = part.diagnostics.passes[k];
       CHECK(done.name == said.name);
-      CHECK((done.action == "skip") == (said.action == PassAction::skip));
+      CHECK((done.action == PassAction::skip) == (said.action == PassAction::skip));
       if (said.action == PassAction::skip) CHECK(done.reason == said.reason);
     }
     CHECK(part.peak_bytes == planned.result_bytes + planned.working_bytes);
@@ -326,7 +326,8 @@ TEST_CASE("A plan reads as a table", "[plan]") {
   CHECK(text.find("lat-long 512 x 256") != std::string::npos);
   CHECK(text.find("no glossy materials") != std::string::npos);
   CHECK(text.find("measured") == std::string::npos);
-  const std::string after = plan_text(planned, {{"project", "run", "", 123.0}, {"clean", "run", "a copy", 1.0}});
+  const std::string after =
+      plan_text(planned, {{"project", PassAction::run, "", 123.0}, {"clean", PassAction::run, "a copy", 1.0}});
   CHECK(after.find("measured") != std::string::npos);
   CHECK(after.find("123") != std::string::npos);
   CHECK(after.find("run: a copy") != std::string::npos);  // another action than was planned

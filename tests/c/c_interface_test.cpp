@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "c/c_calls.h"
 #include "c/c_support.h"
 #include "support/catch.h"
 #include "support/pfm_files.h"
@@ -28,59 +29,6 @@
 #include "welkin/welkin.h"
 
 namespace welkin::test {
-
-// The tests' pictures as C callers describe them.
-
-namespace {
-
-welkin_cubemap c_view(const CubemapView& view) {
-  welkin_cubemap cubemap;
-  WELKIN_INIT(cubemap);
-  cubemap.format = static_cast<welkin_format>(view.format);
-  cubemap.row_stride_bytes = view.row_stride_bytes;
-  std::copy(view.faces.begin(), view.faces.end(), cubemap.faces);
-  cubemap.size = view.size;
-  return cubemap;
-}
-
-welkin_lat_long c_view(const LatLongView& view) {
-  welkin_lat_long lat_long;
-  WELKIN_INIT(lat_long);
-  lat_long.format = static_cast<welkin_format>(view.format);
-  lat_long.row_stride_bytes = view.row_stride_bytes;
-  lat_long.pixels = view.pixels;
-  lat_long.width = view.width;
-  lat_long.height = view.height;
-  return lat_long;
-}
-
-/// All zero but the size.
-template <class Struct>
-Struct c_struct() {
-  Struct made;
-  WELKIN_INIT(made);
-  return made;
-}
-
-/// A worker of `threads`, destroyed with its scope.
-class CWorker {
- public:
-  explicit CWorker(int threads) {
-    auto options = c_struct<welkin_worker_options>();
-    options.threads = threads;
-    REQUIRE(welkin_worker_create(&options, &worker_) == WELKIN_OK);
-  }
-  ~CWorker() { welkin_worker_destroy(worker_); }
-  CWorker(const CWorker&) = delete;
-  CWorker& operator=(const CWorker&) = delete;
-
-  [[nodiscard]] welkin_worker* get() const noexcept { return worker_; }
-
- private:
-  welkin_worker* worker_ = nullptr;
-};
-
-}  // namespace
 
 // Each ErrorCode has a status of its own, and arrives as that one.
 
@@ -155,7 +103,7 @@ TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]
 TEST_CASE("C: a request beyond the worker's memory is a limit exceeded", "[c_interface]") {
   auto options = c_struct<welkin_worker_options>();
   options.threads = 1;
-  options.most_bytes = 1000;
+  options.max_bytes = 1000;
   welkin_worker* worker = nullptr;
   REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
   const auto cube = make_cubemap(Content::random, 8, 3, 1);
@@ -271,6 +219,61 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
   REQUIRE(released.load() == owed);
 }
 
+TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless", "[c_interface]") {
+  const unsigned seed = 20261122;
+  INFO("seed " << seed);
+  std::mt19937 random(seed);
+  const auto cube = make_cubemap(Content::random, 4, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  // Limits of memory stay, so that no noise asks for minutes of work: what is large is refused by them.
+  auto sound_bake = c_struct<welkin_bake_options>();
+  sound_bake.memory_limit_bytes = 1 << 24;
+  auto sound_specular = c_struct<welkin_prefilter_options>();
+  sound_specular.size = 4;
+  auto sound_tables = c_struct<welkin_sky_table_options>();
+  sound_tables.memory_limit_bytes = 1 << 16;
+  auto sound_target = c_struct<welkin_cubemap_target>();
+  std::vector<float> texels(6 * 4 * 4 * 4);
+  sound_target.size = 4;
+  for (std::size_t face = 0; face < 6; ++face) sound_target.faces[face] = texels.data() + face * 4 * 4 * 4;
+  welkin_atmosphere* air = nullptr;
+  REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air) == WELKIN_OK);
+  welkin_cubemap_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter_cubemap(&view, &sound_specular, nullptr, &chain) == WELKIN_OK);
+
+  int refused = 0;
+  int done = 0;
+  for (int run = 0; run < 400; ++run) {
+    Noisy<welkin_prefilter_options> specular(sound_specular, offsetof(welkin_prefilter_options, roughness) / 4, random);
+    sound_bake.specular = specular.get();
+    Noisy<welkin_bake_options> options(sound_bake, offsetof(welkin_bake_options, specular) / 4, random);
+    auto* result = reinterpret_cast<welkin_bake_result*>(&sound_bake);
+    const welkin_status status = welkin_bake_cubemap(&view, options.get(), nullptr, &result);
+    INFO(welkin_status_name(status) << ": " << welkin_last_error());
+    REQUIRE((status == WELKIN_OK || status == WELKIN_INVALID_ARGUMENT || status == WELKIN_LIMIT_EXCEEDED));
+    REQUIRE((result != nullptr) == (status == WELKIN_OK));
+    (status == WELKIN_OK ? done : refused) += 1;
+    welkin_bake_result_destroy(result);
+
+    Noisy<welkin_sky_table_options> tables(sound_tables, offsetof(welkin_sky_table_options, lowest_sun_degrees) / 4,
+                                           random);
+    auto* made = reinterpret_cast<welkin_sky_tables*>(&sound_bake);
+    const welkin_status sky = welkin_sky_tables_create(air, tables.get(), nullptr, &made);
+    REQUIRE((sky == WELKIN_OK || sky == WELKIN_INVALID_ARGUMENT || sky == WELKIN_LIMIT_EXCEEDED));
+    REQUIRE((made != nullptr) == (sky == WELKIN_OK));
+    welkin_sky_tables_destroy(made);
+
+    // Of four floats a texel there is room for every format that is written.
+    Noisy<welkin_cubemap_target> target(sound_target, 2, random);
+    const welkin_status copied = welkin_cubemap_chain_copy(chain, 0, target.get(), nullptr);
+    REQUIRE((copied == WELKIN_OK || copied == WELKIN_INVALID_ARGUMENT));
+  }
+  REQUIRE(refused > 30);
+  REQUIRE(done > 30);
+  welkin_cubemap_chain_destroy(chain);
+  welkin_atmosphere_destroy(air);
+}
+
 // Many threads retain, ask, cancel and release; each job's pixels are released once, and each handle lives until its
 // last reference goes.
 
@@ -337,8 +340,8 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
     std::atomic<int> posted{0};
     auto options = c_struct<welkin_worker_options>();
     options.threads = 2;
-    options.most_jobs = 16;
-    options.when_full = static_cast<welkin_when_full>(round % 3);
+    options.max_jobs = 16;
+    options.overflow = static_cast<welkin_overflow_policy>(round % 3);
     welkin_worker* worker = nullptr;
     REQUIRE(welkin_worker_create(&options, &worker) == WELKIN_OK);
     std::vector<std::thread> threads;
@@ -375,33 +378,6 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
 // What comes through the C interface is, bit for bit, what the C++ calls give.
 
 namespace {
-
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-bool same_triple(const double* values, const glm::dvec3& expected) {
-  return same_bits(values[0], expected.x) && same_bits(values[1], expected.y) && same_bits(values[2], expected.z);
-}
-
-void require_same(const welkin_projection& light, const Projection& expected) {
-  REQUIRE(light.bands == expected.radiance.bands());
-  const auto coefficients = expected.radiance.coefficients();
-  for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    INFO("coefficient " << i);
-    REQUIRE(same_triple(light.coefficients + 3 * i, coefficients[i]));
-  }
-  for (std::size_t i = 3 * coefficients.size(); i < std::size(light.coefficients); ++i) {
-    REQUIRE(light.coefficients[i] == 0.0);
-  }
-  const ProjectionDiagnostics& diagnostics = expected.diagnostics;
-  REQUIRE(light.texels == diagnostics.texels);
-  REQUIRE(light.nans_replaced == diagnostics.nans_replaced);
-  REQUIRE(light.infinities_replaced == diagnostics.infinities_replaced);
-  REQUIRE(light.negatives_replaced == diagnostics.negatives_replaced);
-  REQUIRE(light.texels_clamped == diagnostics.texels_clamped);
-  REQUIRE(same_triple(light.total_radiance_before_clamp, diagnostics.total_radiance_before_clamp));
-  REQUIRE(same_triple(light.total_radiance, diagnostics.total_radiance));
-  REQUIRE(same_bits(light.error_estimate, diagnostics.error_estimate));
-}
 
 /// Every option away from its default in one of them at least, in both languages.
 struct Wanted {
@@ -454,11 +430,12 @@ TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_inter
       const auto count = static_cast<std::int32_t>(levels);
       auto light = c_struct<welkin_projection>();
       REQUIRE(welkin_project_cubemap(mips.data(), count, &c_options, nullptr, &light) == WELKIN_OK);
-      require_same(light, expected);
-      require_same(posted([&, options = &c_options](welkin_job** job) {
-                     return welkin_post_project_cubemap(worker.get(), mips.data(), count, options, nullptr, job);
-                   }),
-                   expected);
+      require_same_projection(light, expected);
+      require_same_projection(posted([&, options = &c_options](welkin_job** job) {
+                                return welkin_post_project_cubemap(worker.get(), mips.data(), count, options, nullptr,
+                                                                   job);
+                              }),
+                              expected);
     }
   }
 }
@@ -471,11 +448,11 @@ TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
     const Projection expected = project(picture.view(), options);
     auto light = c_struct<welkin_projection>();
     REQUIRE(welkin_project_lat_long(&view, &c_options, nullptr, &light) == WELKIN_OK);
-    require_same(light, expected);
-    require_same(posted([&, options = &c_options](welkin_job** job) {
-                   return welkin_post_project_lat_long(worker.get(), &view, options, nullptr, job);
-                 }),
-                 expected);
+    require_same_projection(light, expected);
+    require_same_projection(posted([&, options = &c_options](welkin_job** job) {
+                              return welkin_post_project_lat_long(worker.get(), &view, options, nullptr, job);
+                            }),
+                            expected);
   }
 }
 
@@ -492,11 +469,12 @@ TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
     const Projection expected = project_file(path, {}, options);
     auto light = c_struct<welkin_projection>();
     REQUIRE(welkin_project_file(path.c_str(), &reading, &c_options, nullptr, &light) == WELKIN_OK);
-    require_same(light, expected);
-    require_same(posted([&, options = &c_options](welkin_job** job) {
-                   return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr, job);
-                 }),
-                 expected);
+    require_same_projection(light, expected);
+    require_same_projection(posted([&, options = &c_options](welkin_job** job) {
+                              return welkin_post_project_file(worker.get(), path.c_str(), nullptr, options, nullptr,
+                                                              job);
+                            }),
+                            expected);
   }
 }
 

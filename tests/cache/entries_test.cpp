@@ -462,7 +462,7 @@ TEST_CASE("entries: a folder that cannot be is no reason to fail") {
   CHECK(same_bytes<glm::dvec3>(projection.radiance.coefficients(), project(cubemap.view()).radiance.coefficients()));
   CHECK(cache.statistics().write_failures == 2);
   CHECK_FALSE(cache.statistics().last_failure.empty());
-  CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == "reuse");
+  CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == PassAction::reuse);
 }
 
 /// Runs `work` in a process of its own; what it returns.

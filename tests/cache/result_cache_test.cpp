@@ -47,7 +47,7 @@ bool same_bake(const BakeResult& a, const BakeResult& b) {
 
 std::string action(const ProjectionDiagnostics& diagnostics, const std::string& pass) {
   for (const PassRecord& record : diagnostics.passes) {
-    if (record.name == pass) return record.action;
+    if (record.name == pass) return name(record.action);
   }
   return "none";
 }
@@ -498,7 +498,7 @@ TEST_CASE("chains: a bake with a mip more makes one mip, and says so") {
   CHECK(same_specular(*made.specular, *bake(cubemap.view(), options).specular));
   for (const PassRecord& pass : made.diagnostics.passes) {
     if (pass.name != "specular") continue;
-    CHECK(pass.action == "run");
+    CHECK(pass.action == PassAction::run);
     CHECK(pass.reason == "3 of 4 mips found in memory, the others made");
   }
 }

@@ -429,7 +429,7 @@ TEST_CASE("other formats are refused by their names", "[codec]") {
   check_text(path, "\xff\xd8\xff\xe0 JFIF", code, "a JPEG", remedy);
   check_text(path, "RIFF1234WEBP", code, "a WebP", remedy);
   check_text(path, "\xabKTX 11\xbb\r\n\x1a\n", code, "a KTX", "not of version 2.0; convert it");
-  check_text(path, "good morning", code, "is of no kind that is known here", remedy);
+  check_text(path, "good morning", code, "is no picture or texture that Welkin reads", remedy);
 }
 
 TEST_CASE("channels that make no colour are refused by their names", "[codec]") {

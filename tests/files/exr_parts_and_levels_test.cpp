@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "files/project_file.h"
+#include "files/environment.h"
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"

@@ -355,7 +355,7 @@ TEST_CASE("a strip from a file is projected as its cubemap", "[codec]") {
   CHECK(same_coefficients(found, project(whole.cubemap())));
   const PassRecord* read = find_pass(found, "read");
   REQUIRE(read != nullptr);
-  CHECK(read->action == "run");
+  CHECK(read->action == PassAction::run);
   CHECK(read->reason == "PFM, scanline, none; a cubemap is held whole");
 }
 
@@ -366,16 +366,16 @@ TEST_CASE("the passes of a streamed projection are on record", "[codec]") {
   const Projection found = project_file(path);
   const PassRecord* read = find_pass(found, "read");
   REQUIRE(read != nullptr);
-  CHECK(read->action == "run");
+  CHECK(read->action == PassAction::run);
   CHECK(read->reason.find("OpenEXR, scanline, zip") == 0);
   CHECK(read->reason.find("overlapped") != std::string::npos);
   CHECK(read->milliseconds > 0.0);
   const PassRecord* projected = find_pass(found, "project");
   REQUIRE(projected != nullptr);
-  CHECK(projected->action == "run");
+  CHECK(projected->action == PassAction::run);
   const PassRecord* cubemap = find_pass(found, "cubemap");
   REQUIRE(cubemap != nullptr);
-  CHECK(cubemap->action == "skip");
+  CHECK(cubemap->action == PassAction::skip);
   CHECK(cubemap->reason == "a lat-long is projected directly");
 }
 

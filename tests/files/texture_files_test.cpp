@@ -139,10 +139,10 @@ TEST_CASE("a target size takes a mip of a texture, but no prefiltered level", "[
     const auto path = directory.file(file);
     write_texture(path, chain.views(), {});
     const bool can_say = path.extension() != ".dds";
-    CHECK((pass_named(project_file(path, {}, options), "reduce").action == "reuse") == can_say);
+    CHECK((pass_named(project_file(path, {}, options), "reduce").action == PassAction::reuse) == can_say);
     write_texture(path, chain.views(), blurred);
     const Projection projected = project_file(path, {}, options);
-    CHECK(pass_named(projected, "reduce").action != "reuse");
+    CHECK(pass_named(projected, "reduce").action != PassAction::reuse);
     const Environment whole = read_environment(path);
     CHECK(same_bits(projected.radiance, project(whole.cubemap(), options).radiance));
   }
@@ -180,7 +180,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
   }
   const Projection reused = project_file(path);
   CHECK(distance(reused.radiance, radiance) < 1e-14);
-  CHECK(pass_named(reused, "project").action == "reuse");
+  CHECK(pass_named(reused, "project").action == PassAction::reuse);
   CHECK(glm::length(reused.diagnostics.total_radiance - radiance.at(0, 0) * std::sqrt(4.0 * 3.14159265358979)) < 1e-9);
   ProjectionOptions options;
   options.bands = 2;
@@ -190,7 +190,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
   options.bands = 4;
   options.target_size = 2;
   const Projection projected = project_file(path, {}, options);
-  CHECK(pass_named(projected, "project").action == "run");
+  CHECK(pass_named(projected, "project").action == PassAction::run);
   CHECK(same_bits(projected.radiance, project(stored.view(0), options).radiance));
 
   BabylonEnvironment bare = to_babylon(chain, radiance);

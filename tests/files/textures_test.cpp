@@ -17,7 +17,7 @@
 
 #include "files/crc32.h"
 #include "files/env.h"
-#include "files/env_pictures.h"
+#include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
@@ -391,13 +391,13 @@ TEST_CASE("every half comes back from its float, and floats go where Imath has t
     const auto half = static_cast<std::uint16_t>(bits);
     Imath::half value;
     value.setBits(half);
-    if (is_a_number(half)) all = all && files::half_from_float(value) == half;
+    if (is_a_number(half)) all = all && image::half_from_float(value) == half;
   }
   CHECK(all);
-  for (const float value : values_up_to(files::kLargestHalf, 1)) {
-    if (files::half_from_float(value) != Imath::half(value).bits() ||
-        files::half_from_float(-value) != Imath::half(-value).bits()) {
-      FAIL(value << " becomes " << files::half_from_float(value));
+  for (const float value : values_up_to(image::kLargestHalf, 1)) {
+    if (image::half_from_float(value) != Imath::half(value).bits() ||
+        image::half_from_float(-value) != Imath::half(-value).bits()) {
+      FAIL(value << " becomes " << image::half_from_float(value));
     }
   }
 }
@@ -405,41 +405,41 @@ TEST_CASE("every half comes back from its float, and floats go where Imath has t
 TEST_CASE("b10g11r11 takes the nearest value in each channel", "[codec][texels]") {
   const std::vector<double> eleven = all_small_floats(6);
   const std::vector<double> ten = all_small_floats(5);
-  REQUIRE(eleven.back() == static_cast<double>(files::kLargestFloat11));
-  REQUIRE(ten.back() == static_cast<double>(files::kLargestFloat10));
-  for (const float value : values_up_to(files::kLargestFloat10, 2)) {
-    const std::uint32_t texel = files::pack_b10g11r11({value, 0.0F, value});
+  REQUIRE(eleven.back() == static_cast<double>(image::kLargestFloat11));
+  REQUIRE(ten.back() == static_cast<double>(image::kLargestFloat10));
+  for (const float value : values_up_to(image::kLargestFloat10, 2)) {
+    const std::uint32_t texel = image::pack_b10g11r11({value, 0.0F, value});
     const auto wide = static_cast<double>(value);
     if (texel != (nearest(eleven, wide) | nearest(ten, wide) << 22U)) FAIL(value << " becomes " << texel);
-    if (files::pack_b10g11r11({0.0F, value, 0.0F}) != nearest(eleven, wide) << 11U) FAIL(value << " in green");
+    if (image::pack_b10g11r11({0.0F, value, 0.0F}) != nearest(eleven, wide) << 11U) FAIL(value << " in green");
   }
   for (std::uint32_t bits = 0; bits < eleven.size(); ++bits) {
-    const std::array<float, 3> rgb = files::unpack_b10g11r11(bits | bits << 11U);
+    const std::array<float, 3> rgb = image::unpack_b10g11r11(bits | bits << 11U);
     if (static_cast<double>(rgb[0]) != eleven[bits] || static_cast<double>(rgb[1]) != eleven[bits]) FAIL(bits);
   }
   for (std::uint32_t bits = 0; bits < ten.size(); ++bits) {
-    if (static_cast<double>(files::unpack_b10g11r11(bits << 22U)[2]) != ten[bits]) FAIL(bits);
+    if (static_cast<double>(image::unpack_b10g11r11(bits << 22U)[2]) != ten[bits]) FAIL(bits);
   }
 }
 
 TEST_CASE("e5b9g9r9 has the least exponent that holds the largest channel, and rounds to its steps",
           "[codec][texels]") {
-  const std::vector<float> values = values_up_to(files::kLargestSharedFloat, 3);
+  const std::vector<float> values = values_up_to(image::kLargestSharedFloat, 3);
   for (std::size_t i = 0; i + 2 < values.size(); ++i) {
     const std::array<float, 3> rgb{values[i], values[i + 1], values[i + 2]};
-    const std::uint32_t texel = files::pack_e5b9g9r9(rgb);
+    const std::uint32_t texel = image::pack_e5b9g9r9(rgb);
     const auto largest = static_cast<double>(std::max({rgb[0], rgb[1], rgb[2]}));
     const int exponent = static_cast<int>(texel >> 27U);
     const double step = std::ldexp(1.0, exponent - 24);
-    const std::array<float, 3> back = files::unpack_e5b9g9r9(texel);
+    const std::array<float, 3> back = image::unpack_e5b9g9r9(texel);
     bool right = largest < 511.5 * step && (exponent == 0 || largest >= 511.5 * step / 2);
     for (std::size_t c = 0; c < 3; ++c) {
       right = right && static_cast<double>(back[c]) == std::floor(static_cast<double>(rgb[c]) / step + 0.5) * step;
     }
     if (!right) FAIL(rgb[0] << ' ' << rgb[1] << ' ' << rgb[2] << " become " << texel);
   }
-  CHECK(files::pack_e5b9g9r9({1.0F, 0.0F, 0.0F}) == (16U << 27U | 256U));
-  CHECK(files::pack_e5b9g9r9({0.0F, 0.0F, files::kLargestSharedFloat}) == (31U << 27U | 511U << 18U));
+  CHECK(image::pack_e5b9g9r9({1.0F, 0.0F, 0.0F}) == (16U << 27U | 256U));
+  CHECK(image::pack_e5b9g9r9({0.0F, 0.0F, image::kLargestSharedFloat}) == (31U << 27U | 511U << 18U));
 }
 
 TEST_CASE("what a texel cannot hold is clamped and counted", "[codec][texels]") {
@@ -447,7 +447,7 @@ TEST_CASE("what a texel cannot hold is clamped and counted", "[codec][texels]") 
   const std::vector<float> rgb{70000.0F, -70000.0F, NAN, infinity, -infinity, -1.0F, -0.0F, 65504.0F, 1.0F};
   const auto through = [&rgb](TexelFormat format, std::uint64_t& clamped) {
     std::vector<std::uint8_t> texels(3 * files::texel_bytes(files::kind_of(format)));
-    clamped = files::encode_texels(format, rgb.data(), 3, texels.data());
+    clamped = image::encode_texels(format, rgb.data(), 3, texels.data());
     std::vector<float> back(9);
     files::decode_texels(files::kind_of(format), texels.data(), 3, back.data());
     return back;

@@ -220,7 +220,7 @@ TEST_CASE("conventions go by their names", "[engine]") {
   for (const Convention& engine : conventions()) CHECK(&convention(std::string_view(engine.name)) == &engine);
   const ThrownError error = thrown_by([] { (void)convention("Babylon"); });
   CHECK(error.code == ErrorCode::invalid_argument);
-  CHECK(error.says("\"Babylon\" is no convention"));
+  CHECK(error.says("\"Babylon\" is not the name of a convention"));
   for (const Convention& engine : conventions()) CHECK(error.says(engine.name));
 }
 

@@ -1,6 +1,7 @@
 # Installs `build` below `work`, moves the installed tree (nothing in it may point to where it was), and builds and runs
-# programs against it: with CMake examples/consumer and, with welkin::core alone, tests/install/core_only; with
-# pkg-config, where it is, a program in C++ and one in C. The installed command too, if there is one.
+# programs against it: with CMake examples/consumer and, with welkin::core alone, tests/install/core_only; as projects of
+# C alone examples/sky_in_c with core and tests/install/c_alone with files; with pkg-config, where it is, a program in C++
+# and one in C. The installed command too, if there is one.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -14,7 +15,8 @@ endif()
 
 function(build_project project folder)
   run(${CMAKE_COMMAND} -S ${project} -B ${folder} -G ${generator} -DCMAKE_PREFIX_PATH=${work}/installed
-      -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=${build_type} -DCMAKE_CXX_FLAGS=${flags} ${ARGN})
+      -DCMAKE_C_COMPILER=${c_compiler} -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=${build_type}
+      -DCMAKE_C_FLAGS=${flags} -DCMAKE_CXX_FLAGS=${flags} --no-warn-unused-cli ${ARGN})
   run(${CMAKE_COMMAND} --build ${folder})
 endfunction()
 
@@ -37,6 +39,17 @@ endforeach()
 build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/core_only ${absent} -DPROGRAM=${source}/tests/parts/core_program.cpp)
 run(${work}/core_only/core_only)
 
+# Projects of C alone: they link a static library, which needs the run-time library of C++, with the linker of C.
+set(program_in_c ${CMAKE_CURRENT_LIST_DIR}/program_in_c.c)
+build_project(${source}/examples/sky_in_c ${work}/sky_in_c ${absent})
+run(${work}/sky_in_c/sky_in_c --quick)
+build_project(${CMAKE_CURRENT_LIST_DIR}/c_alone ${work}/c_alone -DPROGRAM=${program_in_c})
+run(${work}/c_alone/c_alone)
+file(STRINGS ${work}/c_alone/CMakeCache.txt cxx_compiler REGEX "^CMAKE_CXX_COMPILER_AR:")
+if(cxx_compiler)
+  message(FATAL_ERROR "tests/install/c_alone is no project of C alone any more: ${cxx_compiler}")
+endif()
+
 if(shared)
   file(GLOB_RECURSE library ${work}/installed/*/libwelkin.so.${version} ${work}/installed/*/libwelkin-core.so.${version})
   list(LENGTH library count)
@@ -54,19 +67,23 @@ if(pkg_config)
   separate_arguments(flags NATIVE_COMMAND "${flags}")
   # build_with_pkg_config(PROGRAM MODULE COMPILER SOURCE FLAG...)
   function(build_with_pkg_config program module program_compiler program_source)
-    run(${pkg_config} --cflags --libs ${module})
+    run(${pkg_config} --cflags --libs ${pkg_config_flags} ${module})
     separate_arguments(given NATIVE_COMMAND "${output}")
     run(${program_compiler} ${flags} ${ARGN} ${program_source} -o ${work}/${program} ${given})
   endfunction()
   build_with_pkg_config(consumer_by_pkg_config welkin ${compiler} ${source}/examples/consumer/main.cpp -std=c++20)
   run_consumer(${work}/consumer_by_pkg_config)
-  set(program_in_c ${CMAKE_CURRENT_LIST_DIR}/program_in_c.c)
   build_with_pkg_config(c_by_pkg_config welkin ${c_compiler} ${program_in_c} -std=c99 -DWITH_FILES)
   run(${work}/c_by_pkg_config)
   build_with_pkg_config(c_of_core_by_pkg_config welkin-core ${c_compiler} ${program_in_c} -std=c99)
   run(${work}/c_of_core_by_pkg_config)
+  if(NOT shared)  # as people who link statically ask
+    set(pkg_config_flags --static)
+    build_with_pkg_config(c_by_static_pkg_config welkin ${c_compiler} ${program_in_c} -std=c11 -DWITH_FILES)
+    run(${work}/c_by_static_pkg_config)
+  endif()
 endif()
 
 if(with_command)
-  run(${work}/installed/bin/welkin sh --json)
+  run(${work}/installed/bin/welkin sh --sky --json)
 endif()

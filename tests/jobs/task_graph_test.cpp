@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <stdexcept>
 #include <stop_token>
@@ -28,10 +29,10 @@ namespace welkin::test {
 
 namespace {
 
-using jobs::PassGraph;
+using jobs::TaskGraph;
 
 /// A pass that is a job of tiles.
-PassGraph::Work tiles(std::size_t count, std::atomic<int>& done) {
+TaskGraph::Work tiles(std::size_t count, std::atomic<int>& done) {
   return [count, &done](const Control& control) {
     const auto placement = jobs::Placement::arena;
     jobs::run_tiles(count, placement, jobs::worker_count(placement), control,
@@ -47,7 +48,7 @@ TEST_CASE("A pass begins when all that it waits for have ended", "[bake][jobs]")
       for (int round = 0; round < 200; ++round) {
         std::array<std::atomic<bool>, 6> ended{};
         std::atomic<int> wrong{0};
-        PassGraph graph;
+        TaskGraph graph;
         const auto pass = [&](std::size_t own, std::vector<std::size_t> after) {
           return [&, own, after = std::move(after)](const Control&) {
             for (const std::size_t earlier : after) wrong += ended[earlier] ? 0 : 1;
@@ -73,7 +74,7 @@ TEST_CASE("Passes that do not wait for each other run at the same time", "[bake]
   run_with_threads(2, [] {
     std::atomic<int> inside{0};
     std::atomic<int> met{0};
-    PassGraph graph;
+    TaskGraph graph;
     for (int k = 0; k < 2; ++k) {
       graph.add(1.0, [&](const Control&) {
         ++inside;
@@ -89,7 +90,7 @@ TEST_CASE("A thread without a pass joins the tiles of another's", "[bake][jobs]"
   run_with_threads(2, [] {
     std::atomic<int> inside{0};
     std::atomic<bool> met{false};
-    PassGraph graph;
+    TaskGraph graph;
     graph.add(1.0, [](const Control&) {});
     graph.add(9.0, [&](const Control& control) {
       jobs::run_tiles(2, jobs::Placement::arena, 2, control, [&](std::size_t, std::size_t) {
@@ -106,7 +107,7 @@ TEST_CASE("Progress of a graph is one rising number that ends with 1", "[bake][j
   for (const int threads : {1, 4}) {
     run_with_threads(threads, [threads] {
       std::atomic<int> done{0};
-      PassGraph graph;
+      TaskGraph graph;
       graph.add(3.0, tiles(40, done));
       graph.add(1.0, tiles(7, done));
       graph.add(1.0, [](const Control&) {});
@@ -132,12 +133,34 @@ TEST_CASE("Progress of a graph is one rising number that ends with 1", "[bake][j
   }
 }
 
+TEST_CASE("A graph says 1 when its last pass has ended, and not before", "[bake][jobs]") {
+  std::vector<double> reports;
+  const Control control{{}, [&](double now) { reports.push_back(now); }};
+  TaskGraph graph;
+  graph.add(1.0, [&](const Control& pass) {
+    pass.progress(0.5);
+    pass.progress(1.0);
+    REQUIRE(reports.size() == 2);
+    CHECK(std::abs(reports[0] - 0.5) < 1e-8);
+    CHECK(reports[1] < 1.0);
+    pass.progress(0.7);
+    CHECK(reports.size() == 2);  // it never falls
+  });
+  graph.run(control);
+  REQUIRE(reports.size() == 3);
+  CHECK(reports.back() == 1.0);
+
+  reports.clear();
+  TaskGraph().run(control);
+  CHECK(reports == std::vector<double>{1.0});
+}
+
 TEST_CASE("Stopping a graph stops all passes and begins no other", "[bake][jobs]") {
   run_with_threads(2, [] {
     std::stop_source source;
     std::atomic<int> done{0};
     bool later = false;
-    PassGraph graph;
+    TaskGraph graph;
     graph.add(1.0, [&](const Control& control) {
       source.request_stop();
       CHECK(control.stop.stop_requested());
@@ -156,7 +179,7 @@ TEST_CASE("The exception of a pass stops the others and comes out once", "[bake]
       for (int round = 0; round < 50; ++round) {
         std::atomic<int> done{0};
         bool later = false;
-        PassGraph graph;
+        TaskGraph graph;
         graph.add(1.0, [&](const Control& control) {
           for (int k = 0; k < 1000; ++k) tiles(4, done)(control);  // told to stop, it throws `cancelled`
         });
@@ -172,7 +195,7 @@ TEST_CASE("The exception of a pass stops the others and comes out once", "[bake]
 TEST_CASE("What progress throws comes out of a graph", "[bake][jobs]") {
   run_with_threads(2, [] {
     std::atomic<int> done{0};
-    PassGraph graph;
+    TaskGraph graph;
     graph.add(1.0, tiles(100, done));
     graph.add(1.0, tiles(100, done));
     CHECK_THROWS_WITH(graph.run({{}, [](double) { throw std::runtime_error("of the callback"); }}), "of the callback");
@@ -186,7 +209,7 @@ TEST_CASE("A cancelled group of the caller's drops no pass", "[bake][jobs]") {
     tbb::task_group group;
     group.run_and_wait([&] {
       group.cancel();
-      PassGraph graph;
+      TaskGraph graph;
       graph.add(1.0, tiles(50, done));
       graph.add(1.0, tiles(50, done));
       graph.add(1.0, [&](const Control&) { ++passes; }, {0, 1});
@@ -204,7 +227,7 @@ TEST_CASE("A thread that waits in a graph runs no stranger's task", "[bake][jobs
       std::atomic<bool> strange{false};
       std::atomic<bool> leave{false};
       tbb::task_group strangers;
-      PassGraph graph;
+      TaskGraph graph;
       graph.add(2.0, [](const Control&) {});
       graph.add(1.0, [&](const Control&) {
         const bool waiting_thread = inside_graph;
@@ -236,7 +259,7 @@ TEST_CASE("Running out of memory anywhere in a graph is an exception", "[bake][j
     bool ran_out = true;
     for (long number = 1; ran_out && number < 1000; ++number) {
       std::atomic<int> done{0};
-      PassGraph graph;
+      TaskGraph graph;
       graph.add(1.0, tiles(5, done));
       graph.add(1.0, tiles(5, done));
       graph.add(1.0, tiles(5, done), {0});

@@ -284,7 +284,7 @@ TEST_CASE("Suns are refused in words when options or sizes are wrong", "[image][
     CubemapImage cubemap{size, std::vector<float>(24)};
     const ThrownError error = thrown_by([&] { static_cast<void>(take_out_sun(cubemap)); });
     CHECK(error.code == ErrorCode::invalid_argument);
-    CHECK(error.says("3 floats a texel"));
+    CHECK(error.says("3 floats for each texel"));
   }
 }
 

@@ -225,9 +225,9 @@ TEST_CASE("Passes say where the smaller size came from", "[sh][target]") {
   const Projection from_chain = project(chain.views, with_target(16));
   REQUIRE(from_chain.diagnostics.passes.size() == 2);
   CHECK(from_chain.diagnostics.passes[0].name == "reduce");
-  CHECK(from_chain.diagnostics.passes[0].action == "reuse");
-  CHECK(project(chain.views[0], with_target(16)).diagnostics.passes[0].action == "skip");
-  CHECK(project(chain.views[0], with_target(16, Quadrature::midpoint)).diagnostics.passes[0].action == "run");
+  CHECK(from_chain.diagnostics.passes[0].action == PassAction::reuse);
+  CHECK(project(chain.views[0], with_target(16)).diagnostics.passes[0].action == PassAction::skip);
+  CHECK(project(chain.views[0], with_target(16, Quadrature::midpoint)).diagnostics.passes[0].action == PassAction::run);
   CHECK(project(chain.views[0]).diagnostics.passes.size() == 1);
 }
 

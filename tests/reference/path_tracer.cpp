@@ -413,7 +413,7 @@ TracedHarmonics harmonics_of(const Estimates& estimates, int bands, std::size_t 
 
 TracedHarmonics trace_sky_harmonics(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun, int bands,
                                     const PathTracingOptions& options, const Control& control) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const ReferenceAir air(atmosphere);
   sky::check_altitude(altitude_m);
   sky::check_direction("the sun's direction", sun);

@@ -171,7 +171,7 @@ void check_scene(const Atmosphere& atmosphere, double altitude_m, const glm::dve
 }  // namespace
 
 std::vector<double> reference_transmittance(const Atmosphere& atmosphere, double altitude_m, double zenith_cosine) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const ReferenceAir air(atmosphere);
   sky::check_altitude(altitude_m);
   if (!(std::abs(zenith_cosine) <= 1.0)) {
@@ -189,7 +189,7 @@ std::vector<double> reference_transmittance(const Atmosphere& atmosphere, double
 
 std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& direction,
                                            const glm::dvec3& sun, const ReferenceSkyOptions& options) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const ReferenceAir air(atmosphere);
   sky::check_altitude(altitude_m);
   sky::check_direction("the direction", direction);
@@ -210,7 +210,7 @@ std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double 
 }
 
 std::vector<double> reference_sun_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun) {
-  const platform::FloatingPointScope environment;
+  const platform::FloatingPointScope floating_point;
   const ReferenceAir air(atmosphere);
   sky::check_altitude(altitude_m);
   sky::check_direction("the sun's direction", sun);

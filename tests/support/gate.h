@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -18,7 +17,7 @@ inline void run_until_stopped(const Control& control) {
   while (!control.stop.stop_requested()) std::this_thread::yield();
 }
 
-/// Holds those who pass until it is open. They stay awake: a worker whose threads all sleep lends another one.
+/// Holds those who pass until it is open.
 class Gate {
  public:
   void open() noexcept { open_.store(true, std::memory_order_release); }
@@ -54,8 +53,7 @@ class Hold {
  public:
   explicit Hold(Worker& worker, int threads = 1) : gate_(std::make_shared<Gate>()) {
     for (int k = 0; k < threads; ++k) {
-      auto job = worker.post([gate = gate_](const Control&) { gate->pass(); }, {.priority = Priority::high});
-      held_.push_back(job.future());
+      held_.push_back(worker.post([gate = gate_](const Control&) { gate->pass(); }, {.priority = TaskPriority::high}));
     }
     gate_->wait_for_arrivals(threads);
   }
@@ -65,14 +63,14 @@ class Hold {
 
   void let_go() {
     gate_->open();
-    for (const std::future<void>& future : held_) {
-      if (future.wait_for(kPatience) != std::future_status::ready) give_up("a thread that was let go");
+    for (const Job<void>& job : held_) {
+      if (!eventually([&] { return job.ready(); })) give_up("a thread that was let go");
     }
   }
 
  private:
   std::shared_ptr<Gate> gate_;
-  std::vector<std::future<void>> held_;
+  std::vector<Job<void>> held_;
 };
 
 }  // namespace welkin::test

@@ -84,14 +84,24 @@ std::string outcome(std::future<Result> future) {
   return outcome_of([&] { static_cast<void>(take(std::move(future))); });
 }
 
+/// What the job gives, or throws.
 template <class Result>
-std::string outcome(Job<Result>& job) {
-  return outcome(job.future());
+Result take(Job<Result>& job) {
+  if (job.valid() && !eventually([&] { return job.ready(); })) give_up("a job");
+  return job.get();
+}
+template <class Result>
+Result take(Job<Result>&& job) {
+  return take(job);
 }
 
 template <class Result>
+std::string outcome(Job<Result>& job) {
+  return outcome_of([&] { static_cast<void>(take(job)); });
+}
+template <class Result>
 std::string outcome(Job<Result>&& job) {
-  return outcome(job.future());
+  return outcome(job);
 }
 
 }  // namespace welkin::test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "files/env_pictures.h"
+#include "files/env.h"
 
 namespace welkin::test {
 

@@ -55,7 +55,7 @@ std::string failure(const std::string& arguments, int exit_code) {
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "some" / "where";
-  const CommandResult result = run_welkin("bake -o " + quoted(folder) + kSmall);
+  const CommandResult result = run_welkin("bake --sky -o " + quoted(folder) + kSmall);
   INFO(result.errors);
   REQUIRE(result.exit_code == 0);
   CHECK(result.errors.empty());
@@ -72,7 +72,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
   const auto manifest =
-      bake_into(folder, "--size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7");
+      bake_into(folder, "--sky --size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7");
   const std::vector<double> wanted = roughness_of_mips(RoughnessSchedule::filament, 5, 32);
 
   const CubemapTexture specular = read_texture(folder / "specular.ktx2");
@@ -102,10 +102,10 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, "--size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews");
+  bake_into(folder, "--sky --size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 7);
   CHECK(read_babylon_environment(folder / "environment.env").specular.size() == 4);
-  bake_into(folder, "--size 1 --irradiance 1 --brdf 1");
+  bake_into(folder, "--sky --size 1 --irradiance 1 --brdf 1");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.levels() == 1);
   check_manifest_matches(folder);
 }
@@ -113,9 +113,9 @@ TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(
-      folder,
-      std::string("--formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5") + kSmall);
+  bake_into(folder,
+            std::string("--sky --formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5") +
+                kSmall);
   check_manifest_matches(folder);
   const CubemapTexture ktx2 = read_texture(folder / "specular.ktx2");
   const CubemapTexture dds = read_texture(folder / "specular.dds");
@@ -167,7 +167,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
-  bake_into(first, std::string("--ktx2-format rgba32f --formats ktx2,dds,env --no-previews") + kSmall);
+  bake_into(first, std::string("--sky --ktx2-format rgba32f --formats ktx2,dds,env --no-previews") + kSmall);
   const std::vector<float> wanted = texels(read_texture(first / "specular.ktx2").cubemap, 0);
   bake_into(second, quoted(first / "specular.ktx2") + " --ktx2-format rgba32f --no-previews" + kSmall);
   CHECK(texels(read_texture(second / "specular.ktx2").cubemap, 0) == wanted);
@@ -190,7 +190,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
 TEST_CASE("bake: --json prints the manifest", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  const CommandResult result = run_welkin("bake --json --no-previews -o " + quoted(folder) + kSmall);
+  const CommandResult result = run_welkin("bake --sky --json --no-previews -o " + quoted(folder) + kSmall);
   REQUIRE(result.exit_code == 0);
   CHECK(result.output == file_text(folder / "manifest.json"));
   const nlohmann::json manifest = nlohmann::json::parse(result.output);
@@ -205,19 +205,19 @@ TEST_CASE("bake: --json prints the manifest", "[tools][bake]") {
 TEST_CASE("bake: what is not asked for is not there", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, "--size 8 --formats ktx2 --no-brdf --no-previews --bands 0 --irradiance 0");
+  bake_into(folder, "--sky --size 8 --formats ktx2 --no-brdf --no-previews --bands 0 --irradiance 0");
   CHECK(names_in(folder) == std::vector<std::string>{"background.ktx2", "manifest.json", "specular.ktx2"});
-  bake_into(folder, "--size 8 --formats env --no-brdf --no-previews --bands 0 --irradiance 0");
+  bake_into(folder, "--sky --size 8 --formats env --no-brdf --no-previews --bands 0 --irradiance 0");
   CHECK(read_babylon_environment(folder / "environment.env").polynomial.has_value());
 }
 
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, std::string("--no-previews") + kSmall);
+  bake_into(folder, std::string("--sky --no-previews") + kSmall);
   std::ofstream(folder / "mine.txt") << "keep";
   std::ofstream(folder / "specular.ktx2") << "old";
-  const auto manifest = bake_into(folder, std::string("--no-previews") + kSmall);
+  const auto manifest = bake_into(folder, std::string("--sky --no-previews") + kSmall);
   CHECK(file_text(folder / "mine.txt") == "keep");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 16);
   std::vector<std::string> expected = names_of(manifest);
@@ -229,16 +229,16 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, std::string("--no-previews --for three --bands 4") + kSmall);
+  bake_into(folder, std::string("--sky --no-previews --for three --bands 4") + kSmall);
   const nlohmann::json baked = nlohmann::json::parse(file_text(folder / "sh.json"));
-  const nlohmann::json sh = run_sh_json("--for three --bands 4");
+  const nlohmann::json sh = run_sh_json("--sky --for three --bands 4");
   CHECK(baked.at("radiance") == sh.at("radiance"));
   CHECK(baked.at("axes") == sh.at("axes"));
   std::vector<std::string> engines;
   for (const auto& engine : baked.at("engines")) {
     const std::string name = engine.at("name");
     engines.push_back(name);
-    const nlohmann::json alone = run_sh_json("--bands 4 --for " + name).at("engine");
+    const nlohmann::json alone = run_sh_json("--sky --bands 4 --for " + name).at("engine");
     for (const auto& [term, rgb] : alone.at("terms").items()) {
       for (std::size_t c = 0; c < 3; ++c) {
         CHECK(engine.at("terms").at(term).at(c).get<double>() == Approx(rgb.at(c).get<double>()).margin(1e-12));
@@ -253,8 +253,8 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   const TemporaryFolder scratch;
   const auto plain = scratch.path() / "plain";
   const auto babylon = scratch.path() / "babylon";
-  bake_into(plain, std::string("--ktx2-format rgba32f") + kSmall);
-  bake_into(babylon, std::string("--ktx2-format rgba32f --for babylon") + kSmall);
+  bake_into(plain, std::string("--sky --ktx2-format rgba32f") + kSmall);
+  bake_into(babylon, std::string("--sky --ktx2-format rgba32f --for babylon") + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
     const CubemapTexture straight = read_texture(plain / name);
     const CubemapTexture turned = read_texture(babylon / name);
@@ -293,7 +293,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   const TemporaryFolder scratch;
   const auto own = scratch.path() / "own";
   const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
-  bake_into(own, all);
+  bake_into(own, "--sky" + all);
   const auto refused = [&](const std::string& input, const std::string& folder, const std::string& options,
                            const std::filesystem::path& kept) {
     const std::string before = file_text(kept);
@@ -353,7 +353,7 @@ TEST_CASE("bake: textures and .env files are read as every command reads them", 
   const TemporaryFolder scratch;
   const auto first = scratch.path() / "first";
   const auto out = scratch.path() / "out";
-  bake_into(first, std::string("--ktx2-format rgba32f --formats ktx2,dds,env --mips all --no-previews") + kSmall);
+  bake_into(first, std::string("--sky --ktx2-format rgba32f --formats ktx2,dds,env --mips all --no-previews") + kSmall);
   const std::string wants = " --ktx2-format rgba32f --formats ktx2 --no-previews --size 8 --irradiance 8 --brdf 8";
   for (const std::string name : {"specular.ktx2", "specular.dds", "background.ktx2", "environment.env"}) {
     INFO(name);
@@ -451,7 +451,7 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
   const auto needed = [&](const std::string& formats) {
     const auto out = scratch.path() / "none";
     const std::string message =
-        failure("bake -o " + quoted(out) + options + " --formats " + formats + " --memory-limit 1MB", 1);
+        failure("bake --sky -o " + quoted(out) + options + " --formats " + formats + " --memory-limit 1MB", 1);
     INFO(message);
     CHECK_FALSE(std::filesystem::exists(out));
     const std::size_t at = message.find(" take ");
@@ -462,16 +462,16 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
   const auto with_env = needed("ktx2,env");
   CHECK(with_env > alone);
   const std::string bake = options + " --formats ktx2,env --memory-limit ";
-  CHECK(contains(failure("bake -o " + quoted(scratch.path() / "none") + bake + std::to_string(with_env - 1), 1),
+  CHECK(contains(failure("bake --sky -o " + quoted(scratch.path() / "none") + bake + std::to_string(with_env - 1), 1),
                  "the .env's specular chain"));
-  bake_into(scratch.path() / "out", bake + std::to_string(with_env));
+  bake_into(scratch.path() / "out", "--sky" + bake + std::to_string(with_env));
   CHECK(contains(run_welkin("bake --help").output, "are not counted"));
 }
 
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
-  const std::string start = "bake -o " + quoted(out) + " ";
+  const std::string start = "bake --sky -o " + quoted(out) + " ";
   CHECK(contains(failure("bake", 2), "--output"));
   for (const char* option : {"--size 0",
                              "--size 8193",
@@ -519,7 +519,7 @@ TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") 
   pixels[(2 * 8 + 5) * 3] = std::numeric_limits<float>::quiet_NaN();
   write_pfm(nan, 8, 4, pixels);
   CHECK(contains(failure(start + "--nan reject " + quoted(nan), 1), "row 2"));
-  CHECK(contains(failure(start + "--memory-limit 100kB", 1), "limit"));
+  CHECK(contains(failure(start + "--sky --memory-limit 100kB", 1), "limit"));
   CHECK_FALSE(std::filesystem::exists(out));
   CHECK(bake_into(out, quoted(nan) + kSmall).at("diagnostics").at("nans_replaced") == 1);
 }
@@ -528,10 +528,10 @@ TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools
   const TemporaryFolder scratch;
   const auto file = scratch.path() / "file";
   std::ofstream(file) << "no folder";
-  CHECK(contains(failure("bake -o " + quoted(file), 1), file.string()));
-  CHECK(contains(failure("bake -o " + quoted(file / "below"), 1), file.string()));
-  CHECK(contains(failure("bake -o ''", 1), "-o"));
-  CHECK(contains(failure("bake -o /proc/welkin", 1), "/proc/welkin"));
+  CHECK(contains(failure("bake --sky -o " + quoted(file), 1), file.string()));
+  CHECK(contains(failure("bake --sky -o " + quoted(file / "below"), 1), file.string()));
+  CHECK(contains(failure("bake --sky -o ''", 1), "-o"));
+  CHECK(contains(failure("bake --sky -o /proc/welkin", 1), "/proc/welkin"));
   CHECK(file_text(file) == "no folder");
 }
 
@@ -574,19 +574,23 @@ TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
   CHECK(examples >= 8);
 }
 
-TEST_CASE("bake --sky names the built-in sky, which no input names too; together with an input it is refused",
-          "[command][bake]") {
-  const TemporaryFolder folder;
-  const std::string small = " --size 8 --irradiance 8 --brdf 8 --formats ktx2 --no-previews";
-  const nlohmann::json named = bake_into(folder.path() / "named", "--sky" + small);
-  const nlohmann::json not_named = bake_into(folder.path() / "not_named", small);
-  CHECK(named.at("source") == not_named.at("source"));
-  for (const char* const file : {"specular.ktx2", "background.ktx2", "irradiance.ktx2", "sh.json"}) {
-    CAPTURE(file);
-    CHECK(file_text(folder.path() / "named" / file) == file_text(folder.path() / "not_named" / file));
+TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto out = scratch.path() / "out";
+  const std::string to_folder = " -o " + quoted(out);
+  // As a shell passes $INPUT and "$INPUT" where the variable is not set.
+  for (const std::string start : {"bake $NOT_SET", "bake \"$NOT_SET\"", "bake ''", "bake --plan-only"}) {
+    INFO(start);
+    const std::string message = failure(start + to_folder, 2);
+    CHECK(contains(message, "INPUT"));
+    CHECK(contains(message, "--sky"));
+    CHECK_FALSE(std::filesystem::exists(out));
   }
-  const CommandResult both = run_welkin("bake some.hdr --sky -o " + quoted(folder.path() / "both"));
-  CHECK(both.exit_code == 2);
-  CHECK(contains(both.errors, "--sky"));
-  CHECK_FALSE(std::filesystem::exists(folder.path() / "both"));
+}
+
+TEST_CASE("bake: an input and --sky exclude each other", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  CHECK(contains(failure("bake some.hdr --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
+  CHECK(contains(failure("bake '' --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
+  CHECK_FALSE(std::filesystem::exists(scratch.path() / "both"));
 }

@@ -65,7 +65,7 @@ constexpr int kPitch = 144;  // of the balls
 TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  for (const std::string options : {"--size 64", "--size 5 --irradiance 0 --no-brdf", "--size 1"}) {
+  for (const std::string options : {"--sky --size 64", "--sky --size 5 --irradiance 0 --no-brdf", "--sky --size 1"}) {
     const auto manifest = bake_into(folder, options);
     CHECK(manifest.at("previews").at("exposure").get<double>() > 0.0);
     for (const char* name : {"preview_environment.png", "preview_spheres.png", "preview_mips.png"}) {
@@ -111,23 +111,61 @@ TEST_CASE("bake: the balls mirror what is behind the viewer, and are lit from ab
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
   const Preview balls(scratch.path() / "out" / "preview_spheres.png");
-  REQUIRE(balls.height() == kPitch);
+  REQUIRE(balls.height() == 4 * kPitch);
   REQUIRE(balls.width() == 7 * kPitch);
   const auto at = [&](double x, double y) { return balls.at(x, y, kPitch); };
-  for (int ball = 0; ball < 7; ++ball) {
-    INFO("ball " << ball);
-    const double middle = ball + 0.5;
-    CHECK(at(middle + 0.25, 0.5)[0] > 1.1F * at(middle - 0.25, 0.5)[0]);  // +x is to the right
-    CHECK(at(middle, 0.25)[1] > 1.1F * at(middle, 0.75)[1]);              // +y is up
-    CHECK(at(middle, 0.5)[2] > 1.1F * at(middle + 0.43, 0.5)[2]);         // +z is behind the viewer
+  for (int row = 0; row < 4; ++row) {
+    for (int ball = 0; ball < 7; ++ball) {
+      INFO("row " << row << ", ball " << ball);
+      const double x = ball + 0.5;
+      const double y = row + 0.5;
+      CHECK(at(x + 0.25, y)[0] > 1.1F * at(x - 0.25, y)[0]);  // +x is to the right
+      CHECK(at(x, y - 0.25)[1] > 1.1F * at(x, y + 0.25)[1]);  // +y is up
+      CHECK(at(x, y)[2] > 1.1F * at(x + 0.43, y)[2]);         // +z is behind the viewer
+    }
   }
   const auto corner = at(3.0, 0.02);  // between balls: the background, which is -z
   CHECK(corner[2] < 0.5F * at(0.5, 0.5)[2]);
 }
 
+TEST_CASE("bake: rows of balls are metals and dielectrics, as large as --preview-size says", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "grey.pfm";
+  write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
+  constexpr int kSmallPitch = 36;  // of balls of 32 pixels
+  const auto balls_of = [&](const std::string& options) {
+    bake_into(scratch.path() / "out", quoted(in) + " --size 16 --preview-size 32" + options);
+    return Preview(scratch.path() / "out" / "preview_spheres.png");
+  };
+  const Preview balls = balls_of("");
+  CHECK(balls.width() == 7 * kSmallPitch);
+  REQUIRE(balls.height() == 4 * kSmallPitch);
+  const auto ratio = [&](int row, std::size_t channel) {  // to red, of the smoothest ball
+    const auto rgb = balls.at(0.5, row + 0.5, kSmallPitch);
+    return rgb[channel] / rgb[0];
+  };
+  CHECK(ratio(0, 2) > 0.9F);  // silver
+  CHECK(ratio(1, 2) < 0.6F);  // gold
+  CHECK(ratio(2, 1) < 0.5F);  // red
+  CHECK(ratio(3, 2) == Approx(1.0F).margin(0.01));
+  // Edges are antialiased: a row of pixels through the dark red ball's rim has values between ball and background.
+  const float inside = balls.at(0.5, 2.5, kSmallPitch)[1];
+  const float outside = balls.at(0.02, 2.02, kSmallPitch)[1];
+  int between = 0;
+  for (int column = 0; column < kSmallPitch; ++column) {
+    const float green = balls.at(column, 2 * kSmallPitch + 4)[1];
+    if (green > 1.2F * inside && green < 0.9F * outside) ++between;
+  }
+  CHECK(between >= 2);
+  // Without irradiance a dielectric cannot be shown.
+  CHECK(balls_of(" --irradiance 0").height() == 2 * kSmallPitch);
+  CHECK(run_welkin("bake " + quoted(in) + " --preview-size 7 -o " + quoted(scratch.path() / "no")).exit_code == 2);
+  CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
+}
+
 TEST_CASE("bake: the built-in sky's sun is in the upper half", "[tools][bake]") {
   const TemporaryFolder scratch;
-  bake_into(scratch.path() / "out", "--size 128");
+  bake_into(scratch.path() / "out", "--sky --size 128");
   const Preview cross(scratch.path() / "out" / "preview_environment.png");
   double weight = 0.0;
   double rows = 0.0;
@@ -178,7 +216,7 @@ void check_same(const std::filesystem::path& folder, const std::filesystem::path
   }
 }
 
-const std::string kOptions = "--size 64 --irradiance 16 --brdf 16 --formats ktx2,dds,exr,env ";
+const std::string kOptions = "--sky --size 64 --irradiance 16 --brdf 16 --formats ktx2,dds,exr,env ";
 
 }  // namespace
 

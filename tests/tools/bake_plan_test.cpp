@@ -27,9 +27,9 @@ bool has(const std::filesystem::path& folder, const std::string& name) {
 
 TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "[command][plan]") {
   const TemporaryFolder folder;
-  bake_into(folder.path() / "all", kSmall);
+  bake_into(folder.path() / "all", "--sky" + std::string(kSmall));
   const std::filesystem::path needs = needs_file(folder, R"({"glossy": null, "diffuse_bands": 3})");
-  const nlohmann::json manifest = bake_into(folder.path() / "some", kSmall + ("--needs " + quoted(needs)));
+  const nlohmann::json manifest = bake_into(folder.path() / "some", kSmall + ("--sky --needs " + quoted(needs)));
   for (const char* name : {"background.ktx2", "irradiance.ktx2", "sh.json"}) {
     INFO(name);
     CHECK(file_text(folder.path() / "some" / name) == file_text(folder.path() / "all" / name));
@@ -45,9 +45,9 @@ TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "
 
 TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]") {
   const TemporaryFolder folder;
-  const nlohmann::json all = bake_into(folder.path() / "all", "--size 32 --roughness 0,0.3,0.6,1 --formats ktx2");
+  const nlohmann::json all = bake_into(folder.path() / "all", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2");
   const nlohmann::json some =
-      bake_into(folder.path() / "some", "--size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --glossy 0.6,1");
+      bake_into(folder.path() / "some", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --glossy 0.6,1");
   REQUIRE(some.at("specular").size() == 2);
   CHECK(some.at("specular")[0].at("mean") == all.at("specular")[2].at("mean"));
   CHECK(file_of(some, "specular.ktx2").at("size") == 8);
@@ -56,7 +56,7 @@ TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]
 
 TEST_CASE("A bake explains itself", "[command][plan]") {
   const TemporaryFolder folder;
-  const std::string bake = "bake" + std::string(kSmall) + "--no-glossy -o " + quoted(folder.path() / "out");
+  const std::string bake = "bake --sky" + std::string(kSmall) + "--no-glossy -o " + quoted(folder.path() / "out");
   const CommandResult ahead = run_welkin(bake + " --plan-only");
   CHECK(ahead.exit_code == 0);
   CHECK(contains(ahead.output, "no glossy materials"));
@@ -75,7 +75,7 @@ TEST_CASE("A bake explains itself", "[command][plan]") {
 
 TEST_CASE("An error budget is judged by the input, planned and baked", "[command][plan]") {
   const TemporaryFolder folder;
-  const std::string bake = "bake --size 16 --roughness 0,0.5,1 --irradiance 8 --brdf 16 --formats ktx2,env -o " +
+  const std::string bake = "bake --sky --size 16 --roughness 0,0.5,1 --irradiance 8 --brdf 16 --formats ktx2,env -o " +
                            quoted(folder.path() / "out");
   const auto reason_of = [](const nlohmann::json& plan, const std::string& name) {
     for (const auto& pass : plan.at("passes")) {
@@ -103,7 +103,7 @@ TEST_CASE("The .env's chain of its own is planned, and none is made where the ba
   const TemporaryFolder folder;
   const std::string out = " --size 16 --irradiance 0 --brdf 16 -o " + quoted(folder.path() / "out");
   const auto planned = [&](const std::string& options) {
-    const CommandResult result = run_welkin("bake --plan-only --json " + options + out);
+    const CommandResult result = run_welkin("bake --sky --plan-only --json " + options + out);
     INFO(result.errors);
     REQUIRE(result.exit_code == 0);
     const nlohmann::json plan = nlohmann::json::parse(result.output);
@@ -122,7 +122,8 @@ TEST_CASE("The .env's chain of its own is planned, and none is made where the ba
 TEST_CASE("What is made of reflections that are blurred is said to be blurred", "[command][plan]") {
   const TemporaryFolder folder;
   const auto bakes_from = [&](const std::string& roughness) {
-    bake_into(folder.path() / "first", "--size 16 --irradiance 0 --brdf 16 --formats ktx2 --roughness " + roughness);
+    bake_into(folder.path() / "first",
+              "--sky --size 16 --irradiance 0 --brdf 16 --formats ktx2 --roughness " + roughness);
     return bake_into(folder.path() / "second",
                      quoted(folder.path() / "first" / "specular.ktx2") + " --irradiance 0 --brdf 16 --formats ktx2")
         .dump();
@@ -133,7 +134,7 @@ TEST_CASE("What is made of reflections that are blurred is said to be blurred", 
 
 TEST_CASE("Light beside an .env's pixels is not taken where pixels are to tell", "[command][plan]") {
   const TemporaryFolder folder;
-  bake_into(folder.path() / "first", "--size 16 --irradiance 0 --brdf 16 --formats env");
+  bake_into(folder.path() / "first", "--sky --size 16 --irradiance 0 --brdf 16 --formats env");
   const std::filesystem::path env = folder.path() / "first" / "environment.env";
   const auto takes = [&](const std::string& options) {
     const CommandResult result =
@@ -154,7 +155,7 @@ TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
   const auto refused = [&](const std::string& text, const std::string& key) {
     const std::filesystem::path needs = needs_file(folder, text);
     const CommandResult result =
-        run_welkin("bake --needs " + quoted(needs) + " --plan-only -o " + quoted(folder.path() / "out"));
+        run_welkin("bake --sky --needs " + quoted(needs) + " --plan-only -o " + quoted(folder.path() / "out"));
     INFO(text << "\n" << result.errors);
     return result.exit_code != 0 && result.output.empty() && contains(result.errors, "needs.json") &&
            contains(result.errors, key);
@@ -175,8 +176,9 @@ TEST_CASE("Costs come from a file", "[command][plan]") {
   const TemporaryFolder folder;
   const auto predicted = [&](const std::string& costs) {
     std::ofstream(folder.path() / "costs.json") << costs;
-    const CommandResult result = run_welkin("bake --plan-only --json --costs " + quoted(folder.path() / "costs.json") +
-                                            kSmall + "-o " + quoted(folder.path() / "out"));
+    const CommandResult result =
+        run_welkin("bake --sky --plan-only --json --costs " + quoted(folder.path() / "costs.json") + kSmall + "-o " +
+                   quoted(folder.path() / "out"));
     INFO(result.errors);
     REQUIRE(result.exit_code == 0);
     const nlohmann::json plan = nlohmann::json::parse(result.output);
@@ -187,7 +189,8 @@ TEST_CASE("Costs come from a file", "[command][plan]") {
     return 0.0;
   };
   std::ofstream(folder.path() / "costs.json") << R"({"sheen_texel": 1e308})";
-  CHECK(run_welkin("bake --plan-only --costs " + quoted(folder.path() / "costs.json")).exit_code != 0);
+  CHECK(run_welkin("bake --sky --plan-only --costs " + quoted(folder.path() / "costs.json") + " -o out").exit_code !=
+        0);
   CHECK(predicted(R"({"sheen_texel": 2000})") == Approx(2.0 * predicted(R"({"sheen_texel": 1000})")));
 }
 
@@ -204,8 +207,8 @@ TEST_CASE("What a calibration writes, a plan reads", "[command][plan]") {
     INFO(unit.name);
     CHECK(costs.at(unit.name).get<double>() > 0.0);
   }
-  const CommandResult planned =
-      run_welkin("bake --plan-only --json --costs " + quoted(file) + kSmall + "-o " + quoted(folder.path() / "out"));
+  const CommandResult planned = run_welkin("bake --sky --plan-only --json --costs " + quoted(file) + kSmall + "-o " +
+                                           quoted(folder.path() / "out"));
   INFO(planned.errors);
   REQUIRE(planned.exit_code == 0);
   constexpr double kTableTexels = 16.0 * 16.0;

@@ -78,12 +78,12 @@ void require_documented_shape(const nlohmann::json& document, int bands) {
 
 TEST_CASE("sh --json: documented shape for every number of bands", "[tools]") {
   for (const int bands : {1, 2, 3, 5, 16}) {
-    require_documented_shape(run_sh_json("--bands " + std::to_string(bands)), bands);
+    require_documented_shape(run_sh_json("--sky --bands " + std::to_string(bands)), bands);
   }
 }
 
 TEST_CASE("sh --json: the built-in sky to the last bit", "[tools]") {
-  const nlohmann::json document = run_sh_json("");
+  const nlohmann::json document = run_sh_json("--sky");
   CHECK(document.at("source").at("path") == "built-in sky");
   CHECK(document.at("source").at("layout") == "lat-long");
   CHECK(document.at("sky").at("unit") == "W/m2/sr/nm at 680, 550, 440 nm");
@@ -158,7 +158,8 @@ TEST_CASE("sh: the options reach the projection", "[tools]") {
     ProjectionOptions options;
     set(options);
     INFO(arguments);
-    CHECK(triple(run_sh_json(arguments).at("radiance").at(4)) == project(sky.view(), options).radiance.at(2, -2));
+    CHECK(triple(run_sh_json("--sky " + arguments).at("radiance").at(4)) ==
+          project(sky.view(), options).radiance.at(2, -2));
   };
   check("--quadrature midpoint", [](ProjectionOptions& options) { options.quadrature = Quadrature::midpoint; });
   check("--target-size 16", [](ProjectionOptions& options) { options.target_size = 16; });
@@ -172,7 +173,7 @@ TEST_CASE("sh: the options reach the projection", "[tools]") {
 // `welkin sh` without --json: a table that says what its numbers are.
 
 TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tools]") {
-  const CommandResult result = run_welkin("sh");
+  const CommandResult result = run_welkin("sh --sky");
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (const char* part : {"built-in sky: 1024 x 512 lat-long", "without Condon-Shortley phase", "3zz - 1", "xx - yy",
@@ -185,7 +186,7 @@ TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tool
 
 TEST_CASE("sh: one row a coefficient", "[tools]") {
   for (const int bands : {1, 4, 6}) {
-    std::istringstream lines(run_welkin("sh --bands " + std::to_string(bands)).output);
+    std::istringstream lines(run_welkin("sh --sky --bands " + std::to_string(bands)).output);
     int rows = 0;
     for (std::string line; std::getline(lines, line);) {
       std::istringstream words(line);
@@ -198,12 +199,12 @@ TEST_CASE("sh: one row a coefficient", "[tools]") {
 }
 
 TEST_CASE("sh: the table tells what a clamp took away", "[tools]") {
-  CHECK(contains(run_welkin("sh --clamp 1.5").output, "% of the light"));
-  CHECK(contains(run_welkin("sh --clamp 1e9").output, "changed no texel"));
+  CHECK(contains(run_welkin("sh --sky --clamp 1.5").output, "% of the light"));
+  CHECK(contains(run_welkin("sh --sky --clamp 1e9").output, "changed no texel"));
 }
 
 TEST_CASE("sh: nothing but results without a terminal", "[tools]") {
-  const CommandResult result = run_welkin("sh --bands 16");
+  const CommandResult result = run_welkin("sh --sky --bands 16");
   CHECK(result.errors.empty());
   const bool printable = std::all_of(result.output.begin(), result.output.end(),
                                      [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
@@ -248,8 +249,8 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
 }  // namespace
 
 TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
-  const nlohmann::json json = run_sh_json("--bands 4");
-  const CommandResult result = run_welkin("sh --bands 4 --format text");
+  const nlohmann::json json = run_sh_json("--sky --bands 4");
+  const CommandResult result = run_welkin("sh --sky --bands 4 --format text");
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (int l = 0; l < 4; ++l) {
@@ -263,8 +264,8 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools]") {
 }
 
 TEST_CASE("sh: an engine's text has the engine's terms and its formula", "[tools]") {
-  const nlohmann::json json = run_sh_json("--for unity");
-  const CommandResult result = run_welkin("sh --for unity --format text");
+  const nlohmann::json json = run_sh_json("--sky --for unity");
+  const CommandResult result = run_welkin("sh --sky --for unity --format text");
   CHECK(contains(result.output, "# "));
   CHECK(contains(result.output, json.at("engine").at("form").get<std::string>()));
   for (const auto& [name, rgb] : json.at("engine").at("terms").items()) {
@@ -274,13 +275,13 @@ TEST_CASE("sh: an engine's text has the engine's terms and its formula", "[tools
   CHECK(vectors.size() == 7);
   for (const auto& [name, value] : vectors.items()) {
     CHECK(numbers_behind(name, result.output) == first_three(value));
-    CHECK(contains(run_welkin("sh --for unity").output, name));
+    CHECK(contains(run_welkin("sh --sky --for unity").output, name));
   }
 }
 
 TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tools]") {
-  const nlohmann::json vectors = run_sh_json("--for unity").at("engine").at("vectors");
-  const CommandResult result = run_welkin("sh --format c --for unity");
+  const nlohmann::json vectors = run_sh_json("--sky --for unity").at("engine").at("vectors");
+  const CommandResult result = run_welkin("sh --sky --format c --for unity");
   REQUIRE(result.exit_code == 0);
   const std::string printed = printed_by_c(result.output,
                                            "  const float (*v)[4] = built_in_sky_unity_vectors;\n"
@@ -297,8 +298,8 @@ TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tool
 }
 
 TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools]") {
-  const nlohmann::json json = run_sh_json("");
-  const CommandResult result = run_welkin("sh --format c");
+  const nlohmann::json json = run_sh_json("--sky");
+  const CommandResult result = run_welkin("sh --sky --format c");
   REQUIRE(result.exit_code == 0);
   const std::string printed = printed_by_c(
       result.output,
@@ -327,11 +328,11 @@ TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools]")
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools]") {
-  const nlohmann::json plain = run_sh_json("");
+  const nlohmann::json plain = run_sh_json("--sky");
   CHECK(plain.at("window").at("name") == "none");
   for (const char* window : {"hanning", "lanczos", "min-laplacian"}) {
     INFO(window);
-    const nlohmann::json json = run_sh_json(std::string("--window ") + window);
+    const nlohmann::json json = run_sh_json(std::string("--sky --window ") + window);
     const auto& factors = json.at("window").at("factors");
     REQUIRE(factors.size() == 3);
     CHECK(factors.at(0) == 1.0);
@@ -343,36 +344,36 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
           triple(plain.at("window").at("minimum_irradiance_before")));
     CHECK(json.at("window").contains("minimum_irradiance_after"));
   }
-  CHECK(contains(run_welkin("sh --window min-laplacian").output, "after it (min-laplacian"));
-  CHECK(run_welkin("sh --window-width 0").exit_code == 2);
+  CHECK(contains(run_welkin("sh --sky --window min-laplacian").output, "after it (min-laplacian"));
+  CHECK(run_welkin("sh --sky --window-width 0").exit_code == 2);
 }
 
 TEST_CASE("sh: the built-in sky's sun is taken out and what is left is darker by it", "[tools]") {
-  const nlohmann::json json = run_sh_json("--take-out-sun");
+  const nlohmann::json json = run_sh_json("--sky --take-out-sun");
   REQUIRE(json.at("sun").is_object());
   const glm::dvec3 direction = triple(json.at("sun").at("direction"));
   CHECK(direction.y == Approx(std::sin(40.0 / 180.0 * std::acos(-1.0))).margin(0.01));
-  const nlohmann::json whole = run_sh_json("");
+  const nlohmann::json whole = run_sh_json("--sky");
   const glm::dvec3 lost =
       triple(whole.at("diagnostics").at("total_radiance")) - triple(json.at("diagnostics").at("total_radiance"));
   const glm::dvec3 sun = triple(json.at("sun").at("irradiance"));
   CHECK(glm::length(lost - sun) < 1e-6 * glm::length(triple(whole.at("diagnostics").at("total_radiance"))));
-  CHECK(contains(run_welkin("sh --take-out-sun").output, "Sun, taken out"));
+  CHECK(contains(run_welkin("sh --sky --take-out-sun").output, "Sun, taken out"));
 }
 
 TEST_CASE("sh: the sun turns with the light", "[tools]") {
-  const glm::dvec3 before = triple(run_sh_json("--take-out-sun").at("sun").at("direction"));
-  const glm::dvec3 after = triple(run_sh_json("--take-out-sun --yaw 90").at("sun").at("direction"));
+  const glm::dvec3 before = triple(run_sh_json("--sky --take-out-sun").at("sun").at("direction"));
+  const glm::dvec3 after = triple(run_sh_json("--sky --take-out-sun --yaw 90").at("sun").at("direction"));
   CHECK(glm::length(after - glm::dvec3(before.z, before.y, -before.x)) < 1e-12);
 }
 
 TEST_CASE("sh: the dominant light of a sunny sky points at its sun", "[tools]") {
-  const nlohmann::json json = run_sh_json("");
+  const nlohmann::json json = run_sh_json("--sky");
   CHECK(triple(json.at("dominant_light").at("direction")).y > 0.3);
 }
 
 TEST_CASE("sh: where z is up, directions are told so", "[tools]") {
-  const std::string text = run_welkin("sh --take-out-sun --for unreal").output;
+  const std::string text = run_welkin("sh --sky --take-out-sun --for unreal").output;
   CHECK(contains(text, "degrees up"));
   CHECK(contains(text, "degrees from +x towards"));
   CHECK_FALSE(contains(text, "+z towards"));
@@ -388,16 +389,16 @@ TEST_CASE("sh: a sun that overflowed to infinity is taken out too", "[tools]") {
   const nlohmann::json json = run_sh_json(quoted(file) + " --take-out-sun");
   CHECK(json.at("sun").is_object());
   CHECK(json.at("diagnostics").at("infinities_replaced") == 3);
-  CHECK(run_welkin("sh --take-out-sun --gamma").exit_code == 2);
+  CHECK(run_welkin("sh --sky --take-out-sun --gamma").exit_code == 2);
 }
 
 TEST_CASE("sh: a window leaves the dominant light as it is", "[tools]") {
-  const nlohmann::json plain = run_sh_json("");
-  CHECK(run_sh_json("--window hanning").at("dominant_light") == plain.at("dominant_light"));
+  const nlohmann::json plain = run_sh_json("--sky");
+  CHECK(run_sh_json("--sky --window hanning").at("dominant_light") == plain.at("dominant_light"));
 }
 
 TEST_CASE("sh: the error of the irradiance falls with the bands", "[tools]") {
-  const nlohmann::json json = run_sh_json("--irradiance-error --bands 3");
+  const nlohmann::json json = run_sh_json("--sky --irradiance-error --bands 3");
   const auto& errors = json.at("irradiance_errors");
   REQUIRE(errors.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) CHECK(errors.at(i).at("bands") == i + 1);
@@ -459,21 +460,21 @@ std::vector<float> uneven_strip(int size) {
 }  // namespace
 
 TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json("--bands 4"));
-  const SphericalHarmonics turned = radiance_of(run_sh_json("--bands 4 --yaw 90"));
+  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky --bands 4"));
+  const SphericalHarmonics turned = radiance_of(run_sh_json("--sky --bands 4 --yaw 90"));
   CHECK(glm::length(turned.at(1, 1) - plain.at(1, 0)) < 1e-12);
   CHECK(glm::length(turned.at(1, -1) - plain.at(1, -1)) < 1e-12);
   CHECK(distance(turned, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
   const std::string half = std::to_string(std::sqrt(0.5));
-  CHECK(distance(turned, radiance_of(run_sh_json("--bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
-  CHECK(distance(plain, radiance_of(run_sh_json("--bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
+  CHECK(distance(turned, radiance_of(run_sh_json("--sky --bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
+  CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
                                                 "-0.9659258262890683"))) < 1e-12);
-  CHECK(distance(plain, radiance_of(run_sh_json("--bands 4 --yaw 360"))) == 0.0);
+  CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 360"))) == 0.0);
 }
 
 TEST_CASE("sh: a mirror changes the sign of what is odd in x", "[tools]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json("--bands 3"));
-  const SphericalHarmonics mirrored = radiance_of(run_sh_json("--bands 3 --mirror"));
+  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky --bands 3"));
+  const SphericalHarmonics mirrored = radiance_of(run_sh_json("--sky --bands 3 --mirror"));
   for (int l = 0; l < 3; ++l) {
     for (int m = -l; m <= l; ++m) {
       // Y(l, m) ~ x: (1, 1); xy: (2, -2); xz: (2, 1)
@@ -484,10 +485,10 @@ TEST_CASE("sh: a mirror changes the sign of what is odd in x", "[tools]") {
 }
 
 TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json(""));
+  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky"));
   for (const Convention& engine : conventions()) {
     INFO(engine.name);
-    const nlohmann::json json = run_sh_json(std::string("--for ") + engine.name);
+    const nlohmann::json json = run_sh_json(std::string("--sky --for ") + engine.name);
     CHECK(json.at("axes").at("engine") == engine.name);
     CHECK(distance(radiance_of(json), transform(plain, engine.from_welkin)) < 1e-12);
   }
@@ -510,10 +511,10 @@ TEST_CASE("sh: a cubemap of an engine, for that engine, is taken as it is", "[to
 }
 
 TEST_CASE("sh: what cannot be turned is refused", "[tools]") {
-  CHECK(run_welkin("sh --rotation 0,0,0,0").exit_code == 2);
-  CHECK(run_welkin("sh --rotation 1,2,3").exit_code == 2);
-  CHECK(run_welkin("sh --yaw nan").exit_code == 2);
-  CHECK(run_welkin("sh --for godzilla").exit_code == 2);
+  CHECK(run_welkin("sh --sky --rotation 0,0,0,0").exit_code == 2);
+  CHECK(run_welkin("sh --sky --rotation 1,2,3").exit_code == 2);
+  CHECK(run_welkin("sh --sky --yaw nan").exit_code == 2);
+  CHECK(run_welkin("sh --sky --for godzilla").exit_code == 2);
   const TemporaryFolder folder;
   const auto path = folder.path() / "faces.pfm";
   write_pfm(path, 4, 24, uneven_strip(4));

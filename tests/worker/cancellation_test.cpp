@@ -167,15 +167,15 @@ TEST_CASE("jobs can be given up from requests, continuations and callbacks", "[w
   std::vector<bool> did_it;
   // The handles' own jobs wait behind: those who cancel them run first.
   auto from_request = worker.post([handle = JobHandle(first)](const Control&) { return handle.cancel(); },
-                                  {.priority = Priority::high});
+                                  {.priority = TaskPriority::high});
   auto from_continuation =
-      worker.post([](const Control&) {}, {.priority = Priority::high}).then([handle = JobHandle(second)] {
+      worker.post([](const Control&) {}, {.priority = TaskPriority::high}).then([handle = JobHandle(second)] {
         return handle.cancel();
       });
   auto given_up = worker.post([](const Control&) {});
   given_up.cancel();
   bool from_callback = false;
-  std::move(given_up).on_drain([&](std::future<void>) { from_callback = third.cancel(); });
+  std::move(given_up).on_drain([&](Job<void>) { from_callback = third.cancel(); });
   CHECK(worker.drain() == 1);
   CHECK(from_callback);
   hold.let_go();

@@ -26,9 +26,10 @@ namespace welkin::test {
 namespace {
 
 /// Posts a job and has its callback note a number.
-void note(Worker& worker, std::vector<int>& notes, int number, Priority priority = Priority::normal) {
-  worker.post([number](const Control&) { return number; }, {.priority = priority})
-      .on_drain([&notes](std::future<int> future) { notes.push_back(future.get()); });
+void note(Worker& worker, std::vector<int>& notes, int number, TaskPriority priority = TaskPriority::normal) {
+  worker.post([number](const Control&) { return number; }, {.priority = priority}).on_drain([&notes](Job<int> job) {
+    notes.push_back(job.get());
+  });
 }
 
 void spend(std::chrono::microseconds time) {
@@ -45,12 +46,11 @@ TEST_CASE("callbacks run on the thread that drains, inside the call", "[worker]"
   std::atomic<int> astray{0};
   std::atomic<int> called{0};
   for (int k = 0; k < 50; ++k) {
-    worker.post([k](const Control&) { return k; })
-        .on_drain([&, thread = std::this_thread::get_id()](std::future<int> future) {
-          if (!inside_drain || std::this_thread::get_id() != thread) ++astray;
-          if (future.wait_for(std::chrono::seconds(0)) != std::future_status::ready) ++astray;
-          ++called;
-        });
+    worker.post([k](const Control&) { return k; }).on_drain([&, thread = std::this_thread::get_id()](Job<int> job) {
+      if (!inside_drain || std::this_thread::get_id() != thread) ++astray;
+      if (!job.ready()) ++astray;
+      ++called;
+    });
   }
   worker.wait_until_idle();
   CHECK(called == 0);
@@ -69,14 +69,14 @@ TEST_CASE("callbacks come in the order in which their jobs finished", "[worker]"
   std::vector<int> notes;
   {
     Hold hold(worker);
-    note(worker, notes, 4, Priority::low);
-    note(worker, notes, 2, Priority::normal);
-    note(worker, notes, 3, Priority::normal);
-    note(worker, notes, 1, Priority::high);
+    note(worker, notes, 4, TaskPriority::low);
+    note(worker, notes, 2, TaskPriority::normal);
+    note(worker, notes, 3, TaskPriority::normal);
+    note(worker, notes, 1, TaskPriority::high);
     auto given_up = worker.post([](const Control&) { return 0; });
     const JobHandle handle = given_up;
-    std::move(given_up).on_drain([&](std::future<int> future) {
-      CHECK(outcome(std::move(future)) == "cancelled");
+    std::move(given_up).on_drain([&](Job<int> job) {
+      CHECK(outcome(job) == "cancelled");
       notes.push_back(0);
     });
     CHECK(handle.cancel());
@@ -91,7 +91,7 @@ TEST_CASE("a callback on a job that is ready is called by the next drain", "[wor
   auto job = worker.post([](const Control&) { return 3; });
   CHECK(eventually([&] { return job.ready(); }));
   int got = 0;
-  std::move(job).on_drain([&](std::future<int> future) { got = future.get(); });
+  std::move(job).on_drain([&](Job<int> done) { got = done.get(); });
   CHECK(got == 0);
   CHECK(worker.load().undrained == 1);
   CHECK(worker.drain() == 1);
@@ -114,7 +114,7 @@ TEST_CASE("a budget of nothing runs one callback", "[worker]") {
 TEST_CASE("draining ends when its budget is spent", "[worker]") {
   Worker worker(options_with(1));
   for (int k = 0; k < 20; ++k) {
-    worker.post([](const Control&) {}).on_drain([](std::future<void>) { spend(std::chrono::milliseconds(2)); });
+    worker.post([](const Control&) {}).on_drain([](Job<void>) { spend(std::chrono::milliseconds(2)); });
   }
   worker.wait_until_idle();
   // Each callback takes 2 ms or more: the third starts after 4 ms at least.
@@ -129,10 +129,8 @@ TEST_CASE("what a callback throws comes out, and the others wait", "[worker]") {
   Worker worker(options_with(1));
   std::vector<int> notes;
   note(worker, notes, 1);
-  worker.post([](const Control&) {}).on_drain([](std::future<void>) { throw std::runtime_error("callback"); });
-  worker.post([](const Control&) { throw std::runtime_error("request"); }).on_drain([](std::future<void> future) {
-    future.get();
-  });
+  worker.post([](const Control&) {}).on_drain([](Job<void>) { throw std::runtime_error("callback"); });
+  worker.post([](const Control&) { throw std::runtime_error("request"); }).on_drain([](Job<void> job) { job.get(); });
   note(worker, notes, 2);
   worker.wait_until_idle();
   CHECK(outcome_of([&] { worker.drain(); }) == "callback");
@@ -147,7 +145,7 @@ TEST_CASE("a callback may drain", "[worker]") {
   Worker worker(options_with(1));
   std::vector<int> notes;
   std::size_t inner = 0;
-  worker.post([](const Control&) {}).on_drain([&](std::future<void>) {
+  worker.post([](const Control&) {}).on_drain([&](Job<void>) {
     inner = worker.drain();
     notes.push_back(0);
   });
@@ -174,8 +172,8 @@ TEST_CASE("threads that drain at once call every callback once", "[worker]") {
     });
   }
   for (int k = 0; k < kJobs; ++k) {
-    worker.post([k](const Control&) { return k; }).on_drain([&](std::future<int> future) {
-      ++calls[static_cast<std::size_t>(future.get())];
+    worker.post([k](const Control&) { return k; }).on_drain([&](Job<int> job) {
+      ++calls[static_cast<std::size_t>(job.get())];
     });
   }
   posted = true;
@@ -191,11 +189,11 @@ TEST_CASE("a callback may post, follow and give up", "[worker]") {
   auto victim = worker.post([](const Control&) { return 1; });
   auto first = worker.post([](const Control&) { return 2; });
   first.cancel();
-  std::move(first).on_drain([&](std::future<int>) {
+  std::move(first).on_drain([&](Job<int>) {
     CHECK(victim.cancel());
     note(worker, notes, 3);
-    worker.post([](const Control&) { return 4; }).then([](int value) { return value; }).on_drain([&](auto future) {
-      notes.push_back(future.get());
+    worker.post([](const Control&) { return 4; }).then([](int value) { return value; }).on_drain([&](auto job) {
+      notes.push_back(job.get());
     });
   });
   CHECK(worker.drain() == 1);
@@ -209,7 +207,7 @@ TEST_CASE("a callback may post, follow and give up", "[worker]") {
 TEST_CASE("a callback may wait for another job", "[worker]") {
   Worker worker(options_with(1));
   int got = 0;
-  worker.post([](const Control&) {}).on_drain([&](std::future<void>) {
+  worker.post([](const Control&) {}).on_drain([&](Job<void>) {
     got = worker.post([held = 5](const Control&) { return held; }).get();
   });
   CHECK(eventually([&] { return worker.drain() == 1; }));
@@ -219,7 +217,7 @@ TEST_CASE("a callback may wait for another job", "[worker]") {
 TEST_CASE("callbacks can be drained after terminate", "[worker]") {
   Worker worker(options_with(1));
   std::vector<std::string> ends;
-  const auto note_end = [&](std::future<int> future) { ends.push_back(outcome(std::move(future))); };
+  const auto note_end = [&](Job<int> job) { ends.push_back(outcome(job)); };
   worker.post([held = 1](const Control&) { return held; }).on_drain(note_end);
   worker.wait_until_idle();
   auto gate = std::make_shared<Gate>();
@@ -248,11 +246,11 @@ TEST_CASE("callbacks that were not drained are dropped with their worker", "[wor
   {
     Worker worker(options_with(1));
     for (int k = 0; k < 3; ++k) {
-      worker.post([](const Control&) {}).on_drain([&called, token](std::future<void>) { called = true; });
+      worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
     }
     worker.wait_until_idle();
     Hold hold(worker);
-    worker.post([](const Control&) {}).on_drain([&called, token](std::future<void>) { called = true; });
+    worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
   }
   CHECK_FALSE(called);
   CHECK(eventually([&] { return token.use_count() == 1; }));
@@ -263,7 +261,7 @@ TEST_CASE("a callback is freed once it was called", "[worker]") {
   const auto token = std::make_shared<int>(0);
   auto job = worker.post([](const Control&) {});
   const JobHandle handle = job;
-  std::move(job).on_drain([token](std::future<void>) {});
+  std::move(job).on_drain([token](Job<void>) {});
   CHECK(eventually([&] { return worker.drain() == 1; }));
   CHECK(token.use_count() == 1);
   CHECK(handle.ready());
@@ -409,7 +407,7 @@ TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
   for (int k = 0; k < 5000; ++k) {
     job = std::move(job).then([k](int value) { return value == k ? value + 1 : -1000000; });
   }
-  CHECK(take(job.future()) == 5000);
+  CHECK(take(job) == 5000);
 
   // Nor one that is given up at its end, or fails at its beginning.
   for (const bool cancels : {true, false}) {

@@ -37,7 +37,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   options.nan = NonFinitePolicy::reject;
   const ThrownError expected = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   const ThrownError got = thrown_by([&] {
-    static_cast<void>(take(worker.post(ProjectCubemap{CubemapImage{16, cubemap.pixels}, options}).future()));
+    static_cast<void>(take(worker.post(ProjectCubemap{CubemapImage{16, cubemap.pixels}, options})));
   });
   CHECK(got.code == ErrorCode::rejected_pixel);
   CHECK(got.message == expected.message);
@@ -61,7 +61,7 @@ TEST_CASE("anything that a request throws arrives", "[worker]") {
   CHECK(outcome(worker.post([](const Control&) { throw std::bad_alloc(); })) == "bad_alloc");
   auto job = worker.post([](const Control&) -> std::string { throw 42; });
   try {
-    take(job.future());
+    take(job);
     FAIL("nothing was thrown");
   } catch (const int thrown) {
     CHECK(thrown == 42);
@@ -149,10 +149,9 @@ void fail_everywhere(int threads, const MakeRequest& make_request, const Result&
       {
         const FailingHeap heap(Heap::other_threads, number, for_good);
         auto job = worker.post(std::move(request));
-        auto future = job.future();
-        if (future.wait_for(kPatience) != std::future_status::ready) give_up("a job without memory");
+        if (!eventually([&] { return job.ready(); })) give_up("a job without memory");
         failed = heap.failed();
-        end = outcome_of([&] { end = same_bits(future.get(), expected) ? "right" : "wrong"; });
+        end = outcome_of([&] { end = same_bits(job.get(), expected) ? "right" : "wrong"; });
       }
       if (!is_clean(end)) CHECK(end == "bad_alloc");
       if (!failed) CHECK(end == "result");
@@ -209,8 +208,8 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
   const std::string key = "a key that is too long to be kept inside a string";
   for (const bool replaces : {true, false}) {  // or else drops
     WorkerOptions worker_options = options_with(1);
-    worker_options.when_full = WhenFull::drop_oldest;
-    worker_options.most_jobs = 2;
+    worker_options.overflow = OverflowPolicy::drop_oldest;
+    worker_options.max_jobs = 2;
     Worker worker(worker_options);
     Hold hold(worker);
     const PostOptions options{.key = replaces ? std::string_view(key) : std::string_view()};
@@ -279,7 +278,7 @@ TEST_CASE("what follows runs out of memory where it is made, and harms nothing",
         const FailingHeap heap(Heap::this_thread, number, false);
         try {
           if (way == 0) follower = std::move(job).then([](int value) { return value; });
-          if (way == 1) std::move(job).on_drain([](std::future<int>) {});
+          if (way == 1) std::move(job).on_drain([](Job<int>) {});
           if (way == 2) await_quietly(std::move(job), awaited);
           if (way == 3) static_cast<void>(handle.cancel());
         } catch (const std::bad_alloc&) {
@@ -317,7 +316,7 @@ TEST_CASE("jobs can be given up without memory", "[worker]") {
           while (!control.stop.stop_requested()) std::this_thread::yield();
           return 1;
         },
-        {.priority = Priority::high});
+        {.priority = TaskPriority::high});
     {
       const FailingHeap heap(Heap::this_thread, 1, true);  // Catch2's assertions have no memory either
       for (const auto& job : cancelled) given_up += job.cancel() ? 1 : 0;

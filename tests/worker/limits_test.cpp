@@ -24,7 +24,7 @@ using Order = std::vector<std::string>;
 /// Posts requests that note their names in the order in which they run, once the worker's one thread is let go.
 class Line {
  public:
-  Job<void> post(std::string name, Priority priority) {
+  Job<void> post(std::string name, TaskPriority priority) {
     return worker_.post([this, name = std::move(name)](const Control&) { order_.push_back(name); },
                         {.priority = priority});
   }
@@ -50,30 +50,30 @@ class Line {
 
 TEST_CASE("higher priorities start first, older ones before newer ones", "[worker]") {
   Line line;
-  line.post("low 1", Priority::low);
-  line.post("normal 1", Priority::normal);
-  line.post("high 1", Priority::high);
-  line.post("low 2", Priority::low);
-  line.post("high 2", Priority::high);
-  line.post("normal 2", Priority::normal);
+  line.post("low 1", TaskPriority::low);
+  line.post("normal 1", TaskPriority::normal);
+  line.post("high 1", TaskPriority::high);
+  line.post("low 2", TaskPriority::low);
+  line.post("high 2", TaskPriority::high);
+  line.post("normal 2", TaskPriority::normal);
   CHECK(line.run() == Order{"high 1", "high 2", "normal 1", "normal 2", "low 1", "low 2"});
 }
 
 TEST_CASE("a waiting job moves to the end of those of its new priority", "[worker]") {
   Line line;
-  auto raised = line.post("raised", Priority::low);
-  line.post("high", Priority::high);
-  auto lowered = line.post("lowered", Priority::normal);
-  line.post("normal", Priority::normal);
-  line.post("low", Priority::low);
-  auto kept = line.post("kept", Priority::low);
-  line.post("last", Priority::low);
-  CHECK(raised.priority() == Priority::low);
-  raised.set_priority(Priority::high);
-  lowered.set_priority(Priority::low);
-  CHECK(raised.priority() == Priority::high);
-  CHECK(lowered.priority() == Priority::low);
-  kept.set_priority(Priority::low);  // as it was: it keeps its place
+  auto raised = line.post("raised", TaskPriority::low);
+  line.post("high", TaskPriority::high);
+  auto lowered = line.post("lowered", TaskPriority::normal);
+  line.post("normal", TaskPriority::normal);
+  line.post("low", TaskPriority::low);
+  auto kept = line.post("kept", TaskPriority::low);
+  line.post("last", TaskPriority::low);
+  CHECK(raised.priority() == TaskPriority::low);
+  raised.set_priority(TaskPriority::high);
+  lowered.set_priority(TaskPriority::low);
+  CHECK(raised.priority() == TaskPriority::high);
+  CHECK(lowered.priority() == TaskPriority::low);
+  kept.set_priority(TaskPriority::low);  // as it was: it keeps its place
   CHECK(line.run() == Order{"high", "raised", "normal", "low", "kept", "last", "lowered"});
 }
 
@@ -82,23 +82,23 @@ TEST_CASE("a running job goes on when its priority is set", "[worker]") {
   auto gate = std::make_shared<Gate>();
   auto job = worker.post([gate](const Control&) { gate->pass(); });
   gate->wait_for_arrivals(1);
-  job.set_priority(Priority::low);
-  auto other = worker.post([](const Control&) { return 1; }, {.priority = Priority::high});
+  job.set_priority(TaskPriority::low);
+  auto other = worker.post([](const Control&) { return 1; }, {.priority = TaskPriority::high});
   gate->open();
   CHECK(other.get() == 1);
   CHECK(outcome(job) == "result");
-  job.set_priority(Priority::high);
+  job.set_priority(TaskPriority::high);
 }
 
 TEST_CASE("continuations keep the priority of the job that they follow, and come first in it", "[worker]") {
   Line line;
-  auto low = line.post("low", Priority::low).then(line.note("after low"));
-  CHECK(low.priority() == Priority::low);
-  auto high = line.post("high", Priority::high).then(line.note("after high"));
-  CHECK(high.priority() == Priority::high);
-  line.post("high 2", Priority::high);
-  line.post("normal", Priority::normal);
-  line.post("low 2", Priority::low);
+  auto low = line.post("low", TaskPriority::low).then(line.note("after low"));
+  CHECK(low.priority() == TaskPriority::low);
+  auto high = line.post("high", TaskPriority::high).then(line.note("after high"));
+  CHECK(high.priority() == TaskPriority::high);
+  line.post("high 2", TaskPriority::high);
+  line.post("normal", TaskPriority::normal);
+  line.post("low 2", TaskPriority::low);
   CHECK(line.run() == Order{"high", "after high", "high 2", "normal", "low", "after low", "low 2"});
 }
 
@@ -111,8 +111,8 @@ TEST_CASE("priorities decide on every number of threads", "[worker]") {
       Hold hold(worker, threads);
       for (int k = 0; k < 50; ++k) {
         worker.post([&, threads](const Control&) { low_too_early += high_left > threads - 1 ? 1 : 0; },
-                    {.priority = Priority::low});
-        worker.post([&](const Control&) { --high_left; }, {.priority = Priority::high});
+                    {.priority = TaskPriority::low});
+        worker.post([&](const Control&) { --high_left; }, {.priority = TaskPriority::high});
       }
     }
     worker.wait_until_idle();
@@ -126,25 +126,25 @@ TEST_CASE("priorities decide on every number of threads", "[worker]") {
 namespace {
 
 /// Beside the job that holds the thread.
-WorkerOptions options_for(std::size_t waiting_jobs, WhenFull when_full) {
+WorkerOptions options_for(std::size_t waiting_jobs, OverflowPolicy overflow) {
   WorkerOptions options = options_with(1);
-  options.most_jobs = waiting_jobs + 1;
-  options.when_full = when_full;
+  options.max_jobs = waiting_jobs + 1;
+  options.overflow = overflow;
   return options;
 }
 
-Job<int> post(Worker& worker, Priority priority = Priority::normal, std::uint64_t bytes = 0) {
+Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std::uint64_t bytes = 0) {
   return worker.post([held = 1](const Control&) { return held; }, {.priority = priority, .bytes = bytes});
 }
 
 }  // namespace
 
 TEST_CASE("a full worker refuses", "[worker]") {
-  Worker worker(options_for(2, WhenFull::refuse));
+  Worker worker(options_for(2, OverflowPolicy::refuse));
   Hold hold(worker);
   auto first = post(worker);
   auto second = post(worker);
-  auto third = post(worker, Priority::high);
+  auto third = post(worker, TaskPriority::high);
   CHECK(third.ready());
   CHECK(outcome(third) == "queue_full");
   CHECK(worker.load().jobs == 3);
@@ -160,26 +160,26 @@ TEST_CASE("a full worker refuses", "[worker]") {
 }
 
 TEST_CASE("a full worker drops the oldest of the lowest priority", "[worker]") {
-  Worker worker(options_for(5, WhenFull::drop_oldest));
+  Worker worker(options_for(5, OverflowPolicy::drop_oldest));
   Hold hold(worker);
-  auto high = post(worker, Priority::high);
-  auto normal_1 = post(worker, Priority::normal);
-  auto low_1 = post(worker, Priority::low);
-  auto normal_2 = post(worker, Priority::normal);
-  auto low_2 = post(worker, Priority::low);
+  auto high = post(worker, TaskPriority::high);
+  auto normal_1 = post(worker, TaskPriority::normal);
+  auto low_1 = post(worker, TaskPriority::low);
+  auto normal_2 = post(worker, TaskPriority::normal);
+  auto low_2 = post(worker, TaskPriority::low);
   CHECK_FALSE(low_1.ready());
 
-  auto normal_3 = post(worker, Priority::normal);
+  auto normal_3 = post(worker, TaskPriority::normal);
   CHECK(low_1.ready());
   CHECK_FALSE(low_2.ready());
-  auto low_3 = post(worker, Priority::low);  // among equals the oldest goes
+  auto low_3 = post(worker, TaskPriority::low);  // among equals the oldest goes
   CHECK(low_2.ready());
   CHECK_FALSE(low_3.ready());
-  auto high_2 = post(worker, Priority::high);
+  auto high_2 = post(worker, TaskPriority::high);
   CHECK(low_3.ready());
-  auto low_4 = post(worker, Priority::low);  // lower than all that wait
+  auto low_4 = post(worker, TaskPriority::low);  // lower than all that wait
   CHECK(low_4.ready());
-  auto high_3 = post(worker, Priority::high);
+  auto high_3 = post(worker, TaskPriority::high);
   CHECK(normal_1.ready());
   CHECK_FALSE(normal_2.ready());
 
@@ -189,21 +189,21 @@ TEST_CASE("a full worker drops the oldest of the lowest priority", "[worker]") {
 }
 
 TEST_CASE("where nothing waits the new job is dropped, never a running one", "[worker]") {
-  Worker worker(options_for(0, WhenFull::drop_oldest));
+  Worker worker(options_for(0, OverflowPolicy::drop_oldest));
   Hold hold(worker);
-  CHECK(outcome(post(worker, Priority::high)) == "queue_full");
+  CHECK(outcome(post(worker, TaskPriority::high)) == "queue_full");
   hold.let_go();
   CHECK(eventually([&] { return worker.load().jobs == 0; }));
   CHECK(outcome(post(worker)) == "result");
 }
 
 TEST_CASE("set priorities decide what is dropped", "[worker]") {
-  Worker worker(options_for(2, WhenFull::drop_oldest));
+  Worker worker(options_for(2, OverflowPolicy::drop_oldest));
   Hold hold(worker);
-  auto first = post(worker, Priority::normal);
-  auto second = post(worker, Priority::normal);
-  second.set_priority(Priority::low);
-  auto third = post(worker, Priority::normal);
+  auto first = post(worker, TaskPriority::normal);
+  auto second = post(worker, TaskPriority::normal);
+  second.set_priority(TaskPriority::low);
+  auto third = post(worker, TaskPriority::normal);
   CHECK(second.ready());
   CHECK_FALSE(first.ready());
   hold.let_go();
@@ -213,7 +213,7 @@ TEST_CASE("set priorities decide what is dropped", "[worker]") {
 }
 
 TEST_CASE("what follows a dropped job gets its error", "[worker]") {
-  Worker worker(options_for(1, WhenFull::drop_oldest));
+  Worker worker(options_for(1, OverflowPolicy::drop_oldest));
   Hold hold(worker);
   auto follower = post(worker).then([](int value) { return value; });
   auto newer = post(worker);
@@ -223,7 +223,7 @@ TEST_CASE("what follows a dropped job gets its error", "[worker]") {
 }
 
 TEST_CASE("a post waits until there is room", "[worker]") {
-  Worker worker(options_for(1, WhenFull::wait));
+  Worker worker(options_for(1, OverflowPolicy::wait));
   Hold hold(worker);
   auto first = post(worker);
   std::atomic<bool> posted{false};
@@ -250,7 +250,7 @@ TEST_CASE("a post waits until there is room", "[worker]") {
 
 TEST_CASE("many who wait for room all get in", "[worker]") {
   WorkerOptions options = options_with(2);
-  options.most_jobs = 3;
+  options.max_jobs = 3;
   Worker worker(options);
   std::atomic<int> results{0};
   std::atomic<int> too_many{0};
@@ -262,7 +262,7 @@ TEST_CASE("many who wait for room all get in", "[worker]") {
         jobs.push_back(post(worker));
         if (worker.load().jobs > 3) ++too_many;
       }
-      for (auto& job : jobs) results += take(job.future());
+      for (auto& job : jobs) results += take(job);
     });
   }
   for (std::thread& poster : posters) poster.join();
@@ -271,7 +271,7 @@ TEST_CASE("many who wait for room all get in", "[worker]") {
 }
 
 TEST_CASE("a post that waits for room is stopped by terminate", "[worker]") {
-  Worker worker(options_for(1, WhenFull::wait));
+  Worker worker(options_for(1, OverflowPolicy::wait));
   Hold hold(worker);
   auto first = post(worker);
   std::string end;
@@ -291,8 +291,8 @@ TEST_CASE("a post that waits for room is stopped by terminate", "[worker]") {
 
 TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.most_bytes = 6 * 8 * 8 * 12 + 100;
-  options.when_full = WhenFull::refuse;
+  options.max_bytes = 6 * 8 * 8 * 12 + 100;
+  options.overflow = OverflowPolicy::refuse;
   Worker worker(options);
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   const auto request = [&] { return ProjectCubemap{CubemapImage{8, cubemap.pixels}}; };
@@ -300,11 +300,11 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
   auto first = worker.post(request());
   CHECK(worker.load().bytes == 6 * 8 * 8 * 12);
   CHECK(outcome(worker.post(request())) == "queue_full");
-  CHECK(outcome(post(worker, Priority::normal, 101)) == "queue_full");
-  auto named = post(worker, Priority::normal, 100);
+  CHECK(outcome(post(worker, TaskPriority::normal, 101)) == "queue_full");
+  auto named = post(worker, TaskPriority::normal, 100);
   auto nothing = post(worker);
   auto underrated = worker.post(request(), {.bytes = 0});
-  CHECK(worker.load().bytes == options.most_bytes);
+  CHECK(worker.load().bytes == options.max_bytes);
   hold.let_go();
   CHECK(outcome(first) == "result");
   CHECK(outcome(named) == "result");
@@ -317,7 +317,7 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
 TEST_CASE("bytes come back when a job is given up", "[worker]") {
   Worker worker(options_with(1));
   Hold hold(worker);
-  auto job = post(worker, Priority::normal, 1000);
+  auto job = post(worker, TaskPriority::normal, 1000);
   CHECK(worker.load().bytes == 1000);
   CHECK(job.cancel());
   CHECK(worker.load().bytes == 0);
@@ -325,13 +325,13 @@ TEST_CASE("bytes come back when a job is given up", "[worker]") {
 
 TEST_CASE("as many are dropped as the new one's bytes need", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.most_bytes = 100;
-  options.when_full = WhenFull::drop_oldest;
+  options.max_bytes = 100;
+  options.overflow = OverflowPolicy::drop_oldest;
   Worker worker(options);
   Hold hold(worker);
   std::vector<Job<int>> jobs;
-  for (int k = 0; k < 5; ++k) jobs.push_back(post(worker, k == 1 ? Priority::low : Priority::normal, 20));
-  auto large = post(worker, Priority::normal, 50);
+  for (int k = 0; k < 5; ++k) jobs.push_back(post(worker, k == 1 ? TaskPriority::low : TaskPriority::normal, 20));
+  auto large = post(worker, TaskPriority::normal, 50);
   hold.let_go();
   CHECK(outcome(jobs[1]) == "queue_full");
   CHECK(outcome(jobs[0]) == "queue_full");
@@ -343,13 +343,13 @@ TEST_CASE("as many are dropped as the new one's bytes need", "[worker]") {
 
 TEST_CASE("nobody is dropped in vain", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.most_bytes = 100;
-  options.when_full = WhenFull::drop_oldest;
+  options.max_bytes = 100;
+  options.overflow = OverflowPolicy::drop_oldest;
   Worker worker(options);
   Hold hold(worker);
-  auto high = post(worker, Priority::high, 60);
-  auto low = post(worker, Priority::low, 40);
-  auto normal = post(worker, Priority::normal, 50);  // needs more than the low one has
+  auto high = post(worker, TaskPriority::high, 60);
+  auto low = post(worker, TaskPriority::low, 40);
+  auto normal = post(worker, TaskPriority::normal, 50);  // needs more than the low one has
   CHECK(normal.ready());
   CHECK_FALSE(low.ready());
   hold.let_go();
@@ -359,64 +359,64 @@ TEST_CASE("nobody is dropped in vain", "[worker]") {
 }
 
 TEST_CASE("a request larger than the limit can never be let in", "[worker]") {
-  for (const WhenFull when_full : {WhenFull::wait, WhenFull::refuse, WhenFull::drop_oldest}) {
+  for (const OverflowPolicy overflow : {OverflowPolicy::wait, OverflowPolicy::refuse, OverflowPolicy::drop_oldest}) {
     WorkerOptions options = options_with(1);
-    options.most_bytes = 100;
-    options.when_full = when_full;
+    options.max_bytes = 100;
+    options.overflow = overflow;
     Worker worker(options);
     Hold hold(worker);
-    auto bystander = post(worker, Priority::low, 100);
-    auto large = post(worker, Priority::high, 101);
+    auto bystander = post(worker, TaskPriority::low, 100);
+    auto large = post(worker, TaskPriority::high, 101);
     CHECK(large.ready());
     CHECK(outcome(large) == "limit_exceeded");
     hold.let_go();
     CHECK(outcome(bystander) == "result");
-    CHECK(outcome(post(worker, Priority::normal, 100)) == "result");
+    CHECK(outcome(post(worker, TaskPriority::normal, 100)) == "result");
   }
 }
 
 TEST_CASE("what the worker's own threads post never waits", "[worker]") {
-  for (const WhenFull when_full : {WhenFull::wait, WhenFull::refuse, WhenFull::drop_oldest}) {
+  for (const OverflowPolicy overflow : {OverflowPolicy::wait, OverflowPolicy::refuse, OverflowPolicy::drop_oldest}) {
     WorkerOptions options = options_with(1);
-    options.most_jobs = 1;
-    options.most_bytes = 100;
-    options.when_full = when_full;
+    options.max_jobs = 1;
+    options.max_bytes = 100;
+    options.overflow = overflow;
     Worker worker(options);
     auto job = worker.post(
         [&](const Control&) {
           std::vector<std::string> ends;
-          for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, Priority::low, 60).get(); }));
-          auto one = post(worker, Priority::normal, 60);
-          auto two = post(worker, Priority::normal, 60).then([](int value) { return value + 10; });
+          for (int k = 0; k < 3; ++k) ends.push_back(outcome_of([&] { post(worker, TaskPriority::low, 60).get(); }));
+          auto one = post(worker, TaskPriority::normal, 60);
+          auto two = post(worker, TaskPriority::normal, 60).then([](int value) { return value + 10; });
           ends.push_back(outcome_of([&] { one.get(); }));
           ends.push_back(outcome_of([&] { two.get(); }));
           return ends;
         },
         {.bytes = 100});
     // Let in beyond the limits where others would wait; else as everybody.
-    CHECK(take(job.future()) == std::vector<std::string>(5, when_full == WhenFull::wait ? "result" : "queue_full"));
+    CHECK(take(job) == std::vector<std::string>(5, overflow == OverflowPolicy::wait ? "result" : "queue_full"));
   }
 }
 
 TEST_CASE("continuations are never refused", "[worker]") {
-  Worker worker(options_for(1, WhenFull::refuse));
+  Worker worker(options_for(1, OverflowPolicy::refuse));
   Hold hold(worker);
   auto last = post(worker);
   for (int k = 0; k < 10; ++k) {
     last = std::move(last).then([](int value) { return value + 1; });
   }
   hold.let_go();
-  CHECK(take(last.future()) == 11);
+  CHECK(take(last) == 11);
 }
 
 TEST_CASE("a refused request never runs, and never waits to be moved", "[worker]") {
-  Worker worker(options_for(0, WhenFull::refuse));
+  Worker worker(options_for(0, OverflowPolicy::refuse));
   Hold hold(worker);
   std::atomic<bool> ran{false};
   auto refused = worker.post([&](const Control&) { ran = true; });
   CHECK(refused.ready());
   CHECK_FALSE(refused.cancel());
-  refused.set_priority(Priority::high);
+  refused.set_priority(TaskPriority::high);
   hold.let_go();
   worker.wait_until_idle();
   CHECK(outcome(refused) == "queue_full");

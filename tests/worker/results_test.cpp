@@ -14,6 +14,7 @@
 #include "support/detached.h"
 #include "support/gate.h"
 #include "support/heap.h"
+#include "support/lent.h"
 #include "support/outcome.h"
 #include "support/same_bits.h"
 #include "support/sanitized.h"
@@ -44,8 +45,8 @@ template <class Result, class MakeRequest>
 Case make_case(std::string name, Result expected, MakeRequest make_request) {
   auto shared = std::make_shared<const Result>(std::move(expected));
   return {std::move(name), [shared, make_request](Worker& worker) -> std::function<bool()> {
-            auto future = std::make_shared<std::future<Result>>(worker.post(make_request()).future());
-            return [shared, future] { return same_bits(take(std::move(*future)), *shared); };
+            auto job = std::make_shared<Job<Result>>(worker.post(make_request()));
+            return [shared, job] { return same_bits(take(*job), *shared); };
           }};
 }
 
@@ -199,9 +200,7 @@ TEST_CASE("a worker in a lent arena gives the direct calls' bits", "[worker]") {
   for (const int slots : {1, 3}) {
     INFO(slots << " slots");
     tbb::task_arena arena(slots);
-    WorkerOptions options;
-    options.lent_arena = [&arena](std::function<void()> task) { arena.enqueue(std::move(task)); };
-    Worker worker(options);
+    Worker worker(lent(arena));
     check_all(worker, cases, cases.size(), 16);
     check_all(worker, cases, 256, 256);
   }
@@ -235,7 +234,7 @@ TEST_CASE("bakes in a worker have the call's bits", "[worker][bake]") {
       jobs.push_back(worker.post(k % 2 == 0 ? Bake{lat_long, small_bake()} : Bake{cube, small_bake()}));
     }
     for (std::size_t k = 0; k < jobs.size(); ++k) {
-      const auto found = take(jobs[k].future());
+      const auto found = take(jobs[k]);
       REQUIRE(found);
       CHECK(same_bits(*found, k % 2 == 0 ? expected_lat_long : expected_cube));
     }
@@ -250,9 +249,9 @@ TEST_CASE("equal bakes are run once", "[worker][bake]") {
   for (int k = 0; k < 4; ++k) jobs.push_back(worker.post(Bake{image, small_bake()}));
   auto other = worker.post(Bake{image, small_bake(8)});
   hold.let_go();
-  const auto first = take(jobs.front().future());
-  for (std::size_t k = 1; k < jobs.size(); ++k) CHECK(take(jobs[k].future()) == first);  // the very same result
-  CHECK(take(other.future()) != first);
+  const auto first = take(jobs.front());
+  for (std::size_t k = 1; k < jobs.size(); ++k) CHECK(take(jobs[k]) == first);  // the very same result
+  CHECK(take(other) != first);
   CHECK(Bake{image, small_bake()} == Bake{image, small_bake()});
   CHECK(!(Bake{image, small_bake()} == Bake{picture(64), small_bake()}));
   CHECK(!(Bake{image, small_bake()} == Bake{cubemap(8), small_bake()}));
@@ -271,7 +270,7 @@ TEST_CASE("a running bake stops when it is told to", "[worker][bake]") {
     worker.wait_until_idle();
     CHECK(worker.load().jobs == 0);
   }
-  CHECK(take(worker.post(Bake{picture(64), small_bake()}).future()));
+  CHECK(take(worker.post(Bake{picture(64), small_bake()})));
 }
 
 TEST_CASE("a bake's errors come through its future", "[worker][bake]") {
@@ -289,7 +288,7 @@ TEST_CASE("files are baked in a worker", "[worker][bake]") {
   const auto image = picture(64);
   write_environment(directory.file("sky.pfm"), image->view());
   Worker worker(options_with(2));
-  const auto found = take(worker.post(BakeFile{directory.file("sky.pfm"), {}, small_bake()}).future());
+  const auto found = take(worker.post(BakeFile{directory.file("sky.pfm"), {}, small_bake()}));
   REQUIRE(found);
   CHECK(same_bits(*found, bake_file(directory.file("sky.pfm"), {}, small_bake())));
   CHECK(outcome(worker.post(BakeFile{directory.file("none.pfm")})) == "file_access");
@@ -335,13 +334,13 @@ TEST_CASE("no way of taking a result copies it", "[worker]") {
   Worker worker(options_with(2));
   copies = 0;
   CHECK(post_seven(worker).get().value() == 7);
-  CHECK(take(post_seven(worker).future()).value() == 7);
-  CHECK(take(post_seven(worker).then([](Copied seven) { return seven; }).future()).value() == 7);
-  CHECK(take(post_seven(worker).then([](Copied&& seven) { return seven.value(); }).future()) == 7);
-  CHECK(take(post_seven(worker).then([](const Copied& seven) { return seven.value(); }).future()) == 7);
+  CHECK(take(post_seven(worker)).value() == 7);
+  CHECK(take(post_seven(worker).then([](Copied seven) { return seven; })).value() == 7);
+  CHECK(take(post_seven(worker).then([](Copied&& seven) { return seven.value(); })) == 7);
+  CHECK(take(post_seven(worker).then([](const Copied& seven) { return seven.value(); })) == 7);
 
   int drained = 0;
-  post_seven(worker).on_drain([&](std::future<Copied> future) { drained = future.get().value(); });
+  post_seven(worker).on_drain([&](Job<Copied> job) { drained = job.get().value(); });
   CHECK(eventually([&] { return worker.drain() == 1; }));
   CHECK(drained == 7);
 
@@ -361,9 +360,8 @@ TEST_CASE("requests, results and follow-ups that only move will do", "[worker]")
   auto next = std::move(job).then(
       [four = std::make_unique<int>(4)](std::unique_ptr<int> three) { return std::make_unique<int>(*three + *four); });
   int drained = 0;
-  std::move(next).on_drain([five = std::make_unique<int>(5), &drained](std::future<std::unique_ptr<int>> future) {
-    drained = *future.get() + *five;
-  });
+  std::move(next).on_drain(
+      [five = std::make_unique<int>(5), &drained](Job<std::unique_ptr<int>> done) { drained = *done.get() + *five; });
   CHECK(eventually([&] { return worker.drain() == 1; }));
   CHECK(drained == 12);
 }
@@ -394,24 +392,24 @@ TEST_CASE("of jobs that share a run all but one get a copy", "[worker]") {
   Worker worker(options_with(1));
   copies = 0;
   // A result that can be copied but not assigned is not std::copyable, which sharing asks for: three runs, no copy.
-  std::vector<std::future<Copied>> futures;
+  std::vector<Job<Copied>> jobs;
   {
     Hold hold(worker);
-    for (int k = 0; k < 3; ++k) futures.push_back(worker.post(Seven{}).future());
+    for (int k = 0; k < 3; ++k) jobs.push_back(worker.post(Seven{}));
   }
-  for (auto& future : futures) CHECK(take(std::move(future)).value() == 7);
+  for (auto& job : jobs) CHECK(take(job).value() == 7);
   CHECK(copies == 0);
 
   struct Vector {
     std::vector<int> operator()(const Control&) const { return std::vector<int>(1000, 7); }
     bool operator==(const Vector&) const = default;
   };
-  std::vector<std::future<std::vector<int>>> vectors;
+  std::vector<Job<std::vector<int>>> vectors;
   {
     Hold hold(worker);
-    for (int k = 0; k < 3; ++k) vectors.push_back(worker.post(Vector{}).future());
+    for (int k = 0; k < 3; ++k) vectors.push_back(worker.post(Vector{}));
   }
-  for (auto& vector : vectors) CHECK(take(std::move(vector)) == std::vector<int>(1000, 7));
+  for (auto& vector : vectors) CHECK(take(vector) == std::vector<int>(1000, 7));
 }
 
 // Promise: the hot loops allocate nothing when a worker runs them either.

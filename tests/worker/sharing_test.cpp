@@ -186,9 +186,9 @@ TEST_CASE("a shared run has the highest priority of its jobs", "[worker]") {
   };
   {
     Hold hold(worker);
-    worker.post(Noted{1, &order}, {.priority = Priority::low});
-    worker.post(Noted{2, &order}, {.priority = Priority::normal});
-    worker.post(Noted{1, &order}, {.priority = Priority::high});
+    worker.post(Noted{1, &order}, {.priority = TaskPriority::low});
+    worker.post(Noted{2, &order}, {.priority = TaskPriority::normal});
+    worker.post(Noted{1, &order}, {.priority = TaskPriority::high});
   }
   worker.wait_until_idle();
   CHECK(order == std::vector<int>{1, 2});
@@ -197,11 +197,11 @@ TEST_CASE("a shared run has the highest priority of its jobs", "[worker]") {
   order.clear();
   {
     Hold hold(worker);
-    worker.post(Noted{1, &order}, {.priority = Priority::low});
-    worker.post(Noted{2, &order}, {.priority = Priority::normal});
-    CHECK(worker.post(Noted{1, &order}, {.priority = Priority::high}).cancel());
-    worker.post(Noted{3, &order}, {.priority = Priority::low});
-    worker.post(Noted{3, &order}, {.priority = Priority::high}).set_priority(Priority::low);
+    worker.post(Noted{1, &order}, {.priority = TaskPriority::low});
+    worker.post(Noted{2, &order}, {.priority = TaskPriority::normal});
+    CHECK(worker.post(Noted{1, &order}, {.priority = TaskPriority::high}).cancel());
+    worker.post(Noted{3, &order}, {.priority = TaskPriority::low});
+    worker.post(Noted{3, &order}, {.priority = TaskPriority::high}).set_priority(TaskPriority::low);
   }
   worker.wait_until_idle();
   CHECK(order.front() == 2);
@@ -314,7 +314,7 @@ TEST_CASE("equal requests of the library's own share, and give the same bits", "
   for (int k = 0; k < 4; ++k) jobs.push_back(worker.post(ProjectCubemap{image}));
   CHECK(worker.load().waiting == 1);
   hold.let_go();
-  for (auto& job : jobs) CHECK(same_bits(take(job.future()), expected));
+  for (auto& job : jobs) CHECK(same_bits(take(job), expected));
 }
 
 TEST_CASE("each sharer can be followed, drained and awaited for itself", "[worker]") {
@@ -324,7 +324,7 @@ TEST_CASE("each sharer can be followed, drained and awaited for itself", "[worke
   int drained = 0;
   Hold hold(worker);
   auto followed = worker.post(Square{5, &log}).then([](int square) { return square + 1; });
-  worker.post(Square{5, &log}).on_drain([&](std::future<int> future) { drained = future.get(); });
+  worker.post(Square{5, &log}).on_drain([&](Job<int> job) { drained = job.get(); });
   auto plain = worker.post(Square{5, &log});
   hold.let_go();
   CHECK(followed.get() == 26);
@@ -440,7 +440,7 @@ TEST_CASE("the newest wins when posts race, and always gets its result", "[worke
       const std::uint64_t id = job.id();
       std::string end;
       try {
-        end = take(job.future()) == k ? "result" : "wrong";
+        end = take(job) == k ? "result" : "wrong";
       } catch (const Error& error) {
         end = name(error.code());
       }
@@ -456,9 +456,7 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   bool called = false;
   auto follower = worker.post(value_request(1), {.key = "sky"}).then([&](int) { called = true; });
   std::string drained;
-  worker.post(value_request(2), {.key = "probe"}).on_drain([&](std::future<int> future) {
-    drained = outcome(std::move(future));
-  });
+  worker.post(value_request(2), {.key = "probe"}).on_drain([&](Job<int> job) { drained = outcome(job); });
   auto newer_sky = worker.post(value_request(3), {.key = "sky"});
   auto newer_probe = worker.post(value_request(4), {.key = "probe"});
   CHECK(worker.drain() == 1);
@@ -472,8 +470,8 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
 
 TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.most_jobs = 2;
-  options.when_full = WhenFull::refuse;
+  options.max_jobs = 2;
+  options.overflow = OverflowPolicy::refuse;
   Worker worker(options);
   Hold hold(worker);
   auto old = worker.post(value_request(1), {.key = "sky"});
@@ -486,7 +484,7 @@ TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
 
 TEST_CASE("a job that can never be let in replaces nothing", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.most_bytes = 1000;
+  options.max_bytes = 1000;
   Worker worker(options);
   Hold hold(worker);
   auto old = worker.post(value_request(1), {.key = "sky"});

@@ -54,27 +54,25 @@ class ThreadCount {
 
 /// Jobs in every state: one runs, some wait, some are followed.
 struct Jobs {
-  std::vector<std::future<int>> futures;
+  std::vector<Job<int>> all;
   std::shared_ptr<Gate> gate = std::make_shared<Gate>();
 
   void post(Worker& worker) {
-    futures.push_back(worker
-                          .post([held = gate](const Control& control) {
-                            held->pass();
-                            run_until_stopped(control);
-                            return 1;
-                          })
-                          .future());
+    all.push_back(worker.post([held = gate](const Control& control) {
+      held->pass();
+      run_until_stopped(control);
+      return 1;
+    }));
     gate->wait_for_arrivals(1);
     for (int k = 0; k < 10; ++k) {
-      futures.push_back(worker.post([k](const Control&) { return k; }).future());
-      futures.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }).future());
+      all.push_back(worker.post([k](const Control&) { return k; }));
+      all.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
     }
     gate->open();
   }
 
   void expect_all_stopped() {
-    for (auto& future : futures) CHECK(outcome(std::move(future)) == "stopped");
+    for (auto& job : all) CHECK(outcome(job) == "stopped");
   }
 };
 
@@ -87,9 +85,7 @@ TEST_CASE("terminate gives up all jobs and ends all threads", "[worker]") {
   CHECK(threads.more() >= 1);
   jobs.post(worker);
   worker.terminate();
-  for (const auto& future : jobs.futures) {
-    CHECK(future.wait_for(std::chrono::seconds(0)) == std::future_status::ready);
-  }
+  for (const auto& job : jobs.all) CHECK(job.ready());
   jobs.expect_all_stopped();
   CHECK(threads.comes_back());
   const WorkerLoad load = worker.load();
@@ -111,8 +107,8 @@ TEST_CASE("the destructor gives up all jobs and ends all threads", "[worker]") {
       Worker worker(options_with(count));
       jobs.post(worker);
     }
-    for (auto& future : jobs.futures) {
-      const std::string end = outcome(std::move(future));
+    for (auto& job : jobs.all) {
+      const std::string end = outcome(job);
       CHECK((end == "stopped" || (count > 1 && end == "result")));
     }
     CHECK(threads.comes_back());
@@ -182,14 +178,14 @@ TEST_CASE("a worker can be ended from a callback", "[worker]") {
     Worker& alias = *worker;
     Jobs jobs;
     int later_calls = 0;
-    alias.post([](const Control&) { return 1; }).on_drain([&](std::future<int>) {
+    alias.post([](const Control&) { return 1; }).on_drain([&](Job<int>) {
       if (destroys) {
         worker.reset();
       } else {
         alias.terminate();
       }
     });
-    alias.post([](const Control&) { return 2; }).on_drain([&](std::future<int>) { ++later_calls; });
+    alias.post([](const Control&) { return 2; }).on_drain([&](Job<int>) { ++later_calls; });
     alias.wait_until_idle();
     jobs.post(alias);
     const std::size_t called = alias.drain();
@@ -330,7 +326,7 @@ TEST_CASE("posts that race the end get a result or are stopped", "[worker]") {
         CHECK(own[k].ready());
         std::string end;
         try {
-          end = take(own[k].future()) == static_cast<int>(k) ? "result" : "wrong";
+          end = take(own[k]) == static_cast<int>(k) ? "result" : "wrong";
         } catch (const Error& error) {
           end = name(error.code());
         }
@@ -353,7 +349,7 @@ TEST_CASE("requests that go on posting end with their worker", "[worker]") {
     };
     for (int k = 0; k < 4; ++k) worker.post(std::function<void(const Control&)>(next));
     for (int k = 0; k < 50; ++k)
-      CHECK(worker.post([k](const Control&) { return k; }, {.priority = Priority::high}).get() == k);
+      CHECK(worker.post([k](const Control&) { return k; }, {.priority = TaskPriority::high}).get() == k);
     worker.terminate();
   }
   CHECK(threads.comes_back());
@@ -369,7 +365,7 @@ TEST_CASE("wait_until_idle waits for all that was posted, not for callbacks", "[
           ++runs;
           worker.post([&, again = 1](const Control&) { runs += again; });
         })
-        .on_drain([&](std::future<void>) { ++runs; });
+        .on_drain([&](Job<void>) { ++runs; });
   }
   worker.wait_until_idle();
   CHECK(runs == 300);
@@ -384,7 +380,7 @@ TEST_CASE("what would wait for itself returns at once on a worker's own thread",
     worker.wait_until_idle();
     return 1;
   });
-  CHECK(take(job.future()) == 1);
+  CHECK(take(job) == 1);
   auto ending = worker.post([&](const Control&) {
     worker.terminate();
     worker.wait_until_idle();

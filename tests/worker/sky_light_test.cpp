@@ -349,8 +349,8 @@ TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[
 
 TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
   WorkerOptions full = options_with(1);
-  full.most_jobs = 1;
-  full.when_full = WhenFull::refuse;
+  full.max_jobs = 1;
+  full.overflow = OverflowPolicy::refuse;
   Worker worker(full);
   std::unique_ptr<SkyLight> sky;
   {

@@ -19,6 +19,7 @@
 #include "welkin/environment_file.h"
 #include "welkin/environment_writer.h"
 #include "welkin/file_requests.h"
+#include "welkin/job_future.h"
 #include "welkin/requests.h"
 #include "welkin/worker.h"
 
@@ -189,8 +190,8 @@ TEST_CASE("pixels are freed when their job fails", "[worker]") {
 
 TEST_CASE("pixels of a waiting job are freed when it is given up, while the threads are busy", "[worker]") {
   WorkerOptions options = options_with(1);
-  options.when_full = WhenFull::drop_oldest;
-  options.most_jobs = 2;
+  options.overflow = OverflowPolicy::drop_oldest;
+  options.max_jobs = 2;
   Worker worker(options);
   Hold hold(worker);
 
@@ -207,13 +208,13 @@ TEST_CASE("pixels of a waiting job are freed when it is given up, while the thre
   newer.cancel();
 
   Watched dropped;
-  job = worker.post(ProjectCubemap{dropped.give()}, {.priority = Priority::low});
+  job = worker.post(ProjectCubemap{dropped.give()}, {.priority = TaskPriority::low});
   newer = worker.post([](const Control&) {});
   CHECK(outcome(job) == "queue_full");
   CHECK(dropped.comes_back());
 
   Watched refused;
-  job = worker.post(ProjectCubemap{refused.give()}, {.priority = Priority::low});
+  job = worker.post(ProjectCubemap{refused.give()}, {.priority = TaskPriority::low});
   CHECK(outcome(job) == "queue_full");
   CHECK(refused.comes_back());
 }
@@ -247,11 +248,11 @@ TEST_CASE("pixels are freed when their worker ends", "[worker]") {
   {
     Worker worker(options_with(1));
     Gate gate;
-    auto held = worker.post([&](const Control&) { gate.pass(); }, {.priority = Priority::high});
+    auto held = worker.post([&](const Control&) { gate.pass(); }, {.priority = TaskPriority::high});
     gate.wait_for_arrivals(1);
     auto job = worker.post(ProjectCubemap{waiting.give()});
     handle = job;
-    worker.post([](const Control&) {}).on_drain([image = undrained.give()](std::future<void>) {});
+    worker.post([](const Control&) {}).on_drain([image = undrained.give()](Job<void>) {});
     gate.open();
     worker.terminate();
     CHECK(waiting.comes_back());
@@ -310,17 +311,14 @@ TEST_CASE("ids are unique when posted from many threads", "[worker]") {
   CHECK(all.size() == kThreads * 200);
 }
 
-TEST_CASE("ready means that the future does not wait, for results and errors", "[worker]") {
+TEST_CASE("ready means that get does not wait, for results and errors", "[worker]") {
   Worker worker(options_with(1));
   for (const bool fails : {false, true}) {
     auto job = worker.post([fails](const Control&) {
       if (fails) throw Error(ErrorCode::corrupt_file, "no good");
     });
     CHECK(eventually([&] { return job.ready(); }));
-    auto future = job.future();
-    CHECK(future.wait_for(std::chrono::seconds(0)) == std::future_status::ready);
-    CHECK(job.ready());
-    CHECK(outcome(std::move(future)) == (fails ? "corrupt_file" : "result"));
+    CHECK(outcome_of([&] { job.get(); }) == (fails ? "corrupt_file" : "result"));
     CHECK(job.ready());
   }
 }
@@ -332,7 +330,7 @@ TEST_CASE("handles and futures outlive their worker", "[worker]") {
   const JobHandle copy = done;
   worker->wait_until_idle();
   auto hold = std::make_unique<Hold>(*worker);
-  auto waiting = worker->post([](const Control&) { return 6; }, {.priority = Priority::high});
+  auto waiting = worker->post([](const Control&) { return 6; }, {.priority = TaskPriority::high});
   hold->let_go();
   hold.reset();
   worker.reset();
@@ -342,10 +340,10 @@ TEST_CASE("handles and futures outlive their worker", "[worker]") {
   CHECK(copy.progress() == 1.0);
   CHECK(done.get() == 5);
   CHECK(waiting.ready());
-  CHECK(waiting.priority() == Priority::high);
+  CHECK(waiting.priority() == TaskPriority::high);
   CHECK_FALSE(waiting.cancel());
   CHECK_FALSE(copy.cancel());
-  waiting.set_priority(Priority::low);
+  waiting.set_priority(TaskPriority::low);
   const std::string end = outcome(waiting);
   CHECK((end == "result" || end == "stopped"));
 
@@ -377,7 +375,7 @@ TEST_CASE("a handle can be asked from any thread while its job runs", "[worker]"
     threads.emplace_back([handle = JobHandle(job), &fell] {
       double before = 0.0;
       while (!handle.ready()) {
-        if (handle.progress() < before || handle.priority() != Priority::normal || handle.id() == 0) fell = true;
+        if (handle.progress() < before || handle.priority() != TaskPriority::normal || handle.id() == 0) fell = true;
         before = handle.progress();
         std::this_thread::yield();
       }
@@ -388,5 +386,155 @@ TEST_CASE("a handle can be asked from any thread while its job runs", "[worker]"
   for (std::thread& thread : threads) thread.join();
   CHECK_FALSE(fell);
 }
+
+// Promise: a result is taken once, by whoever polls or waits; and a job that is none answers whatever it is asked.
+
+TEST_CASE("polling gives nothing while a job runs, its result once, and nothing after", "[worker]") {
+  Worker worker(options_with(1));
+  std::optional<Hold> hold(std::in_place, worker);
+  auto job = worker.post([](const Control&) { return std::make_unique<int>(7); });
+  for (int frame = 0; frame < 3; ++frame) {
+    CHECK(job.valid());
+    CHECK_FALSE(job.try_take());
+  }
+  hold.reset();
+  int taken = 0;
+  CHECK(eventually([&] {
+    if (auto seven = job.try_take()) taken += **seven;
+    return job.ready() && !job.valid();
+  }));
+  for (int frame = 0; frame < 3; ++frame) {
+    if (auto seven = job.try_take()) taken += **seven;
+  }
+  CHECK(taken == 7);
+  CHECK(job.ready());
+  CHECK_FALSE(job.error());
+  CHECK(outcome_of([&] { job.get(); }) == "invalid_argument");
+}
+
+TEST_CASE("polling a job without a result says once that it is done", "[worker]") {
+  Worker worker(options_with(1));
+  auto job = worker.post([](const Control&) {});
+  worker.wait_until_idle();
+  CHECK(job.try_take());
+  CHECK_FALSE(job.try_take());
+  CHECK_FALSE(job.valid());
+}
+
+TEST_CASE("polling a job that failed gives nothing, and its error says why", "[worker]") {
+  Worker worker(options_with(1));
+  auto error = worker.post([](const Control&) -> int { throw Error(ErrorCode::corrupt_file, "no good"); });
+  auto other = worker.post([](const Control&) -> int { throw std::runtime_error("enough"); });
+  auto odd = worker.post([](const Control&) -> int { throw 3; });
+  auto well = worker.post([](const Control&) { return 3; });
+  worker.wait_until_idle();
+  CHECK_FALSE(error.try_take());
+  REQUIRE(error.error());
+  CHECK(error.error()->code == ErrorCode::corrupt_file);
+  CHECK(error.error()->message == "no good");
+  REQUIRE(other.error());
+  CHECK_FALSE(other.error()->code);
+  CHECK(other.error()->message == "enough");
+  REQUIRE(odd.error());
+  CHECK_FALSE(odd.error()->code);
+  CHECK_FALSE(odd.error()->message.empty());
+  CHECK_FALSE(well.error());
+
+  const Hold hold(worker);
+  auto waiting = worker.post([](const Control&) { return 3; }, {.key = "probe 7"});
+  CHECK_FALSE(waiting.error());
+  CHECK(waiting.cancel());
+  CHECK_FALSE(waiting.try_take());
+  REQUIRE(waiting.error());
+  CHECK(waiting.error()->code == ErrorCode::cancelled);
+  CHECK(waiting.error()->message == "job " + std::to_string(waiting.id()) + " (probe 7): cancelled by the caller");
+  CHECK(waiting.valid());  // it can still be asked for its error by `get`
+  CHECK(outcome_of([&] { waiting.get(); }) == "cancelled");
+  CHECK_FALSE(waiting.valid());
+}
+
+TEST_CASE("a job that is none answers", "[worker]") {
+  const auto ask = [](const JobHandle& handle) {
+    CHECK(handle.id() == 0);
+    CHECK_FALSE(handle.ready());
+    CHECK(handle.progress() == 0.0);
+    CHECK_FALSE(handle.error());
+    CHECK_FALSE(handle.cancel());
+    CHECK(handle.priority() == TaskPriority::normal);
+    handle.set_priority(TaskPriority::high);
+  };
+  ask(JobHandle());
+  Worker worker(options_with(1));
+  Job<int> moved_from = worker.post([](const Control&) { return 1; });
+  const Job<int> moved_to = std::move(moved_from);
+  Job<int> none;
+  for (Job<int>* job : {&none, &moved_from}) {  // NOLINT(bugprone-use-after-move)
+    ask(*job);
+    CHECK_FALSE(job->valid());
+    CHECK_FALSE(job->try_take());
+    CHECK(outcome_of([&] { job->get(); }) == "invalid_argument");
+    CHECK(outcome_of([&] { static_cast<void>(std::move(*job).then([](int value) { return value; })); }) ==
+          "invalid_argument");
+    CHECK(outcome_of([&] { std::move(*job).on_drain([](const Job<int>&) {}); }) == "invalid_argument");
+    CHECK(outcome_of([&] { static_cast<void>(std::move(*job).drained()); }) == "invalid_argument");
+    CHECK(outcome_of([&] { static_cast<void>(future_of(std::move(*job))); }) == "invalid_argument");
+  }
+  Job<void> no_result;
+  CHECK_FALSE(no_result.try_take());
+  CHECK(outcome_of([&] { no_result.get(); }) == "invalid_argument");
+}
+
+// Promise: a std::future of a job is to be had, with its result, its error, and a handle that still works.
+
+TEST_CASE("a future of a job has its result or its error", "[worker]") {
+  Worker worker(options_with(1));
+  std::optional<Hold> hold(std::in_place, worker);
+  auto value = future_of(worker.post([](const Control&) { return std::make_unique<int>(7); }));
+  auto nothing = future_of(worker.post([](const Control&) {}));
+  auto failed = future_of(worker.post([](const Control&) -> int { throw std::runtime_error("enough"); }));
+  auto followed = future_of(worker.post([](const Control&) { return 1; }).then([](int one) { return one + 1; }));
+  auto job = worker.post([](const Control&) { return 1; });
+  const JobHandle handle = job;
+  auto cancelled = future_of(std::move(job));
+  CHECK(value.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout);
+  CHECK(handle.cancel());
+  CHECK(cancelled.wait_for(kPatience) == std::future_status::ready);
+  hold->let_go();
+  CHECK(*take(std::move(value)) == 7);
+  CHECK(outcome(std::move(nothing)) == "result");
+  CHECK(outcome(std::move(failed)) == "enough");
+  CHECK(take(std::move(followed)) == 2);
+  CHECK(outcome(std::move(cancelled)) == "cancelled");
+
+  auto ready = worker.post([](const Control&) { return 5; });
+  CHECK(eventually([&] { return ready.ready(); }));
+  CHECK(take(future_of(std::move(ready))) == 5);
+
+  auto stopped = future_of(worker.post([](const Control& control) { run_until_stopped(control); }));
+  worker.terminate();
+  CHECK(stopped.wait_for(std::chrono::seconds(0)) == std::future_status::ready);
+  CHECK(outcome(std::move(stopped)) == "stopped");
+  CHECK(outcome(future_of(worker.post([](const Control&) { return 1; }))) == "stopped");
+}
+
+// The thread sanitizer's pthread_once, by which a std::promise takes its value, never returns again after an exception.
+#ifndef __SANITIZE_THREAD__
+TEST_CASE("a result that cannot be moved out arrives in its future as an error", "[worker]") {
+  struct Stubborn {
+    explicit Stubborn(int its_moves) : moves(its_moves) {}
+    Stubborn(Stubborn&& other) : moves(other.moves - 1) {
+      if (moves < 0) throw std::runtime_error("it stays");
+    }
+    Stubborn& operator=(Stubborn&&) = delete;
+    int moves;
+  };
+  Worker worker(options_with(1));
+  std::set<std::string> ends;
+  for (int moves = 0; moves < 8; ++moves) {
+    ends.insert(outcome(future_of(worker.post([moves](const Control&) { return Stubborn(moves); }))));
+  }
+  CHECK(ends == std::set<std::string>{"it stays", "result"});
+}
+#endif
 
 }  // namespace welkin::test

@@ -27,10 +27,12 @@
 #include "support/catch.h"
 #include "support/detached.h"
 #include "support/gate.h"
+#include "support/lent.h"
 #include "support/outcome.h"
 #include "support/process_threads.h"
 #include "support/sanitized.h"
 #include "support/test_environments.h"
+#include "welkin/job_future.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -136,11 +138,13 @@ class Stress {
   std::shared_ptr<Worker> make_worker(std::size_t slot) {
     WorkerOptions options = options_with(slot == 1 ? 3 : 1);
     options.name = slot == 2 ? "lent" : "stress";
-    options.most_jobs = slot == 3 ? 4096 : 40;
-    options.most_bytes = 3 << 20;
-    options.when_full = slot == 0 ? WhenFull::wait : slot == 1 ? WhenFull::drop_oldest : WhenFull::refuse;
+    options.max_jobs = slot == 3 ? 4096 : 40;
+    options.max_bytes = 3 << 20;
+    options.overflow = slot == 0   ? OverflowPolicy::wait
+                       : slot == 1 ? OverflowPolicy::drop_oldest
+                                   : OverflowPolicy::refuse;
     if (slot == 2) {
-      options.lent_arena = [arena = arena_](std::function<void()> task) { arena->enqueue(std::move(task)); };
+      options.executor = std::make_shared<ArenaExecutor>(*arena_);
     }
     return std::make_shared<Worker>(options);
   }
@@ -206,7 +210,7 @@ class Stress {
     void run() {
       const auto end = std::chrono::steady_clock::now() + kLongest;
       for (int step = 0; step < kStepsPerThread && std::chrono::steady_clock::now() < end; ++step) take_step();
-      for (Held& held : held_) stress_.check(held.job.future(), held.expected);
+      for (Held& held : held_) stress_.check(future_of(std::move(held.job)), held.expected);
     }
 
    private:
@@ -222,7 +226,7 @@ class Stress {
 
     unsigned below(unsigned bound) { return std::uniform_int_distribution<unsigned>(0, bound - 1)(random_); }
     bool one_in(unsigned count) { return below(count) == 0; }
-    Priority priority() { return static_cast<Priority>(below(3)); }
+    TaskPriority priority() { return static_cast<TaskPriority>(below(3)); }
 
     void take_step() {
       const unsigned dice = below(100);
@@ -290,11 +294,11 @@ class Stress {
           // Waits for another job of the same worker, which it may be the last to hold.
           expected.value = value * value + 1;
           return worker->post(
-              [value, weak = std::weak_ptr<Worker>(worker), plainly = one_in(2), kept = Kept()](const Control&) {
+              [value, weak = std::weak_ptr<Worker>(worker), kept = Kept()](const Control&) {
                 const auto own = weak.lock();
                 if (!own) throw Error(ErrorCode::stopped, "the worker is gone");
                 auto inner = own->post(Square{value, 20});
-                return (plainly ? inner.future().get() : inner.get()) + 1;
+                return inner.get() + 1;
               },
               options);
         }
@@ -331,13 +335,14 @@ class Stress {
         case 1:
         case 2: held_.push_back({std::move(job), std::move(expected), 0.0}); break;
         case 3:
-          std::move(job).on_drain([&stress = stress_, expected = std::move(expected), kept = Kept()](
-                                      std::future<Number> future) { stress.check(std::move(future), expected); });
+          std::move(job).on_drain([&stress = stress_, expected = std::move(expected), kept = Kept()](Job<Number> done) {
+            stress.check(future_of(std::move(done)), expected);
+          });
           break;
         case 4: stress_.await(std::move(job), std::move(expected), false, Kept()); break;
         case 5: stress_.await(std::move(job), std::move(expected), true, Kept()); break;
         case 6:
-          if (one_in(4)) stress_.check(job.future(), expected);
+          if (one_in(4)) stress_.check(future_of(std::move(job)), expected);
           break;
         default: break;  // runs unheard
       }
@@ -347,7 +352,7 @@ class Stress {
     void check_one(std::size_t index) {
       Held held = std::move(held_[index]);
       held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(index));
-      stress_.check(held.job.future(), held.expected);
+      stress_.check(future_of(std::move(held.job)), held.expected);
     }
 
     void cancel_one() {

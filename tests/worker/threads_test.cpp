@@ -21,7 +21,9 @@
 #include <vector>
 
 #include "support/catch.h"
+#include "support/detached.h"
 #include "support/gate.h"
+#include "support/lent.h"
 #include "support/outcome.h"
 #include "support/process_threads.h"
 #include "support/same_bits.h"
@@ -69,7 +71,7 @@ std::set<int> threads_at_work(Worker& worker, int count) {
   gate.wait_for_arrivals(count);
   gate.open();
   std::set<int> threads;
-  for (auto& job : jobs) threads.insert(take(job.future()));
+  for (auto& job : jobs) threads.insert(take(job));
   return threads;
 }
 
@@ -177,47 +179,60 @@ TEST_CASE("a worker's threads help with each other's tiles", "[worker]") {
   CHECK(most >= 2);
 }
 
-// Promise: a worker can do its work in an arena of the engine's, whatever that does with the tasks that it is given.
+// Promise: a worker can do its work on an engine's threads, whatever these do with the tasks that they are given.
 
 namespace {
 
-WorkerOptions lent(std::function<void(std::function<void()>)> enqueue) {
-  WorkerOptions options;
-  options.lent_arena = std::move(enqueue);
-  return options;
-}
-
 /// An engine that runs tasks when the test says so.
-class LateArena {
+class LateExecutor final : public Executor {
  public:
-  [[nodiscard]] WorkerOptions options() {
-    return lent([this](std::function<void()> task) {
-      const std::scoped_lock lock(mutex_);
-      tasks_.push_back(std::move(task));
-    });
+  explicit LateExecutor(int concurrency = 3) : concurrency_(concurrency) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
+  void enqueue(void (*run)(void* job), void* job) override {
+    const std::scoped_lock lock(mutex_);
+    tasks_.emplace_back(run, job);
+    most_ = std::max(most_, tasks_.size());
   }
 
   /// Runs what is there and what comes while it does.
   void run_all() {
-    while (auto task = next()) task();
+    for (;;) {
+      std::pair<void (*)(void*), void*> task;
+      {
+        const std::scoped_lock lock(mutex_);
+        if (tasks_.empty()) return;
+        task = tasks_.front();
+        tasks_.pop_front();
+      }
+      task.first(task.second);
+    }
   }
 
-  std::size_t size() {
+  /// How many tasks were there at once.
+  [[nodiscard]] std::size_t most() {
     const std::scoped_lock lock(mutex_);
-    return tasks_.size();
+    return most_;
   }
 
  private:
-  std::function<void()> next() {
-    const std::scoped_lock lock(mutex_);
-    if (tasks_.empty()) return {};
-    auto task = std::move(tasks_.front());
-    tasks_.pop_front();
-    return task;
-  }
-
+  int concurrency_;
   std::mutex mutex_;
-  std::deque<std::function<void()>> tasks_;
+  std::deque<std::pair<void (*)(void*), void*>> tasks_;
+  std::size_t most_ = 0;
+};
+
+/// An executor that is a function of the test's.
+class FunctionExecutor final : public Executor {
+ public:
+  using Function = std::function<void(void (*run)(void*), void* job)>;
+  explicit FunctionExecutor(Function function) : function_(std::move(function)) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return 2; }
+  void enqueue(void (*run)(void* job), void* job) override { function_(run, job); }
+
+ private:
+  Function function_;
 };
 
 }  // namespace
@@ -225,24 +240,28 @@ class LateArena {
 TEST_CASE("a lent arena does the work", "[worker]") {
   for (const int slots : {1, 3}) {
     tbb::task_arena arena(slots);
-    Worker worker(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
-    CHECK(worker.threads() == 0);
+    const std::set<int> before = process_threads();
+    WorkerOptions options = lent(arena);
+    options.name = "of the worker";  // oneTBB's threads are called as the program is
+    Worker worker(options);
+    CHECK(worker.threads() == slots);
     auto width = worker.post([](const Control&) { return tbb::this_task_arena::max_concurrency(); });
-    CHECK(take(width.future()) == std::max(slots, 2));  // oneTBB gives one for enqueued tasks to an arena of one
+    CHECK(take(width) == std::max(slots, 2));  // oneTBB gives one for enqueued tasks to an arena of one
 
     const TestCubemap cubemap = make_cubemap(Content::random, 200, 3, 1);
     const Projection expected = project(cubemap.view());
     std::vector<Job<Projection>> jobs;
     for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(ProjectCubemap{CubemapImage{200, cubemap.pixels}}));
-    for (auto& job : jobs) CHECK(same_bits(take(job.future()), expected));
+    for (auto& job : jobs) CHECK(same_bits(take(job), expected));
 
     auto chain = worker.post([](const Control&) { return 1; }).then([](int value) { return value + 1; });
-    CHECK(take(chain.future()) == 2);
+    CHECK(take(chain) == 2);
     int drained = 0;
-    worker.post([](const Control&) { return 3; }).on_drain([&](std::future<int> future) { drained = future.get(); });
+    worker.post([](const Control&) { return 3; }).on_drain([&](Job<int> job) { drained = job.get(); });
     worker.wait_until_idle();
     CHECK(worker.drain() == 1);
     CHECK(drained == 3);
+    for (const int thread : threads_since(before)) CHECK(thread_name(thread).rfind("of the worker", 0) != 0);
   }
 }
 
@@ -250,7 +269,7 @@ TEST_CASE("jobs in a lent arena can be given up, and the worker ended", "[worker
   tbb::task_arena arena(1);
   std::vector<Job<int>> jobs;
   {
-    Worker worker(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
+    Worker worker(lent(arena));
     auto gate = std::make_shared<Gate>();
     jobs.push_back(worker.post([gate](const Control& control) {
       gate->pass();
@@ -270,8 +289,7 @@ TEST_CASE("jobs in a lent arena can be given up, and the worker ended", "[worker
 TEST_CASE("a worker in a lent arena can be ended from its own jobs", "[worker]") {
   tbb::task_arena arena(2);
   for (const bool destroys : {false, true}) {
-    auto worker =
-        std::make_shared<Worker>(lent([&arena](std::function<void()> task) { arena.enqueue(std::move(task)); }));
+    auto worker = std::make_shared<Worker>(lent(arena));
     const std::weak_ptr<Worker> weak = worker;
     const auto gate = std::make_shared<Gate>();
     auto job = worker->post([worker, gate, destroys](const Control&) mutable {
@@ -289,14 +307,14 @@ TEST_CASE("a worker in a lent arena can be ended from its own jobs", "[worker]")
 }
 
 TEST_CASE("tasks may be called late", "[worker]") {
-  LateArena arena;
-  Worker worker(arena.options());
+  const auto engine = std::make_shared<LateExecutor>();
+  Worker worker(lent(engine));
   std::vector<Job<int>> jobs;
   for (int k = 0; k < 10; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
-  CHECK(arena.size() >= 1);
+  CHECK(engine->most() == 3);  // no more than it runs at once
   for (const auto& job : jobs) CHECK_FALSE(job.ready());
   CHECK(jobs[3].cancel());
-  arena.run_all();
+  engine->run_all();
   for (int k = 0; k < 10; ++k) {
     auto& job = jobs[static_cast<std::size_t>(k)];
     REQUIRE(job.ready());
@@ -310,13 +328,13 @@ TEST_CASE("tasks may be called late", "[worker]") {
 }
 
 TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]") {
-  LateArena arena;
-  { const Worker first(arena.options()); }
+  const auto engine = std::make_shared<LateExecutor>();
+  { const Worker first(lent(engine)); }
   const std::set<int> before = process_threads();
   std::vector<Job<int>> jobs;
   std::atomic<int> runs{0};
   {
-    Worker worker(arena.options());
+    Worker worker(lent(engine));
     for (int k = 0; k < 10; ++k) {
       jobs.push_back(worker.post([&runs, k](const Control&) {
         ++runs;
@@ -325,32 +343,32 @@ TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]
     }
   }
   for (auto& job : jobs) CHECK(outcome(job) == "stopped");
-  arena.run_all();
+  engine->run_all();
   CHECK(runs == 0);
   CHECK(eventually([&] { return threads_since(before).empty(); }));
 }
 
 TEST_CASE("terminate does not wait for tasks that nobody calls", "[worker]") {
-  LateArena arena;
-  Worker worker(arena.options());
+  const auto engine = std::make_shared<LateExecutor>();
+  Worker worker(lent(engine));
   auto job = worker.post([](const Control&) { return 1; });
   worker.terminate();
   CHECK(outcome(job) == "stopped");
-  arena.run_all();
+  engine->run_all();
   CHECK(outcome(worker.post([](const Control&) { return 1; })) == "stopped");
 }
 
 TEST_CASE("a task may be called inside the call that lends it", "[worker]") {
-  Worker worker(lent([](const std::function<void()>& task) { task(); }));
+  Worker worker(lent(std::make_shared<FunctionExecutor>([](void (*run)(void*), void* job) { run(job); })));
   for (int k = 0; k < 10; ++k) {
     auto job = worker.post([k](const Control&) { return k; }).then([](int value) { return value + 1; });
-    CHECK(take(job.future()) == k + 1);
+    CHECK(take(job) == k + 1);
   }
 }
 
 TEST_CASE("a task may be called by any thread, several at once", "[worker]") {
-  LateArena arena;
-  Worker worker(arena.options());
+  const auto engine = std::make_shared<LateExecutor>();
+  Worker worker(lent(engine));
   std::vector<Job<int>> jobs;
   for (int k = 0; k < 200; ++k) jobs.push_back(worker.post([k](const Control&) { return k; }));
   std::atomic<bool> done{false};
@@ -358,46 +376,81 @@ TEST_CASE("a task may be called by any thread, several at once", "[worker]") {
   for (int t = 0; t < 3; ++t) {
     threads.emplace_back([&] {
       while (!done) {
-        arena.run_all();
+        engine->run_all();
         std::this_thread::yield();
       }
     });
   }
-  for (int k = 0; k < 200; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)].future()) == k);
+  for (int k = 0; k < 200; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)]) == k);
   done = true;
   for (std::thread& thread : threads) thread.join();
 }
 
-TEST_CASE("an arena that refuses a task now and then loses no job", "[worker]") {
-  LateArena arena;
-  std::atomic<int> calls{0};
-  const auto enqueue = arena.options().lent_arena;
-  Worker worker(lent([&](std::function<void()> task) {
-    if (++calls % 2 == 1) throw std::runtime_error("the arena is full");
-    enqueue(std::move(task));
-  }));
-  int refused = 0;
-  std::vector<Job<int>> jobs;
-  for (int k = 0; k < 20; ++k) {
-    // Whether it is post that tells, or the future, or nobody because the task is offered again: no job hangs.
-    const std::string end = outcome_of([&] { jobs.push_back(worker.post([k](const Control&) { return k; })); });
-    if (end != "result") {
-      CHECK(end == "the arena is full");
-      ++refused;
+TEST_CASE("an engine never has more tasks than it runs at once", "[worker]") {
+  for (const int concurrency : {1, 2, 5}) {
+    const auto engine = std::make_shared<LateExecutor>(concurrency);
+    Worker worker(lent(engine));
+    CHECK(worker.threads() == concurrency);
+    std::vector<Job<int>> jobs;
+    for (int k = 0; k < 20; ++k) {
+      jobs.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
     }
+    engine->run_all();
+    for (int k = 0; k < 20; ++k) CHECK(take(jobs[static_cast<std::size_t>(k)]) == k);
+    CHECK(engine->most() == static_cast<std::size_t>(concurrency));
   }
-  CHECK(eventually([&] {
-    arena.run_all();
-    return worker.load().jobs == 0;
-  }));
-  int results = 0;
-  for (auto& job : jobs) {
-    const std::string end = outcome(job);
-    CHECK((end == "result" || end == "the arena is full"));
-    results += end == "result" ? 1 : 0;
+}
+
+TEST_CASE("an engine that refuses tasks leaves no job without a result or an error", "[worker]") {
+  const auto engine = std::make_shared<LateExecutor>();
+  for (const int accepted : {0, 1, 2}) {  // of three
+    INFO(accepted);
+    int calls = 0;
+    Worker worker(lent(std::make_shared<FunctionExecutor>([&](void (*run)(void*), void* job) {
+      if (calls++ % 3 >= accepted) throw std::runtime_error("the engine is full");
+      engine->enqueue(run, job);
+    })));
+    int results = 0;
+    for (int round = 0; round < 4; ++round) {
+      std::vector<Job<int>> jobs;
+      for (int k = 0; k < 5; ++k) {
+        jobs.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
+      }
+      // A coroutine has no error to get, and must go on all the same.
+      auto resumed = std::make_shared<std::atomic<bool>>(false);
+      const auto await = [](Job<int> job, std::shared_ptr<std::atomic<bool>> done) -> Detached {
+        try {
+          co_await std::move(job);
+        } catch (const std::exception&) {
+        }
+        *done = true;
+      };
+      auto awaited = worker.post([](const Control&) { return 1; });
+      await(std::move(awaited), resumed);
+      engine->run_all();
+      for (auto& job : jobs) {
+        CHECK(job.ready());
+        const std::string end = outcome(job);
+        CHECK((end == "result" || end == "the engine is full"));
+        results += end == "result" ? 1 : 0;
+      }
+      CHECK(*resumed);
+    }
+    CHECK((results > 0) == (accepted > 0));
+    CHECK(worker.load().jobs == 0);
+    CHECK(worker.load().bytes == 0);
   }
-  CHECK(results >= 1);
-  CHECK(results + refused <= 20);
+}
+
+TEST_CASE("a worker lets go of its executor when it ends", "[worker]") {
+  const auto engine = std::make_shared<LateExecutor>();
+  Worker worker(lent(engine));
+  auto job = worker.post([](const Control&) { return 1; });
+  CHECK(engine.use_count() == 2);
+  worker.terminate();
+  CHECK(engine.use_count() == 1);
+  engine->run_all();
+  CHECK(outcome(job) == "stopped");
 }
 
 }  // namespace welkin::test

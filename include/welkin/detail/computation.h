@@ -1,15 +1,18 @@
-// What a job is made of: what its caller holds, and the computation behind it. Users need job.h and worker.h.
+// What a job is made of: the record that its caller holds, and the computation behind it. Users need job.h and
+// worker.h.
+//
+// Nothing in here throws or catches, so that a host may compile it without exceptions: what a request throws is caught
+// in the library, and kept in the job's record until somebody asks for it.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <atomic>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <future>
 #include <list>
 #include <map>
 #include <memory>
@@ -17,10 +20,8 @@
 #include <stop_token>
 #include <string>
 #include <type_traits>
-#include <typeinfo>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "welkin/control.h"
 #include "welkin/error.h"
@@ -28,66 +29,78 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Which waiting job a worker starts next: the higher one, and of equals the older one.
-enum class Priority { low, normal, high };
+/// Which waiting job a worker starts next: the one of the higher priority, and of equals the older one.
+enum class TaskPriority { low, normal, high };
 
 namespace detail {
 
 class WELKIN_HIDDEN Scheduler;
 class Computation;
 class JobRecord;
-// Lists whose nodes are made when a job is posted and then only change hands, so that what happens when it starts, is
-// given up or is done allocates nothing.
+// Lists whose nodes are made when a job is posted and then only change hands. So nothing is allocated when a job
+// starts, is given up or ends.
 using ComputationList = std::list<std::shared_ptr<Computation>>;
 using JobList = std::list<std::shared_ptr<JobRecord>>;
 using ComputationIndex = std::multimap<std::size_t, std::shared_ptr<Computation>>;
 
-/// Runs in `drain()` when a job is done.
-struct Delivery {
-  std::function<void()> run;
-  bool even_at_the_end = false;  ///< also when the worker goes before it was drained: a coroutine must not be lost
-};
-using DeliveryList = std::list<Delivery>;
+/// A byte whose address stands for the type. It is not constant, because linkers may merge equal constants. Two shared
+/// libraries may each have one for the same type; the type then counts as two.
+template <class Type>
+inline char type_tag = 0;
 
-/// One posted job, as its worker keeps it.
+/// A result as it is stored.
+template <class Result>
+using Stored = std::conditional_t<std::is_void_v<Result>, std::monostate, Result>;
+
+/// One posted job: what its handles and its worker share.
 class JobRecord {
  public:
-  JobRecord() = default;
-  virtual ~JobRecord() = default;
+  explicit JobRecord(const void* its_result_type) noexcept : result_type(its_result_type) {}
   JobRecord(const JobRecord&) = delete;
   JobRecord& operator=(const JobRecord&) = delete;
 
-  /// Puts an error into the future.
-  virtual void fail(std::exception_ptr error) = 0;
-
   // Constant once the job is posted.
+  const void* result_type;  ///< the address of its `type_tag`
   std::uint64_t id = 0;
   std::string key;
   std::shared_ptr<Scheduler> scheduler;
-  std::shared_ptr<Computation> computation;
+  std::shared_ptr<Computation> posted;
 
-  std::atomic<bool> ready{false};  ///< the future has its result or error
+  std::atomic<const std::atomic<double>*> progress{nullptr};  ///< its computation's
+
+  // Written before `ready` is set, and read after it.
+  std::exception_ptr error;            ///< why the computation gave no result
+  std::optional<ErrorCode> withdrawn;  ///< why the job was given up; before, guarded by the scheduler's mutex
+  std::atomic<bool> ready{false};
+  /// Of a job that is ready.
+  [[nodiscard]] bool failed() const noexcept { return error != nullptr || withdrawn.has_value(); }
 
   // Guarded by the scheduler's mutex.
-  Priority priority = Priority::normal;
-  bool counted = false;                ///< against the worker's limit of jobs
-  bool settled = false;                ///< the outcome is decided: too late to give it up
-  std::optional<ErrorCode> withdrawn;  ///< given up, and why
-  JobList::iterator place;             ///< among its computation's jobs
-  bool done = false;                   ///< what was attached has been passed on: what comes later goes on at once
-  ComputationList continuation;        ///< to start when this job is done: none or one
-  DeliveryList delivery;               ///< to drain when this job is done: none or one
+  std::shared_ptr<Computation> computation;  ///< that gives the result: the posted one or an equal one
+  TaskPriority priority = TaskPriority::normal;
+  bool counted = false;       ///< against the worker's limit of jobs
+  bool settled = false;       ///< the outcome is decided: it is too late to give the job up
+  JobList::iterator place;    ///< among its computation's jobs
+  bool done = false;          ///< its followers have been handed on; later ones are handed on at once
+  ComputationList followers;  ///< that start when this job is done
 };
 
 template <class Result>
 class TypedJobRecord final : public JobRecord {
  public:
-  std::promise<Result> promise;
+  TypedJobRecord() noexcept : JobRecord(&type_tag<Result>) {}
 
-  void fail(std::exception_ptr error) override { promise.set_exception(std::move(error)); }
+  std::optional<Stored<Result>> result;  ///< there once the job is ready and has not failed, until it is taken
 };
 
-/// One piece of work: what is done once, for one job or for several equal ones.
+/// Where a computation runs.
+enum class Place {
+  worker,   ///< on a thread of the worker
+  drain,    ///< on the thread that calls `drain()`
+  at_once,  ///< on the thread that settles the job which it follows
+};
+
+/// One piece of work. It is done once, for one job or for several equal ones.
 class Computation {
  public:
   Computation() = default;
@@ -95,21 +108,17 @@ class Computation {
   Computation(const Computation&) = delete;
   Computation& operator=(const Computation&) = delete;
 
-  /// Does the work and keeps the result. Throws what the work throws.
+  /// Does the work and keeps the result. What the work throws comes out.
   virtual void run(const Control& control) = 0;
-  /// Hands the result to a job: a copy, or, if this is the last one, the result itself.
-  virtual void deliver(JobRecord& job, bool last) = 0;
-  /// Whether this kind can serve several jobs at all.
-  [[nodiscard]] virtual bool shareable() const noexcept { return false; }
-  /// Whether a run that has started can serve one more: not if it may have read what has changed since.
-  [[nodiscard]] virtual bool joinable_while_running() const noexcept { return true; }
+  /// Hands the result to a job: a copy, or the result itself if this is the last job.
+  virtual void deliver(JobRecord& /*job*/, bool /*last*/) {}
   /// The same number for equal requests.
   [[nodiscard]] virtual std::size_t hash() const { return 0; }
-  /// Whether `other` would give the same result, so that one run can serve both.
+  /// Whether `other`, of the same `kind`, would give the same result, so that one run can serve both.
   [[nodiscard]] virtual bool equals(const Computation& /*other*/) const { return false; }
-  /// Gives back the request's and the result's memory.
-  virtual void release() noexcept = 0;
-  /// Takes the place of `run` when the worker ends first; what waits for a result has got an error already.
+  /// Gives back the memory of the request and of its result.
+  virtual void release() noexcept {}
+  /// Takes the place of `run` when the worker ends first. Whatever waits for a result has got an error already.
   virtual void abandon() {}
 
   void report(double done) noexcept {
@@ -118,19 +127,27 @@ class Computation {
     }
   }
 
+  // Constant.
+  const void* kind = nullptr;          ///< the address of the request's `type_tag` if several jobs can share one run
+  bool joinable_while_running = true;  ///< false if what a run has read may have changed since
+  bool runs_after_errors = false;      ///< also if the job that it follows has failed
+  Place where = Place::worker;
+
   std::stop_source stop;
   std::atomic<double> progress{0.0};  ///< 0 to 1, never falling
+  std::exception_ptr failure;         ///< the error of the job that it follows; set before it starts
 
   // Guarded by the scheduler's mutex.
-  Priority priority = Priority::normal;  ///< the highest of its jobs'
-  JobList jobs;                          ///< who waits for the result
-  std::shared_ptr<JobRecord> parent;     ///< the job whose end starts this one, until then
-  std::uint64_t bytes = 0;               ///< that count against the worker's limit
-  long thread = 0;                       ///< the system's number of the thread that runs this
-  ComputationList* list = nullptr;       ///< which list this is in (of those that wait, of those that run, or its
-  ComputationList::iterator place;       ///< parent's continuation), and where in there
-  bool indexed = false;                  ///< in the scheduler's index of what can be shared, and
-  ComputationIndex::iterator entry;      ///< where in there
+  TaskPriority priority = TaskPriority::normal;  ///< the highest of its jobs'
+  JobList jobs;                                  ///< that want the result
+  std::shared_ptr<JobRecord> parent;             ///< the job that it follows, until that is done
+  std::shared_ptr<Computation> waits_for;        ///< whose end its thread waits for
+  std::shared_ptr<Computation> next_to_stop;     ///< in a list of those that are being told to stop
+  std::uint64_t bytes = 0;                       ///< that count against the worker's limit
+  ComputationList* list = nullptr;   ///< of those that wait, of those that run, or of its parent's followers
+  ComputationList::iterator place;   ///< in that list
+  bool indexed = false;              ///< in the scheduler's index of what can be shared, and
+  ComputationIndex::iterator entry;  ///< where in there
 };
 
 /// What a request gives: the result of calling it with a `Control`.
@@ -154,51 +171,43 @@ class RequestComputation final : public Computation {
   static_assert(std::is_void_v<Result> || std::is_object_v<Result>, "a request returns a value or nothing");
 
   template <class From>
-  RequestComputation(std::in_place_t, From&& request) : request_(std::in_place, std::forward<From>(request)) {}
+  RequestComputation(std::in_place_t, From&& request) : request_(std::in_place, std::forward<From>(request)) {
+    if (kShareable<Request>) kind = &type_tag<Request>;
+    joinable_while_running = !requires { Request::kReadsFiles; };
+  }
 
   void run(const Control& control) override {
     if constexpr (std::is_void_v<Result>) {
       std::invoke(*request_, control);
+      result_.emplace();
     } else {
       result_.emplace(std::invoke(*request_, control));
     }
   }
 
   void deliver(JobRecord& job, bool last) override {
-    auto& promise = dynamic_cast<TypedJobRecord<Result>&>(job).promise;
-    if constexpr (std::is_void_v<Result>) {
-      promise.set_value();
-    } else if constexpr (kShareable<Request>) {
-      if (last) {
-        promise.set_value(std::move(*result_));
-      } else {
-        Result copy(*result_);  // out here, so that what it throws does not pass through the promise
-        promise.set_value(std::move(copy));
+    auto& result = static_cast<TypedJobRecord<Result>&>(job).result;
+    if constexpr (kShareable<Request>) {
+      if (!last) {
+        result.emplace(std::as_const(*result_));
+        return;
       }
-    } else {
-      promise.set_value(std::move(*result_));
     }
-  }
-
-  [[nodiscard]] bool shareable() const noexcept override { return kShareable<Request>; }
-
-  [[nodiscard]] bool joinable_while_running() const noexcept override {
-    return !requires { Request::kReadsFiles; };
+    result.emplace(std::move(*result_));
   }
 
   [[nodiscard]] std::size_t hash() const override {
-    const std::size_t kind = typeid(Request).hash_code();
+    const std::size_t type = std::hash<const void*>()(kind);
     if constexpr (requires { std::as_const(*request_).hash(); }) {
-      return kind ^ std::as_const(*request_).hash();
+      return type ^ std::as_const(*request_).hash();
     } else {
-      return kind;
+      return type;
     }
   }
 
   [[nodiscard]] bool equals(const Computation& other) const override {
     if constexpr (kShareable<Request>) {
-      const auto* same_kind = dynamic_cast<const RequestComputation*>(&other);
-      return same_kind != nullptr && std::as_const(*request_) == std::as_const(*same_kind->request_);
+      return std::as_const(*request_) == std::as_const(*static_cast<const RequestComputation&>(other).request_);
     } else {
       return false;
     }
@@ -210,24 +219,39 @@ class RequestComputation final : public Computation {
   }
 
  private:
-  using Stored = std::conditional_t<std::is_void_v<Result>, std::monostate, Result>;
   // What may be compared from other threads while it runs must not change by running.
   using Kept = std::conditional_t<kShareable<Request>, const Request, Request>;
   std::optional<Kept> request_;
-  std::optional<Stored> result_;
+  std::optional<Stored<Result>> result_;
 };
 
-/// `child` runs in the worker once `parent` is done, whatever its outcome; `job` (may be null) is the child's. False if
-/// that cannot be any more, because the worker has ended; the job has got an error then.
+/// What a request counts against a worker's limit of bytes.
+template <class Request>
+std::uint64_t bytes_of(const Request& request) {
+  if constexpr (requires { request.bytes(); }) {
+    return request.bytes();
+  } else {
+    return 0;
+  }
+}
+
+/// Has `child` run where it wants to once `parent` is done, whatever its outcome; `job` (may be null) is the child's.
+/// False if that cannot be any more, because the worker has ended; the job has got an error then.
 bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
             const std::shared_ptr<JobRecord>& job);
 
-/// `delivery` (one entry) runs in a `drain()` after `parent` is done. False if that cannot be any more.
-bool attach(const std::shared_ptr<JobRecord>& parent, DeliveryList delivery);
+/// Waits until the job is ready. On a thread of its worker it runs the job here and now if it has not started, and
+/// first what that follows. Throws `Error` (invalid_argument) if the wait would never end (docs/threading.md).
+void wait(const std::shared_ptr<JobRecord>& job);
 
-/// Before a wait for the job. On one of the worker's own threads: if the job still waits, runs it here and now, as a
-/// thread that waits for a job that waits for a thread would do neither. On others: looks for a moment.
-void help(const std::shared_ptr<JobRecord>& job);
+/// Waits until the job is ready, at most so long, and does not help.
+void wait_for(const std::shared_ptr<JobRecord>& job, std::chrono::nanoseconds time);
+
+/// Throws why the job has no result, if that is so. It is ready.
+void throw_error_of(const JobRecord& job);
+
+/// Throws `Error` (invalid_argument), for a job whose result was taken or that is no job.
+[[noreturn]] void throw_taken();
 
 }  // namespace detail
 }  // namespace welkin

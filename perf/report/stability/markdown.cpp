@@ -1,4 +1,4 @@
-// docs/stability.md.
+// docs/stability_table.md.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -120,20 +120,21 @@ std::string failures(const std::vector<StabilityResult>& results) {
 std::string stability_markdown(const std::vector<StabilityResult>& results, const StabilityOrigin& origin) {
   const auto held =
       std::count_if(results.begin(), results.end(), [](const StabilityResult& result) { return result.holds; });
-  std::string text = "# Stability\n\n" +
+  std::string text = "# Stability: the table\n\n" +
                      wrapped(
-                         "What happens where numbers are extreme: what is promised, against which truth, and what "
-                         "was measured. Made by a command, not by hand.") +
+                         "This page lists what Welkin promises for extreme numbers, the truth that each promise was "
+                         "held against, and the error that was measured. A command writes the page. The summary for "
+                         "people is [stability.md](stability.md).") +
                      "\n- Command: `" + origin.command + "`\n- Date: " + origin.date +
                      "\n- Machine: " + origin.machine + "\n- Cases: " + std::to_string(results.size()) + ", of which " +
                      std::to_string(held) + " hold; the end of the page says what to do about the others\n\n" +
                      wrapped(
-                         "A number without a unit is a relative error; ulp is a unit in the last place of a float; "
-                         "\"wrong\" counts answers that are wrong; x is how many times an error grew. The library "
-                         "gives the same bits on every machine, so these figures do not depend on the one above, "
-                         "but for the last bits of truths that use its mathematical library. `tests/report` holds "
-                         "the quick cases: an error that doubles, a promise that breaks or a case that disappears "
-                         "fails a test.");
+                         "A number without a unit is a relative error. \"ulp\" is a unit in the last place of a float. "
+                         "\"wrong\" counts answers that are wrong. \"x\" says how many times an error grew. The "
+                         "library gives the same bits on every machine. The figures therefore depend on the machine "
+                         "above only in the last bits of truths that use its mathematical library. `tests/report` "
+                         "holds the quick cases: a test fails if an error doubles, a promise breaks or a case "
+                         "disappears.");
   for (const std::string& subject : stability_subjects()) text += table(results, subject);
   return text + advice(results) + failures(results);
 }

@@ -59,7 +59,8 @@ void lending(void) {
   static arena lent = {.mutex = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
   pthread_t served[threads];
   for (int i = 0; i < threads; ++i) CHECK(pthread_create(&served[i], NULL, serve, &lent) == 0);
-  const welkin_worker_options options = {.struct_size = sizeof options, .enqueue = enqueue, .enqueue_user = &lent};
+  const welkin_worker_options options = {
+      .struct_size = sizeof options, .threads = threads, .enqueue = enqueue, .enqueue_user = &lent};
   welkin_worker* worker = NULL;
   CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &worker));
 
@@ -82,7 +83,7 @@ void lending(void) {
   CHECK(lent.taken > 0);
   welkin_worker_load load = {.struct_size = sizeof load};
   CHECK_STATUS(WELKIN_OK, welkin_worker_get_load(worker, &load));
-  CHECK(load.threads == 0 && load.jobs == 0);
+  CHECK(load.threads == threads && load.jobs == 0);
   welkin_job_release(last);
   welkin_worker_destroy(worker);
   close_arena(&lent, served);

@@ -35,6 +35,7 @@ void* aligned_alloc(size_t alignment, size_t size) {
 
 static welkin_worker* worker;
 static welkin_cubemap cubemap;
+static welkin_atmosphere* air;
 static gate closed;
 static welkin_job* job;
 static counter released;
@@ -55,6 +56,14 @@ static welkin_status post_file(void) {
   return welkin_post_project_file(worker, "/a/path/that/is/too/long/to/be/kept/without/an/allocation.exr", NULL, NULL,
                                   &post, &job);
 }
+static welkin_status post_prefilter(void) {
+  static const double roughness[] = {0.0, 0.5, 1.0};
+  static const welkin_prefilter_options options = {
+      .struct_size = sizeof options, .size = 4, .roughness = roughness, .roughness_count = 3};
+  return welkin_post_prefilter_cubemap(worker, &cubemap, &options, &post, &job);
+}
+static welkin_status post_bake(void) { return welkin_post_bake_cubemap(worker, &cubemap, NULL, &post, &job); }
+static welkin_status post_sky_tables(void) { return welkin_post_sky_tables(worker, air, NULL, &post, &job); }
 static welkin_status post_function(void) { return welkin_post_function(worker, wait_at_gate, &closed, &post, &job); }
 
 static void post_with_failures(welkin_status (*call)(void)) {
@@ -81,7 +90,7 @@ static void post_with_failures(welkin_status (*call)(void)) {
 /* A post that has another job dropped, and then finds no memory: the other one is as it was, or ended. */
 static void drop_with_failures(void) {
   const welkin_worker_options options = {
-      .struct_size = sizeof options, .threads = 1, .most_jobs = 2, .when_full = WELKIN_WHEN_FULL_DROP_OLDEST};
+      .struct_size = sizeof options, .threads = 1, .max_jobs = 2, .overflow = WELKIN_OVERFLOW_DROP_OLDEST};
   welkin_worker* full = NULL;
   gate shut = {0, 0};
   CHECK_STATUS(WELKIN_OK, welkin_worker_create(&options, &full));
@@ -104,6 +113,25 @@ static void drop_with_failures(void) {
   welkin_worker_destroy(full);
 }
 
+/* A call that makes a handle makes it, or says that there is no memory and makes none. */
+static void make_chains_with_failures(void) {
+  static const welkin_prefilter_options options = {.struct_size = sizeof options, .size = 4};
+  welkin_cubemap_chain *chain = NULL, *another = NULL;
+  CHECK_STATUS(WELKIN_OK, welkin_prefilter_cubemap(&cubemap, &options, NULL, &chain));
+  welkin_status status = WELKIN_OUT_OF_MEMORY;
+  int failed = 0;
+  for (; status == WELKIN_OUT_OF_MEMORY && failed < 1000; ++failed) {
+    until_failure = failed;
+    status = welkin_cubemap_chain_share(chain, &another);
+    until_failure = -1;
+    CHECK((status == WELKIN_OK) == (another != NULL));
+  }
+  CHECK_STATUS(WELKIN_OK, status);
+  CHECK(failed > 1);
+  welkin_cubemap_chain_destroy(another);
+  welkin_cubemap_chain_destroy(chain);
+}
+
 void memory(void) {
   drop_with_failures();
   worker = make_worker();
@@ -115,6 +143,12 @@ void memory(void) {
   post_with_failures(post_lat_long);
   post_with_failures(post_file);
   post_with_failures(post_function);
+  post_with_failures(post_prefilter);
+  post_with_failures(post_bake);
+  CHECK_STATUS(WELKIN_OK, welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air));
+  post_with_failures(post_sky_tables);
+  welkin_atmosphere_destroy(air);
+  make_chains_with_failures();
 
   welkin_status status = WELKIN_OUT_OF_MEMORY;
   for (int failed = 0; status == WELKIN_OUT_OF_MEMORY && failed < 100000; ++failed) {

@@ -47,5 +47,6 @@ void versions(void);
 void ending(void);
 void lending(void);
 void memory(void);
+void results(void);
 
 #endif

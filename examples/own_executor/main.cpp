@@ -1,0 +1,89 @@
+// A worker on the threads of an engine: the engine's thread pool becomes a welkin::Executor.
+//
+// The program makes the light of a few cubemaps on the pool, polls for it as a frame loop would, and compares it with
+// what direct calls give. It ends with 0 if all is the same.
+#include <welkin/control.h>
+#include <welkin/worker.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "thread_pool.h"
+
+namespace {
+
+/// The whole bridge: two functions.
+class PoolExecutor final : public welkin::Executor {
+ public:
+  /// The pool must live for as long as the worker, so it is made before it.
+  explicit PoolExecutor(own_executor::ThreadPool& pool) : pool_(pool) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return static_cast<int>(pool_.size()); }
+
+  void enqueue(void (*run)(void* job), void* job) override {
+    pool_.push([run, job] {
+      // Welkin spreads the tiles of a job over the TBB arena of the thread that it is called on. An arena of one thread
+      // keeps a job on this thread of the pool, so that oneTBB adds none of its own. Without it, call run(job) as it
+      // is.
+      welkin::run_with_threads(1, [run, job] { run(job); });
+    });
+  }
+
+ private:
+  own_executor::ThreadPool& pool_;
+};
+
+/// A room with grey walls and a bright ceiling, each one of another brightness.
+welkin::CubemapImage room(int number) {
+  constexpr int kSize = 64;
+  constexpr std::size_t kFaceValues = std::size_t{3} * kSize * kSize;
+  constexpr std::size_t kCeiling = 2;  // +Y
+  welkin::CubemapImage image{kSize, std::vector<float>(6 * kFaceValues, 0.2F)};
+  for (std::size_t k = 0; k < kFaceValues; ++k) {
+    image.pixels[kCeiling * kFaceValues + k] = 1.0F + static_cast<float>(number);
+  }
+  return image;
+}
+
+bool same(const welkin::Projection& a, const welkin::Projection& b) {
+  return std::ranges::equal(a.radiance.coefficients(), b.radiance.coefficients());
+}
+
+}  // namespace
+
+int main() {
+  constexpr int kRooms = 8;
+  std::vector<welkin::Projection> expected;
+  for (int k = 0; k < kRooms; ++k) expected.push_back(welkin::project(room(k).view()));
+
+  own_executor::ThreadPool pool(2);
+  welkin::WorkerOptions options;
+  options.executor = std::make_shared<PoolExecutor>(pool);
+  welkin::Worker worker(std::move(options));  // it has no threads of its own
+
+  std::vector<welkin::Job<welkin::Projection>> jobs;
+  for (int k = 0; k < kRooms; ++k) jobs.push_back(worker.post(welkin::ProjectCubemap{room(k)}));
+
+  std::size_t right = 0;
+  std::size_t open = jobs.size();
+  for (int frame = 0; open > 0; ++frame) {
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+      if (auto light = jobs[k].try_take()) {  // never waits
+        right += same(*light, expected[k]) ? 1 : 0;
+        --open;
+        std::printf("frame %d: the light of room %zu\n", frame, k);
+      } else if (const auto error = jobs[k].error()) {
+        std::printf("room %zu: %s\n", k, error->message.c_str());
+        return 1;
+      }
+    }
+    std::this_thread::yield();  // here the engine would draw
+  }
+  std::printf("%zu of %d are the direct calls' bits\n", right, kRooms);
+  return right == jobs.size() ? 0 : 1;
+}

@@ -1,0 +1,123 @@
+// What a bake is made from: a source, which may bring finished results along, and a store of what was made before.
+//
+// An artefact (the coefficients, a cubemap, a table) comes from the first of three places that has it: the source
+// carries it, a store finds it, or it is computed. `run_bake` is the one bake: of pixels in memory, of files, planned,
+// cached, on a worker.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "bake/bake_plan.h"
+#include "projection/sanitized_pixels.h"
+#include "welkin/bake.h"
+#include "welkin/control.h"
+#include "welkin/image_view.h"
+#include "welkin/source_shape.h"
+
+namespace welkin::baking {
+
+/// Pixels of a known shape, and what comes with them.
+class Source {
+ public:
+  Source() = default;
+  virtual ~Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+
+  [[nodiscard]] virtual SourceShape shape() const = 0;
+
+  /// The kinds of results that the bake takes from the source instead of computing them.
+  [[nodiscard]] virtual StoredKinds stored() const { return {}; }
+
+  /// The pass "read", which comes before all others; none where the pixels are in memory.
+  [[nodiscard]] virtual std::optional<PlannedPass> reading() const { return std::nullopt; }
+  /// Whether pixels are held after `read`. If not, `project` reads them.
+  [[nodiscard]] virtual bool holds_pixels() const { return true; }
+  virtual void read(const Control& /*control*/) {}
+
+  /// The pixels, after `read`: the one of the two that `shape` says.
+  [[nodiscard]] virtual LatLongView lat_long() const { return {}; }
+  [[nodiscard]] virtual CubemapView cubemap() const { return {}; }
+
+  /// Projects a source that does not hold its pixels.
+  [[nodiscard]] virtual Projection project(const ProjectionOptions& options, const Control& control);
+
+  // The results of `stored()`, after `read`. Each is asked for once at most.
+  [[nodiscard]] virtual SphericalHarmonics take_radiance(const Control& control);
+  [[nodiscard]] virtual PrefilteredSpecular take_specular(const Control& control);
+  /// Plain mips, level 0 of which are the pixels.
+  [[nodiscard]] virtual const CubemapChain* levels() const { return nullptr; }
+};
+
+/// A result that was made before.
+template <class Value>
+struct Found {
+  Value value;
+  std::string where;  ///< "found in memory", "found on disk"
+  double milliseconds = 0.0;
+};
+
+/// All that a store has of one bake.
+struct FoundArtefacts {
+  std::optional<Found<Projection>> projection;  ///< with its diagnostics
+  std::optional<Found<CubemapChain>> background;
+  std::optional<Found<CubemapImage>> irradiance;
+  /// What looking through the pixels came to.
+  std::optional<ProjectionDiagnostics> sanitized;
+
+  /// Of the prefiltered chain: what is still to be made; nothing if all mips were found.
+  std::optional<PrefilterOptions> missing_specular;
+  std::string specular_where;  ///< "3 of 5 mips found on disk"; empty if none was
+  double specular_milliseconds = 0.0;
+};
+
+/// Where results of earlier bakes are looked for and kept. One object serves one bake; its calls may come from several
+/// threads at once.
+class ArtefactStore {
+ public:
+  ArtefactStore() = default;
+  virtual ~ArtefactStore() = default;
+  ArtefactStore(const ArtefactStore&) = delete;
+  ArtefactStore& operator=(const ArtefactStore&) = delete;
+
+  /// Comes first: recognises the pixels, and looks for all that `plan` computes of them. Throws `Error` (cancelled).
+  [[nodiscard]] virtual FoundArtefacts find(const Source& source, const BakeOptions& options, const BakePlan& plan,
+                                            const Control& control) = 0;
+
+  virtual void keep(const projection::SanitizedSource& sanitized) = 0;
+  virtual void keep(const Projection& projection) = 0;
+  virtual void keep_background(const CubemapChain& background) = 0;
+  virtual void keep_irradiance(const CubemapImage& irradiance) = 0;
+  /// Keeps the mips that were missing, if any, and joins them with those that were found to the whole chain. Once.
+  [[nodiscard]] virtual PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) = 0;
+};
+
+struct BakeRequest {
+  const BakeOptions& options;
+  std::span<const PlannedPass> planned{};  ///< whose reasons are taken over where the bake does the same
+  ArtefactStore* store = nullptr;
+};
+
+/// `bake_into`, of any source. Throws `Error` as `bake`, and as the source and the store do.
+void run_bake(BakeResult& result, Source& source, const BakeRequest& request, const Control& control);
+
+// Pixels in memory.
+
+class MemorySource final : public Source {
+ public:
+  explicit MemorySource(const LatLongView& view) : lat_long_(view), shape_(shape_of(view)) {}
+  explicit MemorySource(const CubemapView& view) : cubemap_(view), shape_(shape_of(view)) {}
+
+  [[nodiscard]] SourceShape shape() const override { return shape_; }
+  [[nodiscard]] LatLongView lat_long() const override { return lat_long_; }
+  [[nodiscard]] CubemapView cubemap() const override { return cubemap_; }
+
+ private:
+  LatLongView lat_long_{};
+  CubemapView cubemap_{};
+  SourceShape shape_;
+};
+
+}  // namespace welkin::baking

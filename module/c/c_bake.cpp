@@ -1,0 +1,467 @@
+// Cubemaps that the library made, reflections, BRDF tables and bakes: at once, as jobs, and written to the caller's
+// memory.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "c/c_support.h"
+#include "c/c_worker.h"
+#include "welkin/bake.h"
+#include "welkin/brdf_table.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/requests.h"
+#include "welkin/roughness.h"
+#include "welkin/specular.h"
+#include "welkin/welkin.h"
+
+using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
+
+// Chains.
+
+welkin_cubemap_chain::welkin_cubemap_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular)
+    : levels(specular->cubemap.views()), mips(specular->mips), owner(std::move(specular)) {}
+
+welkin_cubemap_chain::welkin_cubemap_chain(std::vector<welkin::CubemapView> its_levels,
+                                           std::shared_ptr<const void> its_owner)
+    : levels(std::move(its_levels)), owner(std::move(its_owner)) {}
+
+namespace {
+
+const welkin::CubemapView& level_of(const welkin_cubemap_chain* chain, std::int32_t level) {
+  require(chain, "chain");
+  if (level < 0 || static_cast<std::size_t>(level) >= chain->levels.size()) {
+    refuse("level is " + std::to_string(level) + "; the chain has " + std::to_string(chain->levels.size()) +
+           ", counted from 0");
+  }
+  return chain->levels[static_cast<std::size_t>(level)];
+}
+
+std::uint64_t bytes_of(const welkin_cubemap_chain& chain) noexcept {
+  std::uint64_t texels = 0;
+  for (const auto& level : chain.levels) {
+    texels += 6 * static_cast<std::uint64_t>(level.size) * static_cast<std::uint64_t>(level.size);
+  }
+  return texels * welkin::bytes_per_texel(welkin::PixelFormat::rgb_f32);
+}
+
+}  // namespace
+
+void welkin_cubemap_chain_destroy(welkin_cubemap_chain* chain) { destroy(chain); }
+
+welkin_status welkin_cubemap_chain_share(const welkin_cubemap_chain* chain, welkin_cubemap_chain** another) {
+  return guarded([&] {
+    require(another, "another");
+    *another = nullptr;
+    require(chain, "chain");
+    hand_out(another, "another", [&] { return new welkin_cubemap_chain(*chain); });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_cubemap_chain_get_info(const welkin_cubemap_chain* chain, welkin_cubemap_chain_info* info) {
+  return guarded([&] {
+    welkin_cubemap_chain_info values{};
+    values.size = level_of(chain, 0).size;
+    values.levels = static_cast<std::int32_t>(chain->levels.size());
+    values.prefiltered = chain->mips.empty() ? 0 : 1;
+    values.bytes = bytes_of(*chain);
+    write_struct(info, values, "info");
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_cubemap_chain_get_level(const welkin_cubemap_chain* chain, int32_t level, welkin_cubemap* pixels) {
+  return guarded([&] {
+    const welkin::CubemapView& view = level_of(chain, level);
+    welkin_cubemap values{};
+    values.format = WELKIN_FORMAT_RGB_F32;
+    std::copy(view.faces.begin(), view.faces.end(), values.faces);
+    values.size = view.size;
+    write_struct(pixels, values, "pixels");
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* chain, int32_t level,
+                                        const welkin_cubemap_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const welkin::CubemapView& view = level_of(chain, level);
+    const Target checked = cubemap_target(target);
+    require_size(checked, view.size, view.size);
+    tell(write_faces(checked, view), values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+namespace {
+
+static_assert(WELKIN_PREFILTER_SPECTRAL == static_cast<int>(welkin::PrefilterMethod::spectral));
+static_assert(WELKIN_PREFILTER_SAMPLED == static_cast<int>(welkin::PrefilterMethod::sampled));
+static_assert(WELKIN_PREFILTER_REFERENCE == static_cast<int>(welkin::PrefilterMethod::reference));
+
+welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
+  using welkin::PrefilterMethod;
+  for (const auto method : {PrefilterMethod::spectral, PrefilterMethod::sampled, PrefilterMethod::reference}) {
+    if (mip.method == std::string_view(welkin::name(method))) return static_cast<welkin_prefilter_method>(method);
+  }
+  return WELKIN_PREFILTER_COPY;
+}
+
+}  // namespace
+
+welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, int32_t level, welkin_mip* mip) {
+  return guarded([&] {
+    static_cast<void>(level_of(chain, level));
+    if (chain->mips.empty()) refuse("the chain is not prefiltered; its mips have no roughness");
+    const welkin::MipRecord& record = chain->mips[static_cast<std::size_t>(level)];
+    welkin_mip values{};
+    values.size = record.size;
+    values.roughness = record.roughness;
+    values.method = method_of(record);
+    values.bands = record.bands;
+    values.bright_texels = record.bright_texels;
+    values.samples = record.samples;
+    values.error_estimate = record.error_estimate;
+    write_triple(record.mean, values.mean);
+    values.milliseconds = record.milliseconds;
+    write_struct(mip, values, "mip");
+    return WELKIN_OK;
+  });
+}
+
+// Reflections.
+
+static_assert(WELKIN_ROUGHNESS_FILAMENT == static_cast<int>(welkin::RoughnessSchedule::filament));
+static_assert(WELKIN_ROUGHNESS_BABYLON == static_cast<int>(welkin::RoughnessSchedule::babylon));
+
+welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
+                                       double* roughness) {
+  return guarded([&] {
+    require(roughness, "roughness");
+    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::babylon);
+    const auto table = welkin::roughness_of_mips(wanted, mips, size);
+    std::copy(table.begin(), table.end(), roughness);
+    return WELKIN_OK;
+  });
+}
+
+namespace welkin::c_interface {
+namespace {
+
+constexpr int kDefaultReflections = 256;
+constexpr std::int32_t kMostRoughness = 16;
+
+using SpecularPointer = std::shared_ptr<const PrefilteredSpecular>;
+
+template <class View>
+SpecularPointer prefiltered(const View& view, const PrefilterOptions& options, const Control& control) {
+  return std::make_shared<const PrefilteredSpecular>(prefilter_specular(view, options, control));
+}
+
+/// `prefilter_specular`, as a request. Equal ones share a run.
+template <class Source>
+struct PrefilterRequest {
+  Source source;
+  PrefilterOptions options;
+
+  [[nodiscard]] SpecularPointer operator()(const Control& control) const {
+    return prefiltered(source.view(), options, control);
+  }
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
+  [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
+  friend bool operator==(const PrefilterRequest&, const PrefilterRequest&) = default;
+};
+
+welkin_cubemap_chain* chain_of(SpecularPointer specular) { return new welkin_cubemap_chain(std::move(specular)); }
+
+}  // namespace
+
+PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels) {
+  const auto given = read_options(options, "prefilter options");
+  PrefilterOptions wanted;
+  wanted.size = given.size != 0 ? given.size : size;
+  wanted.mips = given.mips;
+  if (given.roughness_count < 0 || given.roughness_count > kMostRoughness) {
+    refuse("roughness_count is " + std::to_string(given.roughness_count) + "; it must be from 0 to " +
+           std::to_string(kMostRoughness));
+  }
+  if (given.roughness_count > 0) {
+    require(given.roughness, "roughness");
+    wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
+  }
+  wanted.leave_out_sharp = given.leave_out_sharp;
+  wanted.leave_out_rough = given.leave_out_rough;
+  wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
+  set_unless_zero(wanted.samples, given.samples);
+  set_unless_zero(wanted.rms_error, given.rms_error);
+  set_unless_zero(wanted.maximum_error, given.maximum_error);
+  if (pixels) {
+    wanted.pixels = pixel_policy(given.pixels);
+  } else if (given.pixels != nullptr) {
+    refuse("pixels of the prefilter options is not null; here it must be, as no call would read it");
+  }
+  return wanted;
+}
+
+}  // namespace welkin::c_interface
+
+welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap, const welkin_prefilter_options* options,
+                                       const welkin_control* control, welkin_cubemap_chain** chain) {
+  return guarded([&] {
+    hand_out(chain, "chain", [&] {
+      const auto wanted = prefilter_options(options, kDefaultReflections, true);
+      return chain_of(prefiltered(cubemap_view(cubemap), wanted, control_of(control)));
+    });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long, const welkin_prefilter_options* options,
+                                        const welkin_control* control, welkin_cubemap_chain** chain) {
+  return guarded([&] {
+    hand_out(chain, "chain", [&] {
+      const auto wanted = prefilter_options(options, kDefaultReflections, true);
+      return chain_of(prefiltered(lat_long_view(lat_long), wanted, control_of(control)));
+    });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_post_prefilter_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                            const welkin_prefilter_options* options, const welkin_post_options* post,
+                                            welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = cubemap_view(cubemap);
+    auto wanted = prefilter_options(options, kDefaultReflections, true);
+    PrefilterRequest<welkin::CubemapSource> request{{view, make_owner(std::move(posting.handed_over))},
+                                                    std::move(wanted)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+welkin_status welkin_post_prefilter_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                             const welkin_prefilter_options* options, const welkin_post_options* post,
+                                             welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = lat_long_view(lat_long);
+    auto wanted = prefilter_options(options, kDefaultReflections, true);
+    PrefilterRequest<welkin::LatLongSource> request{{view, make_owner(std::move(posting.handed_over))},
+                                                    std::move(wanted)};
+    welkin::c_interface::post(worker, std::move(request), posting, job);
+  });
+}
+
+welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain** chain) {
+  return hand_out_result<SpecularPointer>(job, chain, "chain", chain_of);
+}
+
+// Tables and irradiance cubemaps.
+
+namespace welkin::c_interface {
+namespace {
+
+static_assert(WELKIN_BRDF_MULTIPLE_SCATTERING == static_cast<int>(BrdfModel::multiple_scattering));
+
+BrdfTableOptions brdf_options(const welkin_brdf_options* options) {
+  const auto given = read_options(options, "brdf options");
+  BrdfTableOptions wanted;
+  set_unless_zero(wanted.width, given.width);
+  set_unless_zero(wanted.height, given.height);
+  wanted.model = enumerator("model", given.model, BrdfModel::multiple_scattering);
+  wanted.sheen = !flag("without_sheen", given.without_sheen);
+  return wanted;
+}
+
+std::uint64_t write_table(const Target& target, const BrdfTable& table) {
+  require_size(target, table.options.width, table.options.height);
+  return write_picture(target, 0, table.values.data(), table.channels);
+}
+
+}  // namespace
+}  // namespace welkin::c_interface
+
+welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
+                                const welkin_image_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const auto wanted = brdf_options(options);
+    const Target checked = image_target(target);
+    require_size(checked, wanted.width, wanted.height);
+    tell(write_table(checked, *welkin::brdf_table(wanted, control_of(control))), values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance, const welkin_control* control,
+                                        const welkin_cubemap_target* target, uint64_t* values_clamped) {
+  return guarded([&] {
+    const auto harmonics = read_harmonics(bands, irradiance, "irradiance");
+    const Target checked = cubemap_target(target);
+    const auto cubemap = welkin::irradiance_cubemap(harmonics, checked.width, control_of(control));
+    tell(write_faces(checked, cubemap.view()), values_clamped);
+    return WELKIN_OK;
+  });
+}
+
+// Bakes.
+
+welkin_bake_result::welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result)
+    : result(std::move(its_result)) {
+  if (result->background.levels() > 0) background = welkin_cubemap_chain(result->background.views(), result);
+  if (result->specular) specular = welkin_cubemap_chain(SpecularPointer(result, &*result->specular));
+  if (result->irradiance.size > 0) irradiance = welkin_cubemap_chain({result->irradiance.view()}, result);
+}
+
+namespace welkin::c_interface {
+namespace {
+
+using BakePointer = std::shared_ptr<const BakeResult>;
+
+constexpr welkin_parts kAllParts =
+    WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
+
+static_assert(WELKIN_IRRADIANCE_DIRECT == static_cast<int>(IrradianceMethod::direct));
+
+welkin_bake_result* handle_of(BakePointer result) { return new welkin_bake_result(std::move(result)); }
+
+template <class View>
+BakePointer baked(const View& view, const BakeOptions& options, const Control& control) {
+  return std::make_shared<const BakeResult>(bake(view, options, control));
+}
+
+const BakeResult& result_of(const welkin_bake_result* result) {
+  require(result, "result");
+  return *result->result;
+}
+
+}  // namespace
+
+BakeOptions bake_options(const welkin_bake_options* options) {
+  const auto given = read_options(options, "options");
+  if ((given.leave_out & ~kAllParts) != 0) {
+    refuse("leave_out is " + std::to_string(given.leave_out) + "; it must be a sum of WELKIN_PART_ flags");
+  }
+  const auto wants = [&](welkin_parts part) { return (given.leave_out & part) == 0; };
+  BakeOptions wanted;
+  wanted.background = wants(WELKIN_PART_BACKGROUND);
+  wanted.background_size = given.background_size;
+  wanted.background_mips = !flag("background_without_mips", given.background_without_mips);
+  require_enumerator("mip_filter", given.mip_filter, WELKIN_MIP_FILTER_BOX);
+  wanted.mip_filter = given.mip_filter == WELKIN_MIP_FILTER_BOX ? MipFilter::box : MipFilter::solid_angle;
+  set_unless_zero(wanted.irradiance_size, given.irradiance_size);
+  if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance_size = 0;
+  wanted.irradiance_method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::direct);
+  set_unless_zero(wanted.bands, given.bands);
+  if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
+  wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);
+  if (!wants(WELKIN_PART_SPECULAR)) wanted.specular.reset();
+  wanted.brdf = brdf_options(given.brdf);
+  if (!wants(WELKIN_PART_BRDF)) wanted.brdf.reset();
+  wanted.pixels = pixel_policy(given.pixels);
+  set_unless_zero(wanted.memory_limit_bytes, given.memory_limit_bytes);
+  return wanted;
+}
+
+}  // namespace welkin::c_interface
+
+welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
+                                  const welkin_control* control, welkin_bake_result** result) {
+  return guarded([&] {
+    hand_out(result, "result",
+             [&] { return handle_of(baked(cubemap_view(cubemap), bake_options(options), control_of(control))); });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_bake_lat_long(const welkin_lat_long* lat_long, const welkin_bake_options* options,
+                                   const welkin_control* control, welkin_bake_result** result) {
+  return guarded([&] {
+    hand_out(result, "result",
+             [&] { return handle_of(baked(lat_long_view(lat_long), bake_options(options), control_of(control))); });
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
+                                       const welkin_bake_options* options, const welkin_post_options* post,
+                                       welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = cubemap_view(cubemap);
+    auto wanted = bake_options(options);
+    welkin::CubemapSource source(view, make_owner(std::move(posting.handed_over)));
+    welkin::c_interface::post(worker, welkin::Bake{std::move(source), std::move(wanted)}, posting, job);
+  });
+}
+
+welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
+                                        const welkin_bake_options* options, const welkin_post_options* post,
+                                        welkin_job** job) {
+  return guarded_post(worker, post, job, [&](Posting& posting) {
+    const auto view = lat_long_view(lat_long);
+    auto wanted = bake_options(options);
+    welkin::LatLongSource source(view, make_owner(std::move(posting.handed_over)));
+    welkin::c_interface::post(worker, welkin::Bake{std::move(source), std::move(wanted)}, posting, job);
+  });
+}
+
+welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result) {
+  return hand_out_result<BakePointer>(job, result, "result", handle_of);
+}
+
+void welkin_bake_result_destroy(welkin_bake_result* result) { destroy(result); }
+
+welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welkin_bake_info* info) {
+  return guarded([&] {
+    const welkin::BakeResult& light = result_of(result);
+    welkin_bake_info values{};
+    if (!result->background.levels.empty()) values.parts |= WELKIN_PART_BACKGROUND;
+    if (!result->specular.levels.empty()) values.parts |= WELKIN_PART_SPECULAR;
+    if (!result->irradiance.levels.empty()) values.parts |= WELKIN_PART_IRRADIANCE;
+    if (light.radiance) {
+      values.parts |= WELKIN_PART_HARMONICS;
+      values.bands = light.radiance->bands();
+    }
+    if (light.brdf) {
+      values.parts |= WELKIN_PART_BRDF;
+      values.brdf_width = light.brdf->options.width;
+      values.brdf_height = light.brdf->options.height;
+      values.brdf_channels = light.brdf->channels;
+    }
+    values.peak_bytes = light.peak_bytes;
+    write_struct(info, values, "info");
+    return WELKIN_OK;
+  });
+}
+
+const welkin_cubemap_chain* welkin_bake_result_chain(const welkin_bake_result* result, welkin_parts part) {
+  if (result == nullptr) return nullptr;
+  const welkin_cubemap_chain* chain = nullptr;
+  if (part == WELKIN_PART_BACKGROUND) chain = &result->background;
+  if (part == WELKIN_PART_SPECULAR) chain = &result->specular;
+  if (part == WELKIN_PART_IRRADIANCE) chain = &result->irradiance;
+  return chain == nullptr || chain->levels.empty() ? nullptr : chain;
+}
+
+welkin_status welkin_bake_result_get_projection(const welkin_bake_result* result, welkin_projection* projection) {
+  return guarded([&] {
+    const welkin::BakeResult& light = result_of(result);
+    if (!light.radiance) refuse("the bake was asked for no harmonics");
+    write_projection(projection, *light.radiance, light.diagnostics);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* result, const welkin_image_target* target,
+                                           uint64_t* values_clamped) {
+  return guarded([&] {
+    const welkin::BakeResult& light = result_of(result);
+    if (!light.brdf) refuse("the bake was asked for no BRDF table");
+    tell(write_table(image_target(target), *light.brdf), values_clamped);
+    return WELKIN_OK;
+  });
+}

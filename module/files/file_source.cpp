@@ -1,0 +1,114 @@
+#include "files/file_source.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <utility>
+
+#include "bake/needs.h"
+#include "files/env_manifest.h"
+#include "platform/file.h"
+#include "platform/float_environment.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
+#include "welkin/error.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::files {
+
+FileSource::FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {
+  baking::require_same_source(plan, file.words());
+}
+
+baking::StoredKinds FileSource::stored() const {
+  baking::StoredKinds kinds;
+  if (plan_.take_light) kinds.harmonics_bands = 3;
+  if (plan_.take_levels) kinds.background_levels = file_.levels;
+  if (plan_.take_specular) {
+    kinds.specular_mips = plan_.stored_mips;
+    kinds.specular_size = std::max(1, file_.shape.columns >> plan_.first_stored_mip);
+  }
+  return kinds;
+}
+
+void FileSource::read(const Control& control) {
+  if (plan_.streams) return;
+  const std::uint64_t limit = file_.read.memory_limit_bytes;
+  if (!plan_.take_specular && !plan_.take_levels) {
+    environment_ = read_environment(file_.path, file_.read, control);
+  } else if (file_.info.format == "Babylon.js .env") {
+    chain_ = mirrored_x(read_babylon_environment(file_.path, limit, control).specular);
+  } else {
+    chain_ = read_texture(file_.path, limit, control).cubemap;
+  }
+}
+
+Projection FileSource::project(const ProjectionOptions& options, const Control& control) {
+  return project_file(file_.path, file_.read, options, control);
+}
+
+SphericalHarmonics FileSource::take_radiance(const Control& control) {
+  return project_file(file_.path, file_.read, {}, {control.stop, {}}).radiance;
+}
+
+PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
+  PrefilteredSpecular part;
+  part.cubemap = CubemapChain(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips);
+  for (int level = 0; level < plan_.stored_mips; ++level) {
+    const int mip = plan_.first_stored_mip + level;
+    const auto edge = static_cast<std::size_t>(part.cubemap.level_size(level));
+    std::memcpy(part.cubemap.face(level, 0), chain_.face(mip, 0), 18 * edge * edge * sizeof(float));
+    MipRecord record;
+    record.size = part.cubemap.level_size(level);
+    record.roughness = file_.roughness[static_cast<std::size_t>(mip)];
+    record.method = "stored";
+    record.mean = average_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
+    part.mips.push_back(std::move(record));
+  }
+  return part;
+}
+
+namespace {
+
+/// As it stands in the manifest.
+std::optional<BabylonPolynomial> stored_polynomial(const StoredEnvironment& file) {
+  if (!file.has_polynomial) return std::nullopt;
+  platform::ByteFile bytes(file.path);
+  return read_env_manifest(bytes).polynomial;
+}
+
+}  // namespace
+
+BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, baking::ArtefactStore* store,
+                            const Control& control) {
+  FileSource source(file, plan);
+  BakeResult result;
+  try {
+    baking::run_bake(result, source, {plan.options, plan.passes, store}, control);
+  } catch (const Error& failure) {
+    // What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
+    if (failure.code() != ErrorCode::rejected_pixel) throw;
+    throw platform::file_error(failure.code(), file.path, failure.what());
+  }
+  result.stored_polynomial = stored_polynomial(file);
+  return result;
+}
+
+}  // namespace welkin::files
+
+namespace welkin {
+
+BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  return files::bake_file_source(file, plan, nullptr, control);
+}
+
+BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options, const BakeOptions& options,
+                     const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  const StoredEnvironment file = probe_environment(path, read_options);
+  return bake(file, files::plan_whole(file, options), control);
+}
+
+}  // namespace welkin

@@ -1,0 +1,213 @@
+// What a file carries beside its pixels, and plans that take it.
+#include "welkin/stored_environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bake/bake_plan.h"
+#include "bake/needs.h"
+#include "files/env_manifest.h"
+#include "files/file_source.h"
+#include "files/textures.h"
+#include "platform/file.h"
+#include "platform/float_environment.h"
+#include "welkin/bake_file.h"
+#include "welkin/plan.h"
+#include "welkin/roughness.h"
+
+namespace welkin {
+namespace {
+
+/// Mip k of an .env is for alpha = 2^(k / scale) / size, at most 1; 0 at mip 0.
+std::vector<double> babylon_roughness(int levels, int size, double scale) {
+  std::vector<double> roughness{0.0};
+  for (int level = 1; level < levels; ++level)
+    roughness.push_back(std::sqrt(std::min(1.0, std::exp2(level / scale) / size)));
+  return roughness;
+}
+
+void look_into_env(StoredEnvironment& stored) {
+  platform::ByteFile file(stored.path);
+  const files::EnvManifest manifest = files::read_env_manifest(file);
+  stored.has_polynomial = manifest.polynomial.has_value();
+  stored.levels = manifest.levels();
+  if (!(manifest.lod_generation_scale > 0.0)) {
+    stored.content = LevelContent::radiance;  // what Babylon.js stores of a cubemap that was not prefiltered
+    return;
+  }
+  stored.content = LevelContent::reflections;
+  stored.roughness = babylon_roughness(stored.levels, manifest.width, manifest.lod_generation_scale);
+}
+
+/// Numbers with spaces between them, as many as there are levels, each from 0 to 1 and none below the one before.
+std::vector<double> roughness_in(const std::string& text, int levels) {
+  std::istringstream stream(text);
+  std::vector<double> roughness;
+  for (double value = 0.0; stream >> value;) roughness.push_back(value);
+  const bool sound = static_cast<int>(roughness.size()) == levels && std::ranges::is_sorted(roughness) &&
+                     roughness.front() >= 0.0 && roughness.back() <= 1.0;
+  if (!sound) roughness.clear();
+  return roughness;
+}
+
+void look_into_texture(StoredEnvironment& stored) {
+  platform::ByteFile file(stored.path);
+  const files::TextureLayout layout = files::read_texture_layout(file);
+  stored.levels = static_cast<int>(layout.levels.size());
+  stored.compressed = layout.supercompression != Supercompression::none;
+  if (!layout.has_metadata) return;  // DDS: it cannot be told
+  stored.content = LevelContent::radiance;
+  for (const auto& [key, value] : layout.metadata) {
+    if (!files::speaks_of_roughness(key)) continue;
+    stored.content = LevelContent::reflections;
+    stored.roughness = roughness_in(value, stored.levels);
+  }
+}
+
+}  // namespace
+
+std::string StoredEnvironment::words() const {
+  const platform::FloatingPointScope floating_point;
+  std::string text = path.filename().string() + ": " + info.format + ", " + shape.words();
+  if (levels > 1) {
+    text += ", " + std::to_string(levels) +
+            (content == LevelContent::reflections ? " prefiltered mips"
+             : content == LevelContent::radiance  ? " mips"
+                                                  : " levels of which it does not say what they are");
+  }
+  return has_polynomial ? text + ", polynomial" : text;
+}
+
+StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read, LevelContent content) {
+  const platform::FloatingPointScope floating_point;
+  StoredEnvironment stored;
+  stored.path = path;
+  stored.read = read;
+  stored.info = inspect_environment(path, read);
+  const EnvironmentInfo& info = stored.info;
+  Environment shapes;
+  shapes.info = info;
+  const int face = shapes.face_size();
+  stored.shape = face > 0 ? SourceShape{true, face, 6 * face, PixelFormat::rgb_f32}
+                          : SourceShape{false, info.width, info.height, PixelFormat::rgb_f32};
+  stored.compressed = info.format != "PFM" && info.compression != "none";
+  if (info.format == "Babylon.js .env") look_into_env(stored);
+  if (info.format == "KTX2" || info.format == "DDS") look_into_texture(stored);
+  if (content != LevelContent::automatic && stored.levels > 1) stored.content = content;
+  if (read.level != 0) {  // one of the levels alone
+    stored.levels = 1;
+    stored.content = LevelContent::automatic;
+    stored.has_polynomial = false;
+  }
+  if (stored.content != LevelContent::reflections) {
+    stored.roughness.clear();
+  } else if (stored.roughness.empty()) {
+    stored.roughness = roughness_of_mips(RoughnessSchedule::linear, stored.levels, face);
+  }
+  return stored;
+}
+
+namespace files {
+namespace {
+
+// Plans for files: what they carry already, and whether their pixels are wanted at all.
+
+constexpr const char* kRead = "read";
+
+/// Stored results were made of the pixels as they are, and as the file says.
+bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
+  return file.read.transfer != Transfer::automatic || options.pixels.clamp || options.pixels.gamma ||
+         options.pixels.negative != NegativePolicy::keep || options.pixels.nan == NonFinitePolicy::reject ||
+         options.pixels.infinity == NonFinitePolicy::reject;
+}
+
+baking::UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
+  return baking::unused_mips(file.roughness, *needs.glossy);
+}
+
+bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
+  if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
+  return std::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
+         file.roughness.back() >= needs.glossy->maximum;
+}
+
+baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
+  baking::StoredKinds kinds;
+  if (!needs.stored_results || changes_pixels(file, options)) return kinds;
+  if (file.has_polynomial) kinds.harmonics_bands = 3;
+  if (file.content == LevelContent::radiance) kinds.background_levels = file.levels;
+  if (!takes_specular(file, needs, options)) return kinds;
+  const baking::UnusedMips unused = unused_of(file, needs);
+  kinds.specular_mips = file.levels - unused.sharp - unused.rough;
+  kinds.specular_size = std::max(1, file.shape.columns >> unused.sharp);
+  return kinds;
+}
+
+bool wants_pixels(const Plan& plan) {
+  if (plan.take_specular) return true;  // of the chain itself
+  return plan.pass("clean").action != PassAction::skip || plan.pass("project").action == PassAction::run;
+}
+
+/// Nothing but a projection, or less. (What reads a file for its light alone takes a stored polynomial, asked or not.)
+bool streams(const StoredEnvironment& file, const Plan& plan) {
+  if (plan.pass("clean").action != PassAction::skip || plan.take_specular) return false;
+  return plan.take_light || !file.has_polynomial || plan.pass("project").action == PassAction::skip;
+}
+
+PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan, const CostModel& costs) {
+  constexpr double kNanoseconds = 1e6;  // in a millisecond
+  if (!wants_pixels(plan))
+    return {kRead, PassAction::skip, "no pass wants pixels; the header has all that is needed", 0.0, 0};
+  auto texels = static_cast<double>(file.shape.texels());
+  if (plan.take_specular || plan.take_levels) texels *= 4.0 / 3.0;
+  const double cost = texels * (file.compressed ? costs.read_texel : costs.read_plain_texel) / kNanoseconds;
+  if (plan.streams) return {kRead, PassAction::run, "projected while it is read", cost, 0};
+  const std::uint64_t bytes = static_cast<std::uint64_t>(texels) * 3 * sizeof(float);
+  return {kRead, PassAction::run, file.words(), cost, bytes};
+}
+
+}  // namespace
+}  // namespace files
+
+namespace files {
+namespace {
+
+/// `kinds`: what is taken of the file.
+Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds,
+               const CostModel& costs) {
+  Plan plan = baking::plan_pixels(file.shape, needed, kinds, costs);
+  plan.source = file.words();
+  plan.streams = streams(file, plan);
+  plan.passes.insert(plan.passes.begin(), read_pass(file, plan, costs));
+  return plan;
+}
+
+}  // namespace
+
+Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
+  baking::StoredKinds kinds;
+  if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;
+  return plan_with(file, {options, {}}, kinds, {});
+}
+
+}  // namespace files
+
+Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs) {
+  const platform::FloatingPointScope floating_point;
+  check(needs);
+  baking::refuse_budget(needs, "read the file and plan the view of its pixels");
+  const baking::NeededOptions needed = baking::needed_options(file.shape, needs, whole);
+  const baking::StoredKinds kinds = files::stored_kinds(file, needs, needed.options);
+  Plan plan = files::plan_with(file, needed, kinds, costs);
+  if (plan.take_specular) {
+    plan.first_stored_mip = files::unused_of(file, needs).sharp;
+    plan.stored_mips = kinds.specular_mips;
+  }
+  return plan;
+}
+
+}  // namespace welkin

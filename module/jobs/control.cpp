@@ -1,0 +1,41 @@
+#include "jobs/control.h"
+
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <stop_token>
+
+#include "welkin/error.h"
+
+namespace welkin::jobs {
+
+void throw_if_cancelled(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(ErrorCode::cancelled, kCancelled);
+}
+
+Control part_of(const Control& control, double from, double to) {
+  Control part{control.stop, {}};
+  if (control.progress) {
+    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
+  }
+  return part;
+}
+
+void Progress::add(std::uint64_t units) {
+  done_.fetch_add(units, std::memory_order_relaxed);
+  if (!wanted()) return;
+  // Whoever holds the lock reports for the others too, and looks once more after letting go of it.
+  while (reported_.load(std::memory_order_relaxed) < done()) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) return;
+    const std::uint64_t now = done();
+    if (now <= reported_.load(std::memory_order_relaxed)) continue;
+    reported_.store(now, std::memory_order_relaxed);
+    // The callback may use TBB: isolated, its waiting cannot begin one of our tasks, which would come back here.
+    tbb::this_task_arena::isolate([&] { control_.progress(static_cast<double>(now) / static_cast<double>(whole_)); });
+  }
+}
+
+}  // namespace welkin::jobs

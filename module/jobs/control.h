@@ -1,0 +1,48 @@
+// What a call does with the `Control` that it was given: it looks whether it is cancelled, and it reports progress.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <stop_token>
+
+#include "welkin/control.h"
+
+namespace welkin::jobs {
+
+/// The words of the error that a cancelled call ends with.
+inline constexpr const char* kCancelled = "cancelled by the caller";
+
+/// Throws `Error` (cancelled) once stop is requested. No other function throws that error for a caller's stop token.
+void throw_if_cancelled(const std::stop_token& stop);
+inline void throw_if_cancelled(const Control& control) { throw_if_cancelled(control.stop); }
+
+/// The part [from, to] of a call's progress, and its stop token. `control` must outlive what is returned.
+[[nodiscard]] Control part_of(const Control& control, double from, double to);
+
+/// Adds up the units of work that several threads have done, and tells the caller which share of the whole that is:
+/// one call at a time, never falling, the last call being 1.
+///
+/// The counts are relaxed. oneTBB orders every task before the join, and the lock orders the callbacks (whoever fails
+/// to get it has counted before: on x86 no later instruction overtakes that addition). An order between tasks, made
+/// here, would hide from the thread sanitizer the races of tasks that do not overlap in time.
+class Progress {
+ public:
+  /// `control` must outlive this. `whole` is the number of units that will be added in all.
+  Progress(const Control& control, std::uint64_t whole) : control_(control), whole_(whole) {}
+
+  [[nodiscard]] bool wanted() const { return static_cast<bool>(control_.progress); }
+  [[nodiscard]] std::uint64_t done() const { return done_.load(std::memory_order_relaxed); }
+
+  /// Throws what the caller's callback throws.
+  void add(std::uint64_t units);
+
+ private:
+  const Control& control_;
+  std::uint64_t whole_;
+  std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint64_t> reported_{0};
+  std::mutex mutex_;
+};
+
+}  // namespace welkin::jobs

@@ -1,0 +1,391 @@
+// Reflections, bakes and tables through the C interface: the bits of the C++ calls.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c/c_calls.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "welkin/bake.h"
+#include "welkin/brdf_table.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/roughness.h"
+#include "welkin/specular.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+
+// Reflections.
+
+namespace {
+
+const std::vector<double> kRoughness{0.0, 0.3, 1.0};
+
+/// Every option away from its default in one of them at least, in both languages.
+struct WantedReflections {
+  PrefilterOptions options;
+  welkin_prefilter_options c_options;
+};
+
+std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy) {
+  std::vector<WantedReflections> all(3, {{.size = 16}, c_struct<welkin_prefilter_options>()});
+  for (auto& wanted : all) wanted.c_options.size = 16;
+  all[1].options = {.size = 32,
+                    .roughness = kRoughness,
+                    .method = PrefilterMethod::sampled,
+                    .samples = 64,
+                    .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
+  all[1].c_options.size = 32;
+  all[1].c_options.roughness = kRoughness.data();
+  all[1].c_options.roughness_count = 3;
+  all[1].c_options.method = WELKIN_PREFILTER_SAMPLED;
+  all[1].c_options.samples = 64;
+  all[1].c_options.pixels = policy;
+  all[2].options = {
+      .size = 16, .mips = 4, .leave_out_sharp = 1, .leave_out_rough = 1, .rms_error = 1e-2, .maximum_error = 5e-2};
+  all[2].c_options.mips = 4;
+  all[2].c_options.leave_out_sharp = 1;
+  all[2].c_options.leave_out_rough = 1;
+  all[2].c_options.rms_error = 1e-2;
+  all[2].c_options.maximum_error = 5e-2;
+  return all;
+}
+
+welkin_pixel_policy clamping_policy() {
+  auto policy = c_struct<welkin_pixel_policy>();
+  policy.clamp_maximum = 50.0F;
+  policy.clamp_preserve_colour = 1;
+  policy.negative = WELKIN_NEGATIVE_REPLACE;
+  return policy;
+}
+
+const char* name_of(welkin_prefilter_method method) {
+  if (method == WELKIN_PREFILTER_COPY) return "copy";
+  return name(static_cast<PrefilterMethod>(method));
+}
+
+void require_same(const welkin_cubemap_chain* chain, const PrefilteredSpecular& expected) {
+  require_same_chain(chain, expected.cubemap);
+  auto info = c_struct<welkin_cubemap_chain_info>();
+  REQUIRE(welkin_cubemap_chain_get_info(chain, &info) == WELKIN_OK);
+  REQUIRE(info.prefiltered == 1);
+  for (std::size_t level = 0; level < expected.mips.size(); ++level) {
+    const MipRecord& record = expected.mips[level];
+    auto mip = c_struct<welkin_mip>();
+    REQUIRE(welkin_cubemap_chain_get_mip(chain, static_cast<std::int32_t>(level), &mip) == WELKIN_OK);
+    REQUIRE(mip.size == record.size);
+    REQUIRE(same_bits(mip.roughness, record.roughness));
+    REQUIRE(name_of(mip.method) == record.method);
+    REQUIRE(mip.bands == record.bands);
+    REQUIRE(mip.bright_texels == record.bright_texels);
+    REQUIRE(mip.samples == record.samples);
+    REQUIRE(same_bits(mip.error_estimate, record.error_estimate));
+    REQUIRE(same_triple(mip.mean, record.mean));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface]") {
+  const CWorker worker(2);
+  const auto cube = make_cubemap(Content::high_range, 32, 4, 1);
+  const auto picture = make_lat_long(Content::high_range, 64, 32, 2);
+  const welkin_cubemap cube_view = c_view(cube.view());
+  const welkin_lat_long lat_long_view = c_view(picture.view());
+  const auto policy = clamping_policy();
+  for (const auto& [options, c_options] : all_reflections(&policy)) {
+    const auto* const asked = &c_options;
+    const PrefilteredSpecular of_cube = prefilter_specular(cube.view(), options);
+    const PrefilteredSpecular of_lat_long = prefilter_specular(picture.view(), options);
+    welkin_cubemap_chain* chain = nullptr;
+    REQUIRE(welkin_prefilter_cubemap(&cube_view, asked, nullptr, &chain) == WELKIN_OK);
+    require_same(chain, of_cube);
+    welkin_cubemap_chain_destroy(chain);
+    REQUIRE(welkin_prefilter_lat_long(&lat_long_view, asked, nullptr, &chain) == WELKIN_OK);
+    require_same(chain, of_lat_long);
+    welkin_cubemap_chain_destroy(chain);
+
+    chain = posted_handle<welkin_cubemap_chain>(
+        [&](welkin_job** job) { return welkin_post_prefilter_cubemap(worker.get(), &cube_view, asked, nullptr, job); },
+        welkin_job_get_chain);
+    require_same(chain, of_cube);
+    welkin_cubemap_chain_destroy(chain);
+    chain = posted_handle<welkin_cubemap_chain>(
+        [&](welkin_job** job) {
+          return welkin_post_prefilter_lat_long(worker.get(), &lat_long_view, asked, nullptr, job);
+        },
+        welkin_job_get_chain);
+    require_same(chain, of_lat_long);
+    welkin_cubemap_chain_destroy(chain);
+  }
+}
+
+TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  welkin_cubemap_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter_cubemap(&view, nullptr, nullptr, &chain) == WELKIN_OK);
+  require_same(chain, prefilter_specular(cube.view()));
+  welkin_cubemap_chain_destroy(chain);
+}
+
+TEST_CASE("C: schedules of roughness are the C++ call's", "[c_interface]") {
+  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+    std::vector<double> roughness(9, -1.0);
+    REQUIRE(welkin_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256, roughness.data()) ==
+            WELKIN_OK);
+    REQUIRE(roughness == roughness_of_mips(schedule, 9, 256));
+  }
+}
+
+TEST_CASE("C: handles to a chain share its pixels", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  auto options = c_struct<welkin_prefilter_options>();
+  options.size = 8;
+  welkin_cubemap_chain* chain = nullptr;
+  REQUIRE(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_OK);
+  welkin_cubemap_chain* another = nullptr;
+  REQUIRE(welkin_cubemap_chain_share(chain, &another) == WELKIN_OK);
+  auto first = c_struct<welkin_cubemap>();
+  auto second = c_struct<welkin_cubemap>();
+  REQUIRE(welkin_cubemap_chain_get_level(chain, 1, &first) == WELKIN_OK);
+  REQUIRE(welkin_cubemap_chain_get_level(another, 1, &second) == WELKIN_OK);
+  REQUIRE(first.faces[5] == second.faces[5]);
+  const auto before = texels_of(chain, 1);
+  welkin_cubemap_chain_destroy(chain);
+  REQUIRE(same_texels(texels_of(another, 1), before));
+  welkin_cubemap_chain_destroy(another);
+}
+
+// Bakes.
+
+namespace {
+
+struct WantedBake {
+  BakeOptions options;
+  welkin_bake_options c_options;
+};
+
+/// What the C options point to.
+struct BakeParts {
+  welkin_prefilter_options specular = c_struct<welkin_prefilter_options>();
+  welkin_brdf_options brdf = c_struct<welkin_brdf_options>();
+  welkin_pixel_policy pixels = clamping_policy();
+};
+
+std::vector<WantedBake> all_bakes(BakeParts& parts) {
+  parts.specular.size = 16;
+  parts.brdf.width = 16;
+  parts.brdf.height = 8;
+  parts.brdf.model = WELKIN_BRDF_MULTIPLE_SCATTERING;
+  parts.brdf.without_sheen = 1;
+  const BrdfTableOptions brdf{16, 8, BrdfModel::multiple_scattering, false};
+  const PrefilterOptions specular{.size = 16};
+  std::vector<WantedBake> all(4, {{.specular = specular}, c_struct<welkin_bake_options>()});
+  for (auto& wanted : all) wanted.c_options.specular = &parts.specular;
+  all[1].options = {.background_size = 8,
+                    .background_mips = false,
+                    .mip_filter = MipFilter::box,
+                    .specular = specular,
+                    .irradiance_size = 8,
+                    .bands = 5,
+                    .brdf = brdf,
+                    .pixels = {.clamp = RadianceClamp{50.0F, true}, .negative = NegativePolicy::replace}};
+  all[1].c_options.background_size = 8;
+  all[1].c_options.background_without_mips = 1;
+  all[1].c_options.mip_filter = WELKIN_MIP_FILTER_BOX;
+  all[1].c_options.irradiance_size = 8;
+  all[1].c_options.bands = 5;
+  all[1].c_options.brdf = &parts.brdf;
+  all[1].c_options.pixels = &parts.pixels;
+  all[2].options = {.background = false,
+                    .specular = std::nullopt,
+                    .irradiance_size = 4,
+                    .irradiance_method = IrradianceMethod::direct,
+                    .bands = 0,
+                    .brdf = std::nullopt};
+  all[2].c_options.leave_out = WELKIN_PART_BACKGROUND | WELKIN_PART_SPECULAR | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
+  all[2].c_options.irradiance_size = 4;
+  all[2].c_options.irradiance_method = WELKIN_IRRADIANCE_DIRECT;
+  all[3].options = {.mip_filter = MipFilter::box, .specular = std::nullopt, .irradiance_size = 0};
+  all[3].c_options.mip_filter = WELKIN_MIP_FILTER_BOX;
+  all[3].c_options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE;
+  return all;
+}
+
+void require_same_table(const welkin_bake_result* result, const BrdfTable& expected) {
+  const auto width = static_cast<std::size_t>(expected.options.width);
+  const auto height = static_cast<std::size_t>(expected.options.height);
+  std::vector<float> texels(3 * width * height, -1.0F);
+  auto target = c_struct<welkin_image_target>();
+  target.pixels = texels.data();
+  target.width = expected.options.width;
+  target.height = expected.options.height;
+  REQUIRE(welkin_bake_result_copy_brdf(result, &target, nullptr) == WELKIN_OK);
+  const auto channels = static_cast<std::size_t>(expected.channels);
+  for (std::size_t i = 0; i < width * height; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      REQUIRE(texels[3 * i + c] == (c < channels ? expected.values[channels * i + c] : 0.0F));
+    }
+  }
+}
+
+void require_same(const welkin_bake_result* result, const BakeResult& expected) {
+  auto info = c_struct<welkin_bake_info>();
+  REQUIRE(welkin_bake_result_get_info(result, &info) == WELKIN_OK);
+  REQUIRE(info.peak_bytes == expected.peak_bytes);
+  const auto has = [&](welkin_parts part) { return (info.parts & part) != 0; };
+  const auto* const background = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
+  REQUIRE(has(WELKIN_PART_BACKGROUND) == (expected.background.levels() > 0));
+  REQUIRE((background != nullptr) == (expected.background.levels() > 0));
+  if (background != nullptr) require_same_chain(background, expected.background);
+  const auto* const specular = welkin_bake_result_chain(result, WELKIN_PART_SPECULAR);
+  REQUIRE(has(WELKIN_PART_SPECULAR) == expected.specular.has_value());
+  REQUIRE((specular != nullptr) == expected.specular.has_value());
+  if (specular != nullptr) require_same(specular, *expected.specular);
+  const auto* const irradiance = welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE);
+  REQUIRE(has(WELKIN_PART_IRRADIANCE) == (expected.irradiance.size > 0));
+  REQUIRE((irradiance != nullptr) == (expected.irradiance.size > 0));
+  if (irradiance != nullptr) REQUIRE(same_texels(texels_of(irradiance, 0), expected.irradiance.pixels));
+  REQUIRE(has(WELKIN_PART_HARMONICS) == expected.radiance.has_value());
+  auto light = c_struct<welkin_projection>();
+  const welkin_status status = welkin_bake_result_get_projection(result, &light);
+  REQUIRE(status == (expected.radiance ? WELKIN_OK : WELKIN_INVALID_ARGUMENT));
+  if (expected.radiance) {
+    REQUIRE(info.bands == expected.radiance->bands());
+    require_same_projection(light, {*expected.radiance, expected.diagnostics});
+  }
+  REQUIRE(has(WELKIN_PART_BRDF) == (expected.brdf != nullptr));
+  if (expected.brdf) {
+    REQUIRE(info.brdf_width == expected.brdf->options.width);
+    REQUIRE(info.brdf_height == expected.brdf->options.height);
+    REQUIRE(info.brdf_channels == expected.brdf->channels);
+    require_same_table(result, *expected.brdf);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface]") {
+  const CWorker worker(2);
+  const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
+  const auto picture = make_lat_long(Content::high_range, 64, 32, 2);
+  const welkin_cubemap cube_view = c_view(cube.view());
+  const welkin_lat_long lat_long_view = c_view(picture.view());
+  BakeParts parts;
+  for (const auto& [options, c_options] : all_bakes(parts)) {
+    const auto* const asked = &c_options;
+    const BakeResult of_cube = bake(cube.view(), options);
+    const BakeResult of_lat_long = bake(picture.view(), options);
+    welkin_bake_result* result = nullptr;
+    REQUIRE(welkin_bake_cubemap(&cube_view, asked, nullptr, &result) == WELKIN_OK);
+    require_same(result, of_cube);
+    welkin_bake_result_destroy(result);
+    REQUIRE(welkin_bake_lat_long(&lat_long_view, asked, nullptr, &result) == WELKIN_OK);
+    require_same(result, of_lat_long);
+    welkin_bake_result_destroy(result);
+
+    result = posted_handle<welkin_bake_result>(
+        [&](welkin_job** job) { return welkin_post_bake_cubemap(worker.get(), &cube_view, asked, nullptr, job); },
+        welkin_job_get_bake);
+    require_same(result, of_cube);
+    welkin_bake_result_destroy(result);
+    result = posted_handle<welkin_bake_result>(
+        [&](welkin_job** job) { return welkin_post_bake_lat_long(worker.get(), &lat_long_view, asked, nullptr, job); },
+        welkin_job_get_bake);
+    require_same(result, of_lat_long);
+    welkin_bake_result_destroy(result);
+  }
+}
+
+TEST_CASE("C: a part that is kept outlives its bake, and a bake beyond its memory is a limit exceeded",
+          "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  auto options = c_struct<welkin_bake_options>();
+  options.leave_out = WELKIN_PART_SPECULAR;
+  welkin_bake_result* result = nullptr;
+  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_OK);
+  welkin_cubemap_chain* kept = nullptr;
+  REQUIRE(welkin_cubemap_chain_share(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), &kept) == WELKIN_OK);
+  const auto before = texels_of(kept, 0);
+  welkin_bake_result_destroy(result);
+  REQUIRE(same_texels(texels_of(kept, 0), before));
+  welkin_cubemap_chain_destroy(kept);
+
+  options.memory_limit_bytes = 100;
+  result = reinterpret_cast<welkin_bake_result*>(&options);
+  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_LIMIT_EXCEEDED);
+  REQUIRE(result == nullptr);
+}
+
+TEST_CASE("C: jobs hand out what they make, and nothing else", "[c_interface]") {
+  const CWorker worker(1);
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  auto options = c_struct<welkin_prefilter_options>();
+  options.size = 8;
+  welkin_job* job = nullptr;
+  REQUIRE(welkin_post_prefilter_cubemap(worker.get(), &view, &options, nullptr, &job) == WELKIN_OK);
+  REQUIRE(welkin_job_wait(job, WELKIN_NO_LIMIT) == WELKIN_OK);
+  auto light = c_struct<welkin_projection>();
+  welkin_bake_result* result = nullptr;
+  welkin_sky_tables* tables = nullptr;
+  welkin_sky_curve* curve = nullptr;
+  REQUIRE(welkin_job_projection(job, &light) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_job_get_bake(job, &result) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_job_get_sky_tables(job, &tables) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_job_get_sky_curve(job, &curve) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(std::string(welkin_last_error()).find("curve") != std::string::npos);
+  welkin_cubemap_chain* first = nullptr;
+  welkin_cubemap_chain* second = nullptr;
+  REQUIRE(welkin_job_get_chain(job, &first) == WELKIN_OK);
+  REQUIRE(welkin_job_get_chain(job, &second) == WELKIN_OK);
+  REQUIRE(first != second);
+  require_same(first, prefilter_specular(cube.view(), {.size = 8}));
+  require_same(second, prefilter_specular(cube.view(), {.size = 8}));
+  welkin_cubemap_chain_destroy(first);
+  welkin_cubemap_chain_destroy(second);
+  welkin_job_release(job);
+}
+
+TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c_interface]") {
+  for (const bool sheen : {true, false}) {
+    const auto table = brdf_table({16, 8, BrdfModel::split_sum, sheen});
+    auto options = c_struct<welkin_brdf_options>();
+    options.width = 16;
+    options.height = 8;
+    options.without_sheen = sheen ? 0 : 1;
+    std::vector<std::uint16_t> halves(2 * 16 * 8);
+    auto target = c_struct<welkin_image_target>();
+    target.format = WELKIN_FORMAT_RG_F16;
+    target.pixels = halves.data();
+    target.width = 16;
+    target.height = 8;
+    REQUIRE(welkin_brdf_table(&options, nullptr, &target, nullptr) == WELKIN_OK);
+    const auto expected = table->half_values();
+    const auto channels = static_cast<std::size_t>(table->channels);
+    for (std::size_t i = 0; i < 16 * 8; ++i) {
+      REQUIRE(halves[2 * i] == expected[channels * i]);
+      REQUIRE(halves[2 * i + 1] == expected[channels * i + 1]);
+    }
+    target.width = 8;
+    REQUIRE(welkin_brdf_table(&options, nullptr, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
+  }
+
+  const auto picture = make_lat_long(Content::smooth, 32, 16, 1);
+  const auto irradiance = irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance);
+  const CubemapImage expected = irradiance_cubemap(irradiance, 12);
+  std::vector<float> texels(expected.pixels.size());
+  auto target = c_struct<welkin_cubemap_target>();
+  target.size = 12;
+  for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 12 * 12 * 3;
+  REQUIRE(welkin_irradiance_cubemap(4, plain(irradiance).data(), nullptr, &target, nullptr) == WELKIN_OK);
+  REQUIRE(same_texels(texels, expected.pixels));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,164 @@
+// What tests of the C interface call it with.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/same_bits.h"
+#include "welkin/cubemap_chain.h"
+#include "welkin/image_view.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+
+// The tests' pictures as C callers describe them.
+
+inline welkin_cubemap c_view(const CubemapView& view) {
+  welkin_cubemap cubemap;
+  WELKIN_INIT(cubemap);
+  cubemap.format = static_cast<welkin_format>(view.format);
+  cubemap.row_stride_bytes = view.row_stride_bytes;
+  std::copy(view.faces.begin(), view.faces.end(), cubemap.faces);
+  cubemap.size = view.size;
+  return cubemap;
+}
+
+inline welkin_lat_long c_view(const LatLongView& view) {
+  welkin_lat_long lat_long;
+  WELKIN_INIT(lat_long);
+  lat_long.format = static_cast<welkin_format>(view.format);
+  lat_long.row_stride_bytes = view.row_stride_bytes;
+  lat_long.pixels = view.pixels;
+  lat_long.width = view.width;
+  lat_long.height = view.height;
+  return lat_long;
+}
+
+/// All zero but the size.
+template <class Struct>
+Struct c_struct() {
+  Struct made;
+  WELKIN_INIT(made);
+  return made;
+}
+
+/// A worker of `threads`, destroyed with its scope.
+class CWorker {
+ public:
+  explicit CWorker(int threads) {
+    auto options = c_struct<welkin_worker_options>();
+    options.threads = threads;
+    REQUIRE(welkin_worker_create(&options, &worker_) == WELKIN_OK);
+  }
+  ~CWorker() { welkin_worker_destroy(worker_); }
+  CWorker(const CWorker&) = delete;
+  CWorker& operator=(const CWorker&) = delete;
+
+  [[nodiscard]] welkin_worker* get() const noexcept { return worker_; }
+
+ private:
+  welkin_worker* worker_ = nullptr;
+};
+
+// What comes through the C interface is, bit for bit, what the C++ calls give.
+
+inline bool same_triple(const double* values, const glm::dvec3& expected) {
+  return same_bits(values[0], expected.x) && same_bits(values[1], expected.y) && same_bits(values[2], expected.z);
+}
+
+inline void require_same_projection(const welkin_projection& light, const Projection& expected) {
+  REQUIRE(light.bands == expected.radiance.bands());
+  const auto coefficients = expected.radiance.coefficients();
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    INFO("coefficient " << i);
+    REQUIRE(same_triple(light.coefficients + 3 * i, coefficients[i]));
+  }
+  for (std::size_t i = 3 * coefficients.size(); i < std::size(light.coefficients); ++i) {
+    REQUIRE(light.coefficients[i] == 0.0);
+  }
+  const ProjectionDiagnostics& diagnostics = expected.diagnostics;
+  REQUIRE(light.texels == diagnostics.texels);
+  REQUIRE(light.nans_replaced == diagnostics.nans_replaced);
+  REQUIRE(light.infinities_replaced == diagnostics.infinities_replaced);
+  REQUIRE(light.negatives_replaced == diagnostics.negatives_replaced);
+  REQUIRE(light.texels_clamped == diagnostics.texels_clamped);
+  REQUIRE(same_triple(light.total_radiance_before_clamp, diagnostics.total_radiance_before_clamp));
+  REQUIRE(same_triple(light.total_radiance, diagnostics.total_radiance));
+  REQUIRE(same_bits(light.error_estimate, diagnostics.error_estimate));
+}
+
+/// 3 bands^2 doubles.
+inline std::vector<double> plain(const SphericalHarmonics& harmonics) {
+  std::vector<double> values;
+  for (const glm::dvec3& rgb : harmonics.coefficients()) values.insert(values.end(), {rgb.x, rgb.y, rgb.z});
+  return values;
+}
+
+inline bool same_doubles(const double* values, const SphericalHarmonics& expected) {
+  const auto wanted = plain(expected);
+  return same_bytes(std::span<const double>(values, wanted.size()), std::span<const double>(wanted));
+}
+
+/// A level's texels, face after face; the view is of packed RGB floats.
+inline std::vector<float> texels_of(const CubemapView& view) {
+  const std::size_t count = 3 * static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
+  std::vector<float> texels;
+  for (const void* face : view.faces) {
+    const auto* first = static_cast<const float*>(face);
+    texels.insert(texels.end(), first, first + count);
+  }
+  return texels;
+}
+
+inline std::vector<float> texels_of(const welkin_cubemap_chain* chain, int level) {
+  auto pixels = c_struct<welkin_cubemap>();
+  REQUIRE(welkin_cubemap_chain_get_level(chain, level, &pixels) == WELKIN_OK);
+  REQUIRE(pixels.format == WELKIN_FORMAT_RGB_F32);
+  REQUIRE(pixels.row_stride_bytes == 0);
+  CubemapView view{{}, static_cast<int>(pixels.size), 0, PixelFormat::rgb_f32};
+  std::copy(std::begin(pixels.faces), std::end(pixels.faces), view.faces.begin());
+  return texels_of(view);
+}
+
+inline bool same_texels(const std::vector<float>& a, const std::vector<float>& b) {
+  return same_bytes(std::span<const float>(a), std::span<const float>(b));
+}
+
+inline void require_same_chain(const welkin_cubemap_chain* chain, const CubemapChain& expected) {
+  auto info = c_struct<welkin_cubemap_chain_info>();
+  REQUIRE(welkin_cubemap_chain_get_info(chain, &info) == WELKIN_OK);
+  REQUIRE(info.size == expected.size());
+  REQUIRE(info.levels == expected.levels());
+  REQUIRE(info.bytes == expected.bytes());
+  for (int level = 0; level < expected.levels(); ++level) {
+    INFO("level " << level);
+    REQUIRE(same_texels(texels_of(chain, level), texels_of(expected.view(level))));
+  }
+}
+
+/// What a job hands out. `post` gets where its handle is to go, `get` takes the result out.
+template <class Handle>
+Handle* posted_handle(const std::function<welkin_status(welkin_job**)>& post,
+                      welkin_status (*get)(const welkin_job*, Handle**)) {
+  welkin_job* job = nullptr;
+  REQUIRE(post(&job) == WELKIN_OK);
+  const welkin_status status = welkin_job_wait(job, WELKIN_NO_LIMIT);
+  INFO(welkin_last_error());
+  REQUIRE(status == WELKIN_OK);
+  Handle* handle = nullptr;
+  REQUIRE(get(job, &handle) == WELKIN_OK);
+  REQUIRE(handle != nullptr);
+  welkin_job_release(job);  // the handle keeps the result
+  return handle;
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,167 @@
+// Files through the C interface: bakes have the C++ calls' bits, and what is written the same bytes.
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c/c_calls.h"
+#include "c/c_worker.h"
+#include "support/catch.h"
+#include "support/pfm_files.h"
+#include "support/small_skies.h"
+#include "support/temporary_directory.h"
+#include "support/test_environments.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
+#include "welkin/roughness.h"
+#include "welkin/sky_table_file.h"
+#include "welkin/stored_environment.h"
+#include "welkin/texture_file.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+namespace {
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  REQUIRE(file.good());
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A chain of 16 texels with Babylon.js's roughness, in both languages.
+struct Reflections {
+  Reflections() {
+    const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
+    const welkin_cubemap view = c_view(cube.view());
+    const auto roughness = roughness_of_mips(RoughnessSchedule::babylon, 5, 16);
+    expected = prefilter_specular(cube.view(), {.size = 16, .roughness = roughness});
+    auto options = c_struct<welkin_prefilter_options>();
+    options.size = 16;
+    options.roughness = roughness.data();
+    options.roughness_count = 5;
+    REQUIRE(welkin_prefilter_cubemap(&view, &options, nullptr, &chain) == WELKIN_OK);
+    radiance = project(cube.view()).radiance;
+  }
+  ~Reflections() { welkin_cubemap_chain_destroy(chain); }
+  Reflections(const Reflections&) = delete;
+  Reflections& operator=(const Reflections&) = delete;
+
+  PrefilteredSpecular expected;
+  SphericalHarmonics radiance;
+  welkin_cubemap_chain* chain = nullptr;
+};
+
+}  // namespace
+
+TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c_interface]") {
+  const CWorker worker(2);
+  const TemporaryDirectory directory;
+  const auto picture = make_lat_long(Content::high_range, 64, 32, 4);
+  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
+  const std::string path = directory.file("sky.pfm").string();
+  const BakeResult expected = bake_file(path, {}, {.specular = PrefilterOptions{.size = 16}, .irradiance_size = 8});
+  auto specular = c_struct<welkin_prefilter_options>();
+  specular.size = 16;
+  auto options = c_struct<welkin_bake_options>();
+  options.specular = &specular;
+  options.irradiance_size = 8;
+  auto reading = c_struct<welkin_read_options>();
+  reading.layout = WELKIN_LAYOUT_LAT_LONG;
+  welkin_bake_result* at_once = nullptr;
+  REQUIRE(welkin_bake_file(path.c_str(), &reading, &options, nullptr, &at_once) == WELKIN_OK);
+  welkin_bake_result* const posted = posted_handle<welkin_bake_result>(
+      [&](welkin_job** job) {
+        return welkin_post_bake_file(worker.get(), path.c_str(), &reading, &options, nullptr, job);
+      },
+      welkin_job_get_bake);
+  for (welkin_bake_result* const result : {at_once, posted}) {
+    require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), expected.background);
+    require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_SPECULAR), expected.specular->cubemap);
+    REQUIRE(same_texels(texels_of(welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE), 0),
+                        expected.irradiance.pixels));
+    auto light = c_struct<welkin_projection>();
+    REQUIRE(welkin_bake_result_get_projection(result, &light) == WELKIN_OK);
+    require_same_projection(light, {*expected.radiance, expected.diagnostics});
+    welkin_bake_result_destroy(result);
+  }
+  REQUIRE(welkin_bake_file(directory.file("none.exr").string().c_str(), nullptr, nullptr, nullptr, &at_once) ==
+          WELKIN_FILE_ACCESS);
+  REQUIRE(at_once == nullptr);
+}
+
+TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]") {
+  const TemporaryDirectory directory;
+  const Reflections reflections;
+  const auto place = [&](const char* name) { return directory.file(name).string(); };
+  auto options = c_struct<welkin_texture_options>();
+  options.format = WELKIN_TEXEL_E5B9G9R9;
+  options.supercompression = WELKIN_SUPERCOMPRESSION_ZSTD;
+  TextureOptions expected{.format = TexelFormat::e5b9g9r9, .supercompression = Supercompression::zstd};
+
+  std::vector<welkin_cubemap> mips(5, c_struct<welkin_cubemap>());
+  for (std::size_t level = 0; level < mips.size(); ++level) {
+    REQUIRE(welkin_cubemap_chain_get_level(reflections.chain, static_cast<std::int32_t>(level), &mips[level]) ==
+            WELKIN_OK);
+  }
+  const auto report = write_texture(place("cpp.ktx2"), reflections.expected.cubemap.views(), expected);
+  std::uint64_t clamped = 99;
+  REQUIRE(welkin_write_texture(place("c.ktx2").c_str(), mips.data(), 5, &options, nullptr, &clamped) == WELKIN_OK);
+  REQUIRE(clamped == report.values_clamped);
+  REQUIRE(bytes_of(place("c.ktx2")) == bytes_of(place("cpp.ktx2")));
+
+  // The chain brings its roughness, which a later bake finds.
+  REQUIRE(welkin_write_chain(place("chain.ktx2").c_str(), reflections.chain, nullptr, nullptr, nullptr) == WELKIN_OK);
+  const StoredEnvironment stored = probe_environment(place("chain.ktx2"));
+  REQUIRE(stored.content == LevelContent::reflections);
+  REQUIRE(stored.roughness == roughness_of_mips(RoughnessSchedule::babylon, 5, 16));
+
+  const std::vector<float> rgb{0.5F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
+  write_texture_2d(place("cpp.dds"), 2, 1, rgb.data());
+  REQUIRE(welkin_write_flat_texture(place("c.dds").c_str(), 2, 1, rgb.data(), nullptr, nullptr, nullptr) == WELKIN_OK);
+  REQUIRE(bytes_of(place("c.dds")) == bytes_of(place("cpp.dds")));
+
+  REQUIRE(welkin_write_texture(place("c.gif").c_str(), mips.data(), 5, nullptr, nullptr, nullptr) ==
+          WELKIN_UNSUPPORTED_FILE);
+  REQUIRE(welkin_write_texture(place("c.ktx2").c_str(), mips.data(), 0, nullptr, nullptr, nullptr) ==
+          WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_write_texture(directory.file("no/folder.ktx2").string().c_str(), mips.data(), 5, nullptr, nullptr,
+                               nullptr) == WELKIN_FILE_ACCESS);
+}
+
+TEST_CASE("C: Babylon.js's environments are the bytes that the C++ call writes", "[c_interface]") {
+  const TemporaryDirectory directory;
+  const Reflections reflections;
+  const auto report = write_babylon_environment(directory.file("cpp.env"),
+                                                to_babylon(reflections.expected.cubemap, reflections.radiance));
+  const auto radiance = plain(reflections.radiance);
+  const std::string path = directory.file("c.env").string();
+  std::uint64_t clamped = 99;
+  REQUIRE(welkin_write_babylon_environment(path.c_str(), reflections.chain, 3, radiance.data(), nullptr, &clamped) ==
+          WELKIN_OK);
+  REQUIRE(clamped == report.values_clamped);
+  REQUIRE(bytes_of(path) == bytes_of(directory.file("cpp.env").string()));
+}
+
+TEST_CASE("C: a sky's tables are saved and loaded as the same bits", "[c_interface]") {
+  const TemporaryDirectory directory;
+  const std::string path = directory.file("sky.tables").string();
+  const SkyTables expected = precompute_sky(earth(), tiny_tables());
+  const welkin_sky_tables tables{std::make_shared<const SkyTables>(expected)};
+  REQUIRE(welkin_sky_tables_save(&tables, path.c_str()) == WELKIN_OK);
+  save_sky_tables(expected, directory.file("cpp.tables"));
+  REQUIRE(bytes_of(path) == bytes_of(directory.file("cpp.tables").string()));
+  welkin_sky_tables* loaded = nullptr;
+  REQUIRE(welkin_sky_tables_load(path.c_str(), 0, &loaded) == WELKIN_OK);
+  REQUIRE(same_texels(loaded->tables->scattering, expected.scattering));
+  REQUIRE(same_texels(loaded->tables->irradiance, expected.irradiance));
+  welkin_sky_tables_destroy(loaded);
+  REQUIRE(welkin_sky_tables_load(path.c_str(), 1000, &loaded) == WELKIN_LIMIT_EXCEEDED);
+  REQUIRE(loaded == nullptr);
+  REQUIRE(welkin_sky_tables_load(directory.file("none").string().c_str(), 0, &loaded) == WELKIN_FILE_ACCESS);
+}
+
+}  // namespace welkin::test

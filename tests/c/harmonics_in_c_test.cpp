@@ -1,0 +1,135 @@
+// Harmonics and engines' forms through the C interface: the bits of the C++ calls.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "c/c_calls.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "welkin/babylon.h"
+#include "welkin/convention.h"
+#include "welkin/directional_light.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/projection.h"
+#include "welkin/welkin.h"
+#include "welkin/windowing.h"
+
+namespace welkin::test {
+
+TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_interface]") {
+  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
+  for (const int bands : {1, 3, 6}) {
+    INFO("bands " << bands);
+    const SphericalHarmonics light = project(picture.view(), {.bands = bands}).radiance;
+    const auto radiance = plain(light);
+    std::vector<double> made(radiance.size());
+
+    const double quaternion[4] = {0.1, -0.2, 0.3, 0.9};
+    REQUIRE(welkin_rotate(bands, radiance.data(), quaternion, made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), rotate(light, glm::dquat(0.9, 0.1, -0.2, 0.3))));
+
+    const glm::dmat3& matrix = convention(Engine::unreal).from_welkin;
+    std::array<double, 9> numbers{};
+    for (int i = 0; i < 9; ++i) numbers.at(static_cast<std::size_t>(i)) = matrix[i / 3][i % 3];
+    made = radiance;  // in place
+    REQUIRE(welkin_transform(bands, made.data(), numbers.data(), made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), transform(light, matrix)));
+
+    for (const auto window : {Window::none, Window::hanning, Window::lanczos, Window::min_laplacian}) {
+      const Windowed expected = apply_window(light, window, 5.0);
+      auto report = c_struct<welkin_window_report>();
+      made = radiance;
+      REQUIRE(welkin_apply_window(bands, made.data(), static_cast<welkin_window>(window), 5.0, made.data(), &report) ==
+              WELKIN_OK);
+      REQUIRE(same_doubles(made.data(), expected.radiance));
+      REQUIRE(report.bands == bands);
+      REQUIRE(same_bits(report.parameter, expected.parameter));
+      REQUIRE(same_triple(report.minimum_before, expected.minimum_before));
+      REQUIRE(same_triple(report.minimum_after, expected.minimum_after));
+      for (std::size_t l = 0; l < WELKIN_MAXIMUM_BANDS; ++l) {
+        REQUIRE(same_bits(report.factors[l], l < expected.factors.size() ? expected.factors[l] : 0.0));
+      }
+    }
+
+    const HarmonicMinimum least = minimum(light);
+    double value[3];
+    double directions[9];
+    REQUIRE(welkin_minimum(bands, radiance.data(), value, directions) == WELKIN_OK);
+    REQUIRE(same_triple(value, least.value));
+    for (int channel = 0; channel < 3; ++channel) {
+      REQUIRE(same_triple(directions + 3 * channel, least.direction[channel]));
+    }
+    REQUIRE(welkin_minimum(bands, radiance.data(), value, nullptr) == WELKIN_OK);
+
+    const auto dominant = dominant_light(light);
+    double direction[3];
+    double irradiance[3];
+    std::int32_t found = -1;
+    REQUIRE(welkin_dominant_light(bands, radiance.data(), direction, irradiance, &found) == WELKIN_OK);
+    REQUIRE(found == (dominant ? 1 : 0));
+    REQUIRE(same_triple(direction, dominant ? dominant->direction : glm::dvec3(0.0)));
+    REQUIRE(same_triple(irradiance, dominant ? dominant->irradiance : glm::dvec3(0.0)));
+
+    auto sun = c_struct<welkin_sun>();
+    Sun expected_sun;
+    expected_sun.direction = {0.6, 0.8, 0.0};
+    expected_sun.irradiance = {3.0, 2.0, 1.0};
+    expected_sun.solid_angle = 6e-5;
+    sun.direction[0] = 0.6;
+    sun.direction[1] = 0.8;
+    sun.irradiance[0] = 3.0;
+    sun.irradiance[1] = 2.0;
+    sun.irradiance[2] = 1.0;
+    sun.solid_angle = 6e-5;
+    REQUIRE(welkin_sun_harmonics(&sun, bands, made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), sun_harmonics(expected_sun, bands)));
+  }
+}
+
+TEST_CASE("C: conventions and Babylon.js's polynomial are the C++ calls'", "[c_interface]") {
+  for (const Convention& expected : conventions()) {
+    auto found = c_struct<welkin_convention>();
+    REQUIRE(welkin_get_convention(static_cast<welkin_engine>(expected.engine), &found) == WELKIN_OK);
+    REQUIRE(found.engine == static_cast<welkin_engine>(expected.engine));
+    REQUIRE(found.name == std::string(expected.name));
+    REQUIRE(found.title == std::string(expected.title));
+    REQUIRE(found.axes == std::string(expected.axes));
+    REQUIRE(found.lat_long == std::string(expected.lat_long));
+    REQUIRE(found.right_handed == (expected.right_handed ? 1 : 0));
+    REQUIRE(found.has_faces == (expected.faces_from_engine ? 1 : 0));
+    for (int column = 0; column < 3; ++column) {
+      REQUIRE(same_triple(found.from_welkin + 3 * column, expected.from_welkin[column]));
+      const glm::dmat3 faces = expected.faces_from_engine.value_or(glm::dmat3(0.0));
+      REQUIRE(same_triple(found.faces_from_engine + 3 * column, faces[column]));
+    }
+  }
+
+  const auto picture = make_lat_long(Content::smooth, 32, 16, 1);
+  const SphericalHarmonics light = project(picture.view()).radiance;
+  const BabylonPolynomial polynomial = babylon_polynomial(light);
+  auto form = c_struct<welkin_engine_light>();
+  REQUIRE(welkin_engine_light_in_place(3, plain(light).data(), WELKIN_ENGINE_BABYLON, &form) == WELKIN_OK);
+  REQUIRE(same_triple(form.terms[0], polynomial.x));
+  REQUIRE(same_triple(form.terms[6], polynomial.yz));
+  const double normal[3] = {0.0, 0.6, -0.8};
+  double value[3];
+  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_OK);
+  REQUIRE(same_triple(value, evaluate(polynomial, {0.0, 0.6, -0.8})));
+
+  const double colour[3] = {0.25, 0.5, 4.0};
+  REQUIRE(welkin_babylon_constant(colour, &form) == WELKIN_OK);
+  REQUIRE(form.engine == WELKIN_ENGINE_BABYLON);
+  REQUIRE(form.term_count == 9);
+  const BabylonPolynomial constant = babylon_constant_polynomial({0.25, 0.5, 4.0});
+  REQUIRE(same_triple(form.terms[0], constant.x));
+  REQUIRE(same_triple(form.terms[4], constant.yy));
+  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_OK);
+  REQUIRE(same_triple(value, evaluate(constant, {0.0, 0.6, -0.8})));
+  form.engine = WELKIN_ENGINE_UNITY;
+  REQUIRE(welkin_babylon_evaluate(&form, normal, value) == WELKIN_INVALID_ARGUMENT);
+}
+
+}  // namespace welkin::test

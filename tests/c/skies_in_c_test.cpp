@@ -1,0 +1,517 @@
+// Skies through the C interface: atmospheres, tables, views, harmonics and the dynamic sky have the C++ calls' bits.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "c/c_calls.h"
+#include "c/c_worker.h"
+#include "support/catch.h"
+#include "support/small_skies.h"
+#include "welkin/atmosphere.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_light.h"
+#include "welkin/sky_specular.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
+#include "welkin/welkin.h"
+#include "welkin/worker.h"
+
+namespace welkin::test {
+namespace {
+
+welkin_sky_table_options c_options(const SkyTableOptions& options) {
+  auto values = c_struct<welkin_sky_table_options>();
+  values.layout = static_cast<welkin_scattering_layout>(options.layout);
+  values.heights = options.heights;
+  values.view_zeniths = options.view_zeniths;
+  values.sun_zeniths = options.sun_zeniths;
+  values.sun_angles = options.sun_angles;
+  values.transmittance_heights = options.transmittance_heights;
+  values.transmittance_zeniths = options.transmittance_zeniths;
+  values.irradiance_heights = options.irradiance_heights;
+  values.irradiance_sun_zeniths = options.irradiance_sun_zeniths;
+  values.orders = options.orders;
+  values.colour = static_cast<welkin_sky_colour>(options.colour);
+  values.lowest_sun_degrees = options.lowest_sun_degrees;
+  values.until_change = options.until_change;
+  values.memory_limit_bytes = options.memory_limit_bytes;
+  return values;
+}
+
+/// Handles of one kind, destroyed with their scope.
+template <class Handle, void (*destroy)(Handle*)>
+struct Destroyed {
+  Handle* handle = nullptr;
+
+  Destroyed() = default;
+  explicit Destroyed(Handle* its_handle) : handle(its_handle) {}
+  ~Destroyed() { destroy(handle); }
+  Destroyed(const Destroyed&) = delete;
+  Destroyed& operator=(const Destroyed&) = delete;
+};
+using CAtmosphere = Destroyed<welkin_atmosphere, welkin_atmosphere_destroy>;
+using CTables = Destroyed<welkin_sky_tables, welkin_sky_tables_destroy>;
+using CView = Destroyed<welkin_sky_view, welkin_sky_view_destroy>;
+using CProjector = Destroyed<welkin_sky_projector, welkin_sky_projector_destroy>;
+using CCurve = Destroyed<welkin_sky_curve, welkin_sky_curve_destroy>;
+using CSkyLight = Destroyed<welkin_sky_light, welkin_sky_light_destroy>;
+using CChain = Destroyed<welkin_cubemap_chain, welkin_cubemap_chain_destroy>;
+
+void require_same(const welkin_sky_tables* made, const SkyTables& expected) {
+  REQUIRE(made->tables->atmosphere == expected.atmosphere);
+  REQUIRE(made->tables->options == expected.options);
+  REQUIRE(same_texels(made->tables->transmittance, expected.transmittance));
+  REQUIRE(same_texels(made->tables->scattering, expected.scattering));
+  REQUIRE(same_texels(made->tables->single_mie, expected.single_mie));
+  REQUIRE(same_texels(made->tables->irradiance, expected.irradiance));
+  auto info = c_struct<welkin_sky_tables_info>();
+  REQUIRE(welkin_sky_tables_get_info(made, &info) == WELKIN_OK);
+  REQUIRE(info.orders == expected.orders);
+  REQUIRE(same_bits(info.last_change, expected.last_change));
+  REQUIRE(info.bytes == expected.bytes());
+}
+
+/// Five doubles a layer.
+std::vector<double> layers_of(const Constituent& matter) {
+  std::vector<double> values;
+  for (const DensityLayer& layer : matter.density) {
+    values.insert(values.end(), {layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m,
+                                 layer.linear_term_per_m, layer.constant_term});
+  }
+  return values;
+}
+
+welkin_status set_matter(welkin_atmosphere* atmosphere, welkin_matter which, const Constituent& matter) {
+  const auto layers = layers_of(matter);
+  auto values = c_struct<welkin_constituent>();
+  values.layer_count = static_cast<std::int32_t>(matter.density.size());
+  values.layers = layers.data();
+  values.scattering_per_m = matter.scattering_per_m.empty() ? nullptr : matter.scattering_per_m.data();
+  values.absorption_per_m = matter.absorption_per_m.empty() ? nullptr : matter.absorption_per_m.data();
+  return welkin_atmosphere_set_matter(atmosphere, which, &values);
+}
+
+/// The tests' small sky in both languages.
+struct SmallSky {
+  SkyTableOptions options = tiny_tables();
+  std::shared_ptr<const SkyTables> tables = std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+  CTables c_tables;
+
+  SmallSky() {
+    CAtmosphere air;
+    REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air.handle) == WELKIN_OK);
+    const auto wanted = c_options(options);
+    REQUIRE(welkin_sky_tables_create(air.handle, &wanted, nullptr, &c_tables.handle) == WELKIN_OK);
+  }
+};
+
+const SmallSky& small_sky() {
+  static const SmallSky sky;
+  return sky;
+}
+
+std::array<double, 3> numbers(const glm::dvec3& vector) { return {vector.x, vector.y, vector.z}; }
+
+}  // namespace
+
+TEST_CASE("C: planets are the C++ calls'", "[c_interface]") {
+  const std::array expected{earth(), earth_hillaire(), mars(), Atmosphere{}};
+  for (std::size_t planet = 0; planet < expected.size(); ++planet) {
+    CAtmosphere air;
+    REQUIRE(welkin_atmosphere_create(static_cast<welkin_planet>(planet), &air.handle) == WELKIN_OK);
+    REQUIRE(air.handle->air == expected.at(planet));
+    REQUIRE(welkin_atmosphere_check(air.handle) == (planet < 3 ? WELKIN_OK : WELKIN_INVALID_ARGUMENT));
+  }
+  const std::vector<double> wavelengths{700.0, 600.0, 500.0, 400.0};
+  CAtmosphere air;
+  REQUIRE(welkin_atmosphere_create_earth(wavelengths.data(), 4, &air.handle) == WELKIN_OK);
+  REQUIRE(air.handle->air == earth(wavelengths));
+}
+
+TEST_CASE("C: an atmosphere of the caller's own is what was set", "[c_interface]") {
+  const Atmosphere wanted = earth_hillaire();
+  CAtmosphere air;
+  REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_BARE, &air.handle) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_wavelengths(air.handle, wanted.wavelengths_nm.data(),
+                                            static_cast<std::int32_t>(wanted.wavelengths_nm.size())) == WELKIN_OK);
+  REQUIRE(set_matter(air.handle, WELKIN_MATTER_RAYLEIGH, wanted.rayleigh) == WELKIN_OK);
+  REQUIRE(set_matter(air.handle, WELKIN_MATTER_AEROSOL, wanted.aerosol) == WELKIN_OK);
+  REQUIRE(wanted.absorbers.size() == 1);
+  REQUIRE(set_matter(air.handle, WELKIN_MATTER_ABSORBER, wanted.absorbers[0]) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_aerosol_phase(air.handle, static_cast<welkin_aerosol_phase>(wanted.aerosol_phase),
+                                              wanted.aerosol_asymmetry) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_radii(air.handle, wanted.bottom_radius_m, wanted.top_radius_m) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_ground_albedo(air.handle, wanted.ground_albedo.data(),
+                                              static_cast<std::int32_t>(wanted.ground_albedo.size())) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_sun(air.handle, wanted.solar_irradiance.data(),
+                                    static_cast<std::int32_t>(wanted.solar_irradiance.size()),
+                                    wanted.sun_angular_radius_degrees) == WELKIN_OK);
+  Atmosphere renamed = wanted;
+  renamed.name.clear();
+  REQUIRE(air.handle->air == renamed);
+  REQUIRE(welkin_atmosphere_check(air.handle) == WELKIN_OK);
+
+  const double grey = 0.5;
+  REQUIRE(welkin_atmosphere_set_ground_albedo(air.handle, &grey, 1) == WELKIN_OK);
+  REQUIRE(air.handle->air.ground_albedo == with_ground_albedo(wanted, 0.5).ground_albedo);
+
+  // Absorbers stand without gaps; a removed one's place is taken by the next.
+  REQUIRE(set_matter(air.handle, WELKIN_MATTER_ABSORBER + 2, wanted.absorbers[0]) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(set_matter(air.handle, WELKIN_MATTER_ABSORBER + 1, {}) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_matter(air.handle, WELKIN_MATTER_ABSORBER, nullptr) == WELKIN_OK);
+  REQUIRE(air.handle->air.absorbers == std::vector<Constituent>(1));
+  REQUIRE(welkin_atmosphere_set_matter(air.handle, WELKIN_MATTER_ABSORBER + 1, nullptr) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_atmosphere_set_matter(air.handle, WELKIN_MATTER_ABSORBER + 4, nullptr) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_atmosphere_set_matter(air.handle, WELKIN_MATTER_AEROSOL, nullptr) == WELKIN_OK);
+  REQUIRE(air.handle->air.aerosol == Constituent{});
+  REQUIRE(welkin_atmosphere_set_radii(air.handle, 1000.0, 10.0) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_check(air.handle) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(std::string(welkin_last_error()).find("top_radius_m") != std::string::npos);
+}
+
+TEST_CASE("C: a sky's tables have the C++ call's bits, at once and as a job", "[c_interface]") {
+  const CWorker worker(2);
+  require_same(small_sky().c_tables.handle, *small_sky().tables);
+
+  SkyTableOptions other = tiny_tables();
+  other.layout = ScatteringLayout::compact;
+  other.colour = SkyColour::linear_srgb;
+  other.orders = 3;
+  other.until_change = 0.02;
+  other.lowest_sun_degrees = -12.0;
+  const SkyTables expected = precompute_sky(mars(), other);
+  CAtmosphere air;
+  REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_MARS, &air.handle) == WELKIN_OK);
+  const auto wanted = c_options(other);
+  const CTables posted(posted_handle<welkin_sky_tables>(
+      [&](welkin_job** job) { return welkin_post_sky_tables(worker.get(), air.handle, &wanted, nullptr, job); },
+      welkin_job_get_sky_tables));
+  require_same(posted.handle, expected);
+
+  auto small = wanted;
+  small.memory_limit_bytes = 1000;
+  CTables none;
+  REQUIRE(welkin_sky_tables_create(air.handle, &small, nullptr, &none.handle) == WELKIN_LIMIT_EXCEEDED);
+  REQUIRE(none.handle == nullptr);
+}
+
+TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
+  const SmallSky& sky = small_sky();
+  const glm::dvec3 sun = sun_direction(12.0, 70.0);
+  std::array<double, 3> c_sun{};
+  REQUIRE(welkin_sun_direction(12.0, 70.0, c_sun.data()) == WELKIN_OK);
+  REQUIRE(same_triple(c_sun.data(), sun));
+  for (const bool ground : {true, false}) {
+    const SkyView expected(sky.tables, 800.0, {ground});
+    auto options = c_struct<welkin_sky_view_options>();
+    options.without_ground = ground ? 0 : 1;
+    CView view;
+    REQUIRE(welkin_sky_view_create(sky.c_tables.handle, 800.0, &options, &view.handle) == WELKIN_OK);
+
+    const std::vector<glm::vec3> directions{{0.0F, 1.0F, 0.0F}, {0.6F, 0.1F, -0.3F}, {0.1F, -0.8F, 0.2F}};
+    std::vector<glm::vec3> wanted(3);
+    std::vector<glm::vec3> found(3);
+    expected.radiance(directions, sun, wanted);
+    REQUIRE(welkin_sky_view_radiance(view.handle, &directions[0].x, 3, c_sun.data(), &found[0].x) == WELKIN_OK);
+    REQUIRE(same_bytes(std::span<const glm::vec3>(found), std::span<const glm::vec3>(wanted)));
+    REQUIRE(welkin_sky_view_radiance(view.handle, nullptr, 0, c_sun.data(), nullptr) == WELKIN_OK);
+
+    const Sun light = expected.sun(sun);
+    auto c_light = c_struct<welkin_sun>();
+    REQUIRE(welkin_sky_view_sun(view.handle, c_sun.data(), &c_light) == WELKIN_OK);
+    REQUIRE(same_triple(c_light.direction, light.direction));
+    REQUIRE(same_triple(c_light.irradiance, light.irradiance));
+    REQUIRE(same_triple(c_light.radiance, light.radiance));
+    REQUIRE(same_bits(c_light.solid_angle, light.solid_angle));
+    REQUIRE(same_bits(c_light.angular_radius_degrees, light.angular_radius_degrees));
+    std::array<double, 3> irradiance{};
+    REQUIRE(welkin_sky_view_irradiance(view.handle, c_sun.data(), irradiance.data()) == WELKIN_OK);
+    REQUIRE(same_triple(irradiance.data(), expected.irradiance(sun)));
+
+    for (const bool disc : {false, true}) {
+      auto picture = c_struct<welkin_sky_picture_options>();
+      picture.sun_disc = disc ? 1 : 0;
+      const CubemapImage cubemap = sky_cubemap(expected, sun, 8, {disc});
+      std::vector<float> texels(cubemap.pixels.size());
+      auto target = c_struct<welkin_cubemap_target>();
+      target.size = 8;
+      for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 8 * 8 * 3;
+      REQUIRE(welkin_sky_view_cubemap(view.handle, c_sun.data(), &picture, nullptr, &target, nullptr) == WELKIN_OK);
+      REQUIRE(same_texels(texels, cubemap.pixels));
+
+      const LatLongImage lat_long = sky_lat_long(expected, sun, 8, {disc});
+      texels.assign(lat_long.pixels.size(), 0.0F);
+      auto image = c_struct<welkin_image_target>();
+      image.pixels = texels.data();
+      image.width = 16;
+      image.height = 8;
+      REQUIRE(welkin_sky_view_lat_long(view.handle, c_sun.data(), &picture, nullptr, &image, nullptr) == WELKIN_OK);
+      REQUIRE(same_texels(texels, lat_long.pixels));
+      image.width = 15;
+      REQUIRE(welkin_sky_view_lat_long(view.handle, c_sun.data(), &picture, nullptr, &image, nullptr) ==
+              WELKIN_INVALID_ARGUMENT);
+
+      auto reflections = c_struct<welkin_prefilter_options>();
+      reflections.size = 8;
+      CChain chain;
+      REQUIRE(welkin_sky_view_specular(view.handle, c_sun.data(), &reflections, &picture, nullptr, &chain.handle) ==
+              WELKIN_OK);
+      require_same_chain(chain.handle, sky_specular(expected, sun, {.size = 8}, {disc}).cubemap);
+    }
+  }
+}
+
+TEST_CASE("C: a sky's harmonics have the C++ calls' bits, at once and as jobs", "[c_interface]") {
+  const CWorker worker(2);
+  const SmallSky& sky = small_sky();
+  const SkyView expected_view(sky.tables, 0.0);
+  CView view;
+  REQUIRE(welkin_sky_view_create(sky.c_tables.handle, 0.0, nullptr, &view.handle) == WELKIN_OK);
+  struct Rule {
+    SkyQuadrature quadrature;
+    welkin_sky_quadrature number;
+  };
+  for (const auto& [quadrature, number] : {Rule{SkyQuadrature::gauss_split, WELKIN_SKY_QUADRATURE_GAUSS_SPLIT},
+                                           Rule{SkyQuadrature::gauss, WELKIN_SKY_QUADRATURE_GAUSS},
+                                           Rule{SkyQuadrature::uniform, WELKIN_SKY_QUADRATURE_UNIFORM}}) {
+    const SkyProjector projector(expected_view, {4, quadrature, 8, 12});
+    auto options = c_struct<welkin_sky_harmonics_options>();
+    options.bands = 4;
+    options.quadrature = number;
+    options.zeniths = 8;
+    options.azimuths = 12;
+    CProjector c_projector;
+    REQUIRE(welkin_sky_projector_create(view.handle, &options, &c_projector.handle) == WELKIN_OK);
+    REQUIRE(welkin_sky_projector_bands(c_projector.handle) == 4);
+    const auto sun = numbers(sun_direction(25.0, 10.0));
+    std::vector<double> coefficients(3 * 16);
+    REQUIRE(welkin_sky_projector_project(c_projector.handle, sun.data(), coefficients.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(coefficients.data(), projector.project(sun_direction(25.0, 10.0))));
+
+    SkyCurveOptions curve_options;
+    curve_options.bands = 4;
+    curve_options.nodes = 16;
+    curve_options.projection = {3, quadrature, 8, 12};
+    const SkyCurve curve(expected_view, curve_options);
+    options.nodes = 16;
+    CCurve at_once;
+    REQUIRE(welkin_sky_curve_create(view.handle, &options, nullptr, &at_once.handle) == WELKIN_OK);
+    const CCurve posted(posted_handle<welkin_sky_curve>(
+        [&](welkin_job** job) {
+          return welkin_post_sky_curve(worker.get(), sky.c_tables.handle, 0.0, &options, nullptr, job);
+        },
+        welkin_job_get_sky_curve));
+    for (const auto* const made : {at_once.handle, posted.handle}) {
+      REQUIRE(welkin_sky_curve_bands(made) == 4);
+      std::array<double, 3> irradiance{};
+      REQUIRE(welkin_sky_curve_at(made, sun.data(), coefficients.data(), irradiance.data()) == WELKIN_OK);
+      REQUIRE(same_doubles(coefficients.data(), curve.at(sun_direction(25.0, 10.0))));
+      REQUIRE(same_triple(irradiance.data(), curve.sun_irradiance(sun_direction(25.0, 10.0))));
+    }
+    // A projector has no nodes.
+    CProjector none;
+    REQUIRE(welkin_sky_projector_create(view.handle, &options, &none.handle) == WELKIN_INVALID_ARGUMENT);
+  }
+  // Defaults.
+  CProjector by_default;
+  REQUIRE(welkin_sky_projector_create(view.handle, nullptr, &by_default.handle) == WELKIN_OK);
+  const auto sun = numbers(sun_direction(-3.0, 200.0));
+  std::vector<double> coefficients(27);
+  REQUIRE(welkin_sky_projector_project(by_default.handle, sun.data(), coefficients.data()) == WELKIN_OK);
+  REQUIRE(same_doubles(coefficients.data(), SkyProjector(expected_view).project(sun_direction(-3.0, 200.0))));
+}
+
+TEST_CASE("C: a sky's reflections as a job have the C++ call's bits", "[c_interface]") {
+  const CWorker worker(2);
+  const SmallSky& sky = small_sky();
+  auto options = c_struct<welkin_prefilter_options>();
+  options.size = 16;
+  const auto sun = numbers(sun_direction(40.0, 0.0));
+  const CChain chain(posted_handle<welkin_cubemap_chain>(
+      [&](welkin_job** job) {
+        return welkin_post_sky_specular(worker.get(), sky.c_tables.handle, 100.0, sun.data(), &options, nullptr, job);
+      },
+      welkin_job_get_chain));
+  require_same_chain(chain.handle,
+                     sky_specular(SkyView(sky.tables, 100.0), sun_direction(40.0, 0.0), {.size = 16}).cubemap);
+}
+
+// The dynamic sky.
+
+namespace {
+
+/// Both skies, driven alike.
+struct TwoSkies {
+  Worker worker;
+  CWorker c_worker;
+  SkyLight light;
+  CSkyLight c_light;
+
+  explicit TwoSkies(const SkyLightOptions& options, const welkin_sky_light_options& c_options)
+      : worker({.threads = 1}), c_worker(1), light(worker, small_sky().tables, options) {
+    REQUIRE(welkin_sky_light_create_with_tables(c_worker.get(), small_sky().c_tables.handle, &c_options,
+                                                &c_light.handle) == WELKIN_OK);
+  }
+
+  void set_sun(double elevation, double azimuth) {
+    light.set_sun(elevation, azimuth);
+    const auto direction = numbers(sun_direction(elevation, azimuth));
+    REQUIRE(welkin_sky_light_set_sun(c_light.handle, direction.data()) == WELKIN_OK);
+  }
+
+  /// Both are updated until nothing is left to be done.
+  welkin_sky_frame settled() {
+    auto frame = c_struct<welkin_sky_frame>();
+    for (int i = 0; i < 20000 && !(light.light().settled && frame.settled == 1); ++i) {
+      if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      light.update(0.25);
+      REQUIRE(welkin_sky_light_update(c_light.handle, 0.25, &frame) == WELKIN_OK);
+    }
+    REQUIRE(light.light().settled);
+    REQUIRE(frame.settled == 1);
+    REQUIRE(welkin_sky_light_get_status(c_light.handle) == WELKIN_OK);
+    return frame;
+  }
+};
+
+void require_same(const welkin_sky_frame& frame, const SkyLightFrame& expected) {
+  REQUIRE(frame.ready == (expected.ready ? 1 : 0));
+  REQUIRE(frame.bands == expected.radiance.bands());
+  REQUIRE(same_doubles(frame.coefficients, expected.radiance));
+  REQUIRE(same_triple(frame.sun_direction, expected.sun.direction));
+  REQUIRE(same_triple(frame.sun_irradiance, expected.sun.irradiance));
+  REQUIRE(same_bits(frame.sun_solid_angle, expected.sun.solid_angle));
+  const auto& reflections = frame.reflections[0];
+  const auto& wanted = expected.reflections[0];
+  REQUIRE((reflections.chain != nullptr) == (wanted.specular != nullptr));
+  REQUIRE((reflections.id != 0) == (wanted.specular != nullptr));
+  if (wanted.specular) require_same_chain(reflections.chain, wanted.specular->cubemap);
+  REQUIRE(same_bits(reflections.weight, wanted.weight));
+  for (int column = 0; column < 3; ++column) {
+    REQUIRE(same_triple(reflections.rotation + 3 * column, wanted.rotation[column]));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its reflections", "[c_interface]") {
+  SkyLightOptions options;
+  options.curve.bands = 4;
+  options.curve.nodes = 16;
+  options.curve.projection = {3, SkyQuadrature::gauss_split, 8, 8};
+  options.specular = {.size = 8};
+  options.altitude_m = 50.0;
+  options.specular_threshold_degrees = 1.0;
+  options.blend_seconds = 1.0;
+  auto curve = c_struct<welkin_sky_harmonics_options>();
+  curve.bands = 4;
+  curve.nodes = 16;
+  curve.zeniths = 8;
+  curve.azimuths = 8;
+  auto specular = c_struct<welkin_prefilter_options>();
+  specular.size = 8;
+  auto c_options = c_struct<welkin_sky_light_options>();
+  c_options.curve = &curve;
+  c_options.specular = &specular;
+  c_options.altitude_m = 50.0;
+  c_options.specular_threshold_degrees = 1.0;
+  c_options.blend_seconds = 1.0;
+  TwoSkies skies(options, c_options);
+
+  skies.set_sun(30.0, 100.0);
+  const welkin_sky_frame first = skies.settled();
+  require_same(first, skies.light.light());
+  REQUIRE(first.reflections[0].id > 0);
+
+  // An azimuth and an intensity make nothing anew: the same chain, turned.
+  skies.set_sun(30.0, 160.0);
+  skies.light.set_intensity(3.0);
+  REQUIRE(welkin_sky_light_set_intensity(skies.c_light.handle, 3.0) == WELKIN_OK);
+  const welkin_sky_frame turned = skies.settled();
+  require_same(turned, skies.light.light());
+  REQUIRE(turned.reflections[0].id == first.reflections[0].id);
+  REQUIRE(turned.reflections[0].weight == 3.0);
+
+  // An elevation does: the chain that was the newer one keeps its number as the older one.
+  skies.set_sun(10.0, 160.0);
+  auto blended = c_struct<welkin_sky_frame>();
+  for (int i = 0; i < 20000 && blended.reflections[0].id <= first.reflections[0].id; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    REQUIRE(welkin_sky_light_update(skies.c_light.handle, 1e-3, &blended) == WELKIN_OK);
+  }
+  REQUIRE(blended.reflections[0].id == first.reflections[0].id + 1);
+  REQUIRE(blended.reflections[1].id == first.reflections[0].id);
+  REQUIRE(blended.reflections[1].chain != nullptr);
+  REQUIRE(blended.reflections[0].weight + blended.reflections[1].weight == Approx(3.0));
+
+  // So does an altitude.
+  skies.set_sun(5.0, 160.0);
+  skies.light.set_altitude(2000.0);
+  REQUIRE(welkin_sky_light_set_altitude(skies.c_light.handle, 2000.0) == WELKIN_OK);
+  const welkin_sky_frame lower = skies.settled();
+  require_same(lower, skies.light.light());
+  REQUIRE(lower.reflections[0].id > first.reflections[0].id);
+
+  // Room for fewer bands than there are.
+  auto small = c_struct<welkin_sky_frame>();
+  small.struct_size = offsetof(welkin_sky_frame, coefficients) + 27 * sizeof(double);
+  REQUIRE(welkin_sky_light_update(skies.c_light.handle, 0.0, &small) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(std::string(welkin_last_error()).find("4 bands") != std::string::npos);
+  REQUIRE(welkin_sky_light_update(skies.c_light.handle, -1.0, nullptr) == WELKIN_INVALID_ARGUMENT);
+  auto frame = c_struct<welkin_sky_frame>();
+  REQUIRE(welkin_sky_light_update(skies.c_light.handle, -1.0, &frame) == WELKIN_INVALID_ARGUMENT);
+
+  auto counters = c_struct<welkin_sky_light_counters>();
+  REQUIRE(welkin_sky_light_get_counters(skies.c_light.handle, &counters) == WELKIN_OK);
+  REQUIRE(counters.tables_baked == 0);
+  REQUIRE(counters.curves_baked >= 2);
+  REQUIRE(counters.speculars_baked >= 2);
+  REQUIRE(counters.frames >= 3);
+  REQUIRE(counters.turns + counters.elevations >= 2);
+  REQUIRE(counters.failures == 0);
+}
+
+TEST_CASE("C: thresholds below zero are none, and a dynamic sky can be without reflections", "[c_interface]") {
+  SkyLightOptions options;
+  options.curve.nodes = 16;
+  options.specular.size = 0;
+  options.sun_threshold_degrees = 0.0;
+  options.blend_seconds = 0.0;
+  auto curve = c_struct<welkin_sky_harmonics_options>();
+  curve.nodes = 16;
+  auto c_options = c_struct<welkin_sky_light_options>();
+  c_options.curve = &curve;
+  c_options.without_specular = 1;
+  c_options.sun_threshold_degrees = -1.0;
+  c_options.blend_seconds = -1.0;
+  TwoSkies skies(options, c_options);
+  skies.set_sun(30.0, 100.0);
+  require_same(skies.settled(), skies.light.light());
+  skies.set_sun(30.001, 100.0);
+  const welkin_sky_frame moved = skies.settled();
+  require_same(moved, skies.light.light());
+  REQUIRE(moved.reflections[0].chain == nullptr);
+  REQUIRE(same_triple(moved.sun_direction, sun_direction(30.001, 100.0)));
+}
+
+TEST_CASE("C: a dynamic sky that its worker lets down says so", "[c_interface]") {
+  const CWorker worker(1);
+  REQUIRE(welkin_worker_terminate(worker.get()) == WELKIN_OK);
+  CAtmosphere air;
+  REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_EARTH, &air.handle) == WELKIN_OK);
+  CSkyLight light;
+  REQUIRE(welkin_sky_light_create(worker.get(), air.handle, nullptr, &light.handle) == WELKIN_OK);
+  auto frame = c_struct<welkin_sky_frame>();
+  REQUIRE(welkin_sky_light_update(light.handle, 0.1, &frame) == WELKIN_OK);
+  REQUIRE(frame.ready == 0);
+  REQUIRE(welkin_sky_light_get_status(light.handle) == WELKIN_STOPPED);
+  REQUIRE(std::string(welkin_last_error()).size() > 0);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,189 @@
+// Results that the C interface writes to the caller's memory: formats, row pitch, direction, and what is refused.
+
+#include <Imath/half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "c/c_calls.h"
+#include "image/pixels.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+
+namespace {
+
+struct TargetFormat {
+  welkin_format format;
+  std::size_t channels;
+  bool halves;
+};
+
+constexpr std::array kTargetFormats{
+    TargetFormat{WELKIN_FORMAT_RGB_F32, 3, false}, TargetFormat{WELKIN_FORMAT_RGBA_F32, 4, false},
+    TargetFormat{WELKIN_FORMAT_RGB_F16, 3, true},  TargetFormat{WELKIN_FORMAT_RGBA_F16, 4, true},
+    TargetFormat{WELKIN_FORMAT_RG_F32, 2, false},  TargetFormat{WELKIN_FORMAT_RG_F16, 2, true}};
+
+std::uint16_t half_of(float value) { return Imath::half(std::min(std::max(value, -65504.0F), 65504.0F)).bits(); }
+
+/// The bytes that a texel of three floats is to have.
+std::vector<std::uint8_t> texel_bytes(const float* rgb, const TargetFormat& format) {
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t c = 0; c < format.channels; ++c) {
+    const float value = c < 3 ? rgb[c] : 1.0F;
+    std::array<std::uint8_t, 4> channel{};
+    const std::uint16_t half = half_of(value);
+    std::memcpy(channel.data(), format.halves ? static_cast<const void*>(&half) : &value, format.halves ? 2 : 4);
+    bytes.insert(bytes.end(), channel.begin(), channel.begin() + (format.halves ? 2 : 4));
+  }
+  return bytes;
+}
+
+/// A chain of the background of a cubemap whose texels go beyond halves.
+welkin_bake_result* bright_bake(const welkin_cubemap& view) {
+  auto options = c_struct<welkin_bake_options>();
+  options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
+  welkin_bake_result* result = nullptr;
+  REQUIRE(welkin_bake_cubemap(&view, &options, nullptr, &result) == WELKIN_OK);
+  return result;
+}
+
+constexpr std::uint8_t kUntouched = 0x5a;
+
+/// Six faces in one block with `padding` bytes behind each row, rows upwards if `upwards`.
+void check_target(const welkin_cubemap_chain* chain, int level, const TargetFormat& format, std::size_t padding,
+                  bool upwards) {
+  const auto texels = texels_of(chain, level);
+  auto info = c_struct<welkin_cubemap>();
+  REQUIRE(welkin_cubemap_chain_get_level(chain, level, &info) == WELKIN_OK);
+  const auto size = static_cast<std::size_t>(info.size);
+  const std::size_t texel = format.channels * (format.halves ? 2 : 4);
+  const std::size_t row = size * texel + padding;
+  std::vector<std::uint8_t> block(6 * size * row, kUntouched);
+  auto target = c_struct<welkin_cubemap_target>();
+  target.format = format.format;
+  target.size = info.size;
+  target.row_stride_bytes = padding == 0 && !upwards ? 0 : static_cast<std::int64_t>(row) * (upwards ? -1 : 1);
+  const auto place = [&](std::size_t face, std::size_t y) {
+    return block.data() + (face * size + (upwards ? size - 1 - y : y)) * row;
+  };
+  for (std::size_t face = 0; face < 6; ++face) target.faces[face] = place(face, 0);
+  std::uint64_t clamped = 99;
+  REQUIRE(welkin_cubemap_chain_copy(chain, level, &target, &clamped) == WELKIN_OK);
+  std::uint64_t expected_clamped = 0;
+  bool same = true;
+  for (std::size_t face = 0; face < 6; ++face) {
+    for (std::size_t y = 0; y < size; ++y) {
+      const std::uint8_t* at = place(face, y);
+      for (std::size_t x = 0; x < size; ++x, at += texel) {
+        const float* rgb = texels.data() + 3 * ((face * size + y) * size + x);
+        for (std::size_t c = 0; c < std::min<std::size_t>(format.channels, 3); ++c) {
+          if (format.halves && !(std::abs(rgb[c]) <= 65504.0F)) ++expected_clamped;
+        }
+        same = same && std::memcmp(at, texel_bytes(rgb, format).data(), texel) == 0;
+      }
+      for (std::size_t i = 0; i < padding; ++i) same = same && at[i] == kUntouched;
+    }
+  }
+  REQUIRE(same);
+  REQUIRE(clamped == expected_clamped);
+}
+
+}  // namespace
+
+TEST_CASE("C: levels are written to the caller's memory in every format, row pitch and direction", "[c_interface]") {
+  const auto cube = make_cubemap(Content::one_texel_sun, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  welkin_bake_result* result = bright_bake(view);
+  const auto* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
+  for (const TargetFormat& format : kTargetFormats) {
+    for (const int level : {0, 1, 3}) {
+      check_target(chain, level, format, 0, false);
+      check_target(chain, level, format, 20, false);
+      check_target(chain, level, format, 4, true);
+    }
+  }
+  welkin_bake_result_destroy(result);
+}
+
+TEST_CASE("texels that halves cannot hold are written as the nearest they can, and counted", "[c_interface]") {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const std::array<float, 9> values{
+      1.0F, -2.0F, std::numeric_limits<float>::quiet_NaN(), infinity, -infinity, 65504.0F, 65505.0F, 1e-8F, 3e-8F};
+  std::array<std::uint16_t, 12> halves{};
+  REQUIRE(image::encode_texels(values.data(), 3, 3, {4, true}, halves.data()) == 4);
+  const std::array<std::uint16_t, 12> expected{0x3C00, 0xC000, 0,      0x3C00, 0x7BFF, 0xFBFF,
+                                               0x7BFF, 0x3C00, 0x7BFF, 0,      0x0001, 0x3C00};
+  REQUIRE(halves == expected);
+  std::array<float, 9> floats{};
+  REQUIRE(image::encode_texels(values.data(), 3, 3, {3, false}, floats.data()) == 0);
+  REQUIRE(std::memcmp(floats.data(), values.data(), sizeof floats) == 0);
+}
+
+TEST_CASE("C: targets that nothing can be written to are refused before anything is written", "[c_interface]") {
+  const auto cube = make_cubemap(Content::smooth, 8, 3, 1);
+  const welkin_cubemap view = c_view(cube.view());
+  welkin_bake_result* result = bright_bake(view);
+  const auto* const chain = welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND);
+  std::vector<float> block(6 * 8 * 8 * 4, 7.0F);
+  auto sound = c_struct<welkin_cubemap_target>();
+  sound.format = WELKIN_FORMAT_RGBA_F32;
+  sound.size = 8;
+  for (std::size_t face = 0; face < 6; ++face) sound.faces[face] = block.data() + face * 8 * 8 * 4;
+  const auto refused = [&](const welkin_cubemap_target& target, const char* word) {
+    INFO(word);
+    std::uint64_t clamped = 99;
+    REQUIRE(welkin_cubemap_chain_copy(chain, 0, &target, &clamped) == WELKIN_INVALID_ARGUMENT);
+    REQUIRE(std::string(welkin_last_error()).find(word) != std::string::npos);
+    REQUIRE(clamped == 99);
+  };
+  auto target = sound;
+  target.size = 4;
+  refused(target, "texels");
+  target.size = 0;
+  refused(target, "size");
+  target.size = 1 << 20;
+  refused(target, "size");
+  target = sound;
+  target.format = WELKIN_FORMAT_RGBA_U8;
+  refused(target, "format");
+  target.format = 10;
+  refused(target, "format");
+  target.format = -1;
+  refused(target, "format");
+  target = sound;
+  target.row_stride_bytes = 8 * 16 - 4;
+  refused(target, "row_stride_bytes");
+  target.row_stride_bytes = -(8 * 16 - 4);
+  refused(target, "row_stride_bytes");
+  target.row_stride_bytes = 8 * 16 + 2;
+  refused(target, "row_stride_bytes");
+  target.row_stride_bytes = std::numeric_limits<std::int64_t>::min();
+  refused(target, "row_stride_bytes");
+  target = sound;
+  target.faces[3] = nullptr;
+  refused(target, "null");
+  target = sound;
+  target.faces[3] = reinterpret_cast<std::byte*>(block.data()) + 2;
+  refused(target, "aligned");
+  target = sound;
+  target.struct_size = 8;  // it ends before the faces
+  refused(target, "size");
+  target.struct_size = 12;
+  refused(target, "struct_size");
+  for (const float value : block) REQUIRE(value == 7.0F);
+  REQUIRE(welkin_cubemap_chain_copy(chain, 0, &sound, nullptr) == WELKIN_OK);
+  REQUIRE(block.back() == 1.0F);
+  welkin_bake_result_destroy(result);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,119 @@
+// Bakes and their plans, from pixels and from the cache.
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "calls.h"
+#include "pictures.h"
+#include "support/temporary_directory.h"
+#include "welkin/bake.h"
+#include "welkin/bake_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/plan.h"
+#include "welkin/projection.h"
+#include "welkin/resampling.h"
+#include "welkin/result_cache.h"
+#include "welkin/scene_needs.h"
+#include "welkin/sky_plan.h"
+#include "welkin/stored_environment.h"
+
+namespace welkin::test {
+namespace {
+
+BakeOptions small_bake() {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
+  options.irradiance_size = 3;
+  options.brdf = BrdfTableOptions{.width = 5, .height = 3};
+  return options;
+}
+
+std::vector<PassRecord> records_of(const std::vector<PlannedPass>& passes) {
+  std::vector<PassRecord> records;
+  for (const PlannedPass& pass : passes) records.push_back({pass.name, PassAction::run, "", 1.2345});
+  return records;
+}
+
+void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const SceneNeeds rough{.glossy = RoughnessRange{0.4, 1.0}, .error_budget = 0.02};
+  const SourceShape shape = shape_of(wide.view());
+  calls.call("check(SceneNeeds", [&] {
+    check(rough);
+    return 0;
+  });
+  calls.call("plan(SourceShape", [&] { return plan(shape, {}, small_bake()).passes; });
+  calls.call("plan(LatLongView", [&] { return plan(wide.view(), rough, small_bake()).passes; });
+  calls.call("plan(CubemapView", [&] { return plan(cube.view(), rough, small_bake()).passes; });
+  const Plan of_wide = plan(wide.view(), {}, small_bake());
+  const Plan of_cube = plan(cube.view(), {}, small_bake());
+  calls.call("Plan::milliseconds(", [&] { return of_wide.milliseconds(3); });
+  const std::vector<PassRecord> records = records_of(of_wide.passes);
+  calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
+  calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
+  calls.call("bake(LatLongView const&, Plan", [&] { return bake(wide.view(), of_wide); });
+  calls.call("bake(CubemapView const&, Plan", [&] { return bake(cube.view(), of_cube); });
+
+  const EnvironmentChange change{.turn = turn_about_y(40.0), .scale = {2.0, 1.1, 0.3}};
+  calls.call("plan_change(", [&] { return plan_change(small_bake(), change).passes; });
+  BakeResult result = bake(wide.view(), small_bake());
+  calls.call("apply_change(", [&] {
+    apply_change(result, small_bake(), change);
+    return std::cref(result);
+  });
+}
+
+void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const TemporaryDirectory folder;
+  const std::filesystem::path file = folder.file("wide.pfm");
+  write_environment(file, wide.view());
+  const CacheOptions cache_options{.folder = folder.file("cache")};
+  calls.call("ResultCache::ResultCache(CacheOptions", [&] { return ResultCache(cache_options).statistics().misses; });
+  ResultCache cache(cache_options);
+  const LightChange change{.exposure = 1.7, .rotation = glm::dquat(0.4, 0.2, -0.4, 0.8)};
+  const Projection projection = project(cube.view());
+  calls.call("changed(", [&] { return changed(projection, change); });
+  calls.call("ResultCache::project(CubemapView", [&] { return cache.project(cube.view(), {}, change); });
+  calls.call("ResultCache::project(LatLongView", [&] { return cache.project(wide.view(), {}, change); });
+  calls.call("ResultCache::project_file(", [&] { return cache.project_file(file); });
+  const PrefilterOptions specular{.size = 8, .roughness = {0.2, 0.7}};
+  calls.call("ResultCache::prefilter_specular(CubemapView",
+             [&] { return cache.prefilter_specular(cube.view(), specular); });
+  calls.call("ResultCache::prefilter_specular(LatLongView",
+             [&] { return cache.prefilter_specular(wide.view(), specular); });
+  calls.call("ResultCache::bake(CubemapView const&, BakeOptions",
+             [&] { return cache.bake(cube.view(), small_bake()); });
+  calls.call("ResultCache::bake(LatLongView const&, BakeOptions",
+             [&] { return cache.bake(wide.view(), small_bake()); });
+  const StoredEnvironment stored = probe_environment(file);
+  const Plan of_cube = plan(cube.view(), {}, small_bake());
+  const Plan of_wide = plan(wide.view(), {}, small_bake());
+  const Plan of_stored = plan(stored, {}, small_bake());
+  ResultCache planned;
+  calls.call("ResultCache::bake(CubemapView const&, Plan", [&] { return planned.bake(cube.view(), of_cube); });
+  calls.call("ResultCache::bake(LatLongView const&, Plan", [&] { return planned.bake(wide.view(), of_wide); });
+  calls.call("ResultCache::bake(StoredEnvironment", [&] { return planned.bake(stored, of_stored); });
+}
+
+}  // namespace
+
+void call_bakes(Calls& calls) {
+  const LatLongImage wide = small_lat_long();
+  const CubemapImage cube = small_cubemap();
+  calls.call("bake_bytes(LatLongView", [&] { return bake_bytes(wide.view(), small_bake()); });
+  calls.call("bake_bytes(CubemapView", [&] { return bake_bytes(cube.view(), small_bake()); });
+  calls.call("bake(LatLongView const&, BakeOptions", [&] { return bake(wide.view(), small_bake()); });
+  calls.call("bake(CubemapView const&, BakeOptions", [&] { return bake(cube.view(), small_bake()); });
+  BakeResult result;
+  calls.call("bake_into(BakeResult&, LatLongView", [&] {
+    bake_into(result, wide.view(), small_bake());
+    return std::cref(result);
+  });
+  calls.call("bake_into(BakeResult&, CubemapView", [&] {
+    bake_into(result, cube.view(), small_bake());
+    return std::cref(result);
+  });
+  call_plans(calls, wide, cube);
+  call_cache(calls, wide, cube);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,145 @@
+// The C interface.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "calls.h"
+#include "pictures.h"
+#include "support/temporary_directory.h"
+#include "welkin/environment_writer.h"
+#include "welkin/welkin.h"
+
+namespace welkin::test {
+namespace {
+
+/// What a function of C gave: its status, and the numbers that it wrote.
+struct Given {
+  welkin_status status = WELKIN_INTERNAL;
+  std::vector<double> numbers;
+};
+
+void add_bits(BitHash& hash, const Given& given) {
+  test::add_bits(hash, given.status);
+  test::add_bits(hash, given.numbers);
+}
+
+Given given(welkin_status status, const welkin_projection& projection) {
+  Given result{status, {projection.error_estimate}};
+  result.numbers.insert(result.numbers.end(), std::begin(projection.coefficients), std::end(projection.coefficients));
+  return result;
+}
+
+Given given(welkin_status status, const welkin_engine_light& light) {
+  Given result{status, {}};
+  for (const auto& term : light.terms) result.numbers.insert(result.numbers.end(), std::begin(term), std::end(term));
+  for (const auto& vector : light.vectors) {
+    result.numbers.insert(result.numbers.end(), std::begin(vector), std::end(vector));
+  }
+  return result;
+}
+
+/// Posts, waits and takes the result.
+template <class Post>
+Given done_by_worker(welkin_worker* worker, const Post& post) {
+  welkin_job* job = nullptr;
+  const welkin_status posted = post(worker, &job);
+  if (posted != WELKIN_OK) return {posted, {}};
+  welkin_job_wait(job, WELKIN_NO_LIMIT);
+  welkin_projection projection;
+  WELKIN_INIT(projection);
+  const welkin_status status = welkin_job_projection(job, &projection);
+  welkin_job_release(job);
+  return given(status, projection);
+}
+
+}  // namespace
+
+void call_c(Calls& calls) {
+  const LatLongImage wide = small_lat_long();
+  const CubemapImage cube = small_cubemap();
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("wide.hdr").string();
+  write_environment(path, wide.view());
+
+  welkin_cubemap faces;
+  WELKIN_INIT(faces);
+  for (std::size_t face = 0; face < 6; ++face) faces.faces[face] = cube.view().faces[face];
+  faces.size = cube.size;
+  welkin_lat_long lat_long;
+  WELKIN_INIT(lat_long);
+  lat_long.pixels = wide.pixels.data();
+  lat_long.width = wide.width;
+  lat_long.height = wide.height;
+  welkin_projection_options options;
+  WELKIN_INIT(options);
+  options.target_size = 5;
+  options.clamp_maximum = 123.4F;
+
+  const auto projected = [&](const auto& project) {
+    welkin_projection projection;
+    WELKIN_INIT(projection);
+    return given(project(&projection), projection);
+  };
+  calls.call("welkin_project_cubemap", [&] {
+    return projected([&](auto* out) { return welkin_project_cubemap(&faces, 1, &options, nullptr, out); });
+  });
+  calls.call("welkin_project_lat_long", [&] {
+    return projected([&](auto* out) { return welkin_project_lat_long(&lat_long, &options, nullptr, out); });
+  });
+  calls.call("welkin_project_file", [&] {
+    return projected([&](auto* out) { return welkin_project_file(path.c_str(), nullptr, &options, nullptr, out); });
+  });
+
+  welkin_worker_options worker_options;
+  WELKIN_INIT(worker_options);
+  worker_options.threads = 1;
+  worker_options.thread_priority = WELKIN_THREAD_PRIORITY_NORMAL;
+  welkin_worker* worker = nullptr;
+  calls.call("welkin_worker_create", [&] {
+    welkin_worker_destroy(worker);
+    return welkin_worker_create(&worker_options, &worker);
+  });
+  calls.call("welkin_post_project_cubemap", [&] {
+    return done_by_worker(worker, [&](auto* posted_to, auto** job) {
+      return welkin_post_project_cubemap(posted_to, &faces, 1, &options, nullptr, job);
+    });
+  });
+  calls.call("welkin_post_project_lat_long", [&] {
+    return done_by_worker(worker, [&](auto* posted_to, auto** job) {
+      return welkin_post_project_lat_long(posted_to, &lat_long, &options, nullptr, job);
+    });
+  });
+  calls.call("welkin_post_project_file", [&] {
+    return done_by_worker(worker, [&](auto* posted_to, auto** job) {
+      return welkin_post_project_file(posted_to, path.c_str(), nullptr, &options, nullptr, job);
+    });
+  });
+  welkin_worker_destroy(worker);
+
+  welkin_projection projection;
+  WELKIN_INIT(projection);
+  welkin_project_cubemap(&faces, 1, nullptr, nullptr, &projection);
+  const double* const radiance = projection.coefficients;
+  std::vector<double> irradiance(27);
+  calls.call("welkin_irradiance_from_radiance", [&] {
+    const welkin_status status = welkin_irradiance_from_radiance(3, radiance, irradiance.data());
+    return Given{status, irradiance};
+  });
+  const double direction[3] = {0.36, -0.48, 0.8};
+  calls.call("welkin_evaluate", [&] {
+    std::vector<double> value(3);
+    const welkin_status status = welkin_evaluate(3, radiance, direction, value.data());
+    return Given{status, value};
+  });
+  for (const welkin_engine engine : {WELKIN_ENGINE_BABYLON, WELKIN_ENGINE_THREE, WELKIN_ENGINE_UNITY}) {
+    welkin_engine_light light;
+    WELKIN_INIT(light);
+    calls.call("welkin_engine_light_from_radiance",
+               [&] { return given(welkin_engine_light_from_radiance(3, radiance, engine, &light), light); });
+    calls.call("welkin_engine_light_in_place",
+               [&] { return given(welkin_engine_light_in_place(3, radiance, engine, &light), light); });
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,184 @@
+// Public functions called in a caller's floating-point environment, and the bits that came out.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "modes.h"
+#include "support/bit_hash.h"
+#include "welkin/atmosphere.h"
+#include "welkin/engine_light.h"
+#include "welkin/error_budget.h"
+#include "welkin/irradiance.h"
+#include "welkin/planned_pass.h"
+#include "welkin/sky_plan.h"
+#include "welkin/windowing.h"
+
+namespace welkin::test {
+
+inline void add_bits(BitHash& hash, const EngineLight& light) {
+  add_bits(hash, light.form);
+  for (const EngineTerm& term : light.terms) add_bits(hash, term.rgb);
+  for (const EngineVector& vector : light.vectors) add_bits(hash, vector.value);
+}
+inline void add_bits(BitHash& hash, const HarmonicMinimum& minimum) {
+  add_bits(hash, minimum.value);
+  for (const glm::dvec3& direction : minimum.direction) add_bits(hash, direction);
+}
+inline void add_bits(BitHash& hash, const Windowed& windowed) {
+  add_bits(hash, windowed.radiance);
+  add_bits(hash, windowed.parameter);
+  add_bits(hash, windowed.minimum_before);
+  add_bits(hash, windowed.minimum_after);
+  add_bits(hash, windowed.factors);
+}
+inline void add_bits(BitHash& hash, const DominantLight& light) {
+  add_bits(hash, light.direction);
+  add_bits(hash, light.irradiance);
+}
+inline void add_bits(BitHash& hash, const IrradianceError& error) {
+  add_bits(hash, error.bands);
+  for (const double value : {error.rms, error.maximum, error.relative}) add_bits(hash, value);
+  add_bits(hash, error.worst_normal);
+}
+inline void add_bits(BitHash& hash, const PlannedPass& pass) {
+  add_bits(hash, pass.name);
+  add_bits(hash, pass.reason);
+  add_bits(hash, pass.predicted_milliseconds);
+  add_bits(hash, pass.bytes);
+}
+inline void add_bits(BitHash& hash, const DensityLayer& layer) {
+  for (const double value : {layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m,
+                             layer.linear_term_per_m, layer.constant_term}) {
+    add_bits(hash, value);
+  }
+}
+inline void add_bits(BitHash& hash, const Constituent& constituent) {
+  add_bits(hash, constituent.density);
+  add_bits(hash, constituent.scattering_per_m);
+  add_bits(hash, constituent.absorption_per_m);
+}
+inline void add_bits(BitHash& hash, const Atmosphere& atmosphere) {
+  for (const auto* values : {&atmosphere.wavelengths_nm, &atmosphere.ground_albedo, &atmosphere.solar_irradiance}) {
+    add_bits(hash, *values);
+  }
+  add_bits(hash, atmosphere.rayleigh);
+  add_bits(hash, atmosphere.aerosol);
+  add_bits(hash, atmosphere.absorbers);
+  for (const double value : {atmosphere.bottom_radius_m, atmosphere.top_radius_m, atmosphere.aerosol_asymmetry,
+                             atmosphere.sun_angular_radius_degrees}) {
+    add_bits(hash, value);
+  }
+}
+inline void add_bits(BitHash& hash, const SkyBake& baked) {
+  add_bits(hash, baked.tables);
+  add_bits(hash, baked.radiance);
+  add_bits(hash, baked.sun);
+  add_bits(hash, baked.specular);
+  add_bits(hash, baked.background);
+  if (baked.curve) add_bits(hash, baked.curve->at(glm::dvec3(0.6, 0.8, 0.0)));
+}
+/// Of what a call changed in place.
+template <class Value>
+void add_bits(BitHash& hash, const std::reference_wrapper<Value>& value) {
+  add_bits(hash, value.get());
+}
+/// The settings that were tried, by their errors and costs; which of them was chosen, likewise.
+template <class Setting>
+void add_bits(BitHash& hash, const BudgetChoice<Setting>& choice) {
+  add_bits(hash, choice.estimated_error);
+  add_bits(hash, choice.predicted_nanoseconds);
+  add_bits(hash, choice.met);
+  add_bits(hash, choice.relative_to);
+  for (const EstimatedSetting<Setting>& tried : choice.tried) {
+    add_bits(hash, tried.estimated_error);
+    add_bits(hash, tried.predicted_nanoseconds);
+  }
+}
+inline void add_bits(BitHash& hash, const PrefilterChoice& choice) {
+  add_bits(hash, static_cast<const BudgetChoice<PrefilterOptions>&>(choice));
+  for (const MipNeed& mip : choice.mips) {
+    for (const double value : {mip.roughness, mip.estimated_error, mip.source_size_error}) add_bits(hash, value);
+    add_bits(hash, mip.source_size);
+  }
+}
+
+/// What a process does in its mode: each call twice, and a line for each with the bits of both results.
+class Calls {
+ public:
+  explicit Calls(const FloatEnvironment& mode) : mode_(mode) {}
+
+  /// Calls `function`, which calls one public function, in the caller's environment, and hashes what it returns when
+  /// that is over. `name` is how the public function's declaration begins, without `welkin::`, up to where it differs
+  /// from all others: `project(LatLongView`. An exception's message is a result like any other. Returns the last
+  /// result.
+  template <class Function>
+  auto call(const char* name, const Function& function) {
+    using Result = std::remove_cvref_t<std::invoke_result_t<const Function&>>;
+    std::unique_ptr<Result> result;
+    std::string line = name;
+    line += '\t';
+    for (int time = 0; time < 2; ++time) {
+      std::string failure;
+      name_call(name);
+      set_environment(mode_);
+      try {
+        result.reset(new Result(function()));
+        leave(name);
+      } catch (const std::exception& error) {
+        leave(name);
+        failure = error.what();
+      }
+      line += ' ' + (failure.empty() && result ? in_hexadecimal(bits_of(*result)) : "threw: " + failure);
+    }
+    lines_.push_back(line);
+    return result ? std::move(*result) : throw std::runtime_error(line);
+  }
+
+  /// The same of a call that must throw: the caller's environment must be what it was then, too.
+  template <class Function>
+  void refused(const char* name, const Function& function) {
+    name_call(name);
+    set_environment(mode_);
+    try {
+      function();
+    } catch (const std::exception& error) {
+      leave(name);
+      lines_.push_back(std::string(name) + "\t threw: " + error.what());
+      return;
+    }
+    leave(name);
+    complain(name, "threw nothing");
+  }
+
+  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
+  [[nodiscard]] bool failed() const { return failed_; }
+
+ private:
+  /// Back to the default environment; the call must have left the caller's as it was.
+  void leave(const char* name);
+  void complain(const char* name, const char* what);
+  static std::string in_hexadecimal(std::uint64_t number);
+
+  FloatEnvironment mode_;
+  std::vector<std::string> lines_;
+  bool failed_ = false;
+};
+
+/// Each calls the public functions of its subject.
+void call_harmonics(Calls& calls);
+void call_pictures(Calls& calls);
+void call_bakes(Calls& calls);
+void call_skies(Calls& calls);
+void call_files(Calls& calls);
+void call_worker(Calls& calls);
+void call_c(Calls& calls);
+
+}  // namespace welkin::test

@@ -1,0 +1,138 @@
+// Files of every kind, written and read.
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "calls.h"
+#include "pictures.h"
+#include "support/chains.h"
+#include "support/temporary_directory.h"
+#include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
+#include "welkin/content_hash.h"
+#include "welkin/environment_file.h"
+#include "welkin/environment_writer.h"
+#include "welkin/file_requests.h"
+#include "welkin/stored_environment.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+namespace {
+
+BakeOptions small_bake() {
+  BakeOptions options;
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
+  options.irradiance_size = 3;
+  options.brdf.reset();
+  return options;
+}
+
+void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
+  const LatLongImage wide = small_lat_long();
+  const LatLongImage dark = faint(wide);
+  const CubemapImage cube = small_cubemap();
+  for (const char* const name : {"wide.pfm", "wide.hdr", "wide.exr", "wide.png", "dark.pfm"}) {
+    const std::filesystem::path path = folder.file(name);
+    const LatLongView view = name == std::string("dark.pfm") ? dark.view() : wide.view();
+    calls.call("write_environment(path const&, LatLongView", [&] {
+      write_environment(path, view);
+      return read_bytes(path);
+    });
+    calls.call("inspect_environment(", [&] { return inspect_environment(path).notes; });
+    calls.call("read_environment(", [&] { return read_environment(path); });
+    calls.call("measure_environment(", [&] { return measure_environment(path); });
+    calls.call("project_file(", [&] { return project_file(path, {}, {.target_size = 4}); });
+  }
+  const std::filesystem::path cross = folder.file("cube.exr");
+  calls.call("write_environment(path const&, CubemapView", [&] {
+    write_environment(cross, cube.view(), {.layout = Layout::horizontal_cross});
+    return read_bytes(cross);
+  });
+  calls.call("project_file(", [&] { return project_file(cross); });
+  const std::filesystem::path hdr = folder.file("wide.hdr");
+  calls.call("check_write_options(", [&] {
+    check_write_options(hdr, {}, false);
+    return 0;
+  });
+  calls.call("bake_file(", [&] { return bake_file(hdr, {}, small_bake()); });
+  calls.refused("project_file(", [&] { static_cast<void>(project_file(hdr, {}, {.bands = 0})); });
+
+  std::filesystem::create_directory(folder.file("faces"));
+  for (const char* const name : {"px", "nx", "py", "ny", "pz", "nz"}) {
+    const LatLongImage square{4, 4, std::vector<float>(48, 0.1F)};
+    write_environment(folder.file(std::string("faces/") + name + ".pfm"), square.view());
+  }
+  const std::filesystem::path faces = folder.file("faces");
+  calls.call("face_files(", [&] { return face_files(faces).size(); });
+  calls.call("project_file(", [&] { return project_file(faces); });
+  calls.call("hash_file(", [&] { return hash_file(hdr); });
+
+  const ReadFile reading{hdr, {}};
+  calls.call("ReadFile::operator()(", [&] { return reading({}); });
+  const MeasureFile measuring{hdr, {}};
+  calls.call("MeasureFile::operator()(", [&] { return measuring({}); });
+  const ProjectFile projecting{hdr, {}, {}};
+  calls.call("ProjectFile::operator()(", [&] { return projecting({}); });
+  const BakeFile baking{hdr, {}, small_bake()};
+  calls.call("BakeFile::operator()(", [&] { return baking({}); });
+}
+
+void call_textures(Calls& calls, const TemporaryDirectory& folder) {
+  const CubemapChain chain = noisy_chain(8, 4, 4);
+  const std::vector<CubemapView> views = chain.views();
+  struct File {
+    const char* name;
+    TextureOptions options;
+  };
+  for (const File& file : {File{"half.ktx2", {.supercompression = Supercompression::zstd}},
+                           File{"packed.ktx2", {.format = TexelFormat::b10g11r11}},
+                           File{"shared.ktx2", {.format = TexelFormat::e5b9g9r9}}, File{"half.dds", {}}}) {
+    const std::filesystem::path path = folder.file(file.name);
+    calls.call("write_texture(", [&] {
+      write_texture(path, views, file.options);
+      return read_bytes(path);
+    });
+    calls.call("read_texture(", [&] { return read_texture(path).cubemap; });
+  }
+  const std::filesystem::path table = folder.file("table.ktx2");
+  const std::vector<float> rgb(36, 0.1F);
+  calls.call("write_texture_2d(", [&] {
+    write_texture_2d(table, 4, 3, rgb.data());
+    return read_bytes(table);
+  });
+
+  const SphericalHarmonics radiance = project(chain.view(0)).radiance;
+  calls.call("to_babylon(", [&] { return to_babylon(chain, radiance).polynomial; });
+  const BabylonEnvironment environment = to_babylon(chain, radiance, {8, std::vector<float>(6 * 64 * 3, 0.3F)});
+  const std::filesystem::path env = folder.file("light.env");
+  calls.call("write_babylon_environment(", [&] {
+    write_babylon_environment(env, environment);
+    return read_bytes(env);
+  });
+  calls.call("read_babylon_environment(", [&] { return read_babylon_environment(env).specular; });
+  calls.call("mirrored_x(CubemapChain", [&] { return mirrored_x(chain); });
+  const CubemapImage cube = small_cubemap();
+  calls.call("mirrored_x(CubemapImage", [&] { return mirrored_x(cube); });
+
+  const std::filesystem::path prefiltered = folder.file("prefiltered.ktx2");
+  write_texture(prefiltered, views, {.metadata = {{"welkin.roughness", "0 0.21 0.53 0.87"}}});
+  for (const std::filesystem::path& path : {prefiltered, env}) {
+    calls.call("probe_environment(", [&] { return probe_environment(path).roughness; });
+    const StoredEnvironment stored = probe_environment(path);
+    calls.call("StoredEnvironment::words(", [&] { return stored.words(); });
+    calls.call("plan(StoredEnvironment", [&] { return plan(stored, {}, small_bake()).passes; });
+    const Plan planned = plan(stored, {}, small_bake());
+    calls.call("bake(StoredEnvironment", [&] { return bake(stored, planned); });
+  }
+}
+
+}  // namespace
+
+void call_files(Calls& calls) {
+  const TemporaryDirectory folder;
+  call_pictures_in_files(calls, folder);
+  call_textures(calls, folder);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,79 @@
+// Coefficients of spherical harmonics, and what engines want of them.
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+#include "calls.h"
+#include "support/random_harmonics.h"
+#include "welkin/babylon.h"
+#include "welkin/directional_light.h"
+#include "welkin/harmonic_transforms.h"
+#include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+namespace {
+
+/// Coefficients that a thread which flushes denormals takes for zero.
+SphericalHarmonics faint(const SphericalHarmonics& light) { return scale(light, glm::dvec3(1e-310)); }
+
+/// What is linear in coefficients.
+void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  const glm::dvec3 direction(0.36, -0.48, 0.8);
+  const glm::dquat rotation(0.4, 0.2, -0.4, 0.8);
+  const glm::dvec3 colour(0.1, 1.7, 3.3);
+  calls.call("evaluate(SphericalHarmonics", [&] { return evaluate(a, direction); });
+  calls.call("irradiance_from_radiance(", [&] { return irradiance_from_radiance(a); });
+  calls.call("lambertian_from_irradiance(", [&] { return lambertian_from_irradiance(a); });
+  calls.call("average_radiance(", [&] { return average_radiance(a); });
+  calls.call("rotate(", [&] { return rotate(a, rotation); });
+  calls.call("transform(", [&] { return transform(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });
+  calls.call("add(", [&] { return add(a, b); });
+  calls.call("scale(", [&] { return scale(a, colour); });
+  calls.call("lerp(", [&] { return lerp(a, b, 0.3); });
+  calls.call("with_bands(", [&] { return with_bands(a, 7); });
+  calls.call("product(", [&] { return product(a, b, 6); });
+
+  const BabylonPolynomial polynomial = calls.call("babylon_polynomial(", [&] { return babylon_polynomial(a); });
+  calls.call("evaluate(BabylonPolynomial", [&] { return evaluate(polynomial, direction); });
+  for (const Convention& convention : conventions()) {
+    if (!has_engine_light(convention.engine)) continue;
+    calls.call("engine_light(", [&] { return engine_light(a, convention.engine); });
+    calls.call("engine_light_in_place(", [&] { return engine_light_in_place(a, convention.engine); });
+  }
+}
+
+}  // namespace
+
+void call_harmonics(Calls& calls) {
+  const SphericalHarmonics a = RandomLight(1).harmonics(5);
+  const SphericalHarmonics b = RandomLight(2).harmonics(4);
+  call_linear(calls, a, b);
+  call_linear(calls, faint(a), b);
+
+  const glm::dvec3 direction(0.36, -0.48, 0.8);
+  const glm::dvec3 colour(0.1, 1.7, 3.3);
+  calls.call("evaluate_basis(", [&] {
+    std::vector<double> values(64);
+    evaluate_basis(direction, 8, values);
+    return values;
+  });
+  calls.call("cosine_lobe(", [&] { return cosine_lobe(8); });
+  calls.call("constant_radiance(", [&] { return constant_radiance(colour, 3); });
+  calls.call("babylon_constant_polynomial(", [&] { return babylon_constant_polynomial(colour); });
+  calls.call("turn_about_y(", [] { return turn_about_y(33.3); });
+  calls.refused("transform(", [&] { static_cast<void>(transform(a, glm::dmat3(0.3))); });
+
+  calls.call("minimum(", [&] { return minimum(a); });
+  SphericalHarmonics light = a;
+  light.at(0, 0) = glm::dvec3(2.1, 2.2, 2.3);  // else there is no light that a window could keep above zero
+  for (const Window window : {Window::hanning, Window::lanczos, Window::min_laplacian}) {
+    calls.call("apply_window(", [&] { return apply_window(light, window); });
+  }
+  calls.call("dominant_light(", [&] { return dominant_light(light); });
+  Sun sun;
+  sun.direction = direction;
+  sun.irradiance = colour;
+  calls.call("sun_harmonics(", [&] { return sun_harmonics(sun, 4); });
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,178 @@
+// Pictures: resampled, projected, convolved, and tables of roughness.
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include "calls.h"
+#include "pictures.h"
+#include "welkin/brdf_table.h"
+#include "welkin/directional_light.h"
+#include "welkin/error_budget.h"
+#include "welkin/face_harmonics.h"
+#include "welkin/irradiance.h"
+#include "welkin/irradiance_cubemap.h"
+#include "welkin/mip_chain.h"
+#include "welkin/projection.h"
+#include "welkin/resampling.h"
+#include "welkin/roughness.h"
+#include "welkin/specular.h"
+#include "welkin/upload.h"
+
+namespace welkin::test {
+namespace {
+
+void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const glm::dmat3 turn = turn_about_y(21.0);
+  calls.call("to_cubemap(CubemapView", [&] { return to_cubemap(cube.view(), 7, turn); });
+  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9); });
+  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9, turn, {}, ResampleFilter::bilinear); });
+  calls.call("to_lat_long(CubemapView", [&] { return to_lat_long(cube.view(), 18, 9, turn); });
+  calls.call("to_lat_long(CubemapView",
+             [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), {}, ResampleFilter::area); });
+  calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
+  calls.call("build_mips(", [&] { return build_mips(cube.view()); });
+  CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  calls.call("fill_mips(", [&] {
+    fill_mips(chain, MipFilter::solid_angle);
+    return std::cref(chain);
+  });
+  LatLongImage wide_without_sun = wide;
+  calls.call("take_out_sun(LatLongImage", [&] { return take_out_sun(wide_without_sun); });
+  CubemapImage cube_without_sun = cube;
+  calls.call("take_out_sun(CubemapImage", [&] { return take_out_sun(cube_without_sun); });
+}
+
+void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  ProjectionOptions options;
+  options.bands = 4;
+  options.target_size = 5;
+  options.clamp = RadianceClamp{123.4F, true};
+  const TestCubemap special = make_cubemap(Content::special_values, 9, 3, 5);
+  calls.call("project(CubemapView", [&] { return project(cube.view(), options); });
+  calls.call("project(CubemapView", [&] { return project(special.view(), {.gamma = true}); });
+  calls.call("project(CubemapView", [&] {
+    return project(cube.view(), {}, {{}, [](double) {
+                                       if (current_environment() == FloatEnvironment{}) return;
+                                       throw std::runtime_error("progress is told in the caller's environment");
+                                     }});
+  });
+  const TestLatLongHalf half = make_lat_long_half(Content::special_values, 33, 17, 73, 4);
+  calls.call("project(LatLongView", [&] { return project(wide.view(), options); });
+  calls.call("project(LatLongView", [&] { return project(half.view(), {.quadrature = Quadrature::midpoint}); });
+  calls.refused("project(LatLongView", [&] { static_cast<void>(project(wide.view(), {.bands = 0})); });
+  const CubemapChain mips = build_mips(cube.view());
+  const std::vector<CubemapView> views = mips.views();
+  calls.call("project(span<CubemapView", [&] { return project(views, options); });
+
+  FaceHarmonics kept = project_faces(cube.view(), {});
+  calls.call("project_faces(", [&] { return total(project_faces(cube.view(), {})); });
+  const std::array<int, 2> faces{1, 4};
+  calls.call("update_faces(", [&] {
+    update_faces(kept, cube.view(), faces);
+    return total(kept);
+  });
+  calls.call("total(", [&] { return total(kept); });
+}
+
+void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const std::vector<glm::dvec3> normals{{0.36, -0.48, 0.8}, {0.0, 1.0, 0.0}};
+  calls.call("direct_irradiance(CubemapView", [&] { return direct_irradiance(cube.view(), normals); });
+  calls.call("direct_irradiance(LatLongView", [&] { return direct_irradiance(wide.view(), normals); });
+  calls.call("reference_irradiance(CubemapView", [&] { return reference_irradiance(cube.view(), normals[0]); });
+  calls.call("reference_irradiance(LatLongView", [&] { return reference_irradiance(wide.view(), normals[0]); });
+  const SphericalHarmonics radiance = project(cube.view()).radiance;
+  calls.call("irradiance_errors(CubemapView", [&] { return irradiance_errors(cube.view(), radiance, 8); });
+  calls.call("irradiance_errors(LatLongView", [&] { return irradiance_errors(wide.view(), radiance, 8); });
+  calls.call("irradiance_cubemap(", [&] { return irradiance_cubemap(irradiance_from_radiance(radiance), 3); });
+  calls.call("direct_irradiance_cubemap(CubemapView", [&] { return direct_irradiance_cubemap(cube.view(), 2); });
+  calls.call("direct_irradiance_cubemap(LatLongView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
+}
+
+void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  for (const RoughnessSchedule schedule :
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+    calls.call("roughness_of_mips(", [&] { return roughness_of_mips(schedule, 6, 32); });
+  }
+  const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 32);
+  calls.call("mip_of_roughness(", [&] { return mip_of_roughness(table, 0.37); });
+
+  const PrefilterOptions spectral{.size = 8, .roughness = {0.0, 0.3, 0.9}, .method = PrefilterMethod::spectral};
+  PrefilterOptions sampled = spectral;
+  sampled.method = PrefilterMethod::sampled;
+  sampled.samples = 16;
+  PrefilterOptions reference = spectral;
+  reference.method = PrefilterMethod::reference;
+  reference.size = 2;
+  reference.roughness = {0.4, 0.9};
+  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), spectral); });
+  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), sampled); });
+  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), reference); });
+  calls.call("prefilter_specular(CubemapView", [&] { return prefilter_specular(cube.view(), spectral); });
+  const std::vector<glm::dvec3> directions{{0.36, -0.48, 0.8}};
+  calls.call("reference_specular(LatLongView", [&] { return reference_specular(wide.view(), 0.5, directions); });
+  calls.call("reference_specular(CubemapView", [&] { return reference_specular(cube.view(), 0.5, directions); });
+
+  const BrdfTableOptions small{.width = 5, .height = 4};
+  const auto brdf = calls.call("brdf_table(", [&] { return brdf_table(small); });
+  calls.call("BrdfTable::half_values(", [&] { return brdf->half_values(); });
+}
+
+void call_upload(Calls& calls, const CubemapImage& cube) {
+  const CubemapChain mips = build_mips(cube.view());
+  for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::b10g11r11, TexelFormat::e5b9g9r9}) {
+    const UploadLayout layout{.format = format, .size = mips.size(), .levels = mips.levels()};
+    std::vector<std::byte> memory(upload_bytes(layout));
+    const std::vector<CubemapTarget> targets = upload_targets(layout, memory);
+    const auto bytes = [&] {
+      std::vector<char> all(memory.size());
+      std::memcpy(all.data(), memory.data(), memory.size());
+      return all;
+    };
+    calls.call("store_texels(CubemapView", [&] {
+      store_texels(mips.view(0), targets.front());
+      return bytes();
+    });
+    calls.call("store_texels(CubemapChain", [&] {
+      store_texels(mips, targets);
+      return bytes();
+    });
+  }
+}
+
+void call_budgets(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const ErrorBudget budget{.relative = 0.05};
+  const CubemapChain mips = build_mips(cube.view());
+  const std::vector<CubemapView> views = mips.views();
+  calls.call("choose_projection(span<CubemapView", [&] { return choose_projection(views, {}, budget); });
+  calls.call("choose_projection(CubemapView", [&] { return choose_projection(cube.view(), {}, budget); });
+  calls.call("choose_projection(LatLongView", [&] { return choose_projection(wide.view(), {}, budget); });
+  const SphericalHarmonics radiance = project(cube.view(), {.bands = 6}).radiance;
+  calls.call("choose_irradiance_bands(SphericalHarmonics",
+             [&] { return choose_irradiance_bands(radiance, {.energy = 0.123, .absolute = 0.456}, budget); });
+  calls.call("choose_irradiance_bands(CubemapView", [&] { return choose_irradiance_bands(cube.view(), budget); });
+  calls.call("choose_irradiance_bands(LatLongView", [&] { return choose_irradiance_bands(wide.view(), budget); });
+  const PrefilterOptions options{.size = 8, .roughness = {0.2, 0.9}};
+  calls.call("choose_prefilter(LatLongView", [&] { return choose_prefilter(wide.view(), options, budget); });
+  calls.call("choose_prefilter(CubemapView", [&] { return choose_prefilter(cube.view(), options, budget, true); });
+}
+
+}  // namespace
+
+void call_pictures(Calls& calls) {
+  const LatLongImage wide = small_lat_long();
+  const CubemapImage cube = small_cubemap();
+  call_image(calls, wide, cube);
+  call_image(calls, faint(wide), faint(cube));
+  call_projection(calls, wide, cube);
+  call_projection(calls, faint(wide), faint(cube));
+  call_irradiance(calls, wide, cube);
+  call_irradiance(calls, faint(wide), faint(cube));
+  call_reflections(calls, wide, cube);
+  call_upload(calls, cube);
+  call_budgets(calls, wide, cube);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,137 @@
+// Atmospheres, tables of scattered light, views, curves and bakes of the sky.
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "calls.h"
+#include "support/small_skies.h"
+#include "support/temporary_directory.h"
+#include "welkin/atmosphere.h"
+#include "welkin/error_budget.h"
+#include "welkin/result_cache.h"
+#include "welkin/sky_harmonics.h"
+#include "welkin/sky_plan.h"
+#include "welkin/sky_specular.h"
+#include "welkin/sky_table_file.h"
+#include "welkin/sky_tables.h"
+#include "welkin/sky_view.h"
+
+namespace welkin::test {
+namespace {
+
+void call_atmospheres(Calls& calls) {
+  calls.call("exponential_profile(", [] { return exponential_profile(7300.0); });
+  calls.call("tent_profile(", [] { return tent_profile(24'700.0, 15'300.0); });
+  const Atmosphere air = calls.call("earth(", [] { return earth({612.3, 549.1, 451.7}); });
+  calls.call("earth_hillaire(", [] { return earth_hillaire(); });
+  calls.call("mars(", [] { return mars(); });
+  calls.call("without_aerosol(", [&] { return without_aerosol(air); });
+  calls.call("with_ground_albedo(", [&] { return with_ground_albedo(air, 0.37); });
+  calls.call("check(Atmosphere", [&] {
+    check(air);
+    return 0;
+  });
+  calls.call("srgb_weights(", [] { return srgb_weights({400.0, 481.3, 555.5, 633.3, 700.0}); });
+  calls.call("sun_direction(", [] { return sun_direction(12.34, 56.78); });
+}
+
+void call_tables(Calls& calls, const Atmosphere& air) {
+  SkyTableOptions options = tiny_tables();
+  options.orders = 2;
+  calls.call("sky_table_bytes(", [&] { return sky_table_bytes(air, options); });
+  const SkyTables tables = calls.call("precompute_sky(", [&] { return precompute_sky(air, options); });
+  options.colour = SkyColour::linear_srgb;
+  options.layout = ScatteringLayout::compact;
+  calls.call("precompute_sky(", [&] { return precompute_sky(earth({400.0, 500.0, 600.0, 700.0}), options); });
+  const TemporaryDirectory folder;
+  ResultCache cache({.folder = folder.file("cache")});
+  calls.call("ResultCache::precompute_sky(", [&] { return cache.precompute_sky(air, options); });
+  const std::filesystem::path path = folder.file("tables.sky");
+  calls.call("save_sky_tables(", [&] {
+    save_sky_tables(tables, path);
+    return read_bytes(path);
+  });
+  calls.call("load_sky_tables(", [&] { return load_sky_tables(path); });
+}
+
+void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
+  const glm::dvec3 sun = sun_direction(7.3, 41.0);
+  const glm::dvec3 direction(0.36, 0.48, -0.8);
+  // An object has no numbers to compare, but what its functions give.
+  calls.call("SkyView::SkyView(shared_ptr", [&] { return SkyView(tables, 1234.5).radiance(direction, sun); });
+  const SkyView view(tables, 1234.5);
+  calls.call("SkyView::radiance(dvec3", [&] { return view.radiance(direction, sun); });
+  const std::vector<glm::vec3> directions{{0.36F, 0.48F, -0.8F}, {0.0F, 1.0F, 0.0F}, {0.6F, -0.8F, 0.0F}};
+  std::vector<glm::vec3> rgb(directions.size());
+  calls.call("SkyView::radiance(span<", [&] {
+    view.radiance(directions, sun, rgb);
+    return std::cref(rgb);
+  });
+  calls.call("SkyView::sun(", [&] { return view.sun(sun); });
+  calls.call("SkyView::irradiance(", [&] { return view.irradiance(sun); });
+  calls.call("sky_cubemap(", [&] { return sky_cubemap(view, sun, 5, {.sun_disc = true}); });
+  calls.call("sky_lat_long(", [&] { return sky_lat_long(view, sun, 6, {.sun_disc = true}); });
+  calls.call("sky_specular(", [&] { return sky_specular(view, sun, {.size = 8, .roughness = {0.3, 0.9}}); });
+
+  const SkyHarmonicsOptions harmonics{.bands = 3, .zeniths = 4, .azimuths = 4};
+  calls.call("SkyProjector::SkyProjector(", [&] { return SkyProjector(view, harmonics).project(sun); });
+  const SkyProjector projector(view, harmonics);
+  std::vector<glm::dvec3> coefficients(9);
+  calls.call("SkyProjector::project(dvec3 const&) ", [&] { return projector.project(sun); });
+  calls.call("SkyProjector::project(dvec3 const&, ", [&] {
+    projector.project(sun, coefficients);
+    return std::cref(coefficients);
+  });
+  const SkyCurveOptions curve_options{.bands = 3, .nodes = 16, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}};
+  calls.call("SkyCurve::SkyCurve(", [&] { return SkyCurve(view, curve_options).at(sun); });
+  const SkyCurve curve(view, curve_options);
+  calls.call("SkyCurve::at(dvec3 const&) ", [&] { return curve.at(sun); });
+  calls.call("SkyCurve::at(dvec3 const&, ", [&] {
+    curve.at(sun, coefficients);
+    return std::cref(coefficients);
+  });
+  calls.refused("SkyCurve::at(dvec3 const&, ", [&] { curve.at(sun, std::span(coefficients).first(3)); });
+  calls.call("SkyCurve::sun_irradiance(", [&] { return curve.sun_irradiance(sun); });
+
+  const std::vector<glm::dvec3> suns{sun, sun_direction(50.0, 0.0)};
+  calls.call("choose_sky_harmonics(", [&] { return choose_sky_harmonics(view, suns, harmonics, {.relative = 0.1}); });
+}
+
+void call_budgets_and_bakes(Calls& calls, const Atmosphere& air) {
+  SkyTableOptions most = tiny_tables();
+  most.orders = 2;
+  const SkyProbe probe{.altitude_m = 10.0, .suns = {sun_direction(20.0, 30.0)}};
+  const ErrorBudget generous{.relative = 0.5};
+  calls.call("choose_sky_tables(", [&] { return choose_sky_tables(air, probe, most, generous); });
+  calls.call("choose_sky_orders(", [&] { return choose_sky_orders(air, probe, most, generous); });
+
+  SkyBakeOptions options;
+  options.tables = tiny_tables();
+  options.curve = {.bands = 3, .nodes = 8, .projection = {.bands = 3, .zeniths = 4, .azimuths = 4}};
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}};
+  options.background_size = 4;
+  options.brdf.reset();
+  const SceneNeeds needs{.brdf_table = false};
+  calls.call("plan(Atmosphere", [&] { return plan(air, needs, options).passes; });
+  const SkyPlan planned = plan(air, needs, options);
+  calls.call("SkyPlan::milliseconds(", [&] { return planned.milliseconds(3); });
+  calls.call("plan_text(SkyPlan", [&] { return plan_text(planned); });
+  const glm::dvec3 sun = sun_direction(7.3, 41.0);
+  calls.call("bake(SkyPlan", [&] { return bake(planned, sun); });
+}
+
+}  // namespace
+
+void call_skies(Calls& calls) {
+  const Atmosphere air = earth();
+  call_atmospheres(calls);
+  call_tables(calls, air);
+  SkyTableOptions options = tiny_tables();
+  options.orders = 2;
+  call_views(calls, std::make_shared<const SkyTables>(precompute_sky(air, options)));
+  call_budgets_and_bakes(calls, air);
+}
+
+}  // namespace welkin::test
