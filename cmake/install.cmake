@@ -10,8 +10,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/welkin)
 set(left_out)
 if(NOT WELKIN_FILES)
   # Headers of the rooms files and cache, and the one that includes them all.
-  foreach(header IN ITEMS babylon_environment.h bake_file.h content_hash.h environment_file.h environment_writer.h
-                          file_requests.h result_cache.h sky_table_file.h stored_environment.h texture_file.h welkin.hpp)
+  foreach(header IN ITEMS bake_file.h environment_file.h result_cache.h texture_file.h welkin.hpp)
     list(APPEND left_out PATTERN ${header} EXCLUDE)
   endforeach()
 endif()

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "brdf/brdf_table.h"
+#include "reflections/brdf_table.h"
 #include "subjects.h"
 #include "welkin/bake.h"
 #include "welkin/image.h"
@@ -70,7 +70,7 @@ void add_bake(const std::string& variant, int threads, bool sun, bool background
       if (memory == Memory::fresh) *result = {};
       bake_into(*result, source->view(), options);
       if (table == Table::cold) {
-        benchmark::DoNotOptimize(brdf::integrated_brdf(BrdfTableOptions{.sheen = false}, {}));
+        benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = false}, {}));
       }
       benchmark::DoNotOptimize(result->irradiance.pixels.data());
     };
@@ -79,7 +79,7 @@ void add_bake(const std::string& variant, int threads, bool sun, bool background
 
 void add_table(const std::string& variant, int threads, bool sheen) {
   add_benchmark("BrdfTable", variant, "64", threads, 64.0 * 64.0, 0.0, [=]() -> std::function<void()> {
-    return [=] { benchmark::DoNotOptimize(brdf::integrated_brdf(BrdfTableOptions{.sheen = sheen}, {})); };
+    return [=] { benchmark::DoNotOptimize(reflections::integrated_brdf(BrdfTableOptions{.sheen = sheen}, {})); };
   });
 }
 

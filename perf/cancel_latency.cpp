@@ -14,8 +14,8 @@
 #include "samples.h"
 #include "scratch_files.h"
 #include "subjects.h"
-#include "welkin/environment_writer.h"
-#include "welkin/file_requests.h"
+#include "welkin/bake_file.h"
+#include "welkin/environment_file.h"
 #include "worker_subjects.h"
 
 namespace welkin::perf {
@@ -132,7 +132,7 @@ void add(const std::string& kind, const std::string& size, const std::vector<int
 }
 
 void write_half_exr(const std::filesystem::path& path, Imf::Compression compression) {
-  const LatLongView noise = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+  const LatLongView noise = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
   const auto* rgb = static_cast<const float*>(noise.pixels);
   std::vector<Imf::Rgba> pixels(std::size_t{kWidth} * kHeight);
   for (Imf::Rgba& pixel : pixels) {
@@ -153,7 +153,7 @@ Write exr(Imf::Compression compression) {
 }
 
 void write_noise(const std::filesystem::path& path) {
-  (void)write_environment(path, noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight));
+  (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight));
 }
 
 void add_files(const std::vector<int>& thread_counts) {
@@ -181,11 +181,11 @@ void add_files(const std::vector<int>& thread_counts) {
 
 void add_cancel_latency(const std::vector<int>& thread_counts) {
   add("ProjectCubemap", "2048", thread_counts, 200,
-      [] { return ProjectCubemap{CubemapSource(noise_cubemap(PixelFormat::rgb_f32, 2048), nullptr)}; });
+      [] { return ProjectCubemap{CubemapSource(noise_cubemap(PixelFormat::rgb32f, 2048), nullptr)}; });
   add("ProjectLatLong", "8192x4096", thread_counts, 200,
-      [] { return ProjectLatLong{LatLongSource(noise_lat_long(PixelFormat::rgb_f32, 8192, 4096), nullptr)}; });
+      [] { return ProjectLatLong{LatLongSource(noise_lat_long(PixelFormat::rgb32f, 8192, 4096), nullptr)}; });
   add("LatLongToCubemap", "4096x2048-to-512", thread_counts, 30, [] {
-    return LatLongToCubemap{LatLongSource(noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight), nullptr), 512};
+    return LatLongToCubemap{LatLongSource(noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), nullptr), 512};
   });
   add_files(thread_counts);
 }

@@ -11,7 +11,7 @@
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "subjects.h"
 #include "welkin/image.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::perf {
 namespace {
@@ -14,7 +14,7 @@ constexpr int kWidth = 1024;
 constexpr int kHeight = 512;
 
 LatLongImage with_sun() {
-  const LatLongView noise = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+  const LatLongView noise = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
   const float* const rgb = static_cast<const float*>(noise.pixels);
   LatLongImage image{kWidth, kHeight, {rgb, rgb + std::size_t{3} * kWidth * kHeight}};
   for (std::size_t c = 0; c < 3; ++c) image.pixels[std::size_t{3} * (150 * kWidth + 300) + c] = 1e6F;
@@ -28,7 +28,7 @@ void add(const std::string& variant, int size, int threads, const PrefilterOptio
         if (sun) {
           return [=, image = with_sun()] { benchmark::DoNotOptimize(prefilter_specular(image.view(), options)); };
         }
-        const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+        const LatLongView view = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
         return [=] { benchmark::DoNotOptimize(prefilter_specular(view, options)); };
       });
 }

@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include "perf/report/error_norms.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/image.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::perf {
 namespace {

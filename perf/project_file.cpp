@@ -10,7 +10,6 @@
 #include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
 
 namespace welkin::perf {
 namespace {
@@ -32,7 +31,7 @@ constexpr std::array<Variant, 5> kVariants{{{"hdr", ".hdr", {}},
 
 std::filesystem::path file_of(const Variant& variant) {
   return scratch_file(std::string(variant.name) + variant.extension, [&](const std::filesystem::path& path) {
-    (void)write_environment(path, noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight), variant.options);
+    (void)write_environment(path, noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight), variant.options);
   });
 }
 

@@ -36,7 +36,7 @@ std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_
 }  // namespace
 
 void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& thread_counts) {
-  for (const PixelFormat format : {PixelFormat::rgb_f32, PixelFormat::rgba_f32, PixelFormat::rgba_f16}) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
     for (const int size : sizes) {
       for (const int threads : thread_counts) {
         const std::int64_t texels = std::int64_t{6} * size * size;
@@ -54,7 +54,7 @@ void add_read_bandwidth(const std::vector<int>& sizes, const std::vector<int>& t
     constexpr std::int64_t bytes = texels * 12;
     add_benchmark("ReadBandwidth", "rgb32f", "4096x2048", threads, static_cast<double>(texels),
                   static_cast<double>(bytes),
-                  [=] { return reader(noise_lat_long(PixelFormat::rgb_f32, width, height).pixels, bytes, texels); });
+                  [=] { return reader(noise_lat_long(PixelFormat::rgb32f, width, height).pixels, bytes, texels); });
   }
 }
 

@@ -11,8 +11,8 @@
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "subjects.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/mip_chain.h"
+#include "welkin/irradiance.h"
+#include "welkin/resampling.h"
 
 namespace welkin::perf {
 namespace {
@@ -26,8 +26,7 @@ void add_copy(int size, int threads) {
   const double texels = cube_texels(size);
   add_benchmark("CopyBandwidth", "rgb32f", std::to_string(size), threads, texels, 2.0 * kTexelBytes * texels,
                 [=]() -> std::function<void()> {
-                  const auto* const from =
-                      static_cast<const float*>(noise_cubemap(PixelFormat::rgb_f32, size).faces[0]);
+                  const auto* const from = static_cast<const float*>(noise_cubemap(PixelFormat::rgb32f, size).faces[0]);
                   const auto to = std::make_shared<std::vector<float>>(static_cast<std::size_t>(3.0 * texels));
                   return [=] {
                     constexpr std::size_t tile = std::size_t{1} << 16U;
@@ -49,7 +48,7 @@ void add_lat_long_to_cubemap(int width, int size, int threads) {
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     add_benchmark("LatLongToCubemap", filter == ResampleFilter::area ? "area" : "bilinear", shape, threads,
                   cube_texels(size), bytes, [=]() -> std::function<void()> {
-                    const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, width, height);
+                    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
                     const auto chain = std::make_shared<CubemapChain>(size, 1);
                     return [=] { image::fill_cubemap(view, *chain, filter, {}); };
                   });

@@ -9,9 +9,8 @@
 #include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/bake.h"
-#include "welkin/content_hash.h"
-#include "welkin/face_harmonics.h"
 #include "welkin/image.h"
+#include "welkin/projection.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::perf {
@@ -30,7 +29,7 @@ void add(const std::string& variant, bool cubemap, const std::function<Body()>& 
                 prepare);
 }
 
-LatLongView source() { return noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight); }
+LatLongView source() { return noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight); }
 
 BakeOptions whole_bake() {
   BakeOptions options;
@@ -100,7 +99,7 @@ void add_bakes_and_hashes() {
 }
 
 void add_cubemaps() {
-  const auto view = [] { return noise_cubemap(PixelFormat::rgb_f32, kFace); };
+  const auto view = [] { return noise_cubemap(PixelFormat::rgb32f, kFace); };
   add("cubemap-hash", true,
       [=]() -> Body { return [cubemap = view()] { benchmark::DoNotOptimize(hash_pixels(cubemap)); }; });
   add("cubemap-projected", true,

@@ -12,12 +12,10 @@
 #include <span>
 
 #include "scratch_files.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake_file.h"
-#include "welkin/mip_chain.h"
 #include "welkin/plan.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/roughness.h"
 #include "welkin/sky_plan.h"
 #include "welkin/texture_file.h"
 

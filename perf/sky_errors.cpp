@@ -16,9 +16,8 @@
 #include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
 #include "sky_method_errors.h"
-#include "welkin/error.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::perf {

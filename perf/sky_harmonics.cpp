@@ -8,7 +8,7 @@
 #include "perf/report/passes.h"
 #include "sky_subjects.h"
 #include "subjects.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
 #include "welkin/sky_light.h"
 
 namespace welkin::perf {

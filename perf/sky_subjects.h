@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::perf {
 

@@ -4,7 +4,7 @@
 
 #include "sky/table_sizes.h"
 #include "subjects.h"
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::perf {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "subjects.h"
-#include "welkin/sky_specular.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
+#include "welkin/sky_plan.h"
 
 namespace welkin::perf {
 namespace {

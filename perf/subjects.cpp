@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "platform/memory.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::perf {
 namespace {
@@ -20,8 +20,8 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
   pixels = {};  // freed before the next one is allocated
   pixels = platform::AlignedBuffer<std::byte>(bytes);
   pixels_format = format;
-  const bool half = format == PixelFormat::rgb_f16 || format == PixelFormat::rgba_f16;
-  const bool single = format == PixelFormat::rgb_f32 || format == PixelFormat::rgba_f32;
+  const bool half = format == PixelFormat::rgb16f || format == PixelFormat::rgba16f;
+  const bool single = format == PixelFormat::rgb32f || format == PixelFormat::rgba32f;
   std::uint32_t state = 1;
   for (std::size_t at = 0; at + 4 <= bytes; at += 4) {
     state = state * 1664525U + 1013904223U;

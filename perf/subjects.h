@@ -8,7 +8,7 @@
 #include <string>
 
 #include "perf/report/environment.h"
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 
 namespace welkin::perf {
 

@@ -8,9 +8,8 @@
 #include "perf/report/passes.h"
 #include "perf/report/stopwatch.h"
 #include "reference/reference_projection.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/instruction_set.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 

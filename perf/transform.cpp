@@ -22,7 +22,7 @@ void add_synthesis(int bands, int threads, image::GridContent content) {
   add_benchmark("Synthesise", std::to_string(bands) + (spline ? "-spline" : "-samples"),
                 std::to_string(size.columns) + "x" + std::to_string(size.rings), threads, texels, 16.0 * texels,
                 [=]() -> std::function<void()> {
-                  const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+                  const LatLongView view = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
                   const auto spectrum = std::make_shared<transforms::Spectrum>(transforms::analyse(view, bands, {}));
                   const auto grid = std::make_shared<image::SphereGrid>(size.rings, size.columns, content);
                   const std::vector<double> zonal(static_cast<std::size_t>(bands), 1.0);
@@ -38,7 +38,7 @@ void add_transform(const std::vector<int>& thread_counts) {
     for (const int threads : thread_counts) {
       add_benchmark("Analyse", std::to_string(bands), size, threads, kTexels, 12.0 * kTexels,
                     [=]() -> std::function<void()> {
-                      const LatLongView view = noise_lat_long(PixelFormat::rgb_f32, kWidth, kHeight);
+                      const LatLongView view = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
                       return [=] { benchmark::DoNotOptimize(transforms::analyse(view, bands, {})); };
                     });
       add_synthesis(bands, threads, image::GridContent::samples);

@@ -80,7 +80,7 @@ enum class Waiting { future, polling };
 class ResultLatency {
  public:
   ResultLatency(int size, int threads, Waiting waiting, milliseconds pause)
-      : view_(noise_cubemap(PixelFormat::rgb_f32, size)),
+      : view_(noise_cubemap(PixelFormat::rgb32f, size)),
         request_{{CubemapSource(view_, nullptr)}, &moments_},
         threads_(threads),
         waiting_(waiting),

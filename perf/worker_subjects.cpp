@@ -15,7 +15,7 @@ WorkerOptions worker_options(int threads) {
 }
 
 CubemapSource numbered_source(int size, int number) {
-  const CubemapView view = noise_cubemap(PixelFormat::rgb_f32, size);
+  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
   // An owner that frees nothing and is told from others by its address.
   const auto* const address = static_cast<const std::byte*>(view.faces[0]) + number;
   return {view, std::shared_ptr<const void>(std::shared_ptr<const void>(), address)};

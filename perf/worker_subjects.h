@@ -4,7 +4,7 @@
 #include <atomic>
 #include <chrono>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/requests.h"
 #include "welkin/worker.h"
 

@@ -43,7 +43,7 @@ void keep_in_flight(benchmark::State& state, int count, int threads) {
 }
 
 void one_after_another(benchmark::State& state, int threads) {
-  const CubemapView view = noise_cubemap(PixelFormat::rgb_f32, kSize);
+  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, kSize);
   run_with_threads(threads, [&] {
     for (auto _ : state) benchmark::DoNotOptimize(project(view));
   });
@@ -52,7 +52,7 @@ void one_after_another(benchmark::State& state, int threads) {
 
 void side_by_side(benchmark::State& state, int threads) {
   constexpr int calls = 256;  // a thread, between two meetings
-  const CubemapView view = noise_cubemap(PixelFormat::rgb_f32, kSize);
+  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, kSize);
   std::barrier meeting(threads + 1);
   bool ended = false;
   std::vector<std::jthread> callers;

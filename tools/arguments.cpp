@@ -10,9 +10,7 @@
 
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/error.h"
-#include "welkin/instruction_set.h"
-#include "welkin/version.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

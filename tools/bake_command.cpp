@@ -11,9 +11,9 @@
 #include "tools/commands.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
+#include "welkin/image.h"
 
 namespace welkin::tool {
 namespace {

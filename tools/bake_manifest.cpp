@@ -7,8 +7,7 @@
 #include "tools/bake_write.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/error.h"
-#include "welkin/version.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {
@@ -32,7 +31,7 @@ Json axes_json(const BakeCommandOptions& options) {
 
 Json options_json(const Baked& baked, const BakeCommandOptions& options) {
   const PrefilterOptions& specular = *baked.whole.specular;
-  const ProjectionOptions& pixels = baked.whole.pixels;
+  const PixelPolicy& pixels = baked.whole.pixels;
   Json json = {
       {"size", specular.size},
       {"mips", specular.mips},

@@ -9,7 +9,7 @@
 #include "tools/baked.h"
 #include "tools/json.h"
 #include "tools/previews.h"
-#include "welkin/environment_writer.h"
+#include "welkin/environment_file.h"
 
 namespace welkin::tool {
 

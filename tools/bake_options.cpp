@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tools/text.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

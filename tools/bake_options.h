@@ -12,7 +12,7 @@
 #include "tools/sky_model.h"
 #include "tools/turning.h"
 #include "welkin/bake.h"
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::tool {

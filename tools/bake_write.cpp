@@ -6,10 +6,10 @@
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/babylon_environment.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
-#include "welkin/version.h"
+#include "welkin/spherical_harmonics.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::tool {
 namespace {
@@ -138,7 +138,7 @@ void write_lat_longs(const CubemapChain& background, const Job& job) {
     if (!job.options.containers.contains(container) || background.levels() == 0) continue;
     if (picture.width == 0) {
       picture = to_lat_long(background.view(0), 4 * background.size(), 2 * background.size(), glm::dmat3(1.0),
-                            {job.control.stop, {}});
+                            ResampleFilter::bilinear, {job.control.stop, {}});
     }
     const std::string file = std::string("environment.") + name(container);
     const WriteReport report = write_environment(job.folder.place(file), picture.view(), {}, {job.control.stop, {}});
@@ -260,7 +260,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
 
   ShReport report;
   report.source = baked.source;
-  report.options = baked.options.pixels;
+  report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
   report.projection = {transform(light, matrix), baked.light.diagnostics};
   report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them

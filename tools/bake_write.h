@@ -6,7 +6,7 @@
 
 #include "tools/bake_manifest.h"
 #include "tools/baked.h"
-#include "welkin/brdf_table.h"
+#include "welkin/reflections.h"
 
 namespace welkin::tool {
 

@@ -9,14 +9,14 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/bake_file.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/image.h"
+#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {

@@ -8,7 +8,7 @@
 #include "tools/json.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::tool {

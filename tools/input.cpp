@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "tools/text.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::tool {
@@ -144,19 +143,19 @@ void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
 
 int thread_count(const CommonOptions& options) { return options.threads > 0 ? options.threads : available_threads(); }
 
-void add_pixel_options(Options& table, ProjectionOptions& options, ClampChoice& clamp) {
+void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp) {
   add_clamp_options(table, clamp);
   table.push_back({.names = "--gamma",
-                   .target = &options.gamma,
+                   .target = &pixels.gamma,
                    .text = "The pixels are gamma encoded: clamp them to 0 to 1 and raise them to 2.2 first"});
-  table.push_back(choice<NonFinitePolicy>("--nan", options.nan,
+  table.push_back(choice<NonFinitePolicy>("--nan", pixels.nan,
                                           {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
                                           "NaN becomes 0 (default), or ends the command and is named"));
   table.push_back(choice<NonFinitePolicy>(
-      "--infinity", options.infinity, {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
+      "--infinity", pixels.infinity, {{"replace", NonFinitePolicy::replace}, {"reject", NonFinitePolicy::reject}},
       "Infinity becomes the clamp's V or 65504 (default), or ends the command and is named"));
   table.push_back(choice<NegativePolicy>(
-      "--negative", options.negative,
+      "--negative", pixels.negative,
       {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
       "Negative values are taken as they are (default), become 0, or end the command and are named"));
 }

@@ -61,13 +61,13 @@ struct ClampChoice {
   RadianceClamp clamp;
   bool clamps = false;
 
-  void apply(ProjectionOptions& options) const {
-    if (clamps) options.clamp = clamp;
+  void apply(PixelPolicy& pixels) const {
+    if (clamps) pixels.clamp = clamp;
   }
 };
 
 /// --clamp, --preserve-clamped, --gamma, --nan, --infinity, --negative.
-void add_pixel_options(Options& table, ProjectionOptions& options, ClampChoice& clamp);
+void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp);
 
 /// Where light came from, for those who read of it.
 struct Source {

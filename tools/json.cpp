@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {

@@ -7,9 +7,7 @@
 
 #include "tools/arguments.h"
 #include "tools/json.h"
-#include "welkin/cost_model.h"
 #include "welkin/plan.h"
-#include "welkin/scene_needs.h"
 
 namespace welkin::tool {
 

@@ -11,9 +11,8 @@
 #include "tools/test_map.h"
 #include "tools/text.h"
 #include "tools/turning.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/error.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -177,8 +176,8 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
   require_memory(options, source,
                  std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
   const Control middle = part_of(control, kRead, kResampled);
-  const CubemapImage result =
-      face > 0 ? to_cubemap(source.cubemap(), size, turn, middle) : to_cubemap(source.lat_long(), size, turn, middle);
+  const CubemapImage result = face > 0 ? to_cubemap(source.cubemap(), size, turn, middle)
+                                       : to_cubemap(source.lat_long(), size, turn, ResampleFilter::area, middle);
   return write_output(options.output, result.view(), last);
 }
 
@@ -193,8 +192,9 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
   if (same_shape && turn == glm::dmat3(1.0)) return write_output(options.output, source.lat_long(), last);
   require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   const Control middle = part_of(control, kRead, kResampled);
-  const LatLongImage result = face > 0 ? to_lat_long(source.cubemap(), width, height, turn, middle)
-                                       : to_lat_long(source.lat_long(), width, height, turn, middle);
+  const LatLongImage result = face > 0
+                                  ? to_lat_long(source.cubemap(), width, height, turn, ResampleFilter::bilinear, middle)
+                                  : to_lat_long(source.lat_long(), width, height, turn, middle);
   return write_output(options.output, result.view(), last);
 }
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
 
 namespace welkin::tool {
 namespace {

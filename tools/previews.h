@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "welkin/bake.h"
-#include "welkin/cubemap_chain.h"
 #include "welkin/image.h"
-#include "welkin/image_view.h"
 
 namespace welkin::tool {
 

@@ -7,11 +7,10 @@
 
 #include "tools/commands.h"
 #include "tools/terminal.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/result_cache.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {
@@ -77,7 +76,7 @@ void add_projection_options(Options& table, ShOptions& options) {
       "--quadrature", options.projection.quadrature, {{"exact", Quadrature::exact}, {"midpoint", Quadrature::midpoint}},
       "exact (default) integrates over each texel's area; midpoint takes its centre, as Babylon.js"));
   table.push_back({.names = "--target-size",
-                   .target = &options.projection.target_size,
+                   .target = &options.target_size,
                    .text =
                        "Reduce the environment to cubemap faces of N x N texels first (a lat-long to 4N x 2N): less "
                        "exact, for comparison with engines that do so; 0, the default: no",
@@ -91,7 +90,7 @@ void add_sh_options(Options& table, ShOptions& options) {
   add_format_options(table, options);
   add_turn_options(table, options.turn);
   add_projection_options(table, options);
-  add_pixel_options(table, options.projection, options.clamp);
+  add_pixel_options(table, options.projection.pixels, options.clamp);
   add_window_options(table, options);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   table.push_back({.names = "--irradiance-error",
@@ -105,15 +104,15 @@ void add_sh_options(Options& table, ShOptions& options) {
 constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
 
 // What `project` would put in an infinity's place.
-float infinity_of(const ProjectionOptions& options) { return options.clamp ? options.clamp->maximum : 65504.0F; }
+float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : 65504.0F; }
 
 // Takes the sun out, if asked for, and projects what is left; measures the irradiance's error on the way.
 void project_pixels(Pixels& pixels, const ShOptions& options, const Control& control, ShReport& report) {
   std::uint64_t infinities = 0;
   if (options.sun.take_out) {
     // A sun that overflowed would not be found.
-    if (options.projection.infinity == NonFinitePolicy::replace) {
-      infinities = replace_infinities(pixels, infinity_of(options.projection));
+    if (options.projection.pixels.infinity == NonFinitePolicy::replace) {
+      infinities = replace_infinities(pixels, infinity_of(options.projection.pixels));
     }
     report.sun = take_out_sun(pixels, options.sun.options);
   }
@@ -129,7 +128,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
     const SphericalHarmonics windowed =
         apply_window(report.projection.radiance, options.window, options.window_width).radiance;
     report.irradiance_errors = with_view(pixels, [&](const auto& view) {
-      return irradiance_errors(view, windowed, kNormals, options.projection, control);
+      return irradiance_errors(view, windowed, kNormals, options.projection.pixels, control);
     });
   }
 }
@@ -203,7 +202,8 @@ ShReport measure_sh(const ShOptions& options) {
 }
 
 void run(ShOptions options) {
-  options.clamp.apply(options.projection);
+  options.clamp.apply(options.projection.pixels);
+  if (options.target_size > 0) options.projection.target_size = options.target_size;
   std::string text;
   run_with_threads(options.common.threads, [&] { text = sh_formatted(measure_sh(options), options.format); });
   print_result(text);

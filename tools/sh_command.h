@@ -9,7 +9,7 @@
 #include "tools/sh_report.h"
 #include "tools/turning.h"
 #include "welkin/projection.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 
@@ -21,6 +21,7 @@ struct ShOptions {
   bool sky = false;                  ///< `--sky`; the command wants either this or an input
   ShFormat format = ShFormat::table;
   ProjectionOptions projection;
+  int target_size = 0;  ///< 0: none
   ClampChoice clamp;
   TurnOptions turn;
   SunChoice sun;

@@ -10,8 +10,7 @@
 #include "tools/json.h"
 #include "tools/sh_report.h"
 #include "tools/text.h"
-#include "welkin/instruction_set.h"
-#include "welkin/version.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 
@@ -185,8 +184,8 @@ std::string replaced_sentence(const ProjectionDiagnostics& diagnostics) {
 
 std::string clamp_sentence(const ShReport& report) {
   const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
-  if (!report.options.clamp) return "no clamp was asked for";
-  const std::string limit = "the clamp at " + significant(report.options.clamp->maximum);
+  if (!report.options.pixels.clamp) return "no clamp was asked for";
+  const std::string limit = "the clamp at " + significant(report.options.pixels.clamp->maximum);
   if (diagnostics.texels_clamped == 0) return limit + " changed no texel";
   const double before = diagnostics.total_radiance_before_clamp.x + diagnostics.total_radiance_before_clamp.y +
                         diagnostics.total_radiance_before_clamp.z;
@@ -251,11 +250,11 @@ Json babylon_json(const BabylonPolynomial& polynomial) {
 Json settings_json(const ShReport& report) {
   const ProjectionOptions& options = report.options;
   Json settings = {{"quadrature", quadrature_name(report)},
-                   {"target_size", options.target_size},
+                   {"target_size", options.target_size.value_or(0)},
                    {"clamp", nullptr},
-                   {"preserve_clamped", options.clamp && options.clamp->preserve_colour},
-                   {"gamma", options.gamma}};
-  if (options.clamp) settings["clamp"] = options.clamp->maximum;
+                   {"preserve_clamped", options.pixels.clamp && options.pixels.clamp->preserve_colour},
+                   {"gamma", options.pixels.gamma}};
+  if (options.pixels.clamp) settings["clamp"] = options.pixels.clamp->maximum;
   return settings;
 }
 

@@ -7,13 +7,11 @@
 
 #include "tools/input.h"
 #include "tools/sky_model.h"
-#include "welkin/babylon.h"
 #include "welkin/directional_light.h"
-#include "welkin/engine_light.h"
+#include "welkin/engines.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
-#include "welkin/windowing.h"
 
 namespace welkin::tool {
 

@@ -13,8 +13,8 @@
 #include "tools/sh_command.h"
 #include "tools/sky_sweep.h"
 #include "tools/terminal.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {

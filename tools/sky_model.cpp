@@ -8,8 +8,8 @@
 
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/error.h"
-#include "welkin/sky_table_file.h"
+#include "welkin/bake_file.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

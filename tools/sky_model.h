@@ -13,12 +13,10 @@
 #include "tools/input.h"
 #include "tools/json.h"
 #include "welkin/atmosphere.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/directional_light.h"
 #include "welkin/image.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::tool {
 

@@ -11,8 +11,8 @@
 #include "tools/previews.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
-#include "welkin/environment_writer.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 
 namespace welkin::tool {
 namespace {

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "tools/text.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

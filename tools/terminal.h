@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 

@@ -1,8 +1,7 @@
 // An environment that shows by itself how it is turned.
 #pragma once
 
-#include "welkin/control.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace WELKIN_EXPORT welkin {

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "tools/terminal.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {

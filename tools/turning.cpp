@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
 
 namespace welkin::tool {

@@ -6,9 +6,8 @@
 #include <string>
 
 #include "tools/arguments.h"
-#include "welkin/control.h"
-#include "welkin/convention.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
 #include "welkin/image.h"
 
 namespace welkin::tool {

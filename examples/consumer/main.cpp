@@ -27,7 +27,7 @@ int main() {
   const welkin::CubemapView view{{wall.data(), wall.data(), sky.data(), floor.data(), wall.data(), wall.data()},
                                  kSize,
                                  0,
-                                 welkin::PixelFormat::rgb_f32};
+                                 welkin::PixelFormat::rgb32f};
   const welkin::BakeResult light = welkin::bake(view, {.specular = welkin::PrefilterOptions{.size = 32}});
   for (int mip = 0; mip < light.specular->cubemap.levels(); ++mip) {
     for (int face = 0; face < 6; ++face) upload(face, mip, light.specular->cubemap.face(mip, face));

@@ -1,7 +1,7 @@
 #include "environments.h"
 
-#include <welkin/environment_writer.h>
-#include <welkin/sky_view.h>
+#include <welkin/environment_file.h>
+#include <welkin/sky.h>
 
 #include <algorithm>
 #include <memory>

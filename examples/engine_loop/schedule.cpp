@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "welkin/file_requests.h"
+#include "welkin/bake_file.h"
 
 namespace engine_loop {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "turning_sky.h"
-#include "welkin/file_requests.h"
+#include "welkin/bake_file.h"
 
 namespace engine_loop {
 

@@ -1,7 +1,7 @@
 // The changing source: a sky whose sun goes round, computed anew each time that its light is asked for.
 #pragma once
 
-#include <welkin/control.h>
+#include <welkin/core.h>
 #include <welkin/image.h>
 #include <welkin/projection.h>
 

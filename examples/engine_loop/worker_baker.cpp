@@ -1,6 +1,6 @@
 #include "worker_baker.h"
 
-#include <welkin/error.h>
+#include <welkin/core.h>
 
 #include <chrono>
 #include <utility>

@@ -1,6 +1,6 @@
 #include "worker_setup.h"
 
-#include <welkin/control.h>
+#include <welkin/core.h>
 
 #include <memory>
 #include <stdexcept>

@@ -2,7 +2,7 @@
 //
 // The program makes the light of a few cubemaps on the pool, polls for it as a frame loop would, and compares it with
 // what direct calls give. It ends with 0 if all is the same.
-#include <welkin/control.h>
+#include <welkin/core.h>
 #include <welkin/worker.h>
 
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "welkin/export.h"
+#include "welkin/core.h"
 
 namespace WELKIN_EXPORT welkin {
 

@@ -9,16 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "welkin/babylon.h"
-#include "welkin/brdf_table.h"
-#include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
 #include "welkin/image.h"
-#include "welkin/image_view.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
 
 namespace WELKIN_EXPORT welkin {
 
@@ -52,8 +48,7 @@ struct BakeOptions {
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 
-  /// Clamp, gamma and policies for NaN, infinities and negatives, for all passes alike; nothing else of it is used.
-  ProjectionOptions pixels{};
+  PixelPolicy pixels{};  ///< what becomes of the source's values first, for all passes alike
 
   /// Results and working memory together; a bake that may need more is refused before it begins.
   std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U;

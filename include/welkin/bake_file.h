@@ -1,18 +1,52 @@
-// Bakes of files: read whole and baked, or planned with what the file carries already.
+// What a file carries beside the pixels: told from its header, before anything is read.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "welkin/bake.h"
-#include "welkin/control.h"
-#include "welkin/cost_model.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/export.h"
 #include "welkin/plan.h"
-#include "welkin/scene_needs.h"
-#include "welkin/stored_environment.h"
+#include "welkin/projection.h"
+#include "welkin/sky.h"
 
 namespace WELKIN_EXPORT welkin {
+
+/// What the levels below the first are.
+enum class LevelContent {
+  automatic,    ///< as the file says; DDS cannot: then they are not used
+  radiance,     ///< plain mips
+  reflections,  ///< prefiltered, a roughness each
+};
+
+/// What a file holds besides its pixels.
+struct StoredEnvironment {
+  std::filesystem::path path;  ///< as it was named
+  ReadOptions read;            ///< how it is to be read
+  EnvironmentInfo info;        ///< what the file says of itself
+  SourceShape shape;           ///< of the pixels as `read_environment` gives them
+
+  bool compressed = true;       ///< pixels must be unpacked
+  bool has_polynomial = false;  ///< of an .env: three bands of the light, in full where its pixels end at 255
+  int levels = 1;               ///< of a cubemap
+  LevelContent content = LevelContent::automatic;  ///< of those levels; automatic: it cannot be told
+  std::vector<double> roughness;                   ///< of each level, where they are reflections
+
+  /// "sky.env: Babylon.js .env, cubemap of 256, 9 prefiltered mips, polynomial"
+  [[nodiscard]] std::string words() const;
+};
+
+/// Reads the header. `content` overrides what the file says; of reflections without a roughness each in the metadata
+/// (`welkin.roughness`) it is spread as `RoughnessSchedule::linear` has it. Throws `Error` as `inspect_environment`.
+[[nodiscard]] StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read = {},
+                                                  LevelContent content = LevelContent::automatic);
+
+// Bakes of files: read whole and baked, or planned with what the file carries already.
 
 /// Reads and bakes a file: all that `read_environment` reads; the full size of .env, KTX2 and DDS cubemaps. Throws as
 /// `read_environment` too.
@@ -26,5 +60,63 @@ namespace WELKIN_EXPORT welkin {
 
 /// Carries out the plan of a file. Throws as `bake` and `bake_file`, and invalid_argument for another file's plan.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
+
+// What can be asked of a worker about files: Welkin's own calls, as in requests.h.
+
+/// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
+struct ProjectFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;   ///< the file, or one of six
+  ReadOptions read_options{};   ///< how it is read
+  ProjectionOptions options{};  ///< how it is projected
+
+  [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
+};
+
+/// `read_environment`. Its result cannot be copied, so it is not shared.
+struct ReadFile {
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
+
+  [[nodiscard]] Environment operator()(const Control& control) const;
+};
+
+/// `measure_environment`. Shared as `ProjectFile`.
+struct MeasureFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
+
+  [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
+};
+
+/// `bake_file`. Shared as `ProjectFile`.
+struct BakeFile {
+  static constexpr bool kReadsFiles = true;
+
+  std::filesystem::path path;  ///< the file, or one of six
+  ReadOptions read_options{};  ///< how it is read
+  BakeOptions options{};       ///< what is made of it
+
+  [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
+  friend bool operator==(const BakeFile&, const BakeFile&) = default;
+};
+
+// Files of a sky's tables, so that they are computed once.
+
+/// Writes tables with all their parameters and a checksum; read again they are the same bits. Written beside, renamed.
+/// Throws `Error`: invalid_argument for tables whose sizes are not their options', file_access.
+void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path);
+/// Throws `Error`: file_access, corrupt_file (a checksum that differs, a table cut off), unsupported_file (another
+/// version), limit_exceeded.
+[[nodiscard]] SkyTables load_sky_tables(const std::filesystem::path& path,
+                                        std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U);
 
 }  // namespace welkin

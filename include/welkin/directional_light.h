@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -15,14 +15,11 @@
 #include <vector>
 
 #include "welkin/atmosphere.h"
-#include "welkin/control.h"
-#include "welkin/export.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace WELKIN_EXPORT welkin {
@@ -67,7 +64,7 @@ struct BudgetChoice {
 /// Reads levels from the smallest up, each projected as `project` does with `exact` quadrature, until the differences
 /// between the last ones say that what finer levels would still change is under the budget: four thirds of the texels
 /// of the level chosen, and no finer one. Content that all levels read so far average away is not seen: see the docs.
-/// `setting` is `options` with the level's size as `target_size` (0: the full size) and exact quadrature.
+/// `setting` is `options` with the level's size as `target_size` (none: the full size) and exact quadrature.
 /// Throws `Error` as `project`.
 [[nodiscard]] BudgetChoice<ProjectionOptions> choose_projection(std::span<const CubemapView> mips,
                                                                 const ProjectionOptions& options = {},
@@ -101,14 +98,11 @@ struct HighBands {
 [[nodiscard]] BudgetChoice<int> choose_irradiance_bands(const SphericalHarmonics& radiance, const HighBands& high,
                                                         const ErrorBudget& budget = {});
 
-/// Reads the environment twice: 16 bands, and what is beyond them. Pixels as `options` say; bands, quadrature and
-/// target size are not looked at. Throws `Error` as `project`.
+/// Reads the environment twice: 16 bands, and what is beyond them. Throws `Error` as `project`.
 [[nodiscard]] BudgetChoice<int> choose_irradiance_bands(const CubemapView& cubemap, const ErrorBudget& budget = {},
-                                                        const ProjectionOptions& options = {},
-                                                        const Control& control = {});
+                                                        const PixelPolicy& pixels = {}, const Control& control = {});
 [[nodiscard]] BudgetChoice<int> choose_irradiance_bands(const LatLongView& lat_long, const ErrorBudget& budget = {},
-                                                        const ProjectionOptions& options = {},
-                                                        const Control& control = {});
+                                                        const PixelPolicy& pixels = {}, const Control& control = {});
 
 /// What one mip needs. Errors are rms over the sphere relative to the mip's own, whatever the budget's measure.
 struct MipNeed {

@@ -1,13 +1,87 @@
-// Environments in memory that own their pixels.
+// Pixels: views of the caller's, images and chains that own theirs, and targets in memory of the caller's.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
-#include "welkin/export.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
 
 namespace WELKIN_EXPORT welkin {
+
+// Views of the caller's pixels: Welkin reads environments in place and never owns them.
+
+/// How one texel lies in memory: interleaved channels, no padding inside a texel.
+/// Alpha is read past and never used. f16 is IEEE 754 binary16; u8 maps 0..255 to 0..1;
+/// srgb8 does so and then applies the sRGB transfer function (IEC 61966-2-1).
+enum class PixelFormat {
+  rgb32f,
+  rgba32f,
+  rgb16f,
+  rgba16f,
+  rgb8,
+  rgba8,
+  srgb8,
+  srgba8,
+};
+
+/// Bytes that one texel takes: 3 to 16.
+[[nodiscard]] constexpr std::size_t bytes_per_texel(PixelFormat format) noexcept {
+  switch (format) {
+    case PixelFormat::rgb32f: return 12;
+    case PixelFormat::rgba32f: return 16;
+    case PixelFormat::rgb16f: return 6;
+    case PixelFormat::rgba16f: return 8;
+    case PixelFormat::rgb8:
+    case PixelFormat::srgb8: return 3;
+    case PixelFormat::rgba8:
+    case PixelFormat::srgba8: return 4;
+  }
+  return 0;
+}
+
+/// Six square faces in the order +X -X +Y -Y +Z -Z, row 0 on top.
+///
+/// | face | normal | u (column) runs along | v (row) runs along |
+/// |---|---|---|---|
+/// | +X | +x | -z | -y |
+/// | -X | -x | +z | -y |
+/// | +Y | +y | +x | +z |
+/// | -Y | -y | +x | -z |
+/// | +Z | +z | +x | -y |
+/// | -Z | -z | -x | -y |
+///
+/// Texel (column i, row j) is a square whose centre is (u, v) = ((2i+1)/size - 1, (2j+1)/size - 1).
+struct CubemapView {
+  std::array<const void*, 6> faces{};        ///< first texel of each face; float formats aligned to their channel
+  int size = 0;                              ///< texels along an edge, 1 to 16384; need not be even
+  std::ptrdiff_t row_stride_bytes = 0;       ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  PixelFormat format = PixelFormat::rgb32f;  ///< of all six faces
+
+  /// Whether these are the same pixels in memory, not whether they hold the same values. So for `LatLongView`.
+  friend bool operator==(const CubemapView&, const CubemapView&) = default;
+};
+
+/// A full sphere as latitude over longitude (equirectangular).
+///
+/// Texel (column i, row j) covers latitudes from pi/2 - pi j/height down to pi/2 - pi (j+1)/height and
+/// longitudes from pi - 2 pi i/width to pi - 2 pi (i+1)/width, and a direction is
+/// (sin(lon) cos(lat), sin(lat), cos(lon) cos(lat)): the centre looks along +z, +x lies a quarter in from
+/// the left. That is OpenEXR's orientation with texels as areas.
+struct LatLongView {
+  const void* pixels = nullptr;              ///< first texel of the top row
+  int width = 0;                             ///< 1 to 65536; twice the height as a rule, but any ratio is taken
+  int height = 0;                            ///< 1 to 32768
+  std::ptrdiff_t row_stride_bytes = 0;       ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  PixelFormat format = PixelFormat::rgb32f;  ///< of the pixels
+
+  friend bool operator==(const LatLongView&, const LatLongView&) = default;
+};
+
+// Environments in memory that own their pixels.
 
 /// An RGB float lat-long picture that owns its pixels.
 struct LatLongImage {
@@ -16,7 +90,7 @@ struct LatLongImage {
   std::vector<float> pixels;  ///< width x height x 3, row 0 on top
 
   /// The pixels as a view. It is valid while `pixels` are.
-  [[nodiscard]] LatLongView view() const noexcept { return {pixels.data(), width, height, 0, PixelFormat::rgb_f32}; }
+  [[nodiscard]] LatLongView view() const noexcept { return {pixels.data(), width, height, 0, PixelFormat::rgb32f}; }
 };
 
 /// An RGB float cubemap that owns its pixels.
@@ -27,10 +101,122 @@ struct CubemapImage {
   /// The pixels as a view. It is valid while `pixels` are.
   [[nodiscard]] CubemapView view() const noexcept {
     const std::size_t face_values = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    CubemapView view{{}, size, 0, PixelFormat::rgb_f32};
+    CubemapView view{{}, size, 0, PixelFormat::rgb32f};
     for (std::size_t face = 0; face < view.faces.size(); ++face) view.faces[face] = pixels.data() + face * face_values;
     return view;
   }
 };
+
+// A cubemap with its mip chain.
+
+/// How many levels a whole chain has, from `size` down to 1: 1 + floor(log2(size)). `size` >= 1.
+[[nodiscard]] constexpr int full_chain_levels(int size) noexcept {
+  int levels = 1;
+  while (size > 1) {
+    size /= 2;
+    ++levels;
+  }
+  return levels;
+}
+
+/// Six faces of RGB floats in the frames of `CubemapView`, and their smaller levels, in one block of memory: level
+/// after level, face after face, row after row, no padding. Level l has max(1, size >> l) texels along an edge, as
+/// graphics APIs count. Moves are cheap; there is no copy.
+class CubemapChain {
+ public:
+  /// No levels.
+  CubemapChain() = default;
+
+  /// The pixels are not initialised. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and
+  /// 1 <= levels <= full_chain_levels(size).
+  CubemapChain(int size, int levels);
+
+  /// Texels along an edge of level 0; 0 if there are no levels.
+  [[nodiscard]] int size() const noexcept { return size_; }
+  /// How many levels there are; 0 if it is empty.
+  [[nodiscard]] int levels() const noexcept { return static_cast<int>(offsets_.size()); }
+  /// Texels along an edge of a level.
+  [[nodiscard]] int level_size(int level) const noexcept { return size_ >> level > 1 ? size_ >> level : 1; }
+  /// Memory of all levels.
+  [[nodiscard]] std::size_t bytes() const noexcept { return values_ * sizeof(float); }
+
+  /// First channel of a face's first texel: level_size^2 x 3 floats. 0 <= level < levels(), 0 <= face < 6.
+  [[nodiscard]] float* face(int level, int face) noexcept { return pixels_.get() + face_offset(level, face); }
+  /// First float of a face: level_size x level_size texels of RGB, packed, row 0 on top.
+  [[nodiscard]] const float* face(int level, int face) const noexcept {
+    return pixels_.get() + face_offset(level, face);
+  }
+
+  /// A level as a view. It is valid while the chain lives and is not assigned to.
+  [[nodiscard]] CubemapView view(int level) const noexcept;
+  /// All levels, as `project` and the writers take them.
+  [[nodiscard]] std::vector<CubemapView> views() const;
+
+ private:
+  [[nodiscard]] std::size_t face_offset(int level, int face) const noexcept {
+    const auto edge = static_cast<std::size_t>(level_size(level));
+    return offsets_[static_cast<std::size_t>(level)] + static_cast<std::size_t>(face) * edge * edge * 3;
+  }
+
+  int size_ = 0;
+  std::size_t values_ = 0;
+  std::vector<std::size_t> offsets_;  ///< of each level's first value
+  std::unique_ptr<float[]> pixels_;
+};
+
+// Cubemaps into memory of the caller's, as Vulkan and D3D12 take them: an upload buffer that is mapped, say.
+//
+//   const welkin::UploadLayout layout{.format = welkin::TexelFormat::rgba16f, .size = 256, .levels = 9};
+//   std::span<std::byte> memory = map(upload_bytes(layout));
+//   welkin::store_texels(light.specular->cubemap, upload_targets(layout, memory));
+
+/// How a texel is stored; each value is rounded to the nearest that there is, and what a format cannot hold is clamped
+/// and counted: what is above its largest value becomes that, NaN becomes 0, negatives become 0 where there are none.
+/// Alpha, where there is one, is 1.
+enum class TexelFormat {
+  rgba16f,    ///< halves, -65504 to 65504
+  rgba32f,    ///< floats, as they are: NaN and infinities too
+  b10g11r11,  ///< unsigned floats of 11, 11 and 10 bits, up to 65024 and 64512: 1 part in 64 and 32
+  e5b9g9r9,   ///< mantissas of 9 bits, one exponent, up to 65408: 1 part in 512 of the largest channel
+};
+
+/// One level of a cubemap in memory that is written to. Rows of a face lie `row_pitch_bytes` apart, row 0 first; what
+/// lies between them is not touched. Faces are those of `CubemapView`, and need not lie one after the other.
+struct CubemapTarget {
+  std::array<void*, 6> faces{};
+  int size = 0;                        ///< texels along an edge
+  std::ptrdiff_t row_pitch_bytes = 0;  ///< 0: rows are packed; negative: bottom-up
+  TexelFormat format = TexelFormat::rgba16f;
+};
+
+/// Writes a cubemap of the same size. Returns how many channel values the format could not hold. The same bytes on any
+/// number of threads. Throws `Error`: invalid_argument (a null face, another size, rows that overlap), cancelled.
+std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control = {});
+
+/// Writes all levels of a chain, each to its target; nothing is written if one of them is refused.
+std::uint64_t store_texels(const CubemapChain& from, std::span<const CubemapTarget> to, const Control& control = {});
+
+/// Which of the images of six faces and several levels come one after the other.
+enum class UploadOrder {
+  level_by_level,  ///< six faces of level 0, six of level 1, ...: KTX2, and one copy a level in Vulkan
+  face_by_face,    ///< all levels of +X, then of -X, ...: D3D12's subresources, DDS
+};
+
+/// How a chain lies in one block of memory.
+struct UploadLayout {
+  TexelFormat format = TexelFormat::rgba16f;
+  int size = 0;    ///< texels along an edge of level 0: 1 to 16384
+  int levels = 1;  ///< 1 to `full_chain_levels(size)`
+  UploadOrder order = UploadOrder::level_by_level;
+  std::uint64_t row_alignment_bytes = 1;    ///< of the distance between rows; D3D12 wants 256
+  std::uint64_t level_alignment_bytes = 1;  ///< of the start of each face of each level; D3D12 wants 512
+};
+
+/// Bytes of such a block. Throws `Error` (invalid_argument) for members out of range.
+[[nodiscard]] std::uint64_t upload_bytes(const UploadLayout& layout);
+
+/// The targets of such a block, one a level. Throws `Error` (invalid_argument) as above, and if the memory is too
+/// small.
+[[nodiscard]] std::vector<CubemapTarget> upload_targets(const UploadLayout& layout, std::span<std::byte> memory);
 
 }  // namespace welkin

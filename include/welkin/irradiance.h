@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "welkin/control.h"
-#include "welkin/export.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -26,12 +25,10 @@ namespace WELKIN_EXPORT welkin {
 /// bits on any number of threads. Throws `Error`: invalid_argument (view, options, a normal without length, none or
 /// more than 100 000 normals), rejected_pixel, cancelled.
 [[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
-                                                        const ProjectionOptions& options = {},
-                                                        const Control& control = {});
+                                                        const PixelPolicy& pixels = {}, const Control& control = {});
 [[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long,
                                                         std::span<const glm::dvec3> normals,
-                                                        const ProjectionOptions& options = {},
-                                                        const Control& control = {});
+                                                        const PixelPolicy& pixels = {}, const Control& control = {});
 
 /// The same for one normal.
 [[nodiscard]] glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal);
@@ -53,11 +50,24 @@ struct IrradianceError {
 /// else infinite. Cost, bits and errors as of `direct_irradiance`.
 [[nodiscard]] std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap,
                                                              const SphericalHarmonics& radiance, int normals = 500,
-                                                             const ProjectionOptions& options = {},
+                                                             const PixelPolicy& pixels = {},
                                                              const Control& control = {});
 [[nodiscard]] std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long,
                                                              const SphericalHarmonics& radiance, int normals = 500,
-                                                             const ProjectionOptions& options = {},
+                                                             const PixelPolicy& pixels = {},
                                                              const Control& control = {});
+
+// Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics.
+
+/// Irradiance (W/m2 where radiance is W/m2/sr; pi times it in a uniform environment) at each texel's centre, by the
+/// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. SIMD; the same bits
+/// everywhere. Throws `Error`: invalid_argument (size not in 1 to 4096), cancelled.
+[[nodiscard]] CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size,
+                                              const Control& control = {});
+
+/// The reference: direct cosine integration in double, as `direct_irradiance`, at each texel's centre. Cost: some 5 ns
+/// a source texel, result texel and thread.
+[[nodiscard]] CubemapImage direct_irradiance_cubemap(const CubemapView& source, int size, const Control& control = {});
+[[nodiscard]] CubemapImage direct_irradiance_cubemap(const LatLongView& source, int size, const Control& control = {});
 
 }  // namespace welkin

@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "welkin/core.h"
 #include "welkin/detail/computation.h"
-#include "welkin/export.h"
 
 namespace WELKIN_EXPORT welkin {
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/job.h"
 
 namespace WELKIN_EXPORT welkin {

@@ -1,25 +1,173 @@
+// What a scene uses of its environment: what it does not use need not be baked.
+//
+//   welkin::SceneNeeds mobile{.diffuse_bands = 1, .glossy = std::nullopt, .background = false};
+//   welkin::Plan plan = welkin::plan(panorama, mobile);
+#pragma once
+
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "welkin/bake.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+
+namespace WELKIN_EXPORT welkin {
+
+/// Perceptual roughness, as artists set it.
+struct RoughnessRange {
+  double minimum = 0.0;  ///< of the smoothest material
+  double maximum = 1.0;  ///< of the roughest material
+
+  friend bool operator==(const RoughnessRange&, const RoughnessRange&) = default;
+};
+
+/// The default uses everything, of diffuse light what three bands hold.
+struct SceneNeeds {
+  int diffuse_bands = 3;  ///< of diffuse light: 0 none is used, 1 ambient only, 3 as a rule; up to kMaximumBands
+  bool irradiance_cubemap = true;  ///< shaders look diffuse light up in a cubemap; else coefficients are all they read
+
+  /// Of all materials that reflect their surroundings; none: there are no glossy materials.
+  std::optional<RoughnessRange> glossy = RoughnessRange{};
+
+  bool background = true;       ///< something shows the environment itself
+  bool background_mips = true;  ///< and shows it from afar, or blurred
+  bool brdf_table = true;       ///< glossy materials read it; else the engine has one
+
+  /// What an input file carries is taken as it is: the polynomial and the prefiltered chain of an .env, the levels of
+  /// a KTX2. Off: it is computed from the pixels.
+  bool stored_results = true;
+
+  /// What is left is the very bits of a bake of everything (an irradiance cubemap from harmonics: of a bake with so
+  /// many bands, `diffuse_bands` being all that it is evaluated from). Off: a chain of mips is planned for the
+  /// roughness that there is alone, within the same bounds of error; of a cubemap that may be several times faster.
+  bool same_bits = true;
+
+  /// What each pass may lose, relative: 0.01 is 1 %, 1e-6 to 1. Each picks its cheapest setting whose estimated error
+  /// on this environment is under it (rms over the sphere over the rms of the result; error_budget.h), or stays as it
+  /// is where no estimate is. `same_bits` does not hold then, and nothing stored is taken: its error is unknown. Only
+  /// plans of pixels can tell. None: nothing is lost beyond the bounds of the options.
+  std::optional<double> error_budget = std::nullopt;
+
+  bool sun_moves = true;  ///< of a computed sky: a curve over the sun's elevation; else the light of one sun
+
+  friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
+};
+
+/// Throws `Error` (invalid_argument) that names the member unless 0 <= diffuse_bands <= kMaximumBands, 0 <= minimum <=
+/// maximum <= 1, and 1e-6 <= error_budget <= 1.
+void check(const SceneNeeds& needs);
+
+// What each kind of work costs on a machine: nanoseconds of one thread a unit.
+//
+//   welkin::CostModel costs;   // the stored numbers; or what `welkin report --calibrate` has measured here
+//   welkin::Plan plan = welkin::plan(panorama, needs, {}, costs);
+
+/// The stored numbers are estimates from benchmarks of single passes: their ratios hold roughly, their sum is another
+/// on every machine, which is what `welkin report --calibrate` is for. They predict, they never decide a result's bits.
+struct CostModel {
+  // Of a source's pixels.
+  double clean_texel = 0.45;            ///< looked through, or copied as RGB floats
+  double project_texel = 0.45;          ///< read for harmonics,
+  double project_sum = 0.045;           ///< and each of its n (n + 1) / 2 sums for n bands
+  double resample_texel = 16.0;         ///< a texel of a cubemap by area,
+  double resample_source = 3.2;         ///< and a texel of the source that goes into it
+  double resample_cube_texel = 540.0;   ///< the same where the source is a cubemap, too, of another size:
+  double resample_cube_source = 800.0;  ///< faces do not line up with rows, and outlines are cut
+  double mip_texel = 3.0;               ///< a texel of level 0, for all levels below it
+  double copy_texel = 1.1;              ///< a texel of a result that is copied
+  double read_texel = 20.0;             ///< of a file, compressed: OpenEXR, .hdr, PNG, .env
+  double read_plain_texel = 3.0;        ///< of a file, as it is: PFM, KTX2, DDS
+
+  // Of the prefilter.
+  double ring_texel = 95.0;            ///< a texel of the lat-long that a cubemap goes through
+  double bright_texel = 0.7;           ///< a texel that is looked at for its own brightness
+  double fourier_texel = 4.0;          ///< a texel of a ring, transformed either way
+  double legendre_term = 0.5;          ///< a ring's share of one degree and order, either way, three channels
+  double face_texel = 16.0;            ///< a texel of a mip, looked up in rings
+  double tap = 35.0;                   ///< a tap of a texel of the sampled method
+  double reference_pair = 5.0;         ///< a texel of the source for a texel of the reference method,
+  double reference_direction = 6.5e6;  ///< and once for each of these: source texels near its peak are divided
+
+  // Of diffuse light and the table.
+  double irradiance_term = 0.9;         ///< a coefficient of a texel of the irradiance cubemap
+  double irradiance_pair = 8.5;         ///< a texel of the source for a texel of direct convolution,
+  double irradiance_direction = 2.4e5;  ///< and once for each of these: source texels near its horizon are divided
+  double brdf_texel = 500.0;            ///< of the table, without sheen
+  double sheen_texel = 1200.0;          ///< and with
+
+  // Of a sky, for three wavelengths.
+  double transmittance_texel = 4200.0;  ///< of the transmittance table
+  double sun_path_node = 5000.0;        ///< of the lengths to the sun that all wavelengths share
+  double first_order_node = 9000.0;     ///< of the radiance of the first order, by height, direction and sun
+  double order_node = 5600.0;           ///< of each order above
+  double scattered_once = 950.0;        ///< a texel of the scattering table: light from the sun itself,
+  double scattered_often = 450.0;       ///< and all other light
+  double slice_texel = 75.0;            ///< a texel of a scattering table that a view's slice is made from
+  double sky_direction = 60.0;          ///< a direction looked up
+  double projected_direction = 17.5;    ///< a direction of a curve's node
+
+  friend bool operator==(const CostModel&, const CostModel&) = default;
+};
+
+/// One of its numbers.
+struct CostUnit {
+  const char* name;          ///< the member's
+  double CostModel::*value;  ///< the member that holds it
+};
+
+/// All of them, in order: for files and tables.
+[[nodiscard]] std::span<const CostUnit> cost_units() noexcept;
+
+// What a source of light looks like from outside: all that a plan needs to know of its pixels.
+
+/// Size and format of pixels that are not there yet, for plans.
+struct SourceShape {
+  bool cubemap = false;                      ///< or a lat-long
+  int columns = 0;                           ///< of a lat-long, or of a face
+  int rows = 0;                              ///< of a lat-long, or of six faces
+  PixelFormat format = PixelFormat::rgb32f;  ///< of the pixels
+
+  /// How many texels there are.
+  [[nodiscard]] std::uint64_t texels() const noexcept {
+    return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows);
+  }
+  /// "lat-long 1024 x 512", "cubemap of 256"
+  [[nodiscard]] std::string words() const;
+
+  friend bool operator==(const SourceShape&, const SourceShape&) = default;
+};
+
+/// Throw `Error` (invalid_argument) for a view that no call would accept.
+[[nodiscard]] SourceShape shape_of(const LatLongView& view);
+[[nodiscard]] SourceShape shape_of(const CubemapView& view);
+
+// A step of a plan: what will be done, or why it will not.
+
+/// What becomes of one pass, and why.
+struct PlannedPass {
+  std::string name;                     ///< as the `PassRecord` that comes out of it
+  PassAction action = PassAction::run;  ///< run, reused or left out
+  std::string reason;                   ///< what is done, or why it is not; for a person
+
+  /// Processor time of one thread; 0 for what is skipped. Passes overlap and share threads: `Plan::milliseconds`.
+  double predicted_milliseconds = 0.0;
+  std::uint64_t bytes = 0;  ///< what it holds at most beside the source: its result, and its working memory
+
+  friend bool operator==(const PlannedPass&, const PlannedPass&) = default;
+};
+
 // What a bake will do for a scene, before any of it is done: which passes run, which are there already, which nobody
 // needs, why, and what each is expected to cost.
 //
 //   const welkin::Plan plan = welkin::plan(panorama, {.glossy = std::nullopt});
 //   log(welkin::plan_text(plan));
 //   const welkin::BakeResult light = welkin::bake(panorama, plan);
-#pragma once
-
-#include <cstdint>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
-#include <string>
-#include <vector>
-
-#include "welkin/bake.h"
-#include "welkin/cost_model.h"
-#include "welkin/export.h"
-#include "welkin/planned_pass.h"
-#include "welkin/scene_needs.h"
-#include "welkin/source_shape.h"
-
-namespace WELKIN_EXPORT welkin {
 
 /// What a bake would do, before it does it.
 struct Plan {

@@ -1,6 +1,6 @@
 // From an environment's pixels to spherical harmonics.
 //
-//   welkin::CubemapView view{{px, nx, py, ny, pz, nz}, 1024, 0, welkin::PixelFormat::rgba_f16};
+//   welkin::CubemapView view{{px, nx, py, ny, pz, nz}, 1024, 0, welkin::PixelFormat::rgba16f};
 //   welkin::Projection light = welkin::project(view);          // three bands, exact quadrature
 //   auto irradiance = welkin::irradiance_from_radiance(light.radiance);
 //
@@ -8,16 +8,18 @@
 // for any number of threads and on every instruction set.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "welkin/control.h"
-#include "welkin/export.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace WELKIN_EXPORT welkin {
@@ -42,26 +44,13 @@ struct RadianceClamp {
   friend bool operator==(const RadianceClamp&, const RadianceClamp&) = default;
 };
 
-/// How pixels become coefficients.
-struct ProjectionOptions {
-  int bands = 3;                              ///< 1 (ambient only) to kMaximumBands
-  Quadrature quadrature = Quadrature::exact;  ///< how texels are integrated
-
-  /// Edge of the cubemap face to which the environment is reduced first; 0, the default: none. A lat-long
-  /// is reduced to 4 x target by 2 x target. With a mip chain, the level nearest to the target in log2 is
-  /// read instead. A source that is no larger than the target is taken whole. Else
-  /// - exact quadrature averages by solid angle, after gamma, clamp and policies;
-  /// - midpoint averages a cubemap as Babylon.js does: target rounded down to a power of two, a plain box of
-  ///   the raw values, before gamma, clamp and replacements. These then act on cells, and the counts in the
-  ///   diagnostics are of cells; only `reject` looks at the texels;
-  /// - midpoint averages a lat-long by plain area of pixels, target as it is, after gamma, clamp and policies.
-  int target_size = 0;
-
-  /// Off by default. What a clamp takes away is reported in the diagnostics.
+/// What becomes of pixel values before they count as radiance. Every call that reads pixels takes one.
+struct PixelPolicy {
+  /// None by default. What a clamp takes away is reported in the diagnostics.
   std::optional<RadianceClamp> clamp{};
 
   /// The pixels are gamma encoded: each channel is clamped to [0, 1] and raised to 2.2 (Babylon.js's
-  /// gammaSpace). Not for srgb8 formats, which say so themselves. What that range cuts off is part of the
+  /// gammaSpace). Not for the sRGB formats, which say so themselves. What that range cuts off is part of the
   /// decoding and is not reported as clamped.
   bool gamma = false;
 
@@ -72,6 +61,26 @@ struct ProjectionOptions {
 
   /// A replaced negative becomes 0. Real files contain small negatives, so they are kept by default.
   NegativePolicy negative = NegativePolicy::keep;
+
+  friend bool operator==(const PixelPolicy&, const PixelPolicy&) = default;
+};
+
+/// How pixels become coefficients.
+struct ProjectionOptions {
+  int bands = 3;                              ///< 1 (ambient only) to kMaximumBands
+  Quadrature quadrature = Quadrature::exact;  ///< how texels are integrated
+
+  /// Edge of the cubemap face to which the environment is reduced first, at least 1; none: it is taken whole. A
+  /// lat-long is reduced to 4 x target by 2 x target. With a mip chain, the level nearest to the target in log2 is
+  /// read instead. A source that is no larger than the target is taken whole. Else
+  /// - exact quadrature averages by solid angle, after gamma, clamp and policies;
+  /// - midpoint averages a cubemap as Babylon.js does: target rounded down to a power of two, a plain box of
+  ///   the raw values, before gamma, clamp and replacements. These then act on cells, and the counts in the
+  ///   diagnostics are of cells; only `reject` looks at the texels;
+  /// - midpoint averages a lat-long by plain area of pixels, target as it is, after gamma, clamp and policies.
+  std::optional<int> target_size{};
+
+  PixelPolicy pixels{};  ///< what becomes of their values first
 
   friend bool operator==(const ProjectionOptions&, const ProjectionOptions&) = default;
 };
@@ -138,5 +147,60 @@ struct Projection {
 /// Projects a lat-long image directly, without a cubemap in between. Cost, accuracy and errors as above.
 [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
+
+// A cubemap's projection face by face: when one face changes, one face is projected again.
+//
+//   welkin::FaceHarmonics kept = welkin::project_faces(cubemap);
+//   cubemap.faces[2] = new_sky;
+//   welkin::update_faces(kept, cubemap, {{2}});
+//   welkin::Projection light = welkin::total(kept);             // the very bits of project(cubemap)
+
+namespace projection {
+struct FaceSums;
+}
+
+/// What each face adds to a projection, before the faces are added up: sums in double of every tile. Copies share them.
+/// Some 0.15 % of the pixels as RGB floats with three bands.
+class FaceHarmonics {
+ public:
+  [[nodiscard]] int size() const noexcept { return size_; }  ///< texels along an edge; 0: nothing is kept
+  /// Those that the sums were made with.
+  [[nodiscard]] const ProjectionOptions& options() const noexcept { return options_; }
+  /// Memory of the sums.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  /// The sums of a face, 0 to 5: which face it is does not matter to them. For caches.
+  [[nodiscard]] const std::shared_ptr<const projection::FaceSums>& face(int face) const {
+    return faces_[static_cast<std::size_t>(face)];
+  }
+
+  /// No sums yet.
+  FaceHarmonics() = default;
+  /// Without any sums yet. For `project_faces`.
+  FaceHarmonics(int size, const ProjectionOptions& options) : size_(size), options_(options) {}
+  /// Replaces the sums of a face. For `update_faces`.
+  void set_face(int face, std::shared_ptr<const projection::FaceSums> sums) {
+    faces_[static_cast<std::size_t>(face)] = std::move(sums);
+  }
+
+ private:
+  int size_ = 0;
+  ProjectionOptions options_{};
+  std::array<std::shared_ptr<const projection::FaceSums>, 6> faces_{};
+};
+
+/// Projects all six faces and keeps their sums. Costs what `project` costs. Throws as `project`, and invalid_argument
+/// for a target size with the midpoint rule: Babylon.js's reduction is a pass of its own.
+[[nodiscard]] FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions& options = {},
+                                          const Control& control = {});
+
+/// Projects `faces` (each 0 to 5, at most once) again, with the options of `kept`; pixels of the others are not read.
+/// Throws as `project`, and invalid_argument for another size than before; then `kept` is what it was.
+void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<const int> faces,
+                  const Control& control = {});
+
+/// The projection: the bits of `project`, diagnostics included. Microseconds: no pixel is read. Throws `Error`
+/// (invalid_argument) if a face has no sums.
+[[nodiscard]] Projection total(const FaceHarmonics& faces);
 
 }  // namespace welkin

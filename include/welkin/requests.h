@@ -6,19 +6,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <variant>
 #include <vector>
 
+#include "welkin/atmosphere.h"
 #include "welkin/bake.h"
-#include "welkin/control.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/image_view.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
+#include "welkin/sky.h"
 
 namespace WELKIN_EXPORT welkin {
 
@@ -143,6 +146,42 @@ struct Bake {
   [[nodiscard]] std::uint64_t bytes() const noexcept;
   [[nodiscard]] std::size_t hash() const noexcept;
   friend bool operator==(const Bake&, const Bake&) = default;
+};
+
+// What can be asked of a worker about skies: Welkin's own calls, as in requests.h.
+//
+//   auto job = worker.post(welkin::PrecomputeSky{welkin::earth()}, {.key = "sky tables"});
+
+/// `precompute_sky`. Handed out by pointer: views and curves share the tables.
+struct PrecomputeSky {
+  Atmosphere atmosphere;      ///< whose sky
+  SkyTableOptions options{};  ///< sizes and orders of the tables
+
+  [[nodiscard]] std::shared_ptr<const SkyTables> operator()(const Control& control) const;
+  friend bool operator==(const PrecomputeSky&, const PrecomputeSky&) = default;
+};
+
+/// `SkyCurve` of a height. Equal are the same tables in memory: values are not compared.
+struct BakeSkyCurve {
+  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
+  double altitude_m = 0.0;                  ///< the observer's, above the ground
+  SkyCurveOptions options{};                ///< nodes of the curve
+
+  [[nodiscard]] SkyCurve operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }
+  friend bool operator==(const BakeSkyCurve&, const BakeSkyCurve&) = default;
+};
+
+/// `sky_specular`, without the sun's disc. Handed out by pointer.
+struct SkySpecular {
+  std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
+  double altitude_m = 0.0;                  ///< the observer's, above the ground
+  glm::dvec3 sun{0.0, 1.0, 0.0};            ///< unit, towards it
+  PrefilterOptions options{.size = 32};     ///< of the chain
+
+  [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;
+  [[nodiscard]] std::size_t hash() const noexcept { return std::hash<const void*>()(tables.get()); }
+  friend bool operator==(const SkySpecular&, const SkySpecular&) = default;
 };
 
 }  // namespace welkin

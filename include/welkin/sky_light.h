@@ -25,11 +25,10 @@
 #include <memory>
 
 #include "welkin/atmosphere.h"
+#include "welkin/core.h"
 #include "welkin/directional_light.h"
-#include "welkin/export.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/worker.h"
 

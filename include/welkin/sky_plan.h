@@ -1,8 +1,4 @@
-// Plans for computed skies: which tables, and what of the light.
-//
-//   const welkin::SkyPlan plan = welkin::plan(welkin::earth(), {.glossy = std::nullopt});
-//   const welkin::SkyBake sky = welkin::bake(plan, welkin::sun_direction(20.0, 145.0));
-//   const auto light = sky.curve->at(sun);    // each frame
+// Reflections of a computed sky.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +9,25 @@
 #include <vector>
 
 #include "welkin/atmosphere.h"
-#include "welkin/brdf_table.h"
-#include "welkin/control.h"
-#include "welkin/cost_model.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/planned_pass.h"
-#include "welkin/scene_needs.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/plan.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
 
 namespace WELKIN_EXPORT welkin {
+
+/// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the sun's disc is left out unless asked
+/// for. Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun,
+                                               const PrefilterOptions& options, const SkyPictureOptions& picture = {},
+                                               const Control& control = {});
+
+// Plans for computed skies: which tables, and what of the light.
+//
+//   const welkin::SkyPlan plan = welkin::plan(welkin::earth(), {.glossy = std::nullopt});
+//   const welkin::SkyBake sky = welkin::bake(plan, welkin::sun_direction(20.0, 145.0));
+//   const auto light = sky.curve->at(sun);    // each frame
 
 /// What is baked of a sky.
 struct SkyBakeOptions {

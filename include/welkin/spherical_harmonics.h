@@ -2,14 +2,16 @@
 //
 // Convention, everywhere in Welkin: orthonormal real harmonics without Condon-Shortley phase, coefficient
 // (l, m) at index l (l + 1) + m, Y(1, -1..1) proportional to y, z, x. Other engines' signs, orders and
-// scales are adapters (see babylon.h).
+// scales are adapters (see engines.h).
 #pragma once
 
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
-#include "welkin/export.h"
+#include "welkin/core.h"
 
 namespace WELKIN_EXPORT welkin {
 
@@ -73,5 +75,80 @@ void evaluate_basis(const glm::dvec3& direction, int bands, std::span<double> va
 
 /// The sphere's mean radiance: what a scene with a single ambient colour needs, c(0,0) / sqrt(4 pi).
 [[nodiscard]] glm::dvec3 average_radiance(const SphericalHarmonics& radiance);
+
+// Turning and combining spherical harmonics. Everything here is in double precision and takes any number of bands.
+
+/// Coefficients of the light after it was turned: what came from direction d comes from rotation * d.
+/// Band by band by the recurrence of Ivanic and Ruedenberg (1996, with the 1998 corrections); error below 1e-13 for
+/// 16 bands; 10 000 steps in a row stay within 1e-11, and so does each band's power. The quaternion is normalised
+/// first. Cost: a microsecond for three bands, some 100 for 16. Throws `Error` (invalid_argument) for a quaternion
+/// without length.
+[[nodiscard]] SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const glm::dquat& rotation);
+
+/// The same for an orthogonal matrix, mirrors included. Throws `Error` (invalid_argument) if it is off orthogonal by
+/// more than 1e-6; the nearest orthogonal matrix is what is applied.
+[[nodiscard]] SphericalHarmonics transform(const SphericalHarmonics& harmonics, const glm::dmat3& orthogonal);
+
+/// a + b and factor * a (per channel); of two band counts the larger, missing bands being zero.
+[[nodiscard]] SphericalHarmonics add(const SphericalHarmonics& a, const SphericalHarmonics& b);
+[[nodiscard]] SphericalHarmonics scale(const SphericalHarmonics& a, const glm::dvec3& factor);
+
+/// (1 - t) a + t b; t is not clamped.
+[[nodiscard]] SphericalHarmonics lerp(const SphericalHarmonics& a, const SphericalHarmonics& b, double t);
+
+/// Bands cut off, or added as zero. Throws `Error` (invalid_argument) unless 1 <= bands <= kMaximumBands.
+[[nodiscard]] SphericalHarmonics with_bands(const SphericalHarmonics& harmonics, int bands);
+
+/// Coefficients of the pointwise product of two functions on the sphere, channel by channel, cut off at `bands`
+/// (0: all of them, a.bands() + b.bands() - 1, at most kMaximumBands). Exact but for rounding: the product's
+/// band limit is known, and it is integrated by a Gauss rule of that degree.
+[[nodiscard]] SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics& b, int bands = 0);
+
+// Windows against ringing: light that a few bands make negative.
+
+/// By what band l is multiplied. `width` is in bands.
+enum class Window {
+  none,
+  hanning,        ///< (1 + cos(pi l / width)) / 2, 0 from l = width on
+  lanczos,        ///< sin(x) / x with x = pi l / width, 0 from l = width on
+  min_laplacian,  ///< 1 / (1 + lambda l^2 (l + 1)^2), with the smallest lambda that leaves no irradiance negative
+};
+
+/// "none", "hanning", "lanczos", "min-laplacian"
+[[nodiscard]] const char* name(Window window) noexcept;
+
+/// The smallest value of a function over the sphere, by channel, and where it is.
+struct HarmonicMinimum {
+  glm::dvec3 value{};         ///< irradiance there, each channel at its own direction
+  glm::dvec3 direction[3]{};  ///< unit, by channel; one of them where several are equal
+};
+
+/// On a grid finer than the highest band (8 points to each half wave of it) and refined by Newton steps. Error of a
+/// value: below 1e-12 of the largest coefficient. The same bits everywhere. A channel with a coefficient that is not
+/// finite has the minimum NaN. Cost: some 50 microseconds for three bands, some milliseconds for 16; ten times as much
+/// where the lowest places are a ring, as around a lone light.
+[[nodiscard]] HarmonicMinimum minimum(const SphericalHarmonics& harmonics);
+
+/// Windowed coefficients, and what the window did.
+struct Windowed {
+  SphericalHarmonics radiance;  ///< the windowed coefficients
+  double parameter = 0.0;  ///< hanning, lanczos: the width in bands; min_laplacian: lambda (0 if nothing was needed)
+  glm::dvec3 minimum_before{};  ///< of the irradiance over all normals
+  glm::dvec3 minimum_after{};   ///< the least irradiance after it, each channel
+  std::vector<double> factors;  ///< by band
+};
+
+/// Multiplies each band of radiance by the window's factor. `width`: of Hanning and Lanczos in bands, 0: the number of
+/// bands; the others take no notice of it. Band 0 and so the mean radiance never change.
+///
+/// `min_laplacian` (Sloan 2008, "Stupid Spherical Harmonics Tricks", and 2017, "Deringing Spherical Harmonics"; the
+/// window of least squared Laplacian): no channel's irradiance is below -1e-9 of its mean anywhere, and with any
+/// smaller lambda some channel's would be (but for that tolerance). One lambda for all channels, so that colours keep
+/// their balance. It is 0 if nothing is negative. It does not depend on how the light is turned.
+///
+/// Throws `Error` (invalid_argument) for a width that is negative or not finite; for `min_laplacian`, if a coefficient
+/// is not finite, or if a channel's band 0 is not positive although some of the channel's irradiance is negative: no
+/// window helps there.
+[[nodiscard]] Windowed apply_window(const SphericalHarmonics& radiance, Window window, double width = 0.0);
 
 }  // namespace welkin

@@ -123,7 +123,7 @@ enum {
   WELKIN_FORMAT_RG_F16 = 9  /* likewise */
 };
 
-/* The caller's pixels, read in place: six square faces, +X -X +Y -Y +Z -Z, row 0 on top; image_view.h has their axes.
+/* The caller's pixels, read in place: six square faces, +X -X +Y -Y +Z -Z, row 0 on top; image.h has their axes.
  */
 typedef struct welkin_cubemap {
   uint32_t struct_size;
@@ -279,7 +279,7 @@ WELKIN_API welkin_status welkin_rotate(int32_t bands, const double* coefficients
 WELKIN_API welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix,
                                           double* turned);
 
-/* By what band l is multiplied against ringing; windowing.h has the formulas. */
+/* By what band l is multiplied against ringing; spherical_harmonics.h has the formulas. */
 typedef int32_t welkin_window;
 enum {
   WELKIN_WINDOW_NONE = 0,
@@ -342,7 +342,7 @@ enum {
   WELKIN_ENGINE_GODOT = 9
 };
 
-/* How an engine's axes lie to Welkin's; convention.h says more. The strings are constants. */
+/* How an engine's axes lie to Welkin's; engines.h says more. The strings are constants. */
 typedef struct welkin_convention {
   uint32_t struct_size;
   welkin_engine engine;
@@ -460,7 +460,7 @@ enum {
   WELKIN_PREFILTER_COPY = 4       /* of a mip that was made: roughness 0 */
 };
 
-/* Ways to spread roughness over a chain; roughness.h has the formulas. */
+/* Ways to spread roughness over a chain; reflections.h has the formulas. */
 typedef int32_t welkin_roughness_schedule;
 enum {
   WELKIN_ROUGHNESS_LINEAR = 0,
@@ -472,7 +472,7 @@ enum {
 WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                                   double* roughness);
 
-/* specular.h says more of each. */
+/* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
   int32_t size;            /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
@@ -515,7 +515,7 @@ WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_lo
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
 
-/* What the first two channels of a BRDF table hold; brdf_table.h has the integrals. */
+/* What the first two channels of a BRDF table hold; reflections.h has the integrals. */
 typedef int32_t welkin_brdf_model;
 enum { WELKIN_BRDF_SPLIT_SUM = 0, WELKIN_BRDF_MULTIPLE_SCATTERING = 1 };
 
@@ -692,7 +692,7 @@ enum {
   WELKIN_SKY_COLOUR_LINEAR_SRGB = 1 /* cd/m2 */
 };
 
-/* sky_tables.h has the ranges. */
+/* sky.h has the ranges. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
   welkin_scattering_layout layout;
@@ -774,7 +774,7 @@ WELKIN_API welkin_status welkin_sky_view_specular(const welkin_sky_view* view, c
                                                   const welkin_sky_picture_options* picture,
                                                   const welkin_control* control, welkin_cubemap_chain** chain);
 
-/* Directions at which a sky is looked at; sky_harmonics.h says more. */
+/* Directions at which a sky is looked at; sky.h says more. */
 typedef int32_t welkin_sky_quadrature;
 enum { WELKIN_SKY_QUADRATURE_GAUSS_SPLIT = 0, WELKIN_SKY_QUADRATURE_GAUSS = 1, WELKIN_SKY_QUADRATURE_UNIFORM = 2 };
 

@@ -12,9 +12,9 @@
 #include "bake/bake_plan.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/bake.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
-#include "welkin/source_shape.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+#include "welkin/plan.h"
 
 namespace welkin::baking {
 

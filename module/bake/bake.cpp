@@ -15,17 +15,17 @@
 
 #include "bake/artefacts.h"
 #include "bake/bake_plan.h"
-#include "brdf/brdf_table.h"
 #include "image/pixels.h"
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/core.h"
+#include "welkin/irradiance.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace baking {
@@ -314,7 +314,7 @@ class Baking {
 
   Outcome look_up_brdf(const Control& control) {
     bool made = false;
-    result_.brdf = brdf::shared_brdf(*options_.brdf, control, made);
+    result_.brdf = reflections::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
     return {PassAction::reuse, "made before: it depends on no scene"};
   }

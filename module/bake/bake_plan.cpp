@@ -5,13 +5,13 @@
 #include <cmath>
 #include <string>
 
-#include "brdf/brdf_table.h"
 #include "image/pixels.h"
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter_plan.h"
-#include "welkin/error.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/source_shape.h"
+#include "welkin/core.h"
+#include "welkin/irradiance.h"
+#include "welkin/plan.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin {
@@ -50,18 +50,13 @@ void check(const BakeOptions& options) {
                 "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, irradiance_size = 0 or "
                 "irradiance_method = direct");
   }
-  if (options.brdf) brdf::check_brdf(*options.brdf);
+  if (options.brdf) reflections::check_brdf(*options.brdf);
 }
 
-/// Of the options for pixels those that act on them; the others belong to a plain projection.
 ProjectionOptions projection_of(const BakeOptions& options) {
   ProjectionOptions projecting;
   projecting.bands = options.bands > 0 ? std::max(options.bands, options.projected_bands) : 1;
-  projecting.clamp = options.pixels.clamp;
-  projecting.gamma = options.pixels.gamma;
-  projecting.nan = options.pixels.nan;
-  projecting.infinity = options.pixels.infinity;
-  projecting.negative = options.pixels.negative;
+  projecting.pixels = options.pixels;
   return projecting;
 }
 
@@ -138,7 +133,7 @@ BakeStep sanitize_step(const SourceShape& source, const BakeOptions& options, co
   const bool background = plan.background_size > 0;
   if (!specular && !background && !direct)
     return skipped(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
-  if (source.format == PixelFormat::rgb_f32 && !options.pixels.clamp && !options.pixels.gamma)
+  if (source.format == PixelFormat::rgb32f && !options.pixels.clamp && !options.pixels.gamma)
     return step(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean");
   return step(BakePass::sanitize, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for");
 }

@@ -5,9 +5,7 @@
 #include <vector>
 
 #include "welkin/bake.h"
-#include "welkin/cost_model.h"
-#include "welkin/planned_pass.h"
-#include "welkin/source_shape.h"
+#include "welkin/plan.h"
 
 namespace welkin::baking {
 

@@ -3,12 +3,12 @@
 #include <bit>
 
 #include "bake/bake_plan.h"
-#include "brdf/brdf_table.h"
 #include "image/sphere_grid.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
-#include "welkin/cost_model.h"
+#include "welkin/plan.h"
 
 namespace welkin::baking {
 namespace {
@@ -164,7 +164,7 @@ Bytes bytes_of(BakePass pass, const SourceShape& source, const BakeOptions& opti
     case BakePass::irradiance: return {kTexelBytes * 6 * squared(options.irradiance_size), 0};
     case BakePass::brdf: break;
   }
-  return {sizeof(float) * brdf::brdf_values(*options.brdf), 0};
+  return {sizeof(float) * reflections::brdf_values(*options.brdf), 0};
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "reflections/prefilter_plan.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/error_budget.h"
-#include "welkin/scene_needs.h"
+#include "welkin/plan.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin {

@@ -6,10 +6,9 @@
 
 #include "bake/bake_plan.h"
 #include "welkin/bake.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/plan.h"
-#include "welkin/scene_needs.h"
 
 namespace welkin::baking {
 

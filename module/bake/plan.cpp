@@ -11,9 +11,9 @@
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/core.h"
+#include "welkin/irradiance.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace baking {

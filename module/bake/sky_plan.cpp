@@ -12,11 +12,10 @@
 #include "platform/float_environment.h"
 #include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/plan.h"
-#include "welkin/sky_specular.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {
@@ -211,7 +210,7 @@ class SkyPlanner {
     baking.bands = 0;
     baking.brdf.reset();
     const int size = options_.specular->size;
-    const SourceShape source{true, size, 6 * size, PixelFormat::rgb_f32};
+    const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
     const baking::BakePlan baked = baking::plan_bake(source, baking, {}, costs_);
     const PlannedPass& pass = baked.step(baking::BakePass::specular).planned;
     add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's",

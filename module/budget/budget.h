@@ -42,9 +42,9 @@ void settle(BudgetChoice<Setting>& choice, const ErrorBudget& budget) {
 
 /// `radiance`: the first bands of the same pixels. Reads every pixel once. Throws `Error` as `project`.
 [[nodiscard]] HighBands high_bands(const CubemapView& view, const SphericalHarmonics& radiance,
-                                   const ProjectionOptions& options, const Control& control);
+                                   const PixelPolicy& pixels, const Control& control);
 [[nodiscard]] HighBands high_bands(const LatLongView& view, const SphericalHarmonics& radiance,
-                                   const ProjectionOptions& options, const Control& control);
+                                   const PixelPolicy& pixels, const Control& control);
 
 // What the prefilter's spectral method does to an environment, from the energy that it has in each band.
 

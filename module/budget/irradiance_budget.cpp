@@ -16,7 +16,7 @@
 #include "projection/irradiance.h"
 #include "projection/sanitized_pixels.h"
 #include "projection/sun_detection.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {
@@ -106,15 +106,12 @@ void check_high(const HighBands& high) {
 }
 
 template <class View>
-BudgetChoice<int> choose(const View& view, const ErrorBudget& budget, const ProjectionOptions& options,
+BudgetChoice<int> choose(const View& view, const ErrorBudget& budget, const PixelPolicy& pixels,
                          const Control& control) {
   budget::check_budget(budget);
-  ProjectionOptions all = options;
-  all.bands = kMeasuredBands;
-  all.quadrature = Quadrature::exact;
-  all.target_size = 0;
+  const ProjectionOptions all{.bands = kMeasuredBands, .pixels = pixels};
   const SphericalHarmonics radiance = project(view, all, jobs::part_of(control, 0.0, 0.7)).radiance;
-  const HighBands high = budget::high_bands(view, radiance, options, jobs::part_of(control, 0.7, 1.0));
+  const HighBands high = budget::high_bands(view, radiance, pixels, jobs::part_of(control, 0.7, 1.0));
   return choose_irradiance_bands(radiance, high, budget);
 }
 
@@ -147,15 +144,15 @@ BudgetChoice<int> choose_irradiance_bands(const SphericalHarmonics& radiance, co
 }
 
 BudgetChoice<int> choose_irradiance_bands(const CubemapView& cubemap, const ErrorBudget& budget,
-                                          const ProjectionOptions& options, const Control& control) {
+                                          const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return choose(cubemap, budget, options, control);
+  return choose(cubemap, budget, pixels, control);
 }
 
 BudgetChoice<int> choose_irradiance_bands(const LatLongView& lat_long, const ErrorBudget& budget,
-                                          const ProjectionOptions& options, const Control& control) {
+                                          const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return choose(lat_long, budget, options, control);
+  return choose(lat_long, budget, pixels, control);
 }
 
 }  // namespace welkin
@@ -184,9 +181,9 @@ HighBands sum_rows(const projection::SanitizedSource& source, const image::Texel
 }
 
 template <class View>
-HighBands measure(const View& view, const SphericalHarmonics& radiance, const ProjectionOptions& options,
+HighBands measure(const View& view, const SphericalHarmonics& radiance, const PixelPolicy& pixels,
                   const Control& control) {
-  const projection::SanitizedSource source(view, options, {control.stop, {}});
+  const projection::SanitizedSource source(view, pixels, {control.stop, {}});
   const image::TexelGrid grid = grid_of(view);
   const glm::dvec3 mean = average_radiance(radiance);
   const auto classes = static_cast<std::size_t>(grid.row_classes());
@@ -213,14 +210,14 @@ HighBands measure(const View& view, const SphericalHarmonics& radiance, const Pr
 
 }  // namespace
 
-HighBands high_bands(const CubemapView& view, const SphericalHarmonics& radiance, const ProjectionOptions& options,
+HighBands high_bands(const CubemapView& view, const SphericalHarmonics& radiance, const PixelPolicy& pixels,
                      const Control& control) {
-  return measure(view, radiance, options, control);
+  return measure(view, radiance, pixels, control);
 }
 
-HighBands high_bands(const LatLongView& view, const SphericalHarmonics& radiance, const ProjectionOptions& options,
+HighBands high_bands(const LatLongView& view, const SphericalHarmonics& radiance, const PixelPolicy& pixels,
                      const Control& control) {
-  return measure(view, radiance, options, control);
+  return measure(view, radiance, pixels, control);
 }
 
 }  // namespace welkin::budget

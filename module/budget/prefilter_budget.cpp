@@ -16,7 +16,6 @@
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "transform/transform_kernels.h"
-#include "welkin/mip_chain.h"
 #include "welkin/resampling.h"
 
 namespace welkin {
@@ -84,7 +83,8 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
 CubemapChain reduced(const LatLongView& view, const Control& control) {
   const int size =
       std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(view.height))) / 2, 1, kMostReducedSize);
-  return build_mips(to_cubemap(view, size, glm::dmat3(1.0), control).view(), MipFilter::solid_angle, 0, control);
+  const CubemapImage cube = to_cubemap(view, size, glm::dmat3(1.0), ResampleFilter::area, control);
+  return build_mips(cube.view(), MipFilter::solid_angle, 0, control);
 }
 
 CubemapChain reduced(const CubemapView& view, const Control& control) {

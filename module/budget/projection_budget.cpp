@@ -12,8 +12,8 @@
 #include "budget/budget.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
-#include "projection/pixel_policy.h"
-#include "welkin/error.h"
+#include "projection/sanitizer.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {
@@ -42,7 +42,7 @@ double still_to_come(const std::vector<double>& differences) {
 
 ProjectionOptions whole(ProjectionOptions options) {
   options.quadrature = Quadrature::exact;
-  options.target_size = 0;
+  options.target_size.reset();
   return options;
 }
 
@@ -98,7 +98,7 @@ BudgetChoice<ProjectionOptions> choose_projection(std::span<const CubemapView> m
   SphericalHarmonics before;
   for (std::size_t level = mips.size(); level-- > 0;) {
     ProjectionOptions setting = whole(options);
-    setting.target_size = level > 0 ? mips[level].size : 0;
+    if (level > 0) setting.target_size = mips[level].size;
     // Through the chain's own call, which checks it.
     SphericalHarmonics radiance = project(mips, setting, {control.stop, {}}).radiance;
     if (level + 1 < mips.size()) differences.push_back(relative_difference(before, radiance));

@@ -13,7 +13,7 @@
 #include "budget/budget.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

@@ -13,11 +13,9 @@
 #include "c/c_support.h"
 #include "c/c_worker.h"
 #include "welkin/bake.h"
-#include "welkin/brdf_table.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/irradiance.h"
+#include "welkin/reflections.h"
 #include "welkin/requests.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
 #include "welkin/welkin.h"
 
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
@@ -47,7 +45,7 @@ std::uint64_t bytes_of(const welkin_cubemap_chain& chain) noexcept {
   for (const auto& level : chain.levels) {
     texels += 6 * static_cast<std::uint64_t>(level.size) * static_cast<std::uint64_t>(level.size);
   }
-  return texels * welkin::bytes_per_texel(welkin::PixelFormat::rgb_f32);
+  return texels * welkin::bytes_per_texel(welkin::PixelFormat::rgb32f);
 }
 
 }  // namespace

@@ -11,15 +11,12 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
-#include "welkin/babylon.h"
-#include "welkin/convention.h"
 #include "welkin/directional_light.h"
-#include "welkin/engine_light.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/engines.h"
 #include "welkin/projection.h"
 #include "welkin/requests.h"
+#include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
-#include "welkin/windowing.h"
 
 static_assert(WELKIN_MAXIMUM_BANDS == welkin::kMaximumBands);
 

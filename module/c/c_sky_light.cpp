@@ -11,10 +11,10 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/reflections.h"
+#include "welkin/requests.h"
+#include "welkin/sky.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_requests.h"
-#include "welkin/specular.h"
 #include "welkin/welkin.h"
 
 struct welkin_sky_projector {

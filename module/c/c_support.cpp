@@ -194,15 +194,15 @@ namespace {
 
 constexpr std::int32_t kMostLevels = 15;  // of 16384 texels
 
-static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::rgba_srgb8));
-static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb_f16));
-static_assert(WELKIN_FORMAT_RGB_U8 == static_cast<int>(PixelFormat::rgb_u8));
+static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::srgba8));
+static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb16f));
+static_assert(WELKIN_FORMAT_RGB_U8 == static_cast<int>(PixelFormat::rgb8));
 static_assert(WELKIN_QUADRATURE_MIDPOINT == static_cast<int>(Quadrature::midpoint));
 static_assert(WELKIN_NON_FINITE_REJECT == static_cast<int>(NonFinitePolicy::reject));
 static_assert(WELKIN_NEGATIVE_REPLACE == static_cast<int>(NegativePolicy::replace));
 static_assert(WELKIN_NEGATIVE_REJECT == static_cast<int>(NegativePolicy::reject));
 
-PixelFormat pixel_format(welkin_format format) { return enumerator("format", format, PixelFormat::rgba_srgb8); }
+PixelFormat pixel_format(welkin_format format) { return enumerator("format", format, PixelFormat::srgba8); }
 
 /// The most negative stride has no opposite to be compared with.
 std::ptrdiff_t stride(std::int64_t row_stride_bytes) {
@@ -260,13 +260,15 @@ namespace {
 
 /// What both structures say of pixels, in the same words.
 template <class Struct>
-void read_policy(const Struct& given, ProjectionOptions& wanted) {
+PixelPolicy policy_of(const Struct& given) {
+  PixelPolicy wanted;
   const bool preserve_colour = flag("clamp_preserve_colour", given.clamp_preserve_colour);
   if (given.clamp_maximum != 0.0F) wanted.clamp = RadianceClamp{given.clamp_maximum, preserve_colour};
   wanted.gamma = flag("gamma", given.gamma);
   wanted.nan = enumerator("nan", given.nan, NonFinitePolicy::reject);
   wanted.infinity = enumerator("infinity", given.infinity, NonFinitePolicy::reject);
   wanted.negative = enumerator("negative", given.negative, NegativePolicy::reject);
+  return wanted;
 }
 
 }  // namespace
@@ -276,16 +278,12 @@ ProjectionOptions projection_options(const welkin_projection_options* options) {
   ProjectionOptions wanted;
   set_unless_zero(wanted.bands, given.bands);
   wanted.quadrature = enumerator("quadrature", given.quadrature, Quadrature::midpoint);
-  wanted.target_size = given.target_size;
-  read_policy(given, wanted);
+  if (given.target_size != 0) wanted.target_size = given.target_size;
+  wanted.pixels = policy_of(given);
   return wanted;
 }
 
-ProjectionOptions pixel_policy(const welkin_pixel_policy* policy) {
-  ProjectionOptions wanted;
-  read_policy(read_options(policy, "pixels"), wanted);
-  return wanted;
-}
+PixelPolicy pixel_policy(const welkin_pixel_policy* policy) { return policy_of(read_options(policy, "pixels")); }
 
 // Plain numbers.
 

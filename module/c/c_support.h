@@ -20,9 +20,8 @@
 
 #include "image/pixels.h"
 #include "platform/float_environment.h"
-#include "welkin/control.h"
-#include "welkin/error.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
@@ -228,7 +227,7 @@ class HandedOver {
 
 [[nodiscard]] ProjectionOptions projection_options(const welkin_projection_options* options);
 /// Clamp, gamma and the policies alone.
-[[nodiscard]] ProjectionOptions pixel_policy(const welkin_pixel_policy* policy);
+[[nodiscard]] PixelPolicy pixel_policy(const welkin_pixel_policy* policy);
 
 // Vectors and coefficients as plain numbers.
 

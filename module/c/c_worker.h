@@ -17,10 +17,8 @@
 #include "welkin/bake.h"
 #include "welkin/job.h"
 #include "welkin/projection.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 

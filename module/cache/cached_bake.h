@@ -8,8 +8,8 @@
 
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
-#include "welkin/content_hash.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::cache {
 

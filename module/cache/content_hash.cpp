@@ -1,5 +1,5 @@
 // The only file that knows xxHash. All of it is inlined here: whoever links Welkin needs no library for it.
-#include "welkin/content_hash.h"
+#include "welkin/result_cache.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -14,7 +14,7 @@
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

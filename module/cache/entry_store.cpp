@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "platform/file.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::cache {
 namespace {

@@ -16,7 +16,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "welkin/content_hash.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::cache {
 

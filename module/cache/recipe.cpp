@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "sky/table_sizes.h"
-#include "welkin/content_hash.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::cache {
 
@@ -292,18 +292,15 @@ class OptionWriter {
 }  // namespace
 
 ContentHash hash_options(const ProjectionOptions& options) {
-  const auto& [bands, quadrature, target_size, clamp, gamma, nan, infinity, negative] = options;
+  const auto& [bands, quadrature, target_size, pixels] = options;
+  const auto& [clamp, gamma, nan, infinity, negative] = pixels;
   OptionWriter writer("projection");
-  writer.all(bands, quadrature, target_size, clamp, gamma, nan, infinity, negative);
+  writer.all(bands, quadrature, target_size.value_or(0), clamp, gamma, nan, infinity, negative);
   return writer.hash();
 }
 
-ContentHash cache::pixel_key(const ProjectionOptions& options) {
-  ProjectionOptions used = options;
-  used.bands = 1;
-  used.quadrature = Quadrature::exact;
-  used.target_size = 0;
-  return hash_options(used);
+ContentHash cache::pixel_key(const PixelPolicy& pixels) {
+  return hash_options(ProjectionOptions{.bands = 1, .pixels = pixels});
 }
 
 ContentHash hash_options(const PrefilterOptions& options) {

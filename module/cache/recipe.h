@@ -18,12 +18,12 @@
 #include "cache/entry_store.h"
 #include "projection/project.h"
 #include "projection/sanitized_pixels.h"
-#include "welkin/content_hash.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
-#include "welkin/sky_tables.h"
-#include "welkin/specular.h"
-#include "welkin/version.h"
+#include "welkin/reflections.h"
+#include "welkin/result_cache.h"
+#include "welkin/sky.h"
 
 namespace welkin::cache {
 
@@ -167,7 +167,7 @@ using ByteSpan = std::span<const std::uint8_t>;
 // What passes over the pixels have in common.
 
 /// Of clamp, gamma and policies alone.
-[[nodiscard]] ContentHash pixel_key(const ProjectionOptions& options);
+[[nodiscard]] ContentHash pixel_key(const PixelPolicy& pixels);
 
 // The name under which a result is kept.
 
@@ -195,8 +195,8 @@ struct SanitizedPixels {
   glm::dvec3 clamped_radiance{};      ///< that the clamp took away
 };
 
-[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const ProjectionOptions& options) {
-  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(options)})};
+[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
+  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
 }
 
 /// Store: `ResultCache::Store`. The entry is a projection's, whose total radiance before clamping is what the clamp

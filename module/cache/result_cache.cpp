@@ -10,13 +10,13 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "projection/cubemap_projection.h"
-#include "projection/pixel_policy.h"
 #include "projection/project.h"
+#include "projection/sanitizer.h"
 #include "reflections/prefilter.h"
-#include "welkin/error.h"
-#include "welkin/face_harmonics.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
+#include "welkin/projection.h"
 #include "welkin/result_cache.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {
@@ -33,7 +33,7 @@ void finished(const Control& control) {
 
 bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change) {
   return change.keep_faces &&
-         (options.quadrature == Quadrature::exact || projection::effective_target(cubemap.size, options) == 0);
+         (options.quadrature == Quadrature::exact || !projection::effective_target(cubemap.size, options));
 }
 
 EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {

@@ -11,10 +11,8 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
-#include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/file_requests.h"
-#include "welkin/sky_table_file.h"
 #include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 

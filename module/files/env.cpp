@@ -19,9 +19,9 @@
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "welkin/babylon_environment.h"
-#include "welkin/engine_light.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/engines.h"
+#include "welkin/spherical_harmonics.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::files {
 namespace {

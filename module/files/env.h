@@ -18,7 +18,7 @@
 #include "files/env_manifest.h"
 #include "files/row_source.h"
 #include "platform/file.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::files {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "platform/file.h"
-#include "welkin/babylon.h"
+#include "welkin/engines.h"
 
 namespace welkin::files {
 

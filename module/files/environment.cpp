@@ -29,14 +29,14 @@ int Environment::face_size() const noexcept { return files::face_size(info.layou
 
 LatLongView Environment::lat_long() const {
   if (info.layout != Layout::lat_long) refuse_view(info, "lat-long");
-  return {pixels.get(), info.width, info.height, 0, PixelFormat::rgb_f32};
+  return {pixels.get(), info.width, info.height, 0, PixelFormat::rgb32f};
 }
 
 CubemapView Environment::cubemap() const {
   const int size = face_size();
   if (size == 0) refuse_view(info, "cubemap");
   const std::size_t face_floats = static_cast<std::size_t>(files::rgb_bytes(size, size)) / sizeof(float);
-  CubemapView view{{}, size, 0, PixelFormat::rgb_f32};
+  CubemapView view{{}, size, 0, PixelFormat::rgb32f};
   for (std::size_t face = 0; face < view.faces.size(); ++face) {
     view.faces[face] = pixels.get() + face * face_floats;
   }

@@ -5,7 +5,7 @@
 
 #include "files/layout.h"
 #include "files/row_source.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin::files {

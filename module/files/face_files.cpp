@@ -14,7 +14,7 @@
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
 #include "welkin/environment_file.h"
 
 namespace welkin {

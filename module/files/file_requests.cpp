@@ -1,6 +1,4 @@
 // Requests for files, and the sources that a file's pixels become.
-#include "welkin/file_requests.h"
-
 #include <memory>
 #include <utility>
 

@@ -9,10 +9,9 @@
 #include "files/env_manifest.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake_file.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::files {

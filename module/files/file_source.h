@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "bake/artefacts.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
+#include "welkin/image.h"
 #include "welkin/plan.h"
-#include "welkin/stored_environment.h"
 
 namespace welkin::files {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "platform/file.h"
-#include "projection/pixel_policy.h"
-#include "welkin/error.h"
+#include "projection/sanitizer.h"
+#include "welkin/core.h"
 
 namespace welkin::files {
 namespace {

@@ -18,7 +18,7 @@ namespace welkin::files {
 /// A lat-long that is asked for or that the header states is taken at any ratio; faces must be square all the
 /// same. Needs `info.path`, `width` and `height`.
 /// Throws `Error` (unsupported_file) if nothing tells, if a strip or cross has not its shape, or if the picture
-/// is larger than the views of `image_view.h` can be.
+/// is larger than the views of `image.h` can be.
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header);
 
 /// Texels along the edge of a face in a picture of this shape and layout; 0 for a lat-long, and where the shape

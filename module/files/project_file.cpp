@@ -16,8 +16,8 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "projection/lat_long_projection.h"
-#include "projection/pixel_policy.h"
 #include "projection/project.h"
+#include "projection/sanitizer.h"
 
 namespace welkin {
 namespace files {
@@ -76,7 +76,7 @@ void project_rows(projection::LatLongProjector& projector, const RowGroup& group
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(width);
   for (int row = 0; row < group.row_count; row += block_rows) {
     const LatLongView rows{group.rgb + static_cast<std::size_t>(row) * row_floats, width,
-                           std::min(block_rows, group.row_count - row), 0, PixelFormat::rgb_f32};
+                           std::min(block_rows, group.row_count - row), 0, PixelFormat::rgb32f};
     projector.project_block((group.first_row + row) / block_rows, rows, group.worker);
   }
 }
@@ -122,7 +122,7 @@ Projection project_level(const std::filesystem::path& path, const EnvironmentInf
                          ReadOptions read_options, ProjectionOptions options, const Control& control) {
   read_options.level = level;
   read_options.layout = full.layout;  // a small level's shape may tell something else
-  options.target_size = 0;
+  options.target_size.reset();
   const auto source = open_row_source(path, read_options);
   const EnvironmentInfo& info = source->info();
   Projection projection = project_source(*source, read_options, options, control);
@@ -175,11 +175,13 @@ std::optional<int> level_for_target(const EnvironmentInfo& info, const Projectio
   if (sizes.size() < 2) return std::nullopt;
   const bool lat_long = info.layout == Layout::lat_long;
   // A lat-long's target is 4 x target wide, and taken as it is by both quadratures.
-  const int target = !lat_long                                   ? projection::effective_target(sizes.front(), options)
-                     : options.target_size <= (sizes[0] - 1) / 4 ? 4 * options.target_size
-                                                                 : 0;
-  if (target == 0) return std::nullopt;
-  return static_cast<int>(projection::nearest_level(sizes, target));
+  std::optional<int> target;
+  if (!lat_long)
+    target = projection::effective_target(sizes.front(), options);
+  else if (options.target_size && *options.target_size <= (sizes[0] - 1) / 4)
+    target = 4 * *options.target_size;
+  if (!target) return std::nullopt;
+  return static_cast<int>(projection::nearest_level(sizes, *target));
 }
 
 Projection project_source(const RowSource& source, const ReadOptions& read_options, const ProjectionOptions& options,

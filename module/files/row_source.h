@@ -14,7 +14,7 @@
 #include <optional>
 #include <string>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/spherical_harmonics.h"
 

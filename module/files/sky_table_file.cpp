@@ -3,8 +3,6 @@
 //   8 bytes "WLKNSKY" and a line feed; uint32 version; uint32 CRC-32 of all that follows; uint64 bytes that follow;
 //   uint32 bytes of parameters; the parameters, in the order of `write_parameters`; transmittance, scattering, single
 //   Mie and irradiance as floats, their sizes being those that the options give.
-#include "welkin/sky_table_file.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,7 +15,8 @@
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "sky/table_sizes.h"
-#include "welkin/sky_tables.h"
+#include "welkin/bake_file.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

@@ -1,6 +1,4 @@
 // What a file carries beside its pixels, and plans that take it.
-#include "welkin/stored_environment.h"
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -17,7 +15,7 @@
 #include "platform/float_environment.h"
 #include "welkin/bake_file.h"
 #include "welkin/plan.h"
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
 
 namespace welkin {
 namespace {
@@ -92,8 +90,8 @@ StoredEnvironment probe_environment(const std::filesystem::path& path, const Rea
   Environment shapes;
   shapes.info = info;
   const int face = shapes.face_size();
-  stored.shape = face > 0 ? SourceShape{true, face, 6 * face, PixelFormat::rgb_f32}
-                          : SourceShape{false, info.width, info.height, PixelFormat::rgb_f32};
+  stored.shape = face > 0 ? SourceShape{true, face, 6 * face, PixelFormat::rgb32f}
+                          : SourceShape{false, info.width, info.height, PixelFormat::rgb32f};
   stored.compressed = info.format != "PFM" && info.compression != "none";
   if (info.format == "Babylon.js .env") look_into_env(stored);
   if (info.format == "KTX2" || info.format == "DDS") look_into_texture(stored);

@@ -10,7 +10,7 @@
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/image.h"
 
 namespace welkin::files {
 namespace {
@@ -60,10 +60,10 @@ std::uint64_t level_bytes(TexelKind kind, int size) noexcept {
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
   const auto whole = static_cast<int>(count);
   switch (kind) {
-    case TexelKind::rgba16f: return image::decode_texels(PixelFormat::rgba_f16, texels, whole, rgb);
-    case TexelKind::rgba32f: return image::decode_texels(PixelFormat::rgba_f32, texels, whole, rgb);
-    case TexelKind::rgba8: return image::decode_texels(PixelFormat::rgba_u8, texels, whole, rgb);
-    case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::rgba_srgb8, texels, whole, rgb);
+    case TexelKind::rgba16f: return image::decode_texels(PixelFormat::rgba16f, texels, whole, rgb);
+    case TexelKind::rgba32f: return image::decode_texels(PixelFormat::rgba32f, texels, whole, rgb);
+    case TexelKind::rgba8: return image::decode_texels(PixelFormat::rgba8, texels, whole, rgb);
+    case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::srgba8, texels, whole, rgb);
     case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
     case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
   }

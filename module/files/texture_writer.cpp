@@ -10,7 +10,7 @@
 #include "jobs/control.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/image.h"
 
 namespace welkin {
 namespace files {
@@ -180,7 +180,7 @@ WriteReport write_texture(const std::filesystem::path& path, std::span<const Cub
 WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
                              const TextureOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb_f32};
+  const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb32f};
   constexpr int largest = 16384;
   if (rgb == nullptr || width < 1 || height < 1 || width > largest || height > largest) {
     throw Error(ErrorCode::invalid_argument, "a texture of " + std::to_string(width) + " x " + std::to_string(height) +

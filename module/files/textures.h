@@ -18,8 +18,8 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::files {

@@ -15,8 +15,8 @@
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
-#include "welkin/environment_writer.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 
 namespace welkin {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "files/layout.h"
 #include "platform/file.h"
-#include "welkin/control.h"
-#include "welkin/environment_writer.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 
 namespace welkin::files {
 

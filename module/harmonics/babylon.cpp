@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "platform/float_environment.h"
-#include "welkin/babylon.h"
+#include "welkin/engines.h"
 
 namespace welkin {
 namespace {

@@ -1,7 +1,7 @@
 // The way back from Babylon.js's polynomial.
 #pragma once
 
-#include "welkin/babylon.h"
+#include "welkin/engines.h"
 
 namespace welkin::harmonics {
 

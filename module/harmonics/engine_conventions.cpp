@@ -18,11 +18,9 @@
 #include <string_view>
 
 #include "platform/float_environment.h"
-#include "welkin/babylon.h"
-#include "welkin/convention.h"
-#include "welkin/engine_light.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {
@@ -48,8 +46,8 @@ constexpr glm::dmat3 kCentreXRightMinusYUpZ = matrix({{0, 0, 1}, {1, 0, 0}, {0, 
 constexpr glm::dmat3 kMirroredX = matrix({{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
 
 constexpr std::array<Convention, 10> kConventions{{
-    {Engine::welkin, "welkin", "Welkin", true, "right-handed, y up", "centre +z, right -x",
-     "include/welkin/image_view.h", kSame, kSame},
+    {Engine::welkin, "welkin", "Welkin", true, "right-handed, y up", "centre +z, right -x", "include/welkin/image.h",
+     kSame, kSame},
     {Engine::openexr, "openexr", "OpenEXR", true, "right-handed, y up", "centre +z, right -x",
      "ImfEnvmap.h, LatLongMap and CubeMap (its cube faces are taken to CubemapView's when they are read)", kSame,
      kSame},

@@ -8,8 +8,8 @@
 
 #include "math/basis.h"
 #include "platform/float_environment.h"
+#include "welkin/core.h"
 #include "welkin/directional_light.h"
-#include "welkin/error.h"
 
 namespace welkin {
 namespace {

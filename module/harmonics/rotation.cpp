@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "platform/float_environment.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {

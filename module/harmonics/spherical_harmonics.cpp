@@ -13,8 +13,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

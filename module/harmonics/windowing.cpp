@@ -16,8 +16,8 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
-#include "welkin/windowing.h"
+#include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin {
 namespace {

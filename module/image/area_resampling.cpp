@@ -15,9 +15,9 @@
 #include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/error.h"
-#include "welkin/mip_chain.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+#include "welkin/resampling.h"
 
 namespace welkin::image {
 namespace {

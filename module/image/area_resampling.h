@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "platform/memory.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 
 namespace welkin::image {
 

@@ -12,7 +12,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
 
 namespace welkin::image {

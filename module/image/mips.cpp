@@ -17,8 +17,8 @@
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
 #include "simd/dispatch.h"
-#include "welkin/error.h"
-#include "welkin/mip_chain.h"
+#include "welkin/core.h"
+#include "welkin/resampling.h"
 
 namespace welkin {
 namespace {

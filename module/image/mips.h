@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "welkin/mip_chain.h"
+#include "welkin/resampling.h"
 
 namespace welkin::image {
 

@@ -13,8 +13,8 @@
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 
 namespace welkin::image {
 namespace {
@@ -140,18 +140,18 @@ void decode_texels(PixelFormat format, const void* texels, int count, float* rgb
   static const EightBitTable linear = make_table([](double value) { return value; });
   static const EightBitTable srgb = make_table(linear_from_srgb);
   switch (format) {
-    case PixelFormat::rgb_f32: std::memcpy(rgb, texels, static_cast<std::size_t>(count) * 3 * sizeof(float)); return;
-    case PixelFormat::rgba_f32: {
+    case PixelFormat::rgb32f: std::memcpy(rgb, texels, static_cast<std::size_t>(count) * 3 * sizeof(float)); return;
+    case PixelFormat::rgba32f: {
       const auto* from = static_cast<const float*>(texels);
       for (int i = 0; i < count; ++i, from += 4, rgb += 3) std::memcpy(rgb, from, 3 * sizeof(float));
       return;
     }
-    case PixelFormat::rgb_f16: return decode_half(texels, 3, count, rgb);
-    case PixelFormat::rgba_f16: return decode_half(texels, 4, count, rgb);
-    case PixelFormat::rgb_u8: return decode_eight_bit(linear, texels, 3, count, rgb);
-    case PixelFormat::rgba_u8: return decode_eight_bit(linear, texels, 4, count, rgb);
-    case PixelFormat::rgb_srgb8: return decode_eight_bit(srgb, texels, 3, count, rgb);
-    case PixelFormat::rgba_srgb8: return decode_eight_bit(srgb, texels, 4, count, rgb);
+    case PixelFormat::rgb16f: return decode_half(texels, 3, count, rgb);
+    case PixelFormat::rgba16f: return decode_half(texels, 4, count, rgb);
+    case PixelFormat::rgb8: return decode_eight_bit(linear, texels, 3, count, rgb);
+    case PixelFormat::rgba8: return decode_eight_bit(linear, texels, 4, count, rgb);
+    case PixelFormat::srgb8: return decode_eight_bit(srgb, texels, 3, count, rgb);
+    case PixelFormat::srgba8: return decode_eight_bit(srgb, texels, 4, count, rgb);
   }
 }
 
@@ -175,7 +175,7 @@ const void* row_of(const CubemapView& view, int face, int row) noexcept {
 template <typename RowOf>
 FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row)
     : row_floats_(std::ptrdiff_t{3} * width) {
-  if (format == PixelFormat::rgb_f32) {
+  if (format == PixelFormat::rgb32f) {
     first_ = static_cast<const float*>(address_of_row(0));
     if (height > 1) row_floats_ = static_cast<const float*>(address_of_row(1)) - first_;
     return;
@@ -199,10 +199,10 @@ namespace {
 
 std::size_t channel_bytes(PixelFormat format) {
   switch (format) {
-    case PixelFormat::rgb_f32:
-    case PixelFormat::rgba_f32: return 4;
-    case PixelFormat::rgb_f16:
-    case PixelFormat::rgba_f16: return 2;
+    case PixelFormat::rgb32f:
+    case PixelFormat::rgba32f: return 4;
+    case PixelFormat::rgb16f:
+    case PixelFormat::rgba16f: return 2;
     default: return 1;
   }
 }
@@ -284,7 +284,7 @@ CubemapChain::CubemapChain(int size, int levels) : size_(size) {
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {
-  CubemapView view{{}, level_size(level), 0, PixelFormat::rgb_f32};
+  CubemapView view{{}, level_size(level), 0, PixelFormat::rgb32f};
   for (int side = 0; side < 6; ++side) view.faces[static_cast<std::size_t>(side)] = face(level, side);
   return view;
 }

@@ -6,11 +6,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/resampling.h"
-#include "welkin/upload.h"
 
 namespace welkin::image {
 

@@ -15,8 +15,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
-#include "welkin/mip_chain.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
 
 namespace welkin {
@@ -262,8 +261,8 @@ CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& t
   return resampled_cubemap<image::CubemapSampler>(source, size, turn, control);
 }
 
-CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, const Control& control,
-                        ResampleFilter filter) {
+CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn, ResampleFilter filter,
+                        const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_face_size(size);
@@ -280,7 +279,7 @@ CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& t
 }
 
 LatLongImage to_lat_long(const CubemapView& source, int width, int height, const glm::dmat3& turn,
-                         const Control& control, ResampleFilter filter) {
+                         ResampleFilter filter, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
   image::check_lat_long_size(width, height);

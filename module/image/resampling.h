@@ -8,7 +8,7 @@
 
 #include "image/geometry.h"
 #include "image/pixels.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::image {

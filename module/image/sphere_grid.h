@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "platform/memory.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::image {
 

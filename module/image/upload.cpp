@@ -12,7 +12,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::image {
 namespace {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <stop_token>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::jobs {
 

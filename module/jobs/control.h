@@ -6,7 +6,7 @@
 #include <mutex>
 #include <stop_token>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::jobs {
 

@@ -16,7 +16,7 @@
 
 #include "jobs/control.h"
 #include "platform/float_environment.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::jobs {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::jobs {
 

@@ -17,8 +17,7 @@
 #include <thread>
 
 #include "platform/float_environment.h"
-#include "welkin/control.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::jobs {
 namespace {

@@ -6,8 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "welkin/error.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::platform {
 

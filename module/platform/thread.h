@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::detail {
 

@@ -9,14 +9,14 @@
 
 #include "image/pixels.h"
 #include "jobs/tiles.h"
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
 
 namespace welkin::projection {
 namespace {
 
 bool is_eight_bit(PixelFormat format) {
-  return format == PixelFormat::rgb_u8 || format == PixelFormat::rgba_u8 || format == PixelFormat::rgb_srgb8 ||
-         format == PixelFormat::rgba_srgb8;
+  return format == PixelFormat::rgb8 || format == PixelFormat::rgba8 || format == PixelFormat::srgb8 ||
+         format == PixelFormat::srgba8;
 }
 
 /// A row's channels as they are averaged: floats as they are, 8-bit values as 0 to 255.
@@ -38,21 +38,17 @@ float finish_channel(float average, PixelFormat format) {
   const auto encoded = static_cast<std::uint8_t>(static_cast<int>(average + 0.5F) & 0xFF);
   const std::uint8_t texel[3] = {encoded, encoded, encoded};
   float rgb[3];
-  const bool srgb = format == PixelFormat::rgb_srgb8 || format == PixelFormat::rgba_srgb8;
-  image::decode_texels(srgb ? PixelFormat::rgb_srgb8 : PixelFormat::rgb_u8, texel, 1, rgb);
+  const bool srgb = format == PixelFormat::srgb8 || format == PixelFormat::srgba8;
+  image::decode_texels(srgb ? PixelFormat::srgb8 : PixelFormat::rgb8, texel, 1, rgb);
   return rgb[0];
 }
 
 /// The policies that refuse a texel; what they would do otherwise is done to the cells.
-std::optional<PixelPolicy> rejecting_policy(const ProjectionOptions& options) {
-  const bool rejects = options.nan == NonFinitePolicy::reject || options.infinity == NonFinitePolicy::reject ||
-                       options.negative == NegativePolicy::reject;
+std::optional<Sanitizer> rejecting_sanitizer(const PixelPolicy& pixels) {
+  const bool rejects = pixels.nan == NonFinitePolicy::reject || pixels.infinity == NonFinitePolicy::reject ||
+                       pixels.negative == NegativePolicy::reject;
   if (!rejects) return std::nullopt;
-  ProjectionOptions strict;
-  strict.nan = options.nan;
-  strict.infinity = options.infinity;
-  strict.negative = options.negative;
-  return PixelPolicy(strict);
+  return Sanitizer({.nan = pixels.nan, .infinity = pixels.infinity, .negative = pixels.negative});
 }
 
 /// One worker's room.
@@ -63,23 +59,23 @@ struct Scratch {
 };
 
 /// Remembers the first texel of a decoded row that the policy rejects.
-void check_row(const PixelPolicy& policy, int face, int row, int size, Scratch& scratch, SanitizeRecord& record) {
+void check_row(const Sanitizer& sanitizer, int face, int row, int size, Scratch& scratch, SanitizeRecord& record) {
   scratch.checked = scratch.decoded;
   const float no_weight = 0.0F;
-  policy.sanitize({.rgb = scratch.checked.data(),
-                   .count = size,
-                   .face = face,
-                   .row = row,
-                   .first_column = 0,
-                   .weights = &no_weight,
-                   .weight_step = 0,
-                   .weight_scale = 0.0},
-                  record);
+  sanitizer.sanitize({.rgb = scratch.checked.data(),
+                      .count = size,
+                      .face = face,
+                      .row = row,
+                      .first_column = 0,
+                      .weights = &no_weight,
+                      .weight_step = 0,
+                      .weight_scale = 0.0},
+                     record);
 }
 
 /// Reduces one row of cells of one face.
-void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row,
-                const std::optional<PixelPolicy>& policy, Scratch& scratch, SanitizeRecord& record, float* cells) {
+void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, const std::optional<Sanitizer>& strict,
+                Scratch& scratch, SanitizeRecord& record, float* cells) {
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format));
   const std::ptrdiff_t row_bytes =
       cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes * cubemap.size;
@@ -91,7 +87,7 @@ void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row,
   std::fill_n(sums, 3 * target, 0.0);
   for (int row = edge(cell_row); row < edge(cell_row + 1); ++row) {
     decode_row(cubemap, pixels + row * row_bytes, decoded);
-    if (policy) check_row(*policy, face, row, cubemap.size, scratch, record);
+    if (strict) check_row(*strict, face, row, cubemap.size, scratch, record);
     for (int cell = 0; cell < target; ++cell) {
       for (int column = edge(cell); column < edge(cell + 1); ++column) {
         for (int c = 0; c < 3; ++c) sums[3 * cell + c] += static_cast<double>(decoded[3 * column + c]);
@@ -111,7 +107,7 @@ ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Proje
   const auto face_floats = static_cast<std::size_t>(target) * static_cast<std::size_t>(target) * 3;
   ReducedCubemap reduced{{}, std::vector<float>(6 * face_floats)};
   reduced.view.size = target;
-  reduced.view.format = PixelFormat::rgb_f32;
+  reduced.view.format = PixelFormat::rgb32f;
   for (std::size_t face = 0; face < 6; ++face) reduced.view.faces[face] = reduced.pixels.data() + face * face_floats;
 
   const std::int64_t texels = std::int64_t{6} * cubemap.size * cubemap.size;
@@ -121,13 +117,13 @@ ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Proje
   const std::size_t workers = jobs::worker_count(placement);
   std::vector<Scratch> scratch(
       workers, {std::vector<float>(row_floats), std::vector<float>(row_floats), std::vector<double>(cell_floats)});
-  const std::optional<PixelPolicy> policy = rejecting_policy(options);
+  const std::optional<Sanitizer> strict = rejecting_sanitizer(options.pixels);
   const auto tiles = static_cast<std::size_t>(6 * target);
   std::vector<SanitizeRecord> records(tiles);
   jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     const int face = static_cast<int>(tile) / target;
     const int row = static_cast<int>(tile) % target;
-    reduce_row(cubemap, target, face, row, policy, scratch[worker], records[tile],
+    reduce_row(cubemap, target, face, row, strict, scratch[worker], records[tile],
                reduced.pixels.data() + tile * cell_floats);
   });
   SanitizeRecord total;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {

@@ -24,9 +24,9 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
-#include "projection/pixel_policy.h"
 #include "projection/project.h"
 #include "projection/projection_kernels.h"
+#include "projection/sanitizer.h"
 #include "projection/texel_weights.h"
 #include "simd/dispatch.h"
 #include "transform/frame_transform.h"
@@ -46,8 +46,7 @@ int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16
 constexpr std::array<int, kFaces> kAllFaces{0, 1, 2, 3, 4, 5};
 
 TexelWeightsKey weights_key(int size, const ProjectionOptions& options) {
-  return {size, options.bands, options.quadrature == Quadrature::midpoint,
-          options.target_size > 0 ? options.target_size : size};
+  return {size, options.bands, options.quadrature == Quadrature::midpoint, options.target_size.value_or(size)};
 }
 
 constexpr std::ptrdiff_t kCacheLine = 64;
@@ -121,7 +120,7 @@ class CubemapProjection {
   CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces)
       : cubemap_(cubemap),
         faces_(faces),
-        policy_(options),
+        sanitizer_(options.pixels),
         functions_(options.bands * options.bands),
         bands_(options.bands),
         texel_bytes_(static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format))),
@@ -181,11 +180,11 @@ class CubemapProjection {
   }
 
   FoldQuadrants direct_fold(PixelFormat format) const {
-    if (policy_.looks_at_every_texel()) return nullptr;
+    if (sanitizer_.looks_at_every_texel()) return nullptr;
     switch (format) {
-      case PixelFormat::rgb_f32: return kernels_.fold_quadrants[fold_rgb_f32];
-      case PixelFormat::rgba_f32: return kernels_.fold_quadrants[fold_rgba_f32];
-      case PixelFormat::rgba_f16: return kernels_.fold_quadrants[fold_rgba_f16];
+      case PixelFormat::rgb32f: return kernels_.fold_quadrants[fold_rgb32f];
+      case PixelFormat::rgba32f: return kernels_.fold_quadrants[fold_rgba32f];
+      case PixelFormat::rgba16f: return kernels_.fold_quadrants[fold_rgba16f];
       default: return nullptr;
     }
   }
@@ -397,13 +396,14 @@ class CubemapProjection {
   }
 
   void sanitize(const TexelRun& run, SanitizeRecord& record) const {
-    if (!policy_.gamma() && !kernels_.any_outside(run.rgb, 3 * run.count, policy_.low(), policy_.high())) return;
-    policy_.sanitize(run, record);
+    if (!sanitizer_.gamma() && !kernels_.any_outside(run.rgb, 3 * run.count, sanitizer_.low(), sanitizer_.high()))
+      return;
+    sanitizer_.sanitize(run, record);
   }
 
   void fold_decoded(const RowRun& run, Scratch& scratch) {
-    kernels_.fold_quadrants[fold_rgb_f32]({scratch.run(0), scratch.run(1), scratch.run(2), scratch.run(3), 0, 0, 1}, {},
-                                          (run.count + kLanes - 1) / kLanes, scratch.planes() + run.position);
+    kernels_.fold_quadrants[fold_rgb32f]({scratch.run(0), scratch.run(1), scratch.run(2), scratch.run(3), 0, 0, 1}, {},
+                                         (run.count + kLanes - 1) / kLanes, scratch.planes() + run.position);
   }
 
   /// Leaves a chunk's sums on one face in scratch.face_sums(). For finite texels near the largest float, whose
@@ -436,7 +436,7 @@ class CubemapProjection {
 
   const CubemapView& cubemap_;
   std::span<const int> faces_;
-  PixelPolicy policy_;
+  Sanitizer sanitizer_;
   int functions_;
   int bands_;
   std::ptrdiff_t texel_bytes_;
@@ -480,7 +480,7 @@ Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOp
 
 void describe_projection(Projection& projection, int size, const ProjectionOptions& options) {
   ProjectionDiagnostics& diagnostics = projection.diagnostics;
-  const int target = options.target_size;
+  const int target = options.target_size.value_or(0);
   const bool midpoint = options.quadrature == Quadrature::midpoint;
   diagnostics.error_estimate =
       estimate_error(projection.radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(target)});

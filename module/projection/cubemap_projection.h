@@ -6,13 +6,13 @@
 #include <span>
 
 #include "projection/project.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {
 
-/// `cubemap` and `options` have been checked; `options.target_size` is 0 or below the cubemap's size, and then
+/// `cubemap` and `options` have been checked; `options.target_size` is none or below the cubemap's size, and then
 /// averages by solid angle. Throws `Error` (rejected_pixel, cancelled).
 /// The diagnostics lack passes and the error estimate, which `describe_projection` adds.
 [[nodiscard]] Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options,

@@ -19,12 +19,11 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
-#include "projection/pixel_policy.h"
 #include "projection/projection_kernels.h"
+#include "projection/sanitizer.h"
 #include "projection/texel_weights.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/irradiance.h"
-#include "welkin/irradiance_cubemap.h"
 
 namespace welkin::projection {
 namespace {
@@ -79,21 +78,21 @@ struct Scratch {
   std::vector<double> cosine;  ///< of each texel with the normal at hand: its clipped integral
 };
 
-void read_row(const Source& source, const projection::PixelPolicy& policy, int row, Scratch& scratch,
+void read_row(const Source& source, const projection::Sanitizer& sanitizer, int row, Scratch& scratch,
               projection::SanitizeRecord& record) {
   const int columns = source.texels.columns();
   source.decode(row, scratch.rgb.data());
   const float no_weight = 0.0F;
   const int face = source.cubemap ? row / columns : 0;
-  policy.sanitize({.rgb = scratch.rgb.data(),
-                   .count = columns,
-                   .face = face,
-                   .row = source.cubemap ? row % columns : row,
-                   .first_column = 0,
-                   .weights = &no_weight,
-                   .weight_step = 0,
-                   .weight_scale = 0.0},
-                  record);
+  sanitizer.sanitize({.rgb = scratch.rgb.data(),
+                      .count = columns,
+                      .face = face,
+                      .row = source.cubemap ? row % columns : row,
+                      .first_column = 0,
+                      .weights = &no_weight,
+                      .weight_step = 0,
+                      .weight_scale = 0.0},
+                     record);
   for (std::size_t i = 0; i < static_cast<std::size_t>(columns); ++i) {
     scratch.red[i] = static_cast<double>(scratch.rgb[3 * i]);
     scratch.green[i] = static_cast<double>(scratch.rgb[3 * i + 1]);
@@ -132,9 +131,9 @@ std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
 }
 
 /// Appends the irradiance of one batch of normals.
-void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, const ProjectionOptions& options,
+void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, const PixelPolicy& pixels,
                      const Control& control, std::vector<glm::dvec3>& irradiance) {
-  const projection::PixelPolicy policy(options);
+  const projection::Sanitizer sanitizer(pixels);
   const auto rows = static_cast<std::size_t>(source.texels.rows());
   const auto columns = static_cast<std::size_t>(source.texels.columns());
   const std::size_t rows_per_tile = (rows + kMostTiles - 1) / kMostTiles;
@@ -149,7 +148,7 @@ void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, 
     Scratch& room = scratch[worker];
     glm::dvec3* const slot = slots.data() + tile * normals.size();
     for (std::size_t row = tile * rows_per_tile; row < std::min(rows, (tile + 1) * rows_per_tile); ++row) {
-      read_row(source, policy, static_cast<int>(row), room, records[tile]);
+      read_row(source, sanitizer, static_cast<int>(row), room, records[tile]);
       for (std::size_t n = 0; n < normals.size(); ++n) {
         if (!fill_cosines(source.texels, static_cast<int>(row), normals[n], room)) continue;
         slot[n] += glm::dvec3(math::dot(room.cosine, room.red), math::dot(room.cosine, room.green),
@@ -166,8 +165,8 @@ void integrate_batch(const Source& source, std::span<const glm::dvec3> normals, 
   for (std::size_t k = 0; k < slots.size(); ++k) irradiance[first + k % normals.size()] += slots[k];
 }
 
-std::vector<glm::dvec3> integrate(const Source& source, std::span<const glm::dvec3> normals,
-                                  const ProjectionOptions& options, const Control& control) {
+std::vector<glm::dvec3> integrate(const Source& source, std::span<const glm::dvec3> normals, const PixelPolicy& pixels,
+                                  const Control& control) {
   const auto share_done = [&](std::size_t count) {
     return static_cast<double>(count) / static_cast<double>(normals.size());
   };
@@ -176,7 +175,7 @@ std::vector<glm::dvec3> integrate(const Source& source, std::span<const glm::dve
     const std::size_t first = irradiance.size();
     const std::size_t count = std::min(kBatch, normals.size() - first);
     const Control part = jobs::part_of(control, share_done(first), share_done(first + count));
-    integrate_batch(source, normals.subspan(first, count), options, part, irradiance);
+    integrate_batch(source, normals.subspan(first, count), pixels, part, irradiance);
   }
   return irradiance;
 }
@@ -190,10 +189,10 @@ const std::byte* row_of(const void* pixels, std::ptrdiff_t stride, PixelFormat f
 }  // namespace
 
 std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
-                                          const ProjectionOptions& options, const Control& control) {
+                                          const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(cubemap);
-  projection::check_options(options);
+  projection::check_policy(pixels);
   const auto texels = projection::cosine_texels_of_cubemap(cubemap.size);
   const auto decode = [&](int row, float* rgb) {
     const void* const face = cubemap.faces[static_cast<std::size_t>(row / cubemap.size)];
@@ -201,21 +200,21 @@ std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<
                          row_of(face, cubemap.row_stride_bytes, cubemap.format, cubemap.size, row % cubemap.size),
                          cubemap.size, rgb);
   };
-  return integrate({*texels, true, decode}, unit_normals(normals), options, control);
+  return integrate({*texels, true, decode}, unit_normals(normals), pixels, control);
 }
 
 std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long, std::span<const glm::dvec3> normals,
-                                          const ProjectionOptions& options, const Control& control) {
+                                          const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(lat_long);
-  projection::check_options(options);
+  projection::check_policy(pixels);
   const auto texels = projection::cosine_texels_of_lat_long(lat_long.width, lat_long.height);
   const auto decode = [&](int row, float* rgb) {
     image::decode_texels(lat_long.format,
                          row_of(lat_long.pixels, lat_long.row_stride_bytes, lat_long.format, lat_long.width, row),
                          lat_long.width, rgb);
   };
-  return integrate({*texels, false, decode}, unit_normals(normals), options, control);
+  return integrate({*texels, false, decode}, unit_normals(normals), pixels, control);
 }
 
 glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal) {
@@ -416,17 +415,17 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 }  // namespace
 
 std::vector<IrradianceError> irradiance_errors(const CubemapView& cubemap, const SphericalHarmonics& radiance,
-                                               int normals, const ProjectionOptions& options, const Control& control) {
+                                               int normals, const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   const std::vector<glm::dvec3> directions = projection::spiral(normals);
-  return errors_at(directions, direct_irradiance(cubemap, directions, options, control), radiance);
+  return errors_at(directions, direct_irradiance(cubemap, directions, pixels, control), radiance);
 }
 
 std::vector<IrradianceError> irradiance_errors(const LatLongView& lat_long, const SphericalHarmonics& radiance,
-                                               int normals, const ProjectionOptions& options, const Control& control) {
+                                               int normals, const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
   const std::vector<glm::dvec3> directions = projection::spiral(normals);
-  return errors_at(directions, direct_irradiance(lat_long, directions, options, control), radiance);
+  return errors_at(directions, direct_irradiance(lat_long, directions, pixels, control), radiance);
 }
 
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 
 namespace welkin::projection {
 

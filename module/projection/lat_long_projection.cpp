@@ -14,9 +14,9 @@
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "platform/memory.h"
-#include "projection/pixel_policy.h"
 #include "projection/project.h"
 #include "projection/projection_kernels.h"
+#include "projection/sanitizer.h"
 #include "simd/dispatch.h"
 #include "transform/frame_transform.h"
 
@@ -223,9 +223,9 @@ struct ColumnRun {
 
 FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
   switch (format) {
-    case PixelFormat::rgb_f32: return kernels.fold_halves[fold_rgb_f32];
-    case PixelFormat::rgba_f32: return kernels.fold_halves[fold_rgba_f32];
-    case PixelFormat::rgba_f16: return kernels.fold_halves[fold_rgba_f16];
+    case PixelFormat::rgb32f: return kernels.fold_halves[fold_rgb32f];
+    case PixelFormat::rgba32f: return kernels.fold_halves[fold_rgba32f];
+    case PixelFormat::rgba16f: return kernels.fold_halves[fold_rgba16f];
     default: return nullptr;
   }
 }
@@ -239,10 +239,10 @@ struct LatLongProjector::State {
       : width(width_),
         height(height_),
         options(options_),
-        policy(options_),
+        sanitizer(options_.pixels),
         kernels(projection_kernels()),
         weights(LatLongWeights::get({width_, height_, options_.bands, options_.quadrature == Quadrature::midpoint,
-                                     is_reduced(width_, height_, options_) ? options_.target_size : 0})),
+                                     is_reduced(width_, height_, options_) ? *options_.target_size : 0})),
         rows_per_block(rows_per_block_of(width_, height_)),
         block_count((height_ + rows_per_block - 1) / rows_per_block),
         orders(2 * options_.bands - 1),
@@ -255,7 +255,7 @@ struct LatLongProjector::State {
   }
 
   static bool is_reduced(int width, int height, const ProjectionOptions& options) {
-    return options.target_size > 0 && (4 * options.target_size < width || 2 * options.target_size < height);
+    return options.target_size && (4 * *options.target_size < width || 2 * *options.target_size < height);
   }
 
   void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
@@ -278,7 +278,7 @@ struct LatLongProjector::State {
   int width;
   int height;
   ProjectionOptions options;
-  PixelPolicy policy;
+  Sanitizer sanitizer;
   const ProjectionKernels& kernels;
   std::shared_ptr<const LatLongWeights> weights;
   int rows_per_block;
@@ -325,7 +325,7 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
 /// come out finite, else with every texel passing the policies.
 void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row,
                                       Scratch& room, SanitizeRecord& record) noexcept {
-  const FoldHalves fold = policy.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
+  const FoldHalves fold = sanitizer.looks_at_every_texel() ? nullptr : direct_fold(format, kernels);
   if (fold != nullptr) {
     clear_lanes(room);
     for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
@@ -409,15 +409,16 @@ void LatLongProjector::State::sanitize(const ColumnRun& run, Scratch& room, Sani
                           .weights = run.weights,
                           .weight_step = 1,
                           .weight_scale = run.row_weight};
-    if (!policy.gamma() && !kernels.any_outside(texels.rgb, 3 * run.count, policy.low(), policy.high())) continue;
-    policy.sanitize(texels, record);
+    if (!sanitizer.gamma() && !kernels.any_outside(texels.rgb, 3 * run.count, sanitizer.low(), sanitizer.high()))
+      continue;
+    sanitizer.sanitize(texels, record);
   }
 }
 
 void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept {
   const float* const runs = room.runs.data();
-  kernels.fold_halves[fold_rgb_f32](runs, runs + std::ptrdiff_t{3} * kChunk, {}, (run.count + kLanes - 1) / kLanes,
-                                    room.planes.data() + position);
+  kernels.fold_halves[fold_rgb32f](runs, runs + std::ptrdiff_t{3} * kChunk, {}, (run.count + kLanes - 1) / kLanes,
+                                   room.planes.data() + position);
 }
 
 void LatLongProjector::State::sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept {
@@ -483,7 +484,7 @@ Projection LatLongProjector::finish() {
       estimate_error(projection.radiance, {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
                                                                 ? std::min(state_->width / 4.0, state_->height / 2.0)
                                                                 : 0.0,
-                                           .reduced_size = reduced ? state_->options.target_size : 0.0});
+                                           .reduced_size = reduced ? *state_->options.target_size : 0.0});
   return projection;
 }
 

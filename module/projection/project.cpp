@@ -16,9 +16,8 @@
 #include "projection/box_reduction.h"
 #include "projection/cubemap_projection.h"
 #include "projection/lat_long_projection.h"
-#include "projection/pixel_policy.h"
-#include "welkin/error.h"
-#include "welkin/face_harmonics.h"
+#include "projection/sanitizer.h"
+#include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin {
@@ -72,9 +71,8 @@ void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<con
   const platform::FloatingPointScope floating_point;
   image::check_view(cubemap);
   projection::check_options(kept.options());
-  if (kept.options().quadrature == Quadrature::midpoint &&
-      projection::effective_target(cubemap.size, kept.options()) > 0) {
-    refuse("sums of faces are not kept for a target size with the midpoint rule; pass target_size 0, or exact");
+  if (kept.options().quadrature == Quadrature::midpoint && projection::effective_target(cubemap.size, kept.options())) {
+    refuse("sums of faces are not kept for a target size with the midpoint rule; pass no target_size, or exact");
   }
   check_faces(faces);
   if (cubemap.size != kept.size()) {
@@ -195,23 +193,23 @@ void check_chain(std::span<const CubemapView> mips) {
 }
 
 Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
-  const int target = projection::effective_target(cubemap.size, options);
+  const std::optional<int> target = projection::effective_target(cubemap.size, options);
   const bool midpoint = options.quadrature == Quadrature::midpoint;
-  options.target_size = midpoint ? 0 : target;
-  if (target > 0 && midpoint) {
+  options.target_size = midpoint ? std::nullopt : target;
+  if (target && midpoint) {
     const Stopwatch reducing;
     constexpr double reading_share = 0.9;
     const projection::ReducedCubemap reduced =
-        projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, reading_share));
+        projection::reduce_by_box(cubemap, *target, options, jobs::part_of(control, 0.0, reading_share));
     const double milliseconds = reducing.milliseconds();
     Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
     projection.diagnostics.texels =
         std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
     projection.diagnostics.error_estimate =
-        projection::estimate_error(projection.radiance, {static_cast<double>(target), static_cast<double>(target)});
+        projection::estimate_error(projection.radiance, {static_cast<double>(*target), static_cast<double>(*target)});
     projection.diagnostics.passes.insert(
         projection.diagnostics.passes.begin(),
-        {"reduce", PassAction::run, "plain box to " + std::to_string(target) + ", before gamma and clamp",
+        {"reduce", PassAction::run, "plain box to " + std::to_string(*target) + ", before gamma and clamp",
          milliseconds});
     return projection;
   }
@@ -235,13 +233,13 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
   const platform::FloatingPointScope floating_point;
   check_chain(mips);
   projection::check_options(options);
-  const int target = projection::effective_target(mips[0].size, options);
-  if (target == 0 || mips.size() == 1) return project_level(mips[0], options, control);
+  const std::optional<int> target = projection::effective_target(mips[0].size, options);
+  if (!target || mips.size() == 1) return project_level(mips[0], options, control);
   std::vector<int> sizes;
   for (const CubemapView& mip : mips) sizes.push_back(mip.size);
-  const CubemapView& level = mips[projection::nearest_level(sizes, target)];
+  const CubemapView& level = mips[projection::nearest_level(sizes, *target)];
   ProjectionOptions at_level = options;
-  at_level.target_size = 0;
+  at_level.target_size.reset();
   Projection projection = project_level(level, at_level, control);
   projection.diagnostics.error_estimate = projection::estimate_error(
       projection.radiance, {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
@@ -324,12 +322,12 @@ double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& so
   return std::sqrt(error_squared / total_squared);
 }
 
-int effective_target(int size, const ProjectionOptions& options) noexcept {
-  if (options.target_size == 0) return 0;
+std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept {
+  if (!options.target_size) return std::nullopt;
   const int target = options.quadrature == Quadrature::midpoint
-                         ? static_cast<int>(std::bit_floor(static_cast<unsigned>(options.target_size)))
-                         : options.target_size;
-  return target < size ? target : 0;
+                         ? static_cast<int>(std::bit_floor(static_cast<unsigned>(*options.target_size)))
+                         : *options.target_size;
+  return target < size ? std::optional(target) : std::nullopt;
 }
 
 // Of neighbours a > t > b the first is nearer if a / t < t / b.

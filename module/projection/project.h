@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "projection/pixel_policy.h"
 #include "projection/projection_kernels.h"
+#include "projection/sanitizer.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -84,8 +84,8 @@ struct ErrorSources {
 // Which size of an environment a projection reads.
 
 /// The target face size as the quadrature understands it for a face of `size` texels (Babylon.js rounds down to a
-/// power of two, and so does the midpoint rule); 0 if there is none or the source is no larger.
-[[nodiscard]] int effective_target(int size, const ProjectionOptions& options) noexcept;
+/// power of two, and so does the midpoint rule); none if there is none or the source is no larger.
+[[nodiscard]] std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept;
 
 /// The level nearest to `target` in log2: the index of one of `sizes`, which fall.
 [[nodiscard]] std::size_t nearest_level(std::span<const int> sizes, int target) noexcept;

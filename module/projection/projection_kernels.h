@@ -29,8 +29,8 @@ struct ClassCounts {
   int count[kMaximumClasses];
 };
 
-/// Which formats the folding kernels read directly; all others are decoded to rgb_f32 first.
-enum FoldFormat { fold_rgb_f32, fold_rgba_f32, fold_rgba_f16, fold_format_count };
+/// Which formats the folding kernels read directly; all others are decoded to rgb32f first.
+enum FoldFormat { fold_rgb32f, fold_rgba32f, fold_rgba16f, fold_format_count };
 
 /// Memory that will be read soon: four stretches of `lines` cache lines each.
 ///

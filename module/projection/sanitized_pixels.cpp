@@ -6,8 +6,8 @@
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
-#include "projection/pixel_policy.h"
 #include "projection/projection_kernels.h"
+#include "projection/sanitizer.h"
 
 namespace welkin::projection {
 namespace {
@@ -29,59 +29,59 @@ void for_rows(std::size_t rows, int columns, const Control& control, const Work&
 
 }  // namespace
 
-SanitizedSource::SanitizedSource(const LatLongView& view, const ProjectionOptions& options, const Control& control)
+SanitizedSource::SanitizedSource(const LatLongView& view, const PixelPolicy& policy, const Control& control)
     : cubemap_(false), columns_(view.width) {
   std::vector<const void*> rows;
   rows.reserve(static_cast<std::size_t>(view.height));
   for (int row = 0; row < view.height; ++row) rows.push_back(image::row_of(view, row));
-  read(view.format, rows, options, control);
-  lat_long_ = copy_.size() == 0 ? view : LatLongView{copy_.data(), view.width, view.height, 0, PixelFormat::rgb_f32};
+  read(view.format, rows, policy, control);
+  lat_long_ = copy_.size() == 0 ? view : LatLongView{copy_.data(), view.width, view.height, 0, PixelFormat::rgb32f};
 }
 
-SanitizedSource::SanitizedSource(const CubemapView& view, const ProjectionOptions& options, const Control& control)
+SanitizedSource::SanitizedSource(const CubemapView& view, const PixelPolicy& policy, const Control& control)
     : cubemap_(true), columns_(view.size) {
   std::vector<const void*> rows;
   rows.reserve(std::size_t{6} * static_cast<std::size_t>(view.size));
   for (int row = 0; row < 6 * view.size; ++row) rows.push_back(image::row_of(view, row / view.size, row % view.size));
-  read(view.format, rows, options, control);
+  read(view.format, rows, policy, control);
   cube_ = view;
   if (copy_.size() == 0) return;
-  cube_ = {{}, view.size, 0, PixelFormat::rgb_f32};
+  cube_ = {{}, view.size, 0, PixelFormat::rgb32f};
   for (std::size_t face = 0; face < 6; ++face) cube_.faces[face] = row(static_cast<int>(face) * view.size);
 }
 
-void SanitizedSource::read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+void SanitizedSource::read(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
                            const Control& control) {
   ranges_.resize(rows.size());
   first_texels_.resize(rows.size());
   diagnostics_.texels = static_cast<std::uint64_t>(rows.size()) * static_cast<std::uint64_t>(columns_);
   bool usable = false;
-  if (format == PixelFormat::rgb_f32 && !options.gamma) {
+  if (format == PixelFormat::rgb32f && !policy.gamma) {
     for (std::size_t row = 0; row < rows.size(); ++row) first_texels_[row] = static_cast<const float*>(rows[row]);
-    usable = measure(options, jobs::part_of(control, 0.0, 0.5));
+    usable = measure(policy, jobs::part_of(control, 0.0, 0.5));
   }
   if (!usable) {
-    copy(format, rows, options, jobs::part_of(control, 0.5, 0.9));
+    copy(format, rows, policy, jobs::part_of(control, 0.5, 0.9));
     measure({}, jobs::part_of(control, 0.9, 1.0));
   }
   has_negatives_ = std::any_of(ranges_.begin(), ranges_.end(), [](const RowRange& r) { return r.least < 0.0F; });
 }
 
-bool SanitizedSource::measure(const ProjectionOptions& options, const Control& control) {
-  const PixelPolicy policy(options);
+bool SanitizedSource::measure(const PixelPolicy& policy, const Control& control) {
+  const Sanitizer sanitizer(policy);
   const ProjectionKernels& kernels = projection_kernels();
   std::vector<char> dirty(tiles_of(ranges_.size()), 0);
   for_rows(ranges_.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
     const RowMeasure found = kernels.measure_row(first_texels_[row], 3 * columns_);
     ranges_[row] = {found.least, found.largest, static_cast<double>(found.sum) / (3.0 * columns_)};
-    if (!found.finite || found.least < policy.low() || found.largest > policy.high()) dirty[tile] = 1;
+    if (!found.finite || found.least < sanitizer.low() || found.largest > sanitizer.high()) dirty[tile] = 1;
   });
   return std::find(dirty.begin(), dirty.end(), 1) == dirty.end();
 }
 
-void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
                            const Control& control) {
-  const PixelPolicy policy(options);
+  const Sanitizer sanitizer(policy);
   const auto row_values = static_cast<std::size_t>(3 * columns_);
   copy_ = platform::AlignedBuffer<float>(rows.size() * row_values);
   std::vector<SanitizeRecord> records(tiles_of(rows.size()));
@@ -101,15 +101,15 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
   for_rows(rows.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
     float* const rgb = copy_.data() + row * row_values;
     image::decode_texels(format, rows[row], columns_, rgb);
-    policy.sanitize({.rgb = rgb,
-                     .count = columns_,
-                     .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
-                     .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
-                     .first_column = 0,
-                     .weights = weights.data() + (row % weight_rows) * weight_columns,
-                     .weight_step = cubemap_ ? 1 : 0,
-                     .weight_scale = 1.0},
-                    records[tile]);
+    sanitizer.sanitize({.rgb = rgb,
+                        .count = columns_,
+                        .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
+                        .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
+                        .first_column = 0,
+                        .weights = weights.data() + (row % weight_rows) * weight_columns,
+                        .weight_step = cubemap_ ? 1 : 0,
+                        .weight_scale = 1.0},
+                       records[tile]);
     first_texels_[row] = rgb;
   });
   SanitizeRecord record;

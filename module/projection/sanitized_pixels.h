@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {
@@ -17,8 +17,8 @@ namespace welkin::projection {
 class SanitizedSource {
  public:
   /// Reads every pixel once. Throws `Error`: rejected_pixel, cancelled.
-  SanitizedSource(const LatLongView& view, const ProjectionOptions& options, const Control& control);
-  SanitizedSource(const CubemapView& view, const ProjectionOptions& options, const Control& control);
+  SanitizedSource(const LatLongView& view, const PixelPolicy& policy, const Control& control);
+  SanitizedSource(const CubemapView& view, const PixelPolicy& policy, const Control& control);
 
   [[nodiscard]] bool cubemap() const noexcept { return cubemap_; }
   [[nodiscard]] int columns() const noexcept { return columns_; }
@@ -48,10 +48,10 @@ class SanitizedSource {
 
  private:
   /// Whether no row needs a change; notes their ranges.
-  bool measure(const ProjectionOptions& options, const Control& control);
-  void copy(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+  bool measure(const PixelPolicy& policy, const Control& control);
+  void copy(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
             const Control& control);
-  void read(PixelFormat format, const std::vector<const void*>& rows, const ProjectionOptions& options,
+  void read(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
             const Control& control);
 
   bool cubemap_;

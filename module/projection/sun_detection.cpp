@@ -15,8 +15,8 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "welkin/core.h"
 #include "welkin/directional_light.h"
-#include "welkin/error.h"
 
 namespace welkin {
 namespace projection {

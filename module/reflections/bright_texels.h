@@ -8,7 +8,7 @@
 
 #include "projection/sanitized_pixels.h"
 #include "reflections/lobe_kernels.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::reflections {

@@ -17,8 +17,8 @@
 #include "platform/float_environment.h"
 #include "projection/sun_detection.h"
 #include "reflections/lobe.h"
-#include "welkin/error.h"
-#include "welkin/specular.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
 
 namespace welkin::reflections {
 namespace {

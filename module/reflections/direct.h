@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "projection/sanitized_pixels.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::reflections {
 

@@ -5,7 +5,8 @@
 
 namespace welkin::reflections {
 
-/// k(c) = c D(sqrt((1 + c) / 2)), 0 for c <= 0; `alpha` = perceptual roughness squared, in (0, 1]. DESIGN: specular.h.
+/// k(c) = c D(sqrt((1 + c) / 2)), 0 for c <= 0; `alpha` = perceptual roughness squared, in (0, 1]. DESIGN:
+/// reflections.h.
 [[nodiscard]] double lobe(double cosine, double alpha) noexcept;
 
 /// Int k over the sphere, in closed form.

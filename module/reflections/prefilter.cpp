@@ -22,7 +22,6 @@
 #include "reflections/direct.h"
 #include "reflections/prefilter_plan.h"
 #include "reflections/sampled.h"
-#include "welkin/mip_chain.h"
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
@@ -254,7 +253,7 @@ const projection::SanitizedSource& lat_long_of(const projection::SanitizedSource
                                                Rings& rings, const Control& control) {
   if (!source.cubemap()) return source;
   rings.owned = rings_of_cubemap(source.cube(), plan.rows_for_cubemap(source.columns()), control);
-  rings.sanitized = std::make_unique<projection::SanitizedSource>(rings.owned.view(), ProjectionOptions{}, control);
+  rings.sanitized = std::make_unique<projection::SanitizedSource>(rings.owned.view(), PixelPolicy{}, control);
   return *rings.sanitized;
 }
 

@@ -5,9 +5,9 @@
 
 #include "projection/sanitized_pixels.h"
 #include "transform/spectrum.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::reflections {
 

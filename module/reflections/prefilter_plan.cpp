@@ -8,10 +8,10 @@
 
 #include "image/pixels.h"
 #include "platform/float_environment.h"
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
 #include "transform/spectrum.h"
-#include "welkin/error.h"
-#include "welkin/roughness.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
 
 namespace welkin::reflections {
 namespace {
@@ -111,7 +111,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
   check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
   image::require_range("samples", options.samples, 1, kMostSamples);
-  projection::check_options(options.pixels);
+  projection::check_policy(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
   check_left_out(options, mips);

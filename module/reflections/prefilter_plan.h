@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "reflections/lobe.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::reflections {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 
 namespace welkin::reflections {
 

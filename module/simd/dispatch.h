@@ -5,7 +5,7 @@
 // them.
 #pragma once
 
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 
 namespace welkin::simd {
 

@@ -11,7 +11,7 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "sky/spectrum.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

@@ -13,7 +13,7 @@
 #include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/sky_geometry.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::sky {
 

@@ -12,8 +12,8 @@
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/vertical_harmonics.h"
-#include "welkin/error.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

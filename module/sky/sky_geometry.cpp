@@ -8,7 +8,7 @@
 #include <string>
 
 #include "math/quadrature.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::sky {
 

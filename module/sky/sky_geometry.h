@@ -12,7 +12,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::sky {
 

@@ -18,8 +18,8 @@
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
 #include "sky/sky_slice.h"
-#include "welkin/error.h"
-#include "welkin/sky_view.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

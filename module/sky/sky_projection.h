@@ -11,7 +11,7 @@
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
 #include "sky/sky_slice.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

@@ -13,8 +13,7 @@
 #include "sky/sky_kernels.h"
 #include "sky/spectrum.h"
 #include "sky/table_mapping.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

@@ -1,5 +1,3 @@
-#include "welkin/sky_tables.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,7 +14,8 @@
 #include "sky/sky_geometry.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

@@ -1,5 +1,3 @@
-#include "welkin/sky_view.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +15,8 @@
 #include "sky/sky_slice.h"
 #include "sky/sunlight.h"
 #include "sky/table_sizes.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

@@ -9,8 +9,8 @@
 #include "sky/ray_nodes.h"
 #include "sky/sky_kernels.h"
 #include "sky/table_mapping.h"
-#include "welkin/control.h"
-#include "welkin/sky_tables.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

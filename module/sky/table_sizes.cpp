@@ -8,7 +8,7 @@
 #include "sky/ray_nodes.h"
 #include "sky/scattering_solver.h"
 #include "sky/sunlight.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::sky {
 namespace {

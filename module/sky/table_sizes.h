@@ -6,7 +6,7 @@
 
 #include "sky/ray_light.h"
 #include "sky/sunlight.h"
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::sky {
 

@@ -23,7 +23,7 @@
 #include "transform/ring_fft.h"
 #include "transform/ring_legendre.h"
 #include "transform/transform_kernels.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::transforms {
 
@@ -233,8 +233,8 @@ Spectrum Analysis::run(const Control& control) {
 Spectrum analyse(const LatLongView& source, int bands, const Control& control) {
   image::check_view(source);
   image::require_range("bands", bands, 1, kMaximumSpectrumBands);
-  if (source.format != PixelFormat::rgb_f32) {
-    throw Error(ErrorCode::invalid_argument, "the transform reads rgb_f32 pixels only; decode them first");
+  if (source.format != PixelFormat::rgb32f) {
+    throw Error(ErrorCode::invalid_argument, "the transform reads rgb32f pixels only; decode them first");
   }
   jobs::throw_if_cancelled(control);
   return Analysis(source, bands).run(control);

@@ -7,8 +7,8 @@
 
 #include "image/sphere_grid.h"
 #include "platform/memory.h"
-#include "welkin/control.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::transforms {
@@ -45,7 +45,7 @@ class Spectrum {
   platform::AlignedBuffer<float> values_;
 };
 
-/// Projects a lat-long of finite rgb_f32 pixels (any size, any row stride), its texels taken as areas, exactly but for
+/// Projects a lat-long of finite rgb32f pixels (any size, any row stride), its texels taken as areas, exactly but for
 /// rounding: some 1e-7 of what the brightest texel gives. Texels below 1e30 in magnitude; below 1e-30 they may count
 /// as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a band and row, beside the
 /// result. Throws `Error` (invalid_argument, cancelled).

@@ -5,9 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "welkin/error.h"
-#include "welkin/sky_requests.h"
-#include "welkin/sky_specular.h"
+#include "welkin/core.h"
+#include "welkin/sky_plan.h"
 
 namespace welkin {
 namespace {
@@ -76,7 +75,7 @@ Projection ProjectCubemap::operator()(const Control& control) const {
 Projection ProjectLatLong::operator()(const Control& control) const { return project(source.view(), options, control); }
 
 CubemapImage LatLongToCubemap::operator()(const Control& control) const {
-  return to_cubemap(source.view(), size, turn, control);
+  return to_cubemap(source.view(), size, turn, ResampleFilter::area, control);
 }
 
 CubemapImage CubemapToCubemap::operator()(const Control& control) const {
@@ -84,7 +83,7 @@ CubemapImage CubemapToCubemap::operator()(const Control& control) const {
 }
 
 LatLongImage CubemapToLatLong::operator()(const Control& control) const {
-  return to_lat_long(source.view(), width, height, turn, control);
+  return to_lat_long(source.view(), width, height, turn, ResampleFilter::bilinear, control);
 }
 
 std::shared_ptr<const BakeResult> Bake::operator()(const Control& control) const {

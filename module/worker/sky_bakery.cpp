@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::worker {
 

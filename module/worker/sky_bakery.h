@@ -10,8 +10,8 @@
 #include <optional>
 #include <stop_token>
 
+#include "welkin/requests.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_requests.h"
 
 namespace welkin::worker {
 

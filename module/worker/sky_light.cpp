@@ -11,7 +11,7 @@
 #include "platform/float_environment.h"
 #include "sky/sky_projection.h"
 #include "sky/sunlight.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "worker/sky_bakery.h"
 
 namespace welkin {

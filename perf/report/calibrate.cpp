@@ -12,20 +12,18 @@
 #include <utility>
 #include <vector>
 
-#include "brdf/brdf_table.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter_plan.h"
 #include "sky/table_sizes.h"
 #include "transform/spectrum.h"
-#include "welkin/cost_model.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/mip_chain.h"
+#include "welkin/irradiance.h"
+#include "welkin/plan.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::report {
 namespace {
@@ -227,13 +225,14 @@ class Calibration {
 
   void measure_resampling() {
     const auto filling = [&](int size) {
-      return fastest_nanoseconds([&] { static_cast<void>(to_cubemap(image_.view(), size, glm::dmat3(1.0), quiet())); });
+      return fastest_nanoseconds(
+          [&] { static_cast<void>(to_cubemap(image_.view(), size, glm::dmat3(1.0), ResampleFilter::area, quiet())); });
     };
     const Line line = line_through(cube_texels(16), filling(16), cube_texels(128), filling(128));
     costs_.resample_texel = line.slope;
     costs_.resample_source = line.rest / texels();
     constexpr int kCube = 64;
-    const CubemapImage cube = to_cubemap(image_.view(), kCube, glm::dmat3(1.0), quiet());
+    const CubemapImage cube = to_cubemap(image_.view(), kCube, glm::dmat3(1.0), ResampleFilter::area, quiet());
     const auto filling_from_cube = [&](int size) {
       return fastest_nanoseconds([&] { static_cast<void>(to_cubemap(cube.view(), size, glm::dmat3(1.0), quiet())); });
     };
@@ -282,7 +281,7 @@ class Calibration {
     costs_.fourier_texel = line.rest;
     costs_.bright_texel = std::max(kLeast, nanoseconds_of(sharp.pixels.passes, "bright texels") / texels());
     costs_.face_texel = nanoseconds_of(sharp.pixels.passes, "mip 0: faces") / cube_texels(128);
-    const CubemapImage cube = to_cubemap(image_.view(), 64, glm::dmat3(1.0), quiet());
+    const CubemapImage cube = to_cubemap(image_.view(), 64, glm::dmat3(1.0), ResampleFilter::area, quiet());
     const PrefilterOptions options{.size = 64, .roughness = {0.2}};
     const double rows = reflections::plan_prefilter(options).rows_for_cubemap(64);
     const PrefilteredSpecular of_cube = prefiltered(cube.view(), options);
@@ -323,7 +322,8 @@ class Calibration {
     costs_.irradiance_direction = line.rest;
     const auto tabulating = [&](bool sheen) {
       const BrdfTableOptions options{.width = 32, .height = 32, .sheen = sheen};
-      return fastest_nanoseconds([&] { static_cast<void>(brdf::integrated_brdf(options, quiet())); }) / (32.0 * 32.0);
+      return fastest_nanoseconds([&] { static_cast<void>(reflections::integrated_brdf(options, quiet())); }) /
+             (32.0 * 32.0);
     };
     costs_.brdf_texel = tabulating(false);
     costs_.sheen_texel = tabulating(true);

@@ -1,8 +1,8 @@
 // What work costs on this machine, measured: for the plans of `welkin bake --costs`.
 #pragma once
 
-#include "welkin/control.h"
-#include "welkin/cost_model.h"
+#include "welkin/core.h"
+#include "welkin/plan.h"
 
 namespace welkin::report {
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "perf/report/words.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 namespace {

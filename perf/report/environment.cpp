@@ -95,9 +95,8 @@ ReportEnvironment environment_from(const std::filesystem::path& path, int width)
   const Environment environment = read_environment(path);
   const int height = width / 2;
   const bool flat = environment.info.layout == Layout::lat_long;
-  LatLongImage image =
-      flat ? to_lat_long(environment.lat_long(), width, height)
-           : to_lat_long(environment.cubemap(), width, height, glm::dmat3(1.0), {}, ResampleFilter::area);
+  LatLongImage image = flat ? to_lat_long(environment.lat_long(), width, height)
+                            : to_lat_long(environment.cubemap(), width, height, glm::dmat3(1.0), ResampleFilter::area);
   return {path.filename().string() + ", " + std::to_string(width) + " x " + std::to_string(height), std::move(image)};
 }
 
@@ -118,35 +117,35 @@ void append(std::vector<std::byte>& bytes, Stored value) {
 
 void append(std::vector<std::byte>& bytes, float value, PixelFormat format) {
   switch (format) {
-    case PixelFormat::rgb_f32:
-    case PixelFormat::rgba_f32: append(bytes, value); return;
-    case PixelFormat::rgb_f16:
-    case PixelFormat::rgba_f16: append<std::uint16_t>(bytes, glm::packHalf1x16(std::min(value, 65504.0F))); return;
-    case PixelFormat::rgb_u8:
-    case PixelFormat::rgba_u8: break;
-    case PixelFormat::rgb_srgb8:
-    case PixelFormat::rgba_srgb8: value = encode_srgb(std::clamp(value, 0.0F, 1.0F)); break;
+    case PixelFormat::rgb32f:
+    case PixelFormat::rgba32f: append(bytes, value); return;
+    case PixelFormat::rgb16f:
+    case PixelFormat::rgba16f: append<std::uint16_t>(bytes, glm::packHalf1x16(std::min(value, 65504.0F))); return;
+    case PixelFormat::rgb8:
+    case PixelFormat::rgba8: break;
+    case PixelFormat::srgb8:
+    case PixelFormat::srgba8: value = encode_srgb(std::clamp(value, 0.0F, 1.0F)); break;
   }
   append(bytes, static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F))));
 }
 
 bool has_alpha(PixelFormat format) {
-  return format == PixelFormat::rgba_f32 || format == PixelFormat::rgba_f16 || format == PixelFormat::rgba_u8 ||
-         format == PixelFormat::rgba_srgb8;
+  return format == PixelFormat::rgba32f || format == PixelFormat::rgba16f || format == PixelFormat::rgba8 ||
+         format == PixelFormat::srgba8;
 }
 
 }  // namespace
 
 std::string name(PixelFormat format) {
   switch (format) {
-    case PixelFormat::rgb_f32: return "rgb32f";
-    case PixelFormat::rgba_f32: return "rgba32f";
-    case PixelFormat::rgb_f16: return "rgb16f";
-    case PixelFormat::rgba_f16: return "rgba16f";
-    case PixelFormat::rgb_u8: return "rgb8";
-    case PixelFormat::rgba_u8: return "rgba8";
-    case PixelFormat::rgb_srgb8: return "rgb8srgb";
-    case PixelFormat::rgba_srgb8: return "rgba8srgb";
+    case PixelFormat::rgb32f: return "rgb32f";
+    case PixelFormat::rgba32f: return "rgba32f";
+    case PixelFormat::rgb16f: return "rgb16f";
+    case PixelFormat::rgba16f: return "rgba16f";
+    case PixelFormat::rgb8: return "rgb8";
+    case PixelFormat::rgba8: return "rgba8";
+    case PixelFormat::srgb8: return "rgb8srgb";
+    case PixelFormat::srgba8: return "rgba8srgb";
   }
   return "unknown";
 }

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 namespace {

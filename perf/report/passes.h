@@ -11,11 +11,10 @@
 #include "perf/report/measurement.h"
 #include "perf/report/peers.h"
 #include "perf/report/stopwatch.h"
-#include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::report {
 

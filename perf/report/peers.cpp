@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "perf/report/process.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 
 namespace welkin::report {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "perf/report/stopwatch.h"
-#include "welkin/cubemap_chain.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/spherical_harmonics.h"

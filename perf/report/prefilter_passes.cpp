@@ -6,12 +6,10 @@
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "perf/report/words.h"
-#include "welkin/brdf_table.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/projection.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::report {
 namespace {

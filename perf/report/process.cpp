@@ -17,9 +17,7 @@
 #include <sstream>
 #include <thread>
 
-#include "welkin/error.h"
-#include "welkin/instruction_set.h"
-#include "welkin/version.h"
+#include "welkin/core.h"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves declaring it to the program
 

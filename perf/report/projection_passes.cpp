@@ -8,10 +8,9 @@
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
 #include "welkin/irradiance.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::report {
 namespace {
@@ -42,7 +41,7 @@ CubemapImage cubemap_of(const PassContext& context) {
 ProjectionOptions options_of(Quadrature quadrature, int target) {
   ProjectionOptions options;
   options.quadrature = quadrature;
-  options.target_size = target;
+  if (target > 0) options.target_size = target;
   return options;
 }
 
@@ -74,9 +73,9 @@ std::vector<Measurement> by_target(const PassContext& context) {
 std::vector<Measurement> by_format(const PassContext& context) {
   const CubemapImage cube = cubemap_of(context);
   const SphericalHarmonics truth = reference_projection(cube.view());
-  constexpr PixelFormat formats[] = {PixelFormat::rgb_f32,   PixelFormat::rgba_f32,  PixelFormat::rgb_f16,
-                                     PixelFormat::rgba_f16,  PixelFormat::rgb_u8,    PixelFormat::rgba_u8,
-                                     PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8};
+  constexpr PixelFormat formats[] = {PixelFormat::rgb32f,  PixelFormat::rgba32f, PixelFormat::rgb16f,
+                                     PixelFormat::rgba16f, PixelFormat::rgb8,    PixelFormat::rgba8,
+                                     PixelFormat::srgb8,   PixelFormat::srgba8};
   std::vector<Measurement> all;
   for (const PixelFormat format : formats) {
     const FormattedCubemap pixels(cube, format);
@@ -105,9 +104,8 @@ std::vector<Measurement> from_lat_long(const PassContext& context) {
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     const std::string method = filter == ResampleFilter::area ? "via a cubemap by area" : "via a bilinear cubemap";
     for (int size = 16; size <= view.height; size *= 2) {
-      all.push_back(measured(method, "faces of " + std::to_string(size), context.stopwatch, truth, [&] {
-        return project(to_cubemap(view, size, glm::dmat3(1.0), {}, filter).view()).radiance;
-      }));
+      all.push_back(measured(method, "faces of " + std::to_string(size), context.stopwatch, truth,
+                             [&] { return project(to_cubemap(view, size, glm::dmat3(1.0), filter).view()).radiance; }));
     }
   }
   return all;

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "perf/report/measurement.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 namespace {

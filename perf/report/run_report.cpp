@@ -5,8 +5,8 @@
 
 #include "perf/report/passes.h"
 #include "perf/report/process.h"
-#include "welkin/environment_writer.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
 
 namespace welkin::report {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "perf/report/measurement.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 

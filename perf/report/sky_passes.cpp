@@ -4,7 +4,7 @@
 #include "perf/report/error_norms.h"
 #include "perf/report/passes.h"
 #include "reference/sky_reference.h"
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::report {
 namespace {

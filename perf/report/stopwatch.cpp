@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "perf/report/process.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 namespace {

@@ -11,16 +11,14 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/irradiance.h"
 #include "welkin/plan.h"
 #include "welkin/result_cache.h"
 #include "welkin/sky_plan.h"
+#include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::test {

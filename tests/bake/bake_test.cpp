@@ -21,11 +21,10 @@
 #include "support/sanitized.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/instruction_set.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/core.h"
+#include "welkin/irradiance.h"
 #include "welkin/resampling.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

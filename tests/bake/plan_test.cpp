@@ -16,10 +16,10 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bake_file.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/irradiance_cubemap.h"
+#include "welkin/irradiance.h"
 #include "welkin/resampling.h"
 #include "welkin/sky_plan.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 
@@ -217,7 +217,7 @@ TEST_CASE("An environment that was turned and scaled is not projected again", "[
 
 namespace {
 
-const SourceShape kPanorama{false, 512, 256, PixelFormat::rgb_f32};
+const SourceShape kPanorama{false, 512, 256, PixelFormat::rgb32f};
 
 BakeOptions six_mip_bake() {
   BakeOptions options;

@@ -24,7 +24,6 @@
 #include "support/thrown_error.h"
 #include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
-#include "welkin/mip_chain.h"
 #include "welkin/resampling.h"
 
 namespace welkin::test {
@@ -75,7 +74,7 @@ TEST_CASE("Light from everywhere needs one band and the smallest level", "[budge
   CHECK(level.tried.size() == 1);
   const auto full = choose_projection(image.view(), {}, {.relative = 1e-3});
   CHECK(full.met);
-  CHECK(full.setting.target_size == 0);
+  CHECK_FALSE(full.setting.target_size);
   CHECK(full.tried.size() == 6);  // 1, 2, 4, 8, midpoint, exact
   const auto dark = choose_irradiance_bands(grey(3, 0.0F).view());
   CHECK(dark.met);
@@ -99,7 +98,7 @@ TEST_CASE("A chain's levels above the one that is picked are not read", "[budget
   const CubemapImage broken = grey(64, std::numeric_limits<float>::quiet_NaN());
   views[0] = broken.view();
   ProjectionOptions options;
-  options.nan = NonFinitePolicy::reject;
+  options.pixels.nan = NonFinitePolicy::reject;
   CHECK(choose_projection(views, options, {.relative = 0.01}).met);
 }
 
@@ -128,8 +127,8 @@ TEST_CASE("A level of the mip chain is picked by what finer ones would change", 
     REQUIRE(choice.met);
     for (const auto& entry : choice.tried) {
       const double error = relative_difference(project(chain.views(), entry.setting).radiance, truth);
-      all.add(error, entry.estimated_error, random.description() + ", " + std::to_string(entry.setting.target_size),
-              kFloor);
+      all.add(error, entry.estimated_error,
+              random.description() + ", " + std::to_string(entry.setting.target_size.value_or(0)), kFloor);
     }
     picked.add(relative_difference(project(chain.views(), choice.setting).radiance, truth), budget.relative,
                random.description());
@@ -148,7 +147,7 @@ TEST_CASE("Stripes a texel wide leave no trace on the levels below", "[budget][p
   const auto choice = choose_projection(chain.views(), {}, {1e-4});
   const SphericalHarmonics truth = reference_projection(image.view());
   const double error = relative_difference(project(chain.views(), choice.setting).radiance, truth);
-  CAPTURE(choice.setting.target_size, choice.estimated_error, error);
+  CAPTURE(choice.setting.target_size.value_or(0), choice.estimated_error, error);
   CHECK(error > choice.estimated_error);
   CHECK(error < 1.0 / 64.0);
   // Where all texels are read, it is seen.

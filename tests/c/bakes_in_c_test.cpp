@@ -10,10 +10,8 @@
 #include "support/catch.h"
 #include "support/test_environments.h"
 #include "welkin/bake.h"
-#include "welkin/brdf_table.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
+#include "welkin/irradiance.h"
+#include "welkin/reflections.h"
 #include "welkin/welkin.h"
 
 namespace welkin::test {

@@ -12,8 +12,7 @@
 
 #include "support/catch.h"
 #include "support/same_bits.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
@@ -124,7 +123,7 @@ inline std::vector<float> texels_of(const welkin_cubemap_chain* chain, int level
   REQUIRE(welkin_cubemap_chain_get_level(chain, level, &pixels) == WELKIN_OK);
   REQUIRE(pixels.format == WELKIN_FORMAT_RGB_F32);
   REQUIRE(pixels.row_stride_bytes == 0);
-  CubemapView view{{}, static_cast<int>(pixels.size), 0, PixelFormat::rgb_f32};
+  CubemapView view{{}, static_cast<int>(pixels.size), 0, PixelFormat::rgb32f};
   std::copy(std::begin(pixels.faces), std::end(pixels.faces), view.faces.begin());
   return texels_of(view);
 }

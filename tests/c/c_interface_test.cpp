@@ -22,9 +22,9 @@
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
-#include "welkin/engine_light.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/welkin.h"
 
@@ -387,16 +387,16 @@ struct Wanted {
 
 std::vector<Wanted> all_wanted() {
   std::vector<Wanted> all(5, {{}, c_struct<welkin_projection_options>()});
-  all[1].options = {.bands = 16, .clamp = RadianceClamp{100.0F, true}, .negative = NegativePolicy::replace};
+  all[1].options = {.bands = 16, .pixels = {.clamp = RadianceClamp{100.0F, true}, .negative = NegativePolicy::replace}};
   all[1].c_options.bands = 16;
   all[1].c_options.clamp_maximum = 100.0F;
   all[1].c_options.clamp_preserve_colour = 1;
   all[1].c_options.negative = WELKIN_NEGATIVE_REPLACE;
-  all[2].options = {.quadrature = Quadrature::midpoint, .target_size = 8, .gamma = true};
+  all[2].options = {.quadrature = Quadrature::midpoint, .target_size = 8, .pixels = {.gamma = true}};
   all[2].c_options.quadrature = WELKIN_QUADRATURE_MIDPOINT;
   all[2].c_options.target_size = 8;
   all[2].c_options.gamma = 1;
-  all[3].options = {.bands = 1, .clamp = RadianceClamp{2.5F, false}};
+  all[3].options = {.bands = 1, .pixels = {.clamp = RadianceClamp{2.5F, false}}};
   all[3].c_options.bands = 1;
   all[3].c_options.clamp_maximum = 2.5F;
   all[4].options = {.bands = 4, .target_size = 16};

@@ -15,11 +15,8 @@
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake_file.h"
-#include "welkin/roughness.h"
-#include "welkin/sky_table_file.h"
-#include "welkin/stored_environment.h"
+#include "welkin/reflections.h"
 #include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 

@@ -9,13 +9,11 @@
 #include "c/c_calls.h"
 #include "support/catch.h"
 #include "support/test_environments.h"
-#include "welkin/babylon.h"
-#include "welkin/convention.h"
 #include "welkin/directional_light.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/engines.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
-#include "welkin/windowing.h"
 
 namespace welkin::test {
 

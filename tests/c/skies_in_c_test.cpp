@@ -14,11 +14,9 @@
 #include "support/catch.h"
 #include "support/small_skies.h"
 #include "welkin/atmosphere.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_specular.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky_plan.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 

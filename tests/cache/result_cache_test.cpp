@@ -15,9 +15,8 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 
@@ -66,7 +65,7 @@ TEST_CASE("cache: a projection is computed once, in memory and on disk, and neve
   const TestLatLong lat_long = make_lat_long(Content::special_values, 64, 32, 3);
   const TestCubemap cubemap = make_cubemap(Content::high_range, 20, 3, 3);
   ProjectionOptions clamped{.bands = 4};
-  clamped.clamp = RadianceClamp{10.0F};
+  clamped.pixels.clamp = RadianceClamp{10.0F};
   ResultCache cache(options);
   for (const ProjectionOptions& each : {ProjectionOptions{}, clamped}) {
     CHECK(same_bits(cache.project(lat_long.view(), each), project(lat_long.view(), each)));

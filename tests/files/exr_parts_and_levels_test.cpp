@@ -243,7 +243,7 @@ EnvironmentInfo chain(Layout layout, int width, int height, int count) {
   return info;
 }
 
-ProjectionOptions target(int size, Quadrature quadrature = Quadrature::exact) {
+ProjectionOptions target(std::optional<int> size, Quadrature quadrature = Quadrature::exact) {
   ProjectionOptions options;
   options.target_size = size;
   options.quadrature = quadrature;
@@ -260,7 +260,7 @@ TEST_CASE("the level nearest to the target is chosen for cubes", "[codec][levels
   CHECK(files::level_for_target(strip, target(91)) == 1);
   CHECK(files::level_for_target(strip, target(255)) == 0);
   CHECK(files::level_for_target(strip, target(91, Quadrature::midpoint)) == 2);  // rounded down to a power of two
-  CHECK(!files::level_for_target(strip, target(0)));
+  CHECK(!files::level_for_target(strip, target(std::nullopt)));
   CHECK(!files::level_for_target(strip, target(256)));
   CHECK(!files::level_for_target(strip, target(1000)));
   CHECK(!files::level_for_target(chain(Layout::vertical_strip, 256, 6 * 256, 1), target(64)));
@@ -277,7 +277,7 @@ TEST_CASE("the level nearest to four times the target is chosen for lat-longs", 
   CHECK(files::level_for_target(sky, target(1)) == 8);
   CHECK(files::level_for_target(sky, target(255)) == 0);
   CHECK(!files::level_for_target(sky, target(256)));
-  CHECK(!files::level_for_target(sky, target(0)));
+  CHECK(!files::level_for_target(sky, target(std::nullopt)));
 }
 
 TEST_CASE("levels that are no longer six squares are not chosen", "[codec][levels]") {

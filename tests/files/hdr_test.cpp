@@ -12,8 +12,8 @@
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 
 namespace welkin::test {
 
@@ -172,7 +172,7 @@ TEST_CASE("a Radiance picture has the same bits on any number of threads, stream
     for (const bool bottom_first : {false, true}) {
       CAPTURE(columns, bottom_first);
       write_bytes(path, hdr_bytes({kWidth, kHeight, HdrForm::mixed, columns, bottom_first}, texels));
-      const LatLongView view{wanted.data(), kWidth, kHeight, 0, PixelFormat::rgb_f32};
+      const LatLongView view{wanted.data(), kWidth, kHeight, 0, PixelFormat::rgb32f};
       const Projection reference = project(view);
       for (const int threads : {1, 4}) {
         run_with_threads(threads, [&] {

@@ -21,9 +21,8 @@
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "support/webp_env.h"
-#include "welkin/babylon_environment.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::test {

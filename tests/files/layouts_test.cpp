@@ -20,9 +20,8 @@
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "tools/test_map.h"
-#include "welkin/convention.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
 #include "welkin/resampling.h"
 
 namespace welkin::test {

@@ -18,9 +18,8 @@
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 
 namespace welkin::test {
 
@@ -413,7 +412,7 @@ TEST_CASE("a rejected pixel is reported with its file", "[codec]") {
   pixels[3 * (64 * 20 + 7) + 1] = -1.0F;
   write_bytes(path, pfm_bytes(64, 32, false, "-1", pixels));
   ProjectionOptions options;
-  options.negative = NegativePolicy::reject;
+  options.pixels.negative = NegativePolicy::reject;
   const ThrownError error = thrown_by([&] { (void)project_file(path, {}, options); });
   INFO(error.message);
   CHECK(error.code == ErrorCode::rejected_pixel);

@@ -15,7 +15,6 @@
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/environment_file.h"
 #include "welkin/texture_file.h"
 
@@ -215,7 +214,7 @@ TEST_CASE("the light that Babylon.js stored is that of its photograph", "[codec]
       return;
     }
     ProjectionOptions options;
-    options.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
+    options.pixels.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
     const SphericalHarmonics wanted = project_file(shared / "env" / photograph, {}, options).radiance;
     // Through cube faces of 64 and 128 texels, each the nearest pixel's.
     CHECK(distance(project_file(shared / "cube" / file).radiance, wanted) < 0.04);

@@ -23,8 +23,7 @@
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/babylon_environment.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/texture_file.h"
 
@@ -277,7 +276,7 @@ TEST_CASE("views of any format and stride are written as they are seen", "[codec
       halves.push_back(Imath::half(static_cast<float>(texel * 4 + channel) * 0.25F).bits());
     }
   }
-  CubemapView view{{}, 3, -5 * 8, PixelFormat::rgba_f16};  // bottom row first
+  CubemapView view{{}, 3, -5 * 8, PixelFormat::rgba16f};  // bottom row first
   for (std::size_t face = 0; face < 6; ++face) view.faces[face] = halves.data() + (face * 15 + 10) * 4;
   write_texture(directory.file("sky.ktx2"), {&view, 1}, {});
   const CubemapTexture read = read_texture(directory.file("sky.ktx2"));

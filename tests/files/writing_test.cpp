@@ -21,11 +21,10 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
 #include "welkin/image.h"
-#include "welkin/sky_table_file.h"
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

@@ -8,14 +8,12 @@
 #include "support/temporary_directory.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
-#include "welkin/environment_writer.h"
+#include "welkin/environment_file.h"
 #include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
-#include "welkin/scene_needs.h"
 #include "welkin/sky_plan.h"
-#include "welkin/stored_environment.h"
 
 namespace welkin::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "calls.h"
 #include "pictures.h"
 #include "support/temporary_directory.h"
-#include "welkin/environment_writer.h"
+#include "welkin/environment_file.h"
 #include "welkin/welkin.h"
 
 namespace welkin::test {

@@ -14,12 +14,12 @@
 #include "modes.h"
 #include "support/bit_hash.h"
 #include "welkin/atmosphere.h"
-#include "welkin/engine_light.h"
+#include "welkin/engines.h"
 #include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
-#include "welkin/planned_pass.h"
+#include "welkin/plan.h"
 #include "welkin/sky_plan.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

@@ -8,13 +8,9 @@
 #include "pictures.h"
 #include "support/chains.h"
 #include "support/temporary_directory.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake_file.h"
-#include "welkin/content_hash.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/file_requests.h"
-#include "welkin/stored_environment.h"
+#include "welkin/result_cache.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::test {

@@ -4,9 +4,8 @@
 
 #include "calls.h"
 #include "support/random_harmonics.h"
-#include "welkin/babylon.h"
 #include "welkin/directional_light.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/engines.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 

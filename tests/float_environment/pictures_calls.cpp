@@ -8,18 +8,13 @@
 
 #include "calls.h"
 #include "pictures.h"
-#include "welkin/brdf_table.h"
 #include "welkin/directional_light.h"
 #include "welkin/error_budget.h"
-#include "welkin/face_harmonics.h"
+#include "welkin/image.h"
 #include "welkin/irradiance.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
-#include "welkin/upload.h"
 
 namespace welkin::test {
 namespace {
@@ -28,10 +23,10 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   const glm::dmat3 turn = turn_about_y(21.0);
   calls.call("to_cubemap(CubemapView", [&] { return to_cubemap(cube.view(), 7, turn); });
   calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9); });
-  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9, turn, {}, ResampleFilter::bilinear); });
+  calls.call("to_cubemap(LatLongView", [&] { return to_cubemap(wide.view(), 9, turn, ResampleFilter::bilinear); });
   calls.call("to_lat_long(CubemapView", [&] { return to_lat_long(cube.view(), 18, 9, turn); });
   calls.call("to_lat_long(CubemapView",
-             [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), {}, ResampleFilter::area); });
+             [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), ResampleFilter::area); });
   calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
   CubemapChain chain = build_mips(cube.view(), MipFilter::box);
@@ -49,10 +44,10 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
   ProjectionOptions options;
   options.bands = 4;
   options.target_size = 5;
-  options.clamp = RadianceClamp{123.4F, true};
+  options.pixels.clamp = RadianceClamp{123.4F, true};
   const TestCubemap special = make_cubemap(Content::special_values, 9, 3, 5);
   calls.call("project(CubemapView", [&] { return project(cube.view(), options); });
-  calls.call("project(CubemapView", [&] { return project(special.view(), {.gamma = true}); });
+  calls.call("project(CubemapView", [&] { return project(special.view(), {.pixels = {.gamma = true}}); });
   calls.call("project(CubemapView", [&] {
     return project(cube.view(), {}, {{}, [](double) {
                                        if (current_environment() == FloatEnvironment{}) return;

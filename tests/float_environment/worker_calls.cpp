@@ -11,7 +11,6 @@
 #include "welkin/requests.h"
 #include "welkin/resampling.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_requests.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "welkin/error.h"
-#include "welkin/sky_table_file.h"
-#include "welkin/sky_tables.h"
+#include "welkin/bake_file.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace {
 

@@ -6,9 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "welkin/babylon_environment.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::fuzz {

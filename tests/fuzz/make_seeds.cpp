@@ -14,13 +14,12 @@
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
 #include "support/webp_env.h"
-#include "welkin/babylon_environment.h"
-#include "welkin/face_harmonics.h"
+#include "welkin/bake_file.h"
 #include "welkin/image.h"
-#include "welkin/mip_chain.h"
-#include "welkin/sky_table_file.h"
-#include "welkin/sky_tables.h"
-#include "welkin/specular.h"
+#include "welkin/projection.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+#include "welkin/sky.h"
 #include "welkin/texture_file.h"
 
 namespace {

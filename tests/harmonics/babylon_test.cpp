@@ -1,8 +1,6 @@
 // Babylon.js's polynomial: its formulas, what the real package answered to `record.mjs`, and what it answered to
 // others.
 
-#include "welkin/babylon.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +19,7 @@
 #include "harmonics/recorded_cases.h"
 #include "places.h"
 #include "support/catch.h"
+#include "welkin/engines.h"
 
 namespace welkin::test {
 

@@ -1,5 +1,7 @@
 // Conventions of engines: where a lat-long and a cubemap lie in their axes, and what their shaders make of our terms.
 
+#include "welkin/engines.h"
+
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -14,9 +16,7 @@
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
-#include "welkin/convention.h"
-#include "welkin/engine_light.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

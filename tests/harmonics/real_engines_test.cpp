@@ -16,11 +16,11 @@
 #include "image/geometry.h"
 #include "places.h"
 #include "support/catch.h"
-#include "welkin/engine_light.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 
@@ -295,7 +295,7 @@ TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their ph
   for (const auto& [baked, photograph] : pairs) {
     INFO(baked);
     ProjectionOptions options;
-    options.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
+    options.pixels.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
     const SphericalHarmonics light = project_file(kShared / "env" / photograph, {}, options).radiance;
     // It goes through cube faces of 64 to 256 texels, each the nearest pixel's: up to 3 % off.
     CHECK(deviation(engine_light(light, Engine::babylon), stored.at(baked)) < 0.04);

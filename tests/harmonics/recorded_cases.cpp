@@ -55,12 +55,12 @@ ProjectionOptions babylon_options(const json& recorded, const char* maximum_name
   }
   ProjectionOptions options;
   options.quadrature = Quadrature::midpoint;
-  options.target_size = recorded.value("target", 0);
-  options.gamma = recorded.value("gamma", false);
+  if (const int target = recorded.value("target", 0); target != 0) options.target_size = target;
+  options.pixels.gamma = recorded.value("gamma", false);
   if (std::isinf(maximum)) {
-    options.negative = NegativePolicy::replace;
+    options.pixels.negative = NegativePolicy::replace;
   } else {
-    options.clamp = RadianceClamp{maximum, recorded.value("preserve", false)};
+    options.pixels.clamp = RadianceClamp{maximum, recorded.value("preserve", false)};
   }
   return options;
 }
@@ -84,11 +84,11 @@ double relative_deviation(const PolynomialTerms& found, const PolynomialTerms& e
 std::string RecordedCase::description() const {
   std::ostringstream text;
   text << group << ": " << name(content) << (bytes ? " u8 " : " f32 ") << size << " x " << channels;
-  if (options.gamma) text << ", gamma";
-  if (!options.clamp) text << ", no clamp";
-  if (options.clamp) text << ", maximum " << options.clamp->maximum;
-  if (options.clamp && options.clamp->preserve_colour) text << " preserving colour";
-  if (options.target_size > 0) text << ", target " << options.target_size;
+  if (options.pixels.gamma) text << ", gamma";
+  if (!options.pixels.clamp) text << ", no clamp";
+  if (options.pixels.clamp) text << ", maximum " << options.pixels.clamp->maximum;
+  if (options.pixels.clamp && options.pixels.clamp->preserve_colour) text << " preserving colour";
+  if (options.target_size) text << ", target " << *options.target_size;
   return text.str();
 }
 

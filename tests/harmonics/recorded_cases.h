@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/test_environments.h"
-#include "welkin/babylon.h"
+#include "welkin/engines.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {

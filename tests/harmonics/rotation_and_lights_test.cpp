@@ -17,8 +17,8 @@
 #include "support/thrown_error.h"
 #include "transform/frame_transform.h"
 #include "welkin/directional_light.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

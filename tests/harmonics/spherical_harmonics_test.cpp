@@ -14,8 +14,7 @@
 #include "support/coefficients.h"
 #include "support/random_harmonics.h"
 #include "support/thrown_error.h"
-#include "welkin/error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 

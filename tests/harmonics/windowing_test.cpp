@@ -1,19 +1,18 @@
 // The least value of harmonics, and the windows that keep light from being negative.
 
-#include "welkin/windowing.h"
+#include "harmonics/windowing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "harmonics/windowing.h"
 #include "math/elementary.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/random_harmonics.h"
 #include "support/thrown_error.h"
-#include "welkin/harmonic_transforms.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

@@ -26,8 +26,7 @@
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/instruction_set.h"
-#include "welkin/mip_chain.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
 
 namespace welkin::test {
@@ -67,13 +66,12 @@ TEST_CASE("Transfer functions match libm to a few roundings", "[image]") {
 
 TEST_CASE("Eight-bit formats map their ends to 0 and 1", "[image]") {
   const std::vector<std::uint8_t> texels{0, 128, 255, 7};
-  for (const PixelFormat format :
-       {PixelFormat::rgb_u8, PixelFormat::rgba_u8, PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8}) {
+  for (const PixelFormat format : {PixelFormat::rgb8, PixelFormat::rgba8, PixelFormat::srgb8, PixelFormat::srgba8}) {
     float rgb[3];
     image::decode_texels(format, texels.data(), 1, rgb);
     CHECK(rgb[0] == 0.0F);
     CHECK(rgb[2] == 1.0F);
-    const bool srgb = format == PixelFormat::rgb_srgb8 || format == PixelFormat::rgba_srgb8;
+    const bool srgb = format == PixelFormat::srgb8 || format == PixelFormat::srgba8;
     CHECK(static_cast<double>(rgb[1]) == Approx(srgb ? 0.21586050 : 128.0 / 255.0).epsilon(1e-7));
   }
 }

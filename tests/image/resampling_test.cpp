@@ -17,7 +17,7 @@
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {
@@ -156,7 +156,7 @@ TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]"
     const LatLongImage coarse = smooth_lat_long(width, 32);
     const CubemapImage wanted = smooth_cubemap(64);
     const glm::dmat3 upright(1.0);
-    CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, {}, ResampleFilter::bilinear).pixels, wanted.pixels) <
+    CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, ResampleFilter::bilinear).pixels, wanted.pixels) <
           0.01);
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels, smooth_cubemap(64, kAskew).pixels) < 0.01);
     // By area a texel next to the pole goes on to the pole as it is.
@@ -354,7 +354,7 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
       double worst_off_poles = 0.0;
       for (int k = 0; k < 2; ++k) {
         const CubemapImage cube =
-            to_cubemap(map.view(), size, glm::dmat3(1.0), {}, k == 0 ? ResampleFilter::area : ResampleFilter::bilinear);
+            to_cubemap(map.view(), size, glm::dmat3(1.0), k == 0 ? ResampleFilter::area : ResampleFilter::bilinear);
         for (int row = 0; row < 6 * size; ++row) {
           for (int column = 0; column < size; ++column) {
             const glm::dvec3 wanted = radiance(image::face_direction(size, row / size, column + 0.5, row % size + 0.5));
@@ -384,7 +384,7 @@ TEST_CASE("Resampling by area and bilinearly gives the same bits everywhere and 
     for (const auto& [width, height] : {std::pair{320, 160}, {333, 301}}) {
       const TestLatLong map = make_lat_long(Content::high_range, width, height, 4);
       for (const int size : {16, 61, 130}) {
-        const auto resampled = [&] { return to_cubemap(map.view(), size, glm::dmat3(1.0), {}, filter); };
+        const auto resampled = [&] { return to_cubemap(map.view(), size, glm::dmat3(1.0), filter); };
         CubemapImage expected;
         force_instruction_set(InstructionSet::sse2);
         run_with_threads(1, [&] { expected = resampled(); });
@@ -411,7 +411,7 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
       for (int texel = 0; texel < 6 * size * size; texel += step) {
         CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.0F)};
         cube.pixels[static_cast<std::size_t>(3 * texel + 1)] = 1e6F;
-        const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), {}, ResampleFilter::area);
+        const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
         glm::dvec3 sum(0.0);
         glm::dvec3 place(0.0);
         for (int at = 0; at < width * height; ++at) {
@@ -439,13 +439,13 @@ TEST_CASE("A uniform cube is a uniform lat-long by area, and the same bits every
   for (const int size : {1, 2, 3, 7, 64}) {
     const CubemapImage cube{size, std::vector<float>(static_cast<std::size_t>(18 * size * size), 0.1F)};
     for (const glm::dmat3& turn : {glm::dmat3(1.0), turn_about_y(90.0)}) {
-      const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, {}, ResampleFilter::area);
+      const LatLongImage map = to_lat_long(cube.view(), 4 * size + 1, 2 * size, turn, ResampleFilter::area);
       for (const float value : map.pixels) REQUIRE(value == Approx(0.1F).epsilon(3e-7));
     }
     const TestCubemap noise = make_cubemap(Content::random, size, 4, 2);
     LatLongImage alone;
     const auto resampled = [&] {
-      return to_lat_long(noise.view(), 4 * size, 2 * size, glm::dmat3(1.0), {}, ResampleFilter::area);
+      return to_lat_long(noise.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area);
     };
     run_with_threads(1, [&] { alone = resampled(); });
     forget_allocations_in_tiles();
@@ -460,10 +460,10 @@ TEST_CASE("Resampling by area can be stopped, and reports", "[area]") {
   stop.request_stop();
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     CHECK(thrown_by([&] {
-            return to_cubemap(map.view(), 8, glm::dmat3(1.0), {stop.get_token(), {}}, filter);
+            return to_cubemap(map.view(), 8, glm::dmat3(1.0), filter, {stop.get_token(), {}});
           }).code == ErrorCode::cancelled);
     std::vector<double> shares;
-    (void)to_cubemap(map.view(), 8, turn_about_y(90.0), {{}, [&](double share) { shares.push_back(share); }}, filter);
+    (void)to_cubemap(map.view(), 8, turn_about_y(90.0), filter, {{}, [&](double share) { shares.push_back(share); }});
     CHECK(std::is_sorted(shares.begin(), shares.end()));
     CHECK(shares.back() == 1.0);
   }

@@ -19,8 +19,8 @@
 #include "support/thrown_error.h"
 #include "transform/direct_transform.h"
 #include "transform/spectrum.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/instruction_set.h"
 
 namespace welkin::test {
 

@@ -1,7 +1,5 @@
 // Promise: a cubemap goes into the caller's memory in the format, the pitch and the order that were asked for, the same
 // texels as in a file; nothing is written beside them.
-#include "welkin/upload.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -14,7 +12,8 @@
 #include "support/catch.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 
 namespace welkin::test {
 namespace {
@@ -103,8 +102,8 @@ TEST_CASE("upload: the orders are those of KTX2 and of D3D12's subresources") {
 }
 
 TEST_CASE("upload: bottom-up rows, pixels of every kind, and the same bytes on any number of threads") {
-  for (const PixelFormat format : {PixelFormat::rgb_f32, PixelFormat::rgba_f32, PixelFormat::rgb_f16,
-                                   PixelFormat::rgba_f16, PixelFormat::rgb_u8, PixelFormat::rgba_srgb8}) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgb16f, PixelFormat::rgba16f,
+                                   PixelFormat::rgb8, PixelFormat::srgba8}) {
     constexpr int size = 200;
     std::vector<std::byte> pixels(6 * size * size * bytes_per_texel(format), std::byte{0x2C});
     CubemapView view{{}, size, 0, format};

@@ -9,7 +9,7 @@
 
 #include "jobs/tiles.h"
 #include "support/catch.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace {
 std::atomic<bool> swallows{false};

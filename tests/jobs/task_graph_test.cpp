@@ -23,7 +23,7 @@
 #include "support/heap.h"
 #include "support/outcome.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 

@@ -21,7 +21,7 @@
 #include "support/heap.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {
@@ -247,7 +247,7 @@ TEST_CASE("Projection allocates nothing while it runs", "[jobs][allocation]") {
           options.target_size = 100;
           CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
           options.quadrature = Quadrature::midpoint;
-          options.clamp = RadianceClamp{};
+          options.pixels.clamp = RadianceClamp{};
           CHECK(allocations_during([&] { static_cast<void>(project(cubemap.view(), options)); }) == 0);
         }
       }

@@ -12,7 +12,6 @@
 
 #include "welkin/requests.h"
 #include "welkin/sky_light.h"
-#include "welkin/sky_requests.h"
 #include "welkin/worker.h"
 
 #if defined(__cpp_exceptions) || defined(__cpp_rtti)

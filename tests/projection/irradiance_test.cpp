@@ -22,12 +22,10 @@
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/instruction_set.h"
-#include "welkin/irradiance_cubemap.h"
 #include "welkin/projection.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 
@@ -311,11 +309,9 @@ TEST_CASE("Formats, strides and pixel policies are those of project", "[sh][irra
   image.pixels[1] = 5000.0F;
   const glm::dvec3 found = reference_irradiance(image.view(), up);
   CHECK(found.x < kPi * 0.5 - 0.01);  // the NaN counts as 0
-  ProjectionOptions clamped;
-  clamped.clamp = RadianceClamp{1.0F, false};
+  const PixelPolicy clamped{.clamp = RadianceClamp{1.0F, false}};
   CHECK(direct_irradiance(image.view(), {&up, 1}, clamped).front().y == Approx(kPi).epsilon(1e-4));
-  ProjectionOptions strict;
-  strict.nan = NonFinitePolicy::reject;
+  const PixelPolicy strict{.nan = NonFinitePolicy::reject};
   CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {&up, 1}, strict); }).code == ErrorCode::rejected_pixel);
 
   LatLongView upside_down = image.view();

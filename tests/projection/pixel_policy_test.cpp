@@ -47,7 +47,7 @@ TEST_CASE("Views that cannot be read are refused", "[sh]") {
   require_refused(view, {}, "row_stride_bytes is 95, less than a row of 96 bytes");
   view.row_stride_bytes = 98;
   require_refused(view, {}, "leaves rows unaligned");
-  LatLongView lat_long{cubemap.pixels.data(), 8, 0, 0, PixelFormat::rgb_f32};
+  LatLongView lat_long{cubemap.pixels.data(), 8, 0, 0, PixelFormat::rgb32f};
   CHECK(thrown_by([&] { static_cast<void>(project(lat_long)); }).says("the lat-long's height is 0"));
   lat_long.height = 4;
   lat_long.pixels = nullptr;
@@ -67,7 +67,7 @@ TEST_CASE("Options out of range are refused", "[sh]") {
   for (const float maximum :
        {0.0F, -1.0F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     options = {};
-    options.clamp = RadianceClamp{maximum, false};
+    options.pixels.clamp = RadianceClamp{maximum, false};
     require_refused(cubemap.view(), options, "the clamp's maximum is");
   }
 }
@@ -128,7 +128,7 @@ TEST_CASE("A replaced infinity counts as the clamp's maximum, or the largest hal
       channel(cubemap, 4, 0, size / 2, 2) = -kInfinity;
       channel(finite, 4, 0, size / 2, 2) = 0.0F;
       ProjectionOptions options;
-      if (clamped) options.clamp = RadianceClamp{100.0F, false};
+      if (clamped) options.pixels.clamp = RadianceClamp{100.0F, false};
       const Projection found = project(cubemap.view(), options);
       CHECK(found.diagnostics.infinities_replaced == 2);
       CHECK(found.diagnostics.nans_replaced == 0);
@@ -147,11 +147,11 @@ TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy]") {
     const Projection kept = project(cubemap.view(), options);
     CHECK(kept.diagnostics.negatives_replaced == 0);
     CHECK(relative_error(kept.radiance, reference_projection(cubemap.view())) < 5e-7);
-    options.negative = NegativePolicy::replace;
+    options.pixels.negative = NegativePolicy::replace;
     const Projection replaced = project(cubemap.view(), options);
     CHECK(replaced.diagnostics.negatives_replaced == 1);
     CHECK(relative_error(replaced.radiance, project(lifted.view()).radiance) < 3e-7);
-    options.negative = NegativePolicy::reject;
+    options.pixels.negative = NegativePolicy::reject;
     const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
     CHECK(error.code == ErrorCode::rejected_pixel);
     CHECK(error.says("face -X, row 0, column " + std::to_string(size - 1) + " is negative"));
@@ -165,7 +165,7 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   channel(cubemap, 3, 149, 190, 2) = kNan;
   channel(cubemap, 3, 149, 191, 2) = kNan;
   ProjectionOptions options;
-  options.nan = NonFinitePolicy::reject;
+  options.pixels.nan = NonFinitePolicy::reject;
   const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   CHECK(error.code == ErrorCode::rejected_pixel);
   CHECK(error.says("face +Y") == false);
@@ -175,7 +175,7 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   lat_long.pixels[(100 * 300 + 7) * 3] = kInfinity;
   lat_long.pixels[(99 * 300 + 250) * 3 + 2] = kInfinity;
   ProjectionOptions strict;
-  strict.infinity = NonFinitePolicy::reject;
+  strict.pixels.infinity = NonFinitePolicy::reject;
   const ThrownError infinite = thrown_by([&] { static_cast<void>(project(lat_long.view(), strict)); });
   CHECK(infinite.says("row 99, column 250 is infinite"));
 }
@@ -196,7 +196,7 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
     for (const int size : kSizes) {
       const TestCubemap cubemap = make_cubemap(Content::clamped, size, 3, 1);
       ProjectionOptions options;
-      options.clamp = RadianceClamp{4096.0F, preserve};
+      options.pixels.clamp = RadianceClamp{4096.0F, preserve};
       const Projection found = project(cubemap.view(), options);
       const Projection unclamped = project(cubemap.view());
       CHECK(found.diagnostics.texels_clamped > 0);
@@ -209,7 +209,7 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
     }
     const TestLatLong lat_long = make_lat_long(Content::clamped, 301, 150, 1);
     ProjectionOptions options;
-    options.clamp = RadianceClamp{4096.0F, preserve};
+    options.pixels.clamp = RadianceClamp{4096.0F, preserve};
     const Projection found = project(lat_long.view(), options);
     CHECK(found.diagnostics.total_radiance_before_clamp.x ==
           Approx(project(lat_long.view()).diagnostics.total_radiance.x).epsilon(1e-6));
@@ -221,7 +221,7 @@ TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy
   TestCubemap cubemap{1, 3, {}};
   for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
   ProjectionOptions options;
-  options.clamp = RadianceClamp{100.0F, true};
+  options.pixels.clamp = RadianceClamp{100.0F, true};
   const glm::dvec3 average = average_radiance(project(cubemap.view(), options).radiance);
   CHECK(average.x == Approx(100.0).epsilon(1e-6));
   CHECK(average.y == Approx(50.0).epsilon(1e-6));
@@ -232,7 +232,7 @@ TEST_CASE("Gamma input is linearised texel by texel", "[sh][policy]") {
   for (const int size : kSizes) {
     const TestCubemap cubemap = make_cubemap(Content::gamma_encoded, size, 3, 1);
     ProjectionOptions options;
-    options.gamma = true;
+    options.pixels.gamma = true;
     CHECK(relative_error(project(cubemap.view(), options).radiance, reference_projection(cubemap.view(), options)) <
           5e-7);
   }
@@ -292,7 +292,7 @@ TEST_CASE("A colour-preserving clamp scales texels and reports what it took", "[
         }
       }
       ProjectionOptions options;
-      options.clamp = RadianceClamp{maximum, true};
+      options.pixels.clamp = RadianceClamp{maximum, true};
       const Projection found = project(cubemap.view(), options);
       const Projection expected = project(scaled.view());
       const Projection whole = project(cubemap.view());

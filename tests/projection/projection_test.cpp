@@ -27,9 +27,7 @@
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/frame_transform.h"
-#include "welkin/control.h"
-#include "welkin/face_harmonics.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 
@@ -115,7 +113,7 @@ TEST_CASE("Every pixel format gives what its values give", "[sh][projection]") {
       TestCubemapBytes bytes = make_cubemap_bytes(Content::random, size, channels, 1);
       CubemapView view = bytes.view();
       require_exact(view, {});
-      view.format = channels == 3 ? PixelFormat::rgb_srgb8 : PixelFormat::rgba_srgb8;
+      view.format = channels == 3 ? PixelFormat::srgb8 : PixelFormat::srgba8;
       require_exact(view, {});
     }
     require_exact(make_lat_long(Content::random, 66, 33, 1, channels).view(), {});
@@ -364,10 +362,10 @@ namespace {
 
 std::vector<ProjectionOptions> some_options() {
   ProjectionOptions clamped;
-  clamped.clamp = RadianceClamp{50.0F, true};
+  clamped.pixels.clamp = RadianceClamp{50.0F, true};
   ProjectionOptions midpoint{.bands = 5, .quadrature = Quadrature::midpoint};
-  midpoint.negative = NegativePolicy::replace;
-  return {{}, {.bands = 1}, {.bands = 9, .target_size = 16}, clamped, midpoint, {.gamma = true}};
+  midpoint.pixels.negative = NegativePolicy::replace;
+  return {{}, {.bands = 1}, {.bands = 9, .target_size = 16}, clamped, midpoint, {.pixels = {.gamma = true}}};
 }
 
 TEST_CASE("faces: their total is the whole projection, bit for bit") {
@@ -434,9 +432,9 @@ TEST_CASE("faces: what cannot be is refused, and leaves the sums as they were") 
         }) == ErrorCode::invalid_argument);
   TestCubemap broken = cubemap;
   broken.pixels.back() = std::numeric_limits<float>::quiet_NaN();
-  FaceHarmonics strict = project_faces(cubemap.view(), {.nan = NonFinitePolicy::reject});
+  FaceHarmonics strict = project_faces(cubemap.view(), {.pixels = {.nan = NonFinitePolicy::reject}});
   CHECK(code_of([&] { update_faces(strict, broken.view(), std::array{1, 5}); }) == ErrorCode::rejected_pixel);
-  CHECK(same_bits(total(strict), project(cubemap.view(), {.nan = NonFinitePolicy::reject})));
+  CHECK(same_bits(total(strict), project(cubemap.view(), {.pixels = {.nan = NonFinitePolicy::reject}})));
   FaceHarmonics mixed = kept;
   mixed.set_face(1, project_faces(cubemap.view(), {.bands = 4}).face(1));
   CHECK(code_of([&] { static_cast<void>(total(mixed)); }) == ErrorCode::invalid_argument);
@@ -465,12 +463,12 @@ struct Cases {
     ten.bands = 10;
     ProjectionOptions babylon;
     babylon.quadrature = Quadrature::midpoint;
-    babylon.clamp = RadianceClamp{};
+    babylon.pixels.clamp = RadianceClamp{};
     babylon.target_size = 64;
     ProjectionOptions reduced;
     reduced.target_size = 48;
     ProjectionOptions gamma;
-    gamma.gamma = true;
+    gamma.pixels.gamma = true;
     return {project(small.view()).radiance,
             project(odd.view()).radiance,
             project(large.view()).radiance,

@@ -23,10 +23,9 @@
 #include "support/catch.h"
 #include "support/sun_maps.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
-#include "welkin/error.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {

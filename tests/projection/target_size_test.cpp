@@ -131,7 +131,7 @@ TEST_CASE("Tables come from one cache", "[tables]") {
 
 namespace {
 
-ProjectionOptions with_target(int target, Quadrature quadrature = Quadrature::exact) {
+ProjectionOptions with_target(std::optional<int> target, Quadrature quadrature = Quadrature::exact) {
   ProjectionOptions options;
   options.target_size = target;
   options.quadrature = quadrature;
@@ -200,8 +200,8 @@ TEST_CASE("A target that is no smaller than the source changes nothing", "[sh][t
 
 TEST_CASE("Clamp and gamma act before an exact average, so brightness does not depend on the target", "[sh][target]") {
   const TestCubemap cubemap = make_cubemap(Content::clamped, 128, 3, 1);
-  ProjectionOptions options = with_target(0);
-  options.clamp = RadianceClamp{};
+  ProjectionOptions options = with_target(std::nullopt);
+  options.pixels.clamp = RadianceClamp{};
   const glm::dvec3 whole = average_radiance(project(cubemap.view(), options).radiance);
   for (const int target : {8, 33}) {
     options.target_size = target;
@@ -217,7 +217,7 @@ TEST_CASE("The mip level nearest to the target is read", "[sh][target]") {
     const Projection found = project(chain.views, with_target(target));
     CHECK(same_bits(found.radiance, project(chain.views[static_cast<std::size_t>(level)]).radiance));
   }
-  CHECK(same_bits(project(chain.views, with_target(0)).radiance, project(chain.views[0]).radiance));
+  CHECK(same_bits(project(chain.views, with_target(std::nullopt)).radiance, project(chain.views[0]).radiance));
 }
 
 TEST_CASE("Passes say where the smaller size came from", "[sh][target]") {
@@ -236,7 +236,7 @@ TEST_CASE("A box reduction rejects texels by their own place", "[sh][target][pol
   cubemap.pixels[static_cast<std::size_t>((3 * 128 + 70) * 128 + 90) * 3 + 1] = -1.0F;
   ProjectionOptions options = with_target(16, Quadrature::midpoint);
   CHECK(project(cubemap.view(), options).diagnostics.texels == 6 * 128 * 128);
-  options.negative = NegativePolicy::reject;
+  options.pixels.negative = NegativePolicy::reject;
   const ThrownError error = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   CHECK(error.says("face -Y, row 70, column 90 is negative"));
 }

@@ -18,7 +18,7 @@
 #include "reference/path_shells.h"
 #include "reference/reference_air.h"
 #include "sky/sky_geometry.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin {

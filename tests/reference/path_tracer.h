@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "welkin/atmosphere.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 
 namespace welkin {
 

@@ -13,7 +13,7 @@
 #include "math/basis.h"
 #include "math/quadrature.h"
 #include "projection/box_reduction.h"
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
 #include "transform/frame_transform.h"
 
 namespace welkin {
@@ -156,7 +156,7 @@ void add_picture(const Domain& domain, const Picture& picture, Quadrature quadra
 
 /// Decodes and sanitizes a picture's texels.
 Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelFormat format, int width, int height,
-                     const Rectangle& extent, const projection::PixelPolicy& policy) {
+                     const Rectangle& extent, const projection::Sanitizer& policy) {
   Picture picture{width, height, {}, extent};
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(format));
   const std::ptrdiff_t row_bytes = row_stride_bytes != 0 ? row_stride_bytes : texel_bytes * width;
@@ -180,15 +180,15 @@ Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelF
 SphericalHarmonics reference_projection(const CubemapView& cubemap, const ProjectionOptions& options) {
   image::check_view(cubemap);
   projection::check_options(options);
-  if (options.quadrature == Quadrature::midpoint && options.target_size > 0) {
+  if (options.quadrature == Quadrature::midpoint && options.target_size) {
     int target = 1;
-    while (target <= options.target_size / 2) target *= 2;
+    while (target <= *options.target_size / 2) target *= 2;
     ProjectionOptions unreduced = options;
-    unreduced.target_size = 0;
+    unreduced.target_size.reset();
     if (target >= cubemap.size) return reference_projection(cubemap, unreduced);
     return reference_projection(projection::reduce_by_box(cubemap, target, options, {}).view, unreduced);
   }
-  const projection::PixelPolicy policy(options);
+  const projection::Sanitizer policy(options.pixels);
   SphericalHarmonics sum(options.bands);
   for (int face = 0; face < 6; ++face) {
     const image::Frame& frame = image::face_frame(face);
@@ -198,8 +198,8 @@ SphericalHarmonics reference_projection(const CubemapView& cubemap, const Projec
     };
     Picture picture = read_picture(cubemap.faces[static_cast<std::size_t>(face)], cubemap.row_stride_bytes,
                                    cubemap.format, cubemap.size, cubemap.size, {-1.0, 1.0, -1.0, 1.0}, policy);
-    if (options.target_size > 0 && options.target_size < cubemap.size) {
-      picture = reduce(domain, picture, options.target_size, options.target_size, true);
+    if (options.target_size && *options.target_size < cubemap.size) {
+      picture = reduce(domain, picture, *options.target_size, *options.target_size, true);
     }
     add_picture(domain, picture, options.quadrature, sum);
   }
@@ -213,11 +213,12 @@ SphericalHarmonics reference_projection(const LatLongView& lat_long, const Proje
     const double ring = std::cos(latitude);
     return {{std::sin(longitude) * ring, std::sin(latitude), std::cos(longitude) * ring}, ring};
   };
-  Picture picture = read_picture(lat_long.pixels, lat_long.row_stride_bytes, lat_long.format, lat_long.width,
-                                 lat_long.height, {kPi, -kPi, 0.5 * kPi, -0.5 * kPi}, projection::PixelPolicy(options));
-  if (options.target_size > 0) {
-    picture = reduce(domain, picture, std::min(picture.width, 4 * options.target_size),
-                     std::min(picture.height, 2 * options.target_size), options.quadrature == Quadrature::exact);
+  Picture picture =
+      read_picture(lat_long.pixels, lat_long.row_stride_bytes, lat_long.format, lat_long.width, lat_long.height,
+                   {kPi, -kPi, 0.5 * kPi, -0.5 * kPi}, projection::Sanitizer(options.pixels));
+  if (options.target_size) {
+    picture = reduce(domain, picture, std::min(picture.width, 4 * *options.target_size),
+                     std::min(picture.height, 2 * *options.target_size), options.quadrature == Quadrature::exact);
   }
   SphericalHarmonics sum(options.bands);
   add_picture(domain, picture, options.quadrature, sum);

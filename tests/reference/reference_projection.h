@@ -1,7 +1,7 @@
 // The truth that projections are measured against: textbook formulas in double.
 #pragma once
 
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 

@@ -16,7 +16,7 @@
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin {
 namespace {

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "welkin/atmosphere.h"
-#include "welkin/control.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace WELKIN_EXPORT welkin {

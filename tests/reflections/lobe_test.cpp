@@ -12,7 +12,7 @@
 #include "support/random_harmonics.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// As specular.h writes it.
+/// As reflections.h writes it.
 double textbook_lobe(double c, double a) {
   if (c <= 0.0) return 0.0;
   const double h2 = (1.0 + c) / 2.0;

@@ -11,8 +11,8 @@
 #include "image/geometry.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/specular.h"
+#include "welkin/image.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 

@@ -18,11 +18,10 @@
 #include "support/shared_pictures.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/instruction_set.h"
 #include "welkin/projection.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 
@@ -170,8 +169,7 @@ TEST_CASE("What the prefilter cannot do is refused with a word", "[specular][pre
   CHECK(narrow.code == ErrorCode::limit_exceeded);
   CHECK(narrow.says("harmonic bands"));
   CHECK(thrown_by([] { (void)prefilter_specular(LatLongView{}, {}); }).code == ErrorCode::invalid_argument);
-  ProjectionOptions strict;
-  strict.negative = NegativePolicy::reject;
+  const PixelPolicy strict{.negative = NegativePolicy::reject};
   TestLatLong negative = source;
   negative.pixels[3 * (2 * 32 + 5)] = -1.0F;
   const ThrownError rejected =
@@ -285,7 +283,7 @@ TEST_CASE("All pixel formats are read, and a stride changes nothing", "[specular
     padded.insert(padded.end(), source.pixels.begin() + 192 * row, source.pixels.begin() + 192 * (row + 1));
     padded.insert(padded.end(), 8, -1e30F);
   }
-  const LatLongView strided{padded.data(), 64, 32, 200 * 4, PixelFormat::rgb_f32};
+  const LatLongView strided{padded.data(), 64, 32, 200 * 4, PixelFormat::rgb32f};
   CHECK(same_bits(expected.cubemap, prefilter_specular(strided, {.size = 16}).cubemap));
 }
 

@@ -19,9 +19,9 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"
-#include "welkin/error.h"
-#include "welkin/mip_chain.h"
+#include "welkin/core.h"
 #include "welkin/projection.h"
+#include "welkin/resampling.h"
 
 using namespace welkin;
 using namespace welkin::report;
@@ -105,9 +105,8 @@ TEST_CASE("report: the built-in light is nearly the same at any width", "[report
 TEST_CASE("report: formats hold what they can", "[report]") {
   CubemapImage image{1, std::vector<float>(18, 0.5F)};
   image.pixels[0] = 2.0F;
-  for (const PixelFormat format :
-       {PixelFormat::rgb_f32, PixelFormat::rgba_f32, PixelFormat::rgb_f16, PixelFormat::rgba_f16, PixelFormat::rgb_u8,
-        PixelFormat::rgba_u8, PixelFormat::rgb_srgb8, PixelFormat::rgba_srgb8}) {
+  for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgb16f, PixelFormat::rgba16f,
+                                   PixelFormat::rgb8, PixelFormat::rgba8, PixelFormat::srgb8, PixelFormat::srgba8}) {
     INFO(name(format));
     const bool bytes = bytes_per_texel(format) <= 4;
     const FormattedCubemap formatted(image, format);

@@ -14,7 +14,7 @@
 #include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 using namespace welkin::report;
 using welkin::test::point;

@@ -15,11 +15,8 @@
 #include "support/recorded_results.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/stored_environment.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::test {

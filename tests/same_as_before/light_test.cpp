@@ -10,16 +10,13 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "welkin/atmosphere.h"
-#include "welkin/content_hash.h"
-#include "welkin/convention.h"
 #include "welkin/directional_light.h"
-#include "welkin/engine_light.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/error_budget.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/windowing.h"
+#include "welkin/result_cache.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 namespace {
@@ -205,7 +202,7 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
   const TestCubemap odd = make_cubemap(Content::special_values, 9, 4, 27);
   const TestLatLong wide = make_lat_long(Content::sun_disc, 80, 40, 28);
   const TestLatLongHalf half = make_lat_long_half(Content::smooth, 33, 20, 29, 4);
-  const ProjectionOptions clamped{.clamp = RadianceClamp{}};
+  const PixelPolicy clamped{.clamp = RadianceClamp{}};
   require_as_recorded(
       "irradiance",
       {
@@ -240,7 +237,7 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
           {"target_by_budget",
            [&] {
              const BudgetChoice<ProjectionOptions> choice = choose_projection(cube.view(), {}, {.relative = 0.1});
-             return bits_of(choice.setting.target_size, bits_of_errors_tried(choice));
+             return bits_of(choice.setting.target_size.value_or(0), bits_of_errors_tried(choice));
            }},
       });
 }
@@ -291,7 +288,7 @@ TEST_CASE("Content hashes are the same as before", "[same_as_before]") {
            }},
           {"of_faces", [&] { return hash_of_faces(hash_faces(cube.view())); }},
           {"file", [&] { return hash_file(folder.file("some")); }},
-          {"projection_options", [] { return hash_options(ProjectionOptions{.clamp = RadianceClamp{}}); }},
+          {"projection_options", [] { return hash_options(ProjectionOptions{.pixels = {.clamp = RadianceClamp{}}}); }},
           {"prefilter_options",
            [] {
              return hash_options(PrefilterOptions{.roughness = {0.0, 0.5}});

@@ -10,9 +10,8 @@
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"
-#include "welkin/face_harmonics.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
+#include "welkin/resampling.h"
 
 namespace welkin::test {
 namespace {
@@ -49,21 +48,25 @@ struct NamedOptions {
 const std::vector<NamedOptions>& policies() {
   static const std::vector<NamedOptions> all{
       {"replaced", Content::special_values, {}},
-      {"clamp", Content::clamped, {.clamp = RadianceClamp{}}},
-      {"clamp_keeps_colour", Content::clamped, {.clamp = RadianceClamp{1000.0F, true}}},
-      {"clamp_low", Content::high_range, {.clamp = RadianceClamp{0.75F, false}}},
-      {"clamp_of_special_values", Content::special_values, {.clamp = RadianceClamp{}}},
-      {"clamp_keeps_colour_of_special_values", Content::special_values, {.clamp = RadianceClamp{50.0F, true}}},
-      {"gamma", Content::gamma_encoded, {.gamma = true}},
-      {"gamma_and_clamp", Content::gamma_encoded, {.clamp = RadianceClamp{0.5F, false}, .gamma = true}},
+      {"clamp", Content::clamped, {.pixels = {.clamp = RadianceClamp{}}}},
+      {"clamp_keeps_colour", Content::clamped, {.pixels = {.clamp = RadianceClamp{1000.0F, true}}}},
+      {"clamp_low", Content::high_range, {.pixels = {.clamp = RadianceClamp{0.75F, false}}}},
+      {"clamp_of_special_values", Content::special_values, {.pixels = {.clamp = RadianceClamp{}}}},
+      {"clamp_keeps_colour_of_special_values",
+       Content::special_values,
+       {.pixels = {.clamp = RadianceClamp{50.0F, true}}}},
+      {"gamma", Content::gamma_encoded, {.pixels = {.gamma = true}}},
+      {"gamma_and_clamp", Content::gamma_encoded, {.pixels = {.clamp = RadianceClamp{0.5F, false}, .gamma = true}}},
       {"negatives_kept", Content::nan_bearing, {}},
-      {"negatives_replaced", Content::nan_bearing, {.negative = NegativePolicy::replace}},
+      {"negatives_replaced", Content::nan_bearing, {.pixels = {.negative = NegativePolicy::replace}}},
       {"nothing_to_reject",
        Content::random,
-       {.nan = NonFinitePolicy::reject, .infinity = NonFinitePolicy::reject, .negative = NegativePolicy::reject}},
+       {.pixels = {.nan = NonFinitePolicy::reject,
+                   .infinity = NonFinitePolicy::reject,
+                   .negative = NegativePolicy::reject}}},
       {"midpoint_of_special_values",
        Content::special_values,
-       {.quadrature = Quadrature::midpoint, .clamp = RadianceClamp{}, .negative = NegativePolicy::replace}},
+       {.quadrature = Quadrature::midpoint, .pixels = {.clamp = RadianceClamp{}, .negative = NegativePolicy::replace}}},
   };
   return all;
 }
@@ -92,16 +95,16 @@ TEST_CASE("Projections of every pixel format are the same as before", "[same_as_
           {"cubemap_rgba_f16", [&] { return project(half4.view()); }},
           {"cubemap_rgb_u8", [&] { return project(bytes3.view()); }},
           {"cubemap_rgba_u8", [&] { return project(bytes4.view()); }},
-          {"cubemap_rgb_srgb8", [&] { return project(with_format(bytes3.view(), PixelFormat::rgb_srgb8)); }},
-          {"cubemap_rgba_srgb8", [&] { return project(with_format(bytes4.view(), PixelFormat::rgba_srgb8)); }},
+          {"cubemap_rgb_srgb8", [&] { return project(with_format(bytes3.view(), PixelFormat::srgb8)); }},
+          {"cubemap_rgba_srgb8", [&] { return project(with_format(bytes4.view(), PixelFormat::srgba8)); }},
           {"lat_long_rgb_f32", [&] { return project(wide3.view()); }},
           {"lat_long_rgba_f32", [&] { return project(wide4.view()); }},
           {"lat_long_rgb_f16", [&] { return project(wide_half3.view()); }},
           {"lat_long_rgba_f16", [&] { return project(wide_half4.view()); }},
           {"lat_long_rgb_u8", [&] { return project(wide_bytes3.view()); }},
           {"lat_long_rgba_u8", [&] { return project(wide_bytes4.view()); }},
-          {"lat_long_rgb_srgb8", [&] { return project(with_format(wide_bytes3.view(), PixelFormat::rgb_srgb8)); }},
-          {"lat_long_rgba_srgb8", [&] { return project(with_format(wide_bytes4.view(), PixelFormat::rgba_srgb8)); }},
+          {"lat_long_rgb_srgb8", [&] { return project(with_format(wide_bytes3.view(), PixelFormat::srgb8)); }},
+          {"lat_long_rgba_srgb8", [&] { return project(with_format(wide_bytes4.view(), PixelFormat::srgba8)); }},
       });
 }
 
@@ -172,7 +175,8 @@ TEST_CASE("Projections at a target size and of mip chains are the same as before
   std::vector<NamedResult> results;
   for (const auto& [quadrature_name, quadrature] : kQuadratures) {
     for (const int target : {1, 16, 20, 200}) {
-      const ProjectionOptions options{.quadrature = quadrature, .target_size = target, .clamp = RadianceClamp{}};
+      const ProjectionOptions options{
+          .quadrature = quadrature, .target_size = target, .pixels = {.clamp = RadianceClamp{}}};
       std::string end = numbered("_to_", target);
       end += '_';
       end += quadrature_name;
@@ -221,7 +225,7 @@ TEST_CASE("Projections face by face are the same as before", "[same_as_before]")
   CubemapView mixed = cube.view();
   mixed.faces[1] = other.view().faces[1];
   mixed.faces[4] = other.view().faces[4];
-  const ProjectionOptions options{.bands = 5, .clamp = RadianceClamp{}};
+  const ProjectionOptions options{.bands = 5, .pixels = {.clamp = RadianceClamp{}}};
   require_as_recorded("face_harmonics",
                       {
                           {"total", [&] { return total(project_faces(cube.view(), options)); }},

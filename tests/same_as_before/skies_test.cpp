@@ -8,13 +8,10 @@
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
 #include "welkin/atmosphere.h"
+#include "welkin/bake_file.h"
 #include "welkin/error_budget.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
 #include "welkin/sky_plan.h"
-#include "welkin/sky_specular.h"
-#include "welkin/sky_table_file.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
 
 namespace welkin::test {
 namespace {

@@ -19,7 +19,7 @@
 #include "simd/dispatch.h"
 #include "support/catch.h"
 #include "support/thrown_error.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 
@@ -142,15 +142,15 @@ TEST_CASE("Folding kernels read every texel of every format", "[simd]") {
       for (const int rows : {1, 2, 5}) {
         if (groups * rows > kChunk / kLanes) continue;
         const auto count = static_cast<std::size_t>(2 * rows * 4 * groups * kLanes * 4);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb_f32], noise(count, 1), 3, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba_f32], noise(count, 2), 4, groups, rows);
-        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba_f16], half_noise(count, 3), 4, groups,
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgb32f], noise(count, 1), 3, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba32f], noise(count, 2), 4, groups, rows);
+        require_quadrants_folded(kernels.fold_quadrants[projection::fold_rgba16f], half_noise(count, 3), 4, groups,
                                  rows);
       }
       const auto count = static_cast<std::size_t>((2 * groups * kLanes + 1) * 4);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgb_f32], noise(count, 4), 3, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgba_f32], noise(count, 5), 4, groups);
-      require_halves_folded(kernels.fold_halves[projection::fold_rgba_f16], half_noise(count, 6), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgb32f], noise(count, 4), 3, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgba32f], noise(count, 5), 4, groups);
+      require_halves_folded(kernels.fold_halves[projection::fold_rgba16f], half_noise(count, 6), 4, groups);
     }
   }
 }
@@ -164,7 +164,7 @@ TEST_CASE("Half decoding is exact for every pattern", "[simd][image]") {
     for (std::uint32_t first = 0; first < 0x10000U; first += 16) {
       std::vector<std::uint16_t> texels(16 * 4);
       for (std::uint32_t k = 0; k < 16; ++k) texels[4 * k] = static_cast<std::uint16_t>(first + k);
-      projection::projection_kernels(set).fold_quadrants[projection::fold_rgba_f16](
+      projection::projection_kernels(set).fold_quadrants[projection::fold_rgba16f](
           {texels.data(), zeros.data(), zeros.data(), zeros.data(), 0, 0, 1}, {}, 1, planes.data());
       for (std::uint32_t k = 0; k < 16; ++k) {
         const auto half = static_cast<std::uint16_t>(first + k);

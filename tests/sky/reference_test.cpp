@@ -16,7 +16,7 @@
 #include "support/heap.h"
 #include "support/random_atmospheres.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

@@ -13,8 +13,7 @@
 #include "sky/table_mapping.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

@@ -20,11 +20,10 @@
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 #include "welkin/resampling.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

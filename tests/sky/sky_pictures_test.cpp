@@ -21,13 +21,11 @@
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/instruction_set.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_specular.h"
-#include "welkin/sky_view.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/sky.h"
+#include "welkin/sky_plan.h"
 
 namespace welkin::test {
 

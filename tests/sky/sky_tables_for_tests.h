@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "welkin/sky_tables.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

@@ -1,6 +1,4 @@
 // Sky tables: how texels stand for states, quadratures, and what the calls that make them promise.
-#include "welkin/sky_tables.h"
-
 #include <xmmintrin.h>
 
 #include <array>
@@ -21,9 +19,9 @@
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/thrown_error.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/instruction_set.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 

@@ -16,8 +16,7 @@
 #include "sky/sky_tables_for_tests.h"
 #include "sky/table_mapping.h"
 #include "support/catch.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

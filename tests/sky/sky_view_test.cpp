@@ -1,6 +1,4 @@
 // What a view of a sky gives, at every height and under every sun.
-#include "welkin/sky_view.h"
-
 #include <immintrin.h>
 
 #include <algorithm>
@@ -25,7 +23,8 @@
 #include "support/heap.h"
 #include "support/random_atmospheres.h"
 #include "support/thrown_error.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

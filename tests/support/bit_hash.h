@@ -18,16 +18,15 @@
 #include <string>
 #include <vector>
 
-#include "welkin/babylon.h"
 #include "welkin/bake.h"
-#include "welkin/content_hash.h"
-#include "welkin/cubemap_chain.h"
 #include "welkin/directional_light.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
-#include "welkin/sky_tables.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
+#include "welkin/result_cache.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {

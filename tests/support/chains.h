@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "welkin/cubemap_chain.h"
+#include "welkin/image.h"
 
 namespace welkin::test {
 

@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/job.h"
 
 namespace welkin::test {

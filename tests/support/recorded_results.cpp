@@ -10,8 +10,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/sanitized.h"
-#include "welkin/control.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 namespace {

@@ -6,8 +6,7 @@
 #include <span>
 
 #include "welkin/atmosphere.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

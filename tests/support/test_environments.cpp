@@ -228,9 +228,9 @@ BasicTestLatLong<Channel> lat_long(Content content, int width, int height, std::
 template <class Channel>
 PixelFormat format_of(int channels) {
   const bool with_alpha = channels == 4;
-  if constexpr (std::is_same_v<Channel, float>) return with_alpha ? PixelFormat::rgba_f32 : PixelFormat::rgb_f32;
-  if constexpr (std::is_same_v<Channel, Imath::half>) return with_alpha ? PixelFormat::rgba_f16 : PixelFormat::rgb_f16;
-  if constexpr (std::is_same_v<Channel, std::uint8_t>) return with_alpha ? PixelFormat::rgba_u8 : PixelFormat::rgb_u8;
+  if constexpr (std::is_same_v<Channel, float>) return with_alpha ? PixelFormat::rgba32f : PixelFormat::rgb32f;
+  if constexpr (std::is_same_v<Channel, Imath::half>) return with_alpha ? PixelFormat::rgba16f : PixelFormat::rgb16f;
+  if constexpr (std::is_same_v<Channel, std::uint8_t>) return with_alpha ? PixelFormat::rgba8 : PixelFormat::rgb8;
 }
 
 constexpr std::uint32_t kHashStart = 0x811c9dc5U;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "welkin/image_view.h"
+#include "welkin/image.h"
 
 namespace welkin::test {
 

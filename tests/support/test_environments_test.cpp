@@ -27,19 +27,19 @@ TEST_CASE("test environments: views have the stated layout", "[support]") {
   CHECK(map.pixels.size() == 6U * 5U * 5U * 4U);
   CHECK(view.size == 5);
   CHECK(view.row_stride_bytes == 0);
-  CHECK(view.format == PixelFormat::rgba_f32);
+  CHECK(view.format == PixelFormat::rgba32f);
   for (std::size_t face = 0; face < 6; ++face) CHECK(view.faces[face] == map.pixels.data() + face * 100);
-  CHECK(make_cubemap(Content::random, 2, 3, 7).view().format == PixelFormat::rgb_f32);
-  CHECK(make_cubemap_half(Content::random, 2, 3, 7).view().format == PixelFormat::rgb_f16);
-  CHECK(make_cubemap_half(Content::random, 2, 4, 7).view().format == PixelFormat::rgba_f16);
-  CHECK(make_cubemap_bytes(Content::random, 2, 3, 7).view().format == PixelFormat::rgb_u8);
-  CHECK(make_cubemap_bytes(Content::random, 2, 4, 7).view().format == PixelFormat::rgba_u8);
+  CHECK(make_cubemap(Content::random, 2, 3, 7).view().format == PixelFormat::rgb32f);
+  CHECK(make_cubemap_half(Content::random, 2, 3, 7).view().format == PixelFormat::rgb16f);
+  CHECK(make_cubemap_half(Content::random, 2, 4, 7).view().format == PixelFormat::rgba16f);
+  CHECK(make_cubemap_bytes(Content::random, 2, 3, 7).view().format == PixelFormat::rgb8);
+  CHECK(make_cubemap_bytes(Content::random, 2, 4, 7).view().format == PixelFormat::rgba8);
 
   const TestLatLong picture = make_lat_long(Content::random, 8, 4, 7);
   CHECK(picture.view().pixels == picture.pixels.data());
   CHECK(picture.view().width == 8);
   CHECK(picture.view().height == 4);
-  CHECK(picture.view().format == PixelFormat::rgb_f32);
+  CHECK(picture.view().format == PixelFormat::rgb32f);
   CHECK(picture.pixels.size() == 8U * 4U * 3U);
 }
 

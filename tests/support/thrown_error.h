@@ -4,7 +4,7 @@
 #include <string>
 
 #include "support/catch.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 

@@ -11,8 +11,7 @@
 #include <string>
 
 #include "support/chains.h"
-#include "welkin/babylon_environment.h"
-#include "welkin/environment_writer.h"
+#include "welkin/environment_file.h"
 #include "welkin/texture_file.h"
 
 namespace {
@@ -69,7 +68,7 @@ int run(const std::filesystem::path& directory) {
   write_textures(directory, chain);
   write_env(directory, chain);
   // A level's 6 N x N texels make a lat-long too: 16 x 8 from the first 128 of them.
-  const LatLongView lat_long{chain.face(0, 0), 16, 8, 0, PixelFormat::rgb_f32};
+  const LatLongView lat_long{chain.face(0, 0), 16, 8, 0, PixelFormat::rgb32f};
   write_environment(directory / "lat_long.exr", lat_long);
   write_environment(directory / "lat_long.hdr", lat_long);
   write_floats(directory / "lat_long.f32", chain.face(0, 0), std::size_t{3} * 16 * 8);

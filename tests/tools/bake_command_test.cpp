@@ -5,10 +5,8 @@
 #include "support/exr_files.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
-#include "welkin/babylon_environment.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/roughness.h"
+#include "welkin/reflections.h"
 #include "welkin/texture_file.h"
 
 using namespace welkin;

@@ -3,8 +3,8 @@
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/instruction_set.h"
 
 using namespace welkin;
 using namespace welkin::test;

@@ -7,8 +7,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "tools/command.h"
-#include "welkin/instruction_set.h"
-#include "welkin/version.h"
+#include "welkin/core.h"
 
 using namespace welkin::test;
 using namespace welkin;

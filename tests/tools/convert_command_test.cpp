@@ -6,9 +6,8 @@
 #include "support/exr_files.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"
+#include "welkin/core.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/error.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -154,7 +153,7 @@ TEST_CASE("a horizontal strip that nobody could read is not written", "[writers]
   const TemporaryFolder folder;
   std::vector<float> row(3 * 16384, 0.5F);
   // Refused before any pixel is looked at.
-  welkin::CubemapView view{{}, 10923, 0, welkin::PixelFormat::rgb_f32};
+  welkin::CubemapView view{{}, 10923, 0, welkin::PixelFormat::rgb32f};
   view.faces.fill(row.data());
   welkin::WriteOptions options;
   options.layout = welkin::Layout::horizontal_strip;

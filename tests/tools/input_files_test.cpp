@@ -13,7 +13,7 @@
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"
-#include "welkin/environment_writer.h"
+#include "welkin/environment_file.h"
 #include "welkin/image.h"
 
 using namespace welkin::test;

@@ -13,11 +13,10 @@
 #include "support/catch.h"
 #include "tools/command.h"
 #include "tools/sky_command.h"
-#include "welkin/babylon.h"
-#include "welkin/convention.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
 
 using namespace welkin;
 using namespace welkin::test;
@@ -163,11 +162,11 @@ TEST_CASE("sh: the options reach the projection", "[tools]") {
   };
   check("--quadrature midpoint", [](ProjectionOptions& options) { options.quadrature = Quadrature::midpoint; });
   check("--target-size 16", [](ProjectionOptions& options) { options.target_size = 16; });
-  check("--clamp 1.5", [](ProjectionOptions& options) { options.clamp = RadianceClamp{1.5F, false}; });
+  check("--clamp 1.5", [](ProjectionOptions& options) { options.pixels.clamp = RadianceClamp{1.5F, false}; });
   check("--clamp 1.5 --preserve-clamped", [](ProjectionOptions& options) {
-    options.clamp = RadianceClamp{1.5F, true};
+    options.pixels.clamp = RadianceClamp{1.5F, true};
   });
-  check("--gamma", [](ProjectionOptions& options) { options.gamma = true; });
+  check("--gamma", [](ProjectionOptions& options) { options.pixels.gamma = true; });
 }
 
 // `welkin sh` without --json: a table that says what its numbers are.

@@ -8,8 +8,7 @@
 #include "support/catch.h"
 #include "tools/command.h"
 #include "welkin/image.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 
 namespace welkin::test {
 

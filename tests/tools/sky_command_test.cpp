@@ -10,14 +10,12 @@
 
 #include "tools/baked_folder.h"
 #include "tools/command.h"
-#include "welkin/babylon.h"
-#include "welkin/convention.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
 #include "welkin/irradiance.h"
 #include "welkin/resampling.h"
-#include "welkin/sky_harmonics.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
+#include "welkin/spherical_harmonics.h"
 
 using namespace welkin;
 using namespace welkin::test;

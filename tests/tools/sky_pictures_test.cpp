@@ -7,7 +7,7 @@
 #include "tools/command.h"
 #include "tools/sky_command.h"
 #include "welkin/environment_file.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 #include "welkin/texture_file.h"
 
 using namespace welkin;
@@ -123,7 +123,7 @@ Picture read_picture(const std::filesystem::path& path) {
   const auto count = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3;
   const auto view = environment.lat_long();
   const auto* const pixels = static_cast<const float*>(view.pixels);
-  if (view.format == PixelFormat::rgb_f32) picture.rgb.assign(pixels, pixels + count);
+  if (view.format == PixelFormat::rgb32f) picture.rgb.assign(pixels, pixels + count);
   return picture;
 }
 

@@ -23,9 +23,8 @@
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
-#include "welkin/control.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/instruction_set.h"
 #include "welkin/projection.h"
 
 namespace welkin::test {

@@ -16,7 +16,7 @@
 #include "support/outcome.h"
 #include "support/process_threads.h"
 #include "support/test_environments.h"
-#include "welkin/babylon.h"
+#include "welkin/engines.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {

@@ -20,9 +20,8 @@
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/file_requests.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -34,7 +33,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   TestCubemap cubemap = make_cubemap(Content::random, 16, 3, 1);
   cubemap.pixels[(2 * 16 * 16 + 5 * 16 + 3) * 3] = std::numeric_limits<float>::quiet_NaN();
   ProjectionOptions options;
-  options.nan = NonFinitePolicy::reject;
+  options.pixels.nan = NonFinitePolicy::reject;
   const ThrownError expected = thrown_by([&] { static_cast<void>(project(cubemap.view(), options)); });
   const ThrownError got = thrown_by([&] {
     static_cast<void>(take(worker.post(ProjectCubemap{CubemapImage{16, cubemap.pixels}, options})));

@@ -22,8 +22,6 @@
 #include "support/test_environments.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/file_requests.h"
 #include "welkin/resampling.h"
 #include "welkin/worker.h"
 
@@ -59,8 +57,8 @@ ProjectionOptions midpoint_options() {
   ProjectionOptions options;
   options.bands = 5;
   options.quadrature = Quadrature::midpoint;
-  options.clamp = RadianceClamp{};
-  options.negative = NegativePolicy::replace;
+  options.pixels.clamp = RadianceClamp{};
+  options.pixels.negative = NegativePolicy::replace;
   return options;
 }
 
@@ -83,7 +81,8 @@ void add_cubemap_projections(std::vector<Case>& cases, int size, std::uint32_t s
   for (int level = size; level >= 1; level /= 2) levels->push_back(make_cubemap(Content::random, level, 3, seed + 1));
   for (const TestCubemap& level : *levels) chain.push_back(level.view());
   ProjectionOptions options;
-  for (options.target_size = 1; options.target_size < size; options.target_size *= 8) {
+  for (int target = 1; target < size; target *= 8) {
+    options.target_size = target;
     cases.push_back(make_case("mip chain", project(chain, options), [chain, levels, options] {
       return ProjectCubemap{CubemapSource(chain, levels), options};
     }));

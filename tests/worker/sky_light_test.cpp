@@ -17,8 +17,8 @@
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/thrown_error.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/sky_requests.h"
+#include "welkin/requests.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
 namespace {

@@ -23,9 +23,7 @@
 #include <utility>
 #include <variant>
 
-#include "welkin/control.h"
-#include "welkin/error.h"
-#include "welkin/export.h"
+#include "welkin/core.h"
 
 namespace WELKIN_EXPORT welkin {
 

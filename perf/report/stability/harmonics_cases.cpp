@@ -9,8 +9,7 @@
 
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
-#include "welkin/harmonic_transforms.h"
-#include "welkin/windowing.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::report::stability {
 

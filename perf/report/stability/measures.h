@@ -10,12 +10,9 @@
 #include <vector>
 
 #include "welkin/atmosphere.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/image_view.h"
-#include "welkin/sky_tables.h"
-#include "welkin/sky_view.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::report::stability {

@@ -10,11 +10,9 @@
 #include "reference/reference_projection.h"
 #include "welkin/directional_light.h"
 #include "welkin/irradiance.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/specular.h"
 
 namespace welkin::report::stability {
 
@@ -54,7 +52,7 @@ double uniform_error(const View& view, double value) {
 
 template <class Half>
 CubemapView shared_faces(const Half& pixels, int size) {
-  CubemapView view{{}, size, 0, PixelFormat::rgb_f16};
+  CubemapView view{{}, size, 0, PixelFormat::rgb16f};
   view.faces.fill(pixels.data());
   return view;
 }
@@ -161,7 +159,7 @@ void add_range_cases(StabilityCases& cases) {
 namespace {
 
 constexpr std::size_t kImageTexel = 2 * 32 * 32 + 13 * 32 + 9;
-constexpr double kUniformUlps = 8.0;  ///< specular.h: 1e-6
+constexpr double kUniformUlps = 8.0;  ///< reflections.h: 1e-6
 
 double worst_ulps(std::span<const float> values, double truth) {
   double worst = 0.0;
@@ -363,15 +361,15 @@ struct Replacement {
 
 ProjectionOptions clamped(float maximum) {
   ProjectionOptions options;
-  options.clamp = RadianceClamp{maximum, false};
+  options.pixels.clamp = RadianceClamp{maximum, false};
   return options;
 }
 
 ProjectionOptions with(NonFinitePolicy nan, NonFinitePolicy infinity, NegativePolicy negative) {
   ProjectionOptions options;
-  options.nan = nan;
-  options.infinity = infinity;
-  options.negative = negative;
+  options.pixels.nan = nan;
+  options.pixels.infinity = infinity;
+  options.pixels.negative = negative;
   return options;
 }
 
@@ -399,7 +397,7 @@ double irradiance_of(const Replacement& r) {
   const CubemapImage bad = with_texel(noise_cube(16, 1), kOddTexel, r.bad);
   const CubemapImage good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
   const std::vector<glm::dvec3> normals = spread_directions(8);
-  return rms_error(direct_irradiance(bad.view(), normals, r.options), direct_irradiance(good.view(), normals));
+  return rms_error(direct_irradiance(bad.view(), normals, r.options.pixels), direct_irradiance(good.view(), normals));
 }
 
 double prefiltered(const Replacement& r) {
@@ -407,7 +405,7 @@ double prefiltered(const Replacement& r) {
   options.roughness = {0.0, 0.5};
   const CubemapImage good = with_texel(noise_cube(16, 1), kOddTexel, r.instead);
   const PrefilteredSpecular wanted = prefilter_specular(good.view(), options);
-  options.pixels = r.options;
+  options.pixels = r.options.pixels;
   const PrefilteredSpecular found = prefilter_specular(with_texel(noise_cube(16, 1), kOddTexel, r.bad).view(), options);
   return worse(rms_error(texels(found.cubemap, 0), texels(wanted.cubemap, 0)),
                rms_error(texels(found.cubemap, 1), texels(wanted.cubemap, 1)));
@@ -421,12 +419,12 @@ double rejections() {
     const std::vector<glm::dvec3> normals = spread_directions(1);
     PrefilterOptions prefilter{.size = 4};
     prefilter.roughness = {0.5};
-    prefilter.pixels = options;
+    prefilter.pixels = options.pixels;
     return wrong_unless_thrown(ErrorCode::rejected_pixel, [&] { (void)project(cube.view(), options); }) +
            wrong_unless_thrown(ErrorCode::rejected_pixel, [&] { (void)project(lat_long.view(), options); }) +
            wrong_unless_thrown(ErrorCode::rejected_pixel, [&] { (void)prefilter_specular(cube.view(), prefilter); }) +
            wrong_unless_thrown(ErrorCode::rejected_pixel,
-                               [&] { (void)direct_irradiance(cube.view(), normals, options); });
+                               [&] { (void)direct_irradiance(cube.view(), normals, options.pixels); });
   };
   return refused(kNaN, with(reject, kReplace, NegativePolicy::keep)) +
          refused(kInfinity, with(kReplace, reject, NegativePolicy::keep)) +
@@ -465,7 +463,7 @@ double alpha_error() {
     for (std::size_t c = 0; c < 3; ++c) rgba.push_back(rgb.pixels[3 * texel + c]);
     rgba.push_back(texel % 2 == 0 ? kNaN : kInfinity);
   }
-  CubemapView view{{}, 16, 0, PixelFormat::rgba_f32};
+  CubemapView view{{}, 16, 0, PixelFormat::rgba32f};
   for (std::size_t face = 0; face < 6; ++face) view.faces[face] = rgba.data() + face * 1024;
   return relative_error(project(view).radiance, project(rgb.view()).radiance);
 }

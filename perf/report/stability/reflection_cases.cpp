@@ -9,17 +9,15 @@
 #include "perf/report/brdf_truth.h"
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
-#include "welkin/brdf_table.h"
 #include "welkin/irradiance.h"
-#include "welkin/roughness.h"
-#include "welkin/specular.h"
+#include "welkin/reflections.h"
 
 namespace welkin::report::stability {
 
 // The BRDF table at its ends: views that graze, roughness near 0 and 1.
 namespace {
 
-constexpr double kTableError = 1e-5;  ///< brdf_table.h
+constexpr double kTableError = 1e-5;  ///< reflections.h
 
 /// Worst errors of one column of a table (0: the most grazing view): of scale and bias, and of sheen.
 struct ColumnError {
@@ -179,7 +177,8 @@ void add_roughness_cases(StabilityCases& cases) {
   cases.push_back({"roughness/0", "roughness 0 at the source's size is a copy", "the source, bit for bit",
                    StabilityUnit::count, 0.0, [](const Control&) { return copy_differs(); }});
   const std::string narrow =
-      "Below roughness 0.055 no method but `reference` is held to the bounds (specular.h): the samples blur by about a "
+      "Below roughness 0.055 no method but `reference` is held to the bounds (reflections.h): the samples blur by "
+      "about a "
       "texel of the source. Use roughness 0 for such a mip, or a chain whose first rough mip is above 0.055.";
   constexpr std::array<Roughness, 7> all{
       {{"1e-6", 1e-6}, {"1e-3", 1e-3}, {"0.05", 0.05}, {"0.06", 0.06}, {"0.1", 0.1}, {"0.999", 0.999}, {"1", 1.0}}};

@@ -5,7 +5,7 @@
 
 #include "perf/report/stability.h"
 #include "perf/report/stability/cases.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::report {
 namespace {

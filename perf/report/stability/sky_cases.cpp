@@ -7,7 +7,7 @@
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
 #include "reference/sky_reference.h"
-#include "welkin/sky_harmonics.h"
+#include "welkin/sky.h"
 
 namespace welkin::report::stability {
 
@@ -212,7 +212,7 @@ struct Elevation {
   const char* text;  ///< in names
   double degrees;
   double radiance;   ///< bound of radiance, most of it next to the horizon: percents at the planet's shadow's edges
-  double harmonics;  ///< of the projector, by sky_harmonics.h
+  double harmonics;  ///< of the projector, by sky.h
   double curve;      ///< of the curve, likewise
 };
 

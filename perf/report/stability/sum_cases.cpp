@@ -13,15 +13,12 @@
 #include "perf/report/stability/cases.h"
 #include "perf/report/stability/measures.h"
 #include "reference/reference_projection.h"
-#include "welkin/brdf_table.h"
 #include "welkin/directional_light.h"
-#include "welkin/harmonic_transforms.h"
 #include "welkin/irradiance.h"
-#include "welkin/irradiance_cubemap.h"
-#include "welkin/mip_chain.h"
 #include "welkin/projection.h"
+#include "welkin/reflections.h"
 #include "welkin/resampling.h"
-#include "welkin/specular.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::report::stability {
 
@@ -44,7 +41,7 @@ struct SharedFace {
   std::vector<std::uint16_t> pixels;
 
   [[nodiscard]] CubemapView view() const {
-    CubemapView view{{}, size, 0, PixelFormat::rgb_f16};
+    CubemapView view{{}, size, 0, PixelFormat::rgb16f};
     view.faces.fill(pixels.data());
     return view;
   }
@@ -125,7 +122,7 @@ double constant_error(int size, const Control& control) {
 double constant_lat_long_error(int height, const Control& control) {
   const std::vector<std::uint16_t> pixels(
       std::size_t{6} * static_cast<std::size_t>(height) * static_cast<std::size_t>(height), kTenth);
-  const LatLongView view{pixels.data(), 2 * height, height, 0, PixelFormat::rgb_f16};
+  const LatLongView view{pixels.data(), 2 * height, height, 0, PixelFormat::rgb16f};
   return relative_error(project(view, {}, control).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
 }
 
@@ -378,7 +375,7 @@ double prefilter_error(int source, int size) {
 double round_trip_error() {
   const CubemapImage map = noise_cube(1, 8);
   const CubemapImage back =
-      to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), {}, ResampleFilter::area).view(), 1);
+      to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), ResampleFilter::area).view(), 1);
   double worst = 0.0;
   const glm::dvec3 before = project(map.view()).diagnostics.total_radiance;
   worst = relative_error(project(back.view()).diagnostics.total_radiance, before);

@@ -9,11 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "welkin/babylon_environment.h"
+#include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
-#include "welkin/environment_writer.h"
-#include "welkin/file_requests.h"
-#include "welkin/sky_table_file.h"
 #include "welkin/texture_file.h"
 #include "welkin/welkin.h"
 #include "welkin/worker.h"

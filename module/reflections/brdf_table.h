@@ -27,11 +27,11 @@
 #include <memory>
 #include <vector>
 
-#include "brdf/brdf_kernels.h"
-#include "welkin/brdf_table.h"
-#include "welkin/control.h"
+#include "reflections/brdf_kernels.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
 
-namespace welkin::brdf {
+namespace welkin::reflections {
 
 /// Orders of a product rule.
 struct AlbedoOrders {
@@ -89,4 +89,4 @@ void check_brdf(const BrdfTableOptions& options);
 /// A new table, whatever is cached; options must have been checked. As `brdf_table` otherwise.
 [[nodiscard]] std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options, const Control& control);
 
-}  // namespace welkin::brdf
+}  // namespace welkin::reflections

@@ -6,15 +6,15 @@
 // That is the limit of Karis' sum of half-vector samples weighted by n.l (Real Shading in Unreal Engine 4, 2013).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "welkin/control.h"
-#include "welkin/cubemap_chain.h"
-#include "welkin/export.h"
-#include "welkin/image_view.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
 #include "welkin/projection.h"
 
 namespace WELKIN_EXPORT welkin {
@@ -50,8 +50,7 @@ struct PrefilterOptions {
 
   int samples = 1024;  ///< of the sampled method, a texel
 
-  /// Pixels: only clamp, gamma and the policies for NaN, infinities and negatives matter, and act as in `project`.
-  ProjectionOptions pixels{};
+  PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
@@ -95,5 +94,78 @@ struct PrefilteredSpecular {
 [[nodiscard]] std::vector<glm::dvec3> reference_specular(const CubemapView& source, double roughness,
                                                          const std::vector<glm::dvec3>& directions,
                                                          const Control& control = {});
+
+// Which roughness each mip of a specular cubemap has, and where a shader looks for a roughness.
+//
+// Roughness is perceptual (what artists set) everywhere here; GGX's alpha is its square.
+
+/// Named ways to spread roughness over a chain, t = mip / (mips - 1) in [0, 1].
+enum class RoughnessSchedule {
+  linear,    ///< t (glTF-IBL-Sampler)
+  filament,  ///< 1 - sqrt(1 - t) (Filament, three.js)
+  babylon,   ///< 0 at mip 0, else alpha = 2^(mip / 0.8) / size, at most 1 (Babylon.js, lodGenerationScale 0.8)
+};
+
+/// "linear", "filament", "babylon"
+[[nodiscard]] const char* name(RoughnessSchedule schedule) noexcept;
+
+/// Roughness of each of `mips` mips of a chain whose mip 0 has `size` texels along an edge: rising, in [0, 1], 0 at mip
+/// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
+[[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
+
+/// The mip, fractions too, at which a shader that interpolates between mips finds `roughness`: by linear interpolation
+/// in `table`, which must rise. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table or
+/// one that does not rise.
+[[nodiscard]] double mip_of_roughness(const std::vector<double>& table, double roughness);
+
+// The other half of the split sum: how much of the light a GGX surface (or sheen) sends back, by angle and roughness.
+//
+//   auto table = welkin::brdf_table();                               // 64 x 64, split sum, sheen in the third channel
+//   auto dfg = welkin::brdf_table({128, 128, welkin::BrdfModel::multiple_scattering});
+
+/// What the first two channels hold. With V the height-correlated Smith visibility (Heitz 2014, equation 99), F
+/// Schlick's Fresnel and alpha = roughness squared, E = Int D V F (n.l) dl over the lights' hemisphere is
+///
+///   E = f0 Int D V (n.l) (1 - (1 - v.h)^5) dl + Int D V (n.l) (1 - v.h)^5 dl = f0 scale + bias.
+enum class BrdfModel {
+  split_sum,            ///< (scale, bias) (Karis 2013, Real Shading in Unreal Engine 4): E = f0 scale + bias
+  multiple_scattering,  ///< (bias, scale + bias): E = (1 - f0) x + f0 y, as Filament's DFG has them. y is the whole
+                        ///< albedo, which its energy compensation 1 + f0 (1 / y - 1) needs
+};
+
+/// What the table holds.
+struct BrdfTableOptions {
+  int width = 64;                          ///< along N.V, 1 to 4096: column i is at N.V = (i + 0.5) / width
+  int height = 64;                         ///< along perceptual roughness, 1 to 4096: row j is at (j + 0.5) / height
+  BrdfModel model = BrdfModel::split_sum;  ///< what red and green are
+
+  /// A third channel: directional albedo of Charlie sheen, D of Estevez and Kulla 2017 (Production Friendly Microfacet
+  /// Sheen BRDF) with alpha = roughness squared, with the visibility 1 / (4 (n.l + n.v - n.l n.v)) of Neubelt and
+  /// Pettineo 2013: that is what Filament and three.js shade with, and the table must fit the shader. (Charlie's own
+  /// lambda is for path tracers.) That visibility does not keep energy: below a roughness of 0.4 or so the albedo
+  /// exceeds 1 at grazing angles (8 at 0.05, hundreds below), for which renderers bound roughness from below.
+  bool sheen = true;
+
+  friend bool operator==(const BrdfTableOptions&, const BrdfTableOptions&) = default;
+};
+
+/// The table: reflectance of a surface in even light, by the cosine to the viewer and by roughness.
+struct BrdfTable {
+  BrdfTableOptions options;   ///< those that it was made with
+  int channels = 2;           ///< 3 with sheen
+  std::vector<float> values;  ///< height x width x channels, row 0 at the lowest roughness
+
+  /// The same as IEEE half floats, rounded to nearest, ties to even; beyond 65504: 65504.
+  [[nodiscard]] std::vector<std::uint16_t> half_values() const;
+  /// Memory of `values`.
+  [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(float); }
+};
+
+/// The table, by deterministic quadrature: absolute error below 1e-5 in every texel, sheen above 1 by 1e-5 of its
+/// value. Tables depend on no scene: those that were used last are kept, up to 32 MiB of them, and shared; larger ones
+/// are made at every call. Cost: some 0.6 microseconds a texel and thread with AVX-512, and as much again for sheen.
+/// The same bits on any number of threads and instruction set. Throws `Error`: invalid_argument, cancelled.
+[[nodiscard]] std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options = {},
+                                                          const Control& control = {});
 
 }  // namespace welkin

@@ -14,17 +14,16 @@
 #include <thread>
 #include <vector>
 
-#include "brdf/brdf_kernels.h"
-#include "brdf/brdf_table.h"
 #include "perf/report/brdf_truth.h"
+#include "reflections/brdf_kernels.h"
+#include "reflections/brdf_table.h"
 #include "simd/dispatch.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"
 #include "support/thrown_error.h"
-#include "welkin/brdf_table.h"
-#include "welkin/control.h"
-#include "welkin/instruction_set.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
 
 namespace welkin::test {
 
@@ -53,18 +52,19 @@ struct Albedos {
   Sixteen sheen{};
 };
 
-Albedos albedos(const brdf::AlbedoRule& ggx, const brdf::AlbedoRule& sheen, double roughness, const Sixteen& cosines,
-                InstructionSet set) {
+Albedos albedos(const reflections::AlbedoRule& ggx, const reflections::AlbedoRule& sheen, double roughness,
+                const Sixteen& cosines, InstructionSet set) {
   Albedos result;
   const auto alpha = static_cast<float>(roughness * roughness);
-  brdf::brdf_kernels(set).directional_albedo(ggx, alpha, cosines.data(), result.whole.data(), result.fresnel.data());
-  brdf::brdf_kernels(set).sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
+  reflections::brdf_kernels(set).directional_albedo(ggx, alpha, cosines.data(), result.whole.data(),
+                                                    result.fresnel.data());
+  reflections::brdf_kernels(set).sheen_albedo(sheen, alpha, cosines.data(), result.sheen.data());
   return result;
 }
 
 /// As the table's rules give it, for each cosine as if its sixteen began there.
 Albedos by_rules(double roughness) {
-  const brdf::AlbedoRules rules;
+  const reflections::AlbedoRules rules;
   Albedos result;
   for (std::size_t k = 0; k < kCosines.size(); ++k) {
     const Albedos one = albedos(rules.ggx(roughness, kCosines[k]), rules.sheen(roughness), roughness, kCosines,
@@ -107,9 +107,9 @@ TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf]") {
 }
 
 TEST_CASE("Twice the nodes change no albedo by 1e-5", "[brdf]") {
-  const auto dense_ggx = brdf::AlbedoQuadrature::even({20, 20, 32});
-  const auto dense_sheen = brdf::AlbedoQuadrature::thinning({28, 16, 32});
-  const brdf::AlbedoRules rules;
+  const auto dense_ggx = reflections::AlbedoQuadrature::even({20, 20, 32});
+  const auto dense_sheen = reflections::AlbedoQuadrature::thinning({28, 16, 32});
+  const reflections::AlbedoRules rules;
   for (int row = 0; row < 97; ++row) {
     const double roughness = (row + 0.5) / 97.0 * (row % 3 == 0 ? 0.3 : 1.0);
     for (int first = 0; first < 129; first += simd::kLanes) {
@@ -162,7 +162,7 @@ TEST_CASE("No surface sends back more than it gets", "[brdf]") {
 }
 
 TEST_CASE("Albedo has the same bits on every instruction set", "[brdf]") {
-  const brdf::AlbedoRules rules;
+  const reflections::AlbedoRules rules;
   for (const double roughness : kRoughness) {
     std::vector<Albedos> found;
     for (const InstructionSet set : available_instruction_sets()) {
@@ -238,12 +238,12 @@ TEST_CASE("The multiple-scattering table holds the bias and the sum, and sheen i
 
 TEST_CASE("A BRDF table has the same bits on any number of threads and instruction set", "[brdf]") {
   const BrdfTableOptions options{70, 37, BrdfModel::split_sum, true};
-  const auto once = brdf::integrated_brdf(options, {});
+  const auto once = reflections::integrated_brdf(options, {});
   const InstructionSet before = active_instruction_set();
   for (const InstructionSet set : available_instruction_sets()) {
     force_instruction_set(set);
     for (const int threads : {1, 2, 3, 8}) {
-      run_with_threads(threads, [&] { CHECK(same(*once, *brdf::integrated_brdf(options, {}))); });
+      run_with_threads(threads, [&] { CHECK(same(*once, *reflections::integrated_brdf(options, {}))); });
     }
   }
   force_instruction_set(before);
@@ -261,7 +261,7 @@ TEST_CASE("BRDF tables are made once and shared", "[brdf]") {
 
 TEST_CASE("Filling a BRDF table allocates nothing in its tiles", "[brdf]") {
   forget_allocations_in_tiles();
-  (void)brdf::integrated_brdf({130, 40, BrdfModel::split_sum, true}, {});
+  (void)reflections::integrated_brdf({130, 40, BrdfModel::split_sum, true}, {});
   CHECK(allocations_in_tiles() == 0);
 }
 
@@ -286,7 +286,7 @@ TEST_CASE("A cancelled BRDF table is not there, and the next call makes it", "[b
   CHECK(thrown_by([&] { (void)brdf_table(options, control); }).code == ErrorCode::cancelled);
   CHECK(thrown_by([&] { (void)brdf_table(options, {source.get_token(), {}}); }).code == ErrorCode::cancelled);
   const auto table = brdf_table(options);
-  CHECK(same(*table, *brdf::integrated_brdf(options, {})));
+  CHECK(same(*table, *reflections::integrated_brdf(options, {})));
   // Also where it is cached.
   CHECK(thrown_by([&] { (void)brdf_table(options, {source.get_token(), {}}); }).code == ErrorCode::cancelled);
 }

@@ -3,7 +3,7 @@
 
 #include "simd/dispatch.h"
 
-namespace welkin::brdf {
+namespace welkin::reflections {
 
 /// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (brdf/brdf_quadrature.h).
 struct AlbedoRule {
@@ -33,4 +33,4 @@ struct BrdfKernels {
 };
 WELKIN_KERNEL_TABLES(BrdfKernels, brdf_kernels)
 
-}  // namespace welkin::brdf
+}  // namespace welkin::reflections

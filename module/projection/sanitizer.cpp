@@ -1,4 +1,4 @@
-#include "projection/pixel_policy.h"
+#include "projection/sanitizer.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "image/pixels.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
 
 namespace welkin::projection {
 namespace {
@@ -35,41 +35,40 @@ void SanitizeRecord::add(const SanitizeRecord& other) noexcept {
   if (other.rejected) keep_first(rejected, *other.rejected);
 }
 
-PixelPolicy::PixelPolicy(const ProjectionOptions& options)
-    : options_(options),
-      infinity_replacement_(options.clamp ? options.clamp->maximum : kLargestHalf),
+Sanitizer::Sanitizer(const PixelPolicy& policy)
+    : policy_(policy),
+      infinity_replacement_(policy.clamp ? policy.clamp->maximum : kLargestHalf),
       low_(-kLargestFloat),
-      high_(options.clamp ? options.clamp->maximum : kLargestFloat) {
-  const bool clamp_lifts_negatives = options.clamp && !options.clamp->preserve_colour;
-  if (options.negative != NegativePolicy::keep || clamp_lifts_negatives) low_ = 0.0F;
-  looks_at_every_texel_ = options.gamma || options.clamp.has_value() || options.negative != NegativePolicy::keep;
+      high_(policy.clamp ? policy.clamp->maximum : kLargestFloat) {
+  const bool clamp_lifts_negatives = policy.clamp && !policy.clamp->preserve_colour;
+  if (policy.negative != NegativePolicy::keep || clamp_lifts_negatives) low_ = 0.0F;
+  looks_at_every_texel_ = policy.gamma || policy.clamp.has_value() || policy.negative != NegativePolicy::keep;
 }
 
-void PixelPolicy::sanitize_channel(float& value, int texel, const TexelRun& run,
-                                   SanitizeRecord& record) const noexcept {
+void Sanitizer::sanitize_channel(float& value, int texel, const TexelRun& run, SanitizeRecord& record) const noexcept {
   const auto reject = [&](RejectedTexel::Kind kind) {
     keep_first(record.rejected, {run.face, run.row, run.first_column + texel, kind});
   };
   if (std::isnan(value)) {
-    if (options_.nan == NonFinitePolicy::reject) reject(RejectedTexel::Kind::nan);
+    if (policy_.nan == NonFinitePolicy::reject) reject(RejectedTexel::Kind::nan);
     ++record.nans;
     value = 0.0F;
   } else if (std::isinf(value)) {
-    if (options_.infinity == NonFinitePolicy::reject) reject(RejectedTexel::Kind::infinity);
+    if (policy_.infinity == NonFinitePolicy::reject) reject(RejectedTexel::Kind::infinity);
     ++record.infinities;
     value = value > 0.0F ? infinity_replacement_ : 0.0F;
-  } else if (value < 0.0F && options_.negative != NegativePolicy::keep) {
-    if (options_.negative == NegativePolicy::reject) reject(RejectedTexel::Kind::negative);
+  } else if (value < 0.0F && policy_.negative != NegativePolicy::keep) {
+    if (policy_.negative == NegativePolicy::reject) reject(RejectedTexel::Kind::negative);
     ++record.negatives;
     value = 0.0F;
   }
-  if (options_.gamma) value = static_cast<float>(image::power_2_2(std::clamp(static_cast<double>(value), 0.0, 1.0)));
+  if (policy_.gamma) value = static_cast<float>(image::power_2_2(std::clamp(static_cast<double>(value), 0.0, 1.0)));
 }
 
-bool PixelPolicy::clamp(float* rgb) const noexcept {
-  if (!options_.clamp) return false;
-  const float maximum = options_.clamp->maximum;
-  if (options_.clamp->preserve_colour) {
+bool Sanitizer::clamp(float* rgb) const noexcept {
+  if (!policy_.clamp) return false;
+  const float maximum = policy_.clamp->maximum;
+  if (policy_.clamp->preserve_colour) {
     const float brightest = std::max({rgb[0], rgb[1], rgb[2]});
     if (!(brightest > maximum)) return false;
     const double factor = static_cast<double>(maximum) / static_cast<double>(brightest);
@@ -85,7 +84,7 @@ bool PixelPolicy::clamp(float* rgb) const noexcept {
   return changed;
 }
 
-void PixelPolicy::sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept {
+void Sanitizer::sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept {
   for (int i = 0; i < run.count; ++i) {
     float* const rgb = run.rgb + static_cast<std::ptrdiff_t>(3) * i;
     for (int c = 0; c < 3; ++c) sanitize_channel(rgb[c], i, run, record);
@@ -120,9 +119,13 @@ namespace {
 
 void check_options(const ProjectionOptions& options) {
   image::require_range("bands", options.bands, 1, kMaximumBands);
-  image::require_range("target_size", options.target_size, 0, image::kLargestFace);
-  if (!options.clamp) return;
-  const float maximum = options.clamp->maximum;
+  if (options.target_size) image::require_range("target_size", *options.target_size, 1, image::kLargestFace);
+  check_policy(options.pixels);
+}
+
+void check_policy(const PixelPolicy& policy) {
+  if (!policy.clamp) return;
+  const float maximum = policy.clamp->maximum;
   if (!(maximum > 0.0F) || std::isinf(maximum)) {
     refuse("the clamp's maximum is " + std::to_string(maximum) + "; it must be above 0 and finite (no clamp is off)");
   }

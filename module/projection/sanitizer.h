@@ -1,4 +1,4 @@
-// What the caller wants done about NaN, infinities, negatives, gamma and too bright texels.
+// Carries a pixel policy out: NaN, infinities, negatives, gamma and too bright texels.
 #pragma once
 
 #include <cstdint>
@@ -45,9 +45,10 @@ struct TexelRun {
   double weight_scale;   ///< factor to all weights
 };
 
-class PixelPolicy {
+/// A `PixelPolicy` made ready for runs of texels.
+class Sanitizer {
  public:
-  explicit PixelPolicy(const ProjectionOptions& options);
+  explicit Sanitizer(const PixelPolicy& policy);
 
   /// False if finite pixels pass unchanged, so that only a sum that is not finite calls for a look at them.
   [[nodiscard]] bool looks_at_every_texel() const noexcept { return looks_at_every_texel_; }
@@ -55,7 +56,7 @@ class PixelPolicy {
   /// Bounds between which a channel passes unchanged; NaN never does. Meaningless with gamma.
   [[nodiscard]] float low() const noexcept { return low_; }
   [[nodiscard]] float high() const noexcept { return high_; }
-  [[nodiscard]] bool gamma() const noexcept { return options_.gamma; }
+  [[nodiscard]] bool gamma() const noexcept { return policy_.gamma; }
 
   /// Applies the policies in Babylon.js's order: NaN and infinities, gamma, clamp. Records what it did.
   void sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept;
@@ -64,7 +65,7 @@ class PixelPolicy {
   void sanitize_channel(float& value, int texel, const TexelRun& run, SanitizeRecord& record) const noexcept;
   [[nodiscard]] bool clamp(float* rgb) const noexcept;
 
-  ProjectionOptions options_;
+  PixelPolicy policy_;
   float infinity_replacement_;
   float low_;
   float high_;
@@ -84,5 +85,7 @@ using image::kLargestLatLongWidth;
 
 /// Throws `Error` (invalid_argument) with a message that says what was found and what is allowed.
 void check_options(const ProjectionOptions& options);
+/// The same for a policy alone.
+void check_policy(const PixelPolicy& policy);
 
 }  // namespace welkin::projection

@@ -1,4 +1,4 @@
-#include "brdf/brdf_table.h"
+#include "reflections/brdf_table.h"
 
 #include <algorithm>
 #include <array>
@@ -7,17 +7,17 @@
 #include <numbers>
 #include <string>
 
-#include "brdf/brdf_kernels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "platform/float_environment.h"
+#include "reflections/brdf_kernels.h"
 #include "simd/dispatch.h"
-#include "welkin/brdf_table.h"
-#include "welkin/error.h"
+#include "welkin/core.h"
+#include "welkin/reflections.h"
 
-namespace welkin::brdf {
+namespace welkin::reflections {
 namespace {
 
 struct Node {
@@ -88,7 +88,7 @@ AlbedoRule AlbedoRules::sheen(double roughness) const noexcept {
   return sheen_[roughness < 0.5 ? 1 : 2].rule();
 }
 
-}  // namespace welkin::brdf
+}  // namespace welkin::reflections
 
 namespace welkin {
 namespace {
@@ -133,22 +133,23 @@ std::vector<std::uint16_t> BrdfTable::half_values() const {
   return halves;
 }
 
-void brdf::check_brdf(const BrdfTableOptions& options) {
+void reflections::check_brdf(const BrdfTableOptions& options) {
   check_edge("width", options.width);
   check_edge("height", options.height);
 }
 
-std::shared_ptr<const BrdfTable> brdf::shared_brdf(const BrdfTableOptions& options, const Control& control,
-                                                   bool& made) {
+std::shared_ptr<const BrdfTable> reflections::shared_brdf(const BrdfTableOptions& options, const Control& control,
+                                                          bool& made) {
   check_brdf(options);
   made = true;
   jobs::throw_if_cancelled(control);
   // What would not be kept is made without the cache, where whoever wants the same waits for it, deaf to its own stop.
-  if (brdf::brdf_values(options) * sizeof(float) > kCacheBytes) return brdf::integrated_brdf(options, control);
+  if (reflections::brdf_values(options) * sizeof(float) > kCacheBytes)
+    return reflections::integrated_brdf(options, control);
   made = false;
   std::shared_ptr<const BrdfTable> table = cache().get(options, [&] {
     made = true;
-    return brdf::integrated_brdf(options, control);
+    return reflections::integrated_brdf(options, control);
   });
   if (!made && control.progress) control.progress(1.0);
   return table;
@@ -157,12 +158,12 @@ std::shared_ptr<const BrdfTable> brdf::shared_brdf(const BrdfTableOptions& optio
 std::shared_ptr<const BrdfTable> brdf_table(const BrdfTableOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   bool made = false;
-  return brdf::shared_brdf(options, control, made);
+  return reflections::shared_brdf(options, control, made);
 }
 
 }  // namespace welkin
 
-namespace welkin::brdf {
+namespace welkin::reflections {
 namespace {
 
 /// 64 texels of a row: some 0.1 ms with AVX-512, 0.4 with SSE2.
@@ -226,4 +227,4 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   return table;
 }
 
-}  // namespace welkin::brdf
+}  // namespace welkin::reflections

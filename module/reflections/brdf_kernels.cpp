@@ -1,10 +1,10 @@
 // Directional albedo by quadrature, sixteen view angles at a time. What is integrated, and why over these variables, is
 // in brdf/brdf_quadrature.h; the names are the same there.
-#include "brdf/brdf_kernels.h"
+#include "reflections/brdf_kernels.h"
 
 #include "simd/vec.h"
 
-namespace welkin::brdf::WELKIN_ISA {
+namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
 using simd::kLanes, simd::kWidth, simd::Lanes;
@@ -170,4 +170,4 @@ const BrdfKernels brdf_kernels_table = {
     .sheen_albedo = sheen_albedo,
 };
 
-}  // namespace welkin::brdf::WELKIN_ISA
+}  // namespace welkin::reflections::WELKIN_ISA

@@ -1,0 +1,110 @@
+// What all other headers build on: the version, what a shared library shows, errors, the control of long calls,
+// instruction sets.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#define WELKIN_VERSION_MAJOR 0
+#define WELKIN_VERSION_MINOR 1
+#define WELKIN_VERSION_PATCH 0
+#define WELKIN_VERSION_STRING "0.1.0"
+
+#if defined(__GNUC__)
+#define WELKIN_EXPORT [[gnu::visibility("default")]]
+#define WELKIN_HIDDEN [[gnu::visibility("hidden")]]  // of a class that public headers name and no user calls
+#else
+#define WELKIN_EXPORT
+#define WELKIN_HIDDEN
+#endif
+
+namespace WELKIN_EXPORT welkin {
+
+// The one exception type that Welkin throws.
+
+/// What kind of thing went wrong; the message says what, where, and what would do instead.
+enum class ErrorCode {
+  invalid_argument,  ///< a view or an option that no call could accept (a null face, zero bands)
+  rejected_pixel,    ///< a texel that the caller's policy rejects; the message names face, row and column
+  file_access,       ///< a file that cannot be opened, read or written
+  corrupt_file,      ///< a file that breaks its own format, or ends too early
+  unsupported_file,  ///< a sound file of a kind that Welkin (so built) does not read, or whose layout is unclear
+  limit_exceeded,    ///< a file or request that would need more memory than the stated limit
+  cancelled,         ///< the caller asked for it: by a stop token, or by `JobHandle::cancel`
+  replaced,          ///< a newer request with the same key took this job's place
+  queue_full,        ///< a worker at its limits refused this job, or dropped it for another
+  stopped,           ///< the worker was terminated before this job was done
+};
+
+/// Thrown by every public entry that can fail. Nothing else leaves the library, except
+/// `std::bad_alloc` and whatever a caller's own callback throws.
+class Error : public std::runtime_error {
+ public:
+  /// `message` names the file or argument, what was found and what would do.
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+
+  /// For programs; `what()` is for people.
+  [[nodiscard]] ErrorCode code() const noexcept { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+// How a caller steers a long call: cancellation, progress, threads.
+
+/// Passed to every call that can take longer than a frame. The default asks for nothing.
+struct Control {
+  /// Checked before every tile: 0.05 to 0.6 ms of work on pixels in memory, one block of rows or tiles of a file
+  /// (docs/threading.md has what was measured). Once stop is requested the call throws `Error` with
+  /// `ErrorCode::cancelled`; nothing that the call would have returned exists.
+  std::stop_token stop{};
+
+  /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
+  /// It comes from whichever thread finished a tile, one call at a time, with the default floating-point
+  /// environment, and may use TBB itself; what it throws ends the call and reaches the caller. Left empty, progress
+  /// costs nothing.
+  std::function<void(double)> progress{};
+};
+
+/// How the system ranks a worker's threads against all others.
+enum class ThreadPriority {
+  idle,    ///< runs only on processors that nothing else wants (Linux SCHED_IDLE)
+  below,   ///< a tenth of a normal thread's share when both want a processor (nice + 10)
+  normal,  ///< as the thread that made the worker
+};
+
+/// Runs `work` in an arena of its own with `threads` threads (0: as many as the process may use).
+///
+/// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
+/// arena keeps its thread budget without this function. It is for programs that have no arena.
+/// The number of threads never changes a result's bits.
+/// Throws `Error` (invalid_argument) unless 0 <= threads <= 1024, and whatever `work` throws.
+void run_with_threads(int threads, const std::function<void()>& work);
+
+/// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where
+/// the control group's CPU quota (cgroup v2 `cpu.max`) grants fewer. At least 1.
+[[nodiscard]] int available_threads();
+
+// Which of the kernels' builds is in use.
+
+/// The builds of the kernels that an x86-64 binary carries, narrowest first. All give the same bits.
+enum class InstructionSet { sse2, avx2, avx512 };
+
+[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512"
+
+/// Those that this processor and operating system can run, narrowest first.
+[[nodiscard]] std::vector<InstructionSet> available_instruction_sets();
+
+/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2 or avx512)
+/// said otherwise when it was first asked for, or `force_instruction_set` did since.
+/// Throws `Error` (invalid_argument) if WELKIN_ISA names none, or one that cannot run here.
+[[nodiscard]] InstructionSet active_instruction_set();
+
+/// Chooses for all calls that start from now on; for tests and benchmarks.
+/// Throws `Error` (invalid_argument) if it cannot run here.
+void force_instruction_set(InstructionSet set);
+
+}  // namespace welkin

@@ -1,0 +1,119 @@
+// Where things lie in other engines: their axes, their lat-longs, their cube faces.
+//
+// An environment in Welkin lives in Welkin's axes: right-handed, y up, a lat-long's centre along +z and +x a quarter
+// in from the left (as in OpenEXR). A convention says how the same surroundings lie in an engine's axes, so that a
+// person who looks around in the engine sees the same picture, not mirrored.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace WELKIN_EXPORT welkin {
+
+enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
+
+/// Where things lie in one engine.
+struct Convention {
+  Engine engine;         ///< whose it is
+  const char* name;      ///< as on the command line: "babylon", "three", ...
+  const char* title;     ///< "Babylon.js", "three.js", ...
+  bool right_handed;     ///< whether the engine's axes are right-handed
+  const char* axes;      ///< in words: "left-handed, y up, ..."
+  const char* lat_long;  ///< in words: "centre +z, right +x"
+  const char* source;    ///< where that can be checked: file and function of the engine; what follows "derived" is
+                         ///< concluded from it, the rest stands there
+
+  /// Takes a direction in Welkin's axes to the engine's axes, as a lat-long picture is laid out by both. Orthogonal;
+  /// of determinant -1 for left-handed engines.
+  glm::dmat3 from_welkin;
+
+  /// Takes a direction in the engine's axes to the one in the frames of `CubemapView` under which the engine's cube
+  /// faces hold it. None if the engine has no cubemaps of its own.
+  std::optional<glm::dmat3> faces_from_engine;
+};
+
+[[nodiscard]] const Convention& convention(Engine engine) noexcept;
+
+/// All of them, in the order of `Engine`.
+[[nodiscard]] std::span<const Convention> conventions() noexcept;
+
+/// By `Convention::name`. Throws `Error` (invalid_argument) listing the names.
+[[nodiscard]] const Convention& convention(std::string_view name);
+
+// The form in which Babylon.js 9.34 keeps an environment's diffuse light.
+
+/// Babylon.js's SphericalPolynomial: a quadratic in the surface normal (x, y, z), one RGB triple a term.
+/// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried
+/// twice and constants truncated as they are in Babylon.js; its shader's way back undoes that.
+struct BabylonPolynomial {
+  glm::dvec3 x{};   ///< factor of the normal's x
+  glm::dvec3 y{};   ///< of y
+  glm::dvec3 z{};   ///< of z
+  glm::dvec3 xx{};  ///< of x squared
+  glm::dvec3 yy{};  ///< of y squared
+  glm::dvec3 zz{};  ///< of z squared
+  glm::dvec3 yz{};  ///< of y z
+  glm::dvec3 zx{};  ///< of z x
+  glm::dvec3 xy{};  ///< of x y
+};
+
+/// What CubeMapToSphericalPolynomialTools makes of the same light: irradiance / pi in Babylon's signs (odd
+/// orders negated), then SphericalPolynomial.FromHarmonics with its own constants (0.886277 included).
+/// Bands above the third are left out, missing ones are zero.
+[[nodiscard]] BabylonPolynomial babylon_polynomial(const SphericalHarmonics& radiance);
+
+/// The polynomial of a single ambient colour (a placeholder until the real light is there): that colour
+/// for every normal, no direction in it. Exactly `colour` in xx, yy and zz, zero elsewhere.
+[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour);
+
+/// The polynomial's value for a unit normal.
+[[nodiscard]] glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal);
+
+// A radiance projection in the form in which an engine wants it.
+
+/// One named number triple of an engine's form.
+struct EngineTerm {
+  std::string name;  ///< as the engine calls it: "xx", "coefficients[4]", "irradianceCoefficients[0]", ...
+  glm::dvec3 rgb{};  ///< red, green, blue
+};
+
+/// One named four-vector that an engine's shader reads.
+struct EngineVector {
+  std::string name;    ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
+  glm::dvec4 value{};  ///< x, y, z, w as the shader reads them
+};
+
+/// Light in an engine's own form.
+struct EngineLight {
+  Engine engine{};      ///< whose form it is
+  std::string form;     ///< the engine's type: "SphericalPolynomial", "SphericalHarmonics3", ...
+  std::string formula;  ///< what it is, with pi, signs and order, and how the shader evaluates it; for a person
+  std::vector<EngineTerm> terms;  ///< in the engine's order
+
+  /// The same light as the engine packs it for its shader, a channel at a time: seven for Unity and for Unreal, in the
+  /// order in which they lie in memory; none for engines whose shaders read the terms.
+  std::vector<EngineVector> vectors;
+};
+
+/// Whether the engine has a form of its own: not welkin, openexr, blender.
+[[nodiscard]] bool has_engine_light(Engine engine) noexcept;
+
+/// The terms of an engine's form from radiance in Welkin's axes: turned to the engine's axes
+/// (`Convention::from_welkin`), then signs, order and scale. Bands above the third are left out, missing ones are
+/// zero. Throws `Error` (invalid_argument) for an engine that has no such form (openexr, blender), naming those that
+/// do.
+[[nodiscard]] EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine);
+
+/// The same without the turn: `radiance` is in the engine's axes already.
+[[nodiscard]] EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine);
+
+}  // namespace welkin

@@ -1,0 +1,282 @@
+// Precomputed scattering: everything a planet's sky can look like, in tables (Bruneton and Neyret 2008; Bruneton 2017).
+//
+//   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));
+//   welkin::SkyView view(tables, 0.0);
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "welkin/atmosphere.h"
+#include "welkin/core.h"
+#include "welkin/directional_light.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace WELKIN_EXPORT welkin {
+
+enum class ScatteringLayout {
+  /// Height x cosine of view's zenith x cosine of sun's zenith x cosine of the azimuth between view and sun (Bruneton,
+  /// who has the cosine between view and sun for the last).
+  full,
+  /// Without the last: what varies with it is but the phase functions (32 x 64 x 32 in the article). RGBA: Rayleigh and
+  /// all higher orders in rgb, the first channel of single Mie scattering in a; its other channels are extrapolated.
+  compact,
+};
+
+/// Sizes of the tables, and how far the scattering is followed.
+struct SkyTableOptions {
+  ScatteringLayout layout = ScatteringLayout::full;  ///< four-dimensional, or compact
+  int heights = 32;                                  ///< of the scattering table, 2 to 128
+  int view_zeniths = 64;                             ///< even, 4 to 1024: half of them for rays that meet the ground
+  int sun_zeniths = 64;                              ///< 4 to 256
+  int sun_angles = 8;                                ///< cosines of azimuths between view and sun, full only: 2 to 128
+  int transmittance_heights = 64;                    ///< 2 to 1024
+  int transmittance_zeniths = 256;                   ///< 2 to 2048
+  int irradiance_heights = 16;                       ///< 2 to 1024
+  int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
+
+  /// Elevation of the lowest sun that tables hold, degrees; below it the sky is that of the last one, faded to nothing.
+  /// -90 to 0.
+  double lowest_sun_degrees = -30.0;
+
+  int orders = 4;  ///< of scattering, ground reflections included: 1 (single) to 64
+
+  /// Stops before `orders` when an order added less than this share of all light before it (mean radiance, over all
+  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the most of them.
+  double until_change = 0.0;
+
+  SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
+  std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more are refused
+
+  friend bool operator==(const SkyTableOptions&, const SkyTableOptions&) = default;
+};
+
+/// The tables. Channels are three wavelengths' or linear sRGB's (`options.colour`).
+struct SkyTables {
+  Atmosphere atmosphere;    ///< what they were computed from
+  SkyTableOptions options;  ///< those that they were made with
+
+  /// Transmittance to the top (not past the ground): [transmittance_heights][transmittance_zeniths][3]. Of spectra that
+  /// are folded: sRGB light of a white sun (the sun's own spectrum folded) through it, relative to that above the air.
+  std::vector<float> transmittance;
+
+  /// [heights][view_zeniths][sun_angles][sun_zeniths][4], as a texture of sun_angles * sun_zeniths x view_zeniths x
+  /// heights RGBA: Rayleigh scattering without its phase function and higher orders divided by it, times solar
+  /// irradiance; in a single Mie scattering's first channel, likewise without phase function.
+  std::vector<float> scattering;
+
+  /// Full layout: single Mie scattering's channels (and 0), same shape. Compact, or no aerosol that scatters: empty.
+  std::vector<float> single_mie;
+
+  /// Irradiance of the sky, without direct sun, on horizontal ground facing up: [irradiance_heights]
+  /// [irradiance_sun_zeniths][3].
+  std::vector<float> irradiance;
+
+  int orders = 0;                  ///< that were computed
+  double last_change = 0.0;        ///< share that the last of them added
+  std::vector<PassRecord> passes;  ///< wall time of each step
+
+  /// Memory of all tables.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+};
+
+/// Memory that `precompute_sky` needs at most, results included; some 1 MB of it for each thread of the caller's arena.
+/// Throws `Error` (invalid_argument), also for radiances of other than three wavelengths.
+[[nodiscard]] std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options);
+
+/// Precomputes: about two seconds of processor time for the defaults, a third of it for one order; three wavelengths
+/// each. Small tables are computed from fewer nodes.
+///
+/// Single scattering at texels: root mean square error 1e-5 of the mean by day, 1e-4 by night (Earth, Mars). Higher
+/// orders are not integrated over directions for each direction, as Bruneton does it: radiance about a point is
+/// projected to spherical harmonics (up to 20 bands) about the vertical, where phase functions are products; the second
+/// order agrees with direct integration to 0.5 %. For |g| above 0.79 their aureoles lose detail finer than 9 degrees,
+/// no energy.
+///
+/// The same bits on any number of threads and instruction set. Nothing in them is negative or not finite.
+/// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+[[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
+                                       const Control& control = {});
+
+// The sky as it is seen from one height: any direction, any sun.
+
+/// What a view is prepared for.
+struct SkyViewOptions {
+  bool ground = true;  ///< rays that end on the ground see it, lit by sun and sky; else only the air before it
+};
+
+/// What pictures show.
+struct SkyPictureOptions {
+  /// The sun's disc, as texels that it covers by area: their total radiance is the directional light's irradiance. Off:
+  /// the disc is left out.
+  bool sun_disc = false;
+};
+
+/// The tables' slice at one height: 1 MiB at the default sizes, made in some 2 ms. Immutable: any number of threads may
+/// ask at once. A sun that is not finite or has no length is an `Error` (invalid_argument) in every call that takes
+/// one.
+///
+/// Between the tables' nodes radiance is a cubic along each of height, view zenith, azimuth and sun zenith, which
+/// leaves the range of the two nodes nearest to it by no more than a tenth. Measured against the truth of single
+/// scattering (Earth, default sizes): nine harmonics within 0.2 % from 90 to -8 degrees on the ground, 0.3 % at 20 km,
+/// 0.7 % at the top; radiance rms 1e-5 by day, 0.5 % at sunset and after; at the edges of the planet's shadow percents.
+class SkyView {
+ public:
+  /// Altitude 0 (on the ground) to 1e9 m: above the top it is space, and rays are looked up where they enter the air.
+  /// Throws `Error` (invalid_argument), also for tables that do not hold what their options say.
+  SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options = {});
+  ~SkyView();
+  /// Copies share the tables.
+  SkyView(const SkyView&);
+  /// The source can only be assigned to or destroyed afterwards.
+  SkyView(SkyView&&) noexcept;
+  /// As the constructors.
+  SkyView& operator=(const SkyView&);
+  /// As the constructors.
+  SkyView& operator=(SkyView&&) noexcept;
+
+  /// The tables that the view is a slice of.
+  [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept;
+  /// The observer's, above the ground.
+  [[nodiscard]] double altitude_m() const noexcept;
+
+  /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`, without its disc. Not
+  /// negative, finite. Allocates nothing. Directions of any length are taken, one without is the zenith. Below the
+  /// lowest sun of the tables it is that one's sky, faded to nothing at the nadir. Cost: some 0.3 us.
+  [[nodiscard]] glm::dvec3 radiance(const glm::dvec3& direction, const glm::dvec3& sun) const;
+
+  /// The same for many directions, in lanes: packed x y z, packed rgb. The bits of the call above for the same floats.
+  /// Allocates nothing; some 50 ns a direction. Throws `Error` (invalid_argument) if `rgb` is shorter than
+  /// `directions`.
+  void radiance(std::span<const glm::vec3> directions, const glm::dvec3& sun, std::span<glm::vec3> rgb) const;
+
+  /// The sun as a directional light at this height: direction, irradiance through the air (0 below the horizon, in part
+  /// while it sets), mean radiance, solid angle of its disc. `texels` and total radiances are not set.
+  [[nodiscard]] Sun sun(const glm::dvec3& sun) const;
+
+  /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table; 0 from above the air.
+  [[nodiscard]] glm::dvec3 irradiance(const glm::dvec3& sun) const;
+
+ private:
+  struct WELKIN_HIDDEN Slice;
+  friend struct SkyViewAccess;  ///< module/sky: the slice for quadratures
+  std::shared_ptr<const Slice> slice_;
+};
+
+/// The radiance at texels' centres (the sun's disc, if asked for, by area: its total radiance is the irradiance of
+/// `SkyView::sun` at any size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on
+/// any number of threads; some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to
+/// 16384), cancelled.
+[[nodiscard]] CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size,
+                                       const SkyPictureOptions& options = {}, const Control& control = {});
+[[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height,
+                                        const SkyPictureOptions& options = {}, const Control& control = {});
+
+// A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation that is baked once.
+//
+//   welkin::SkyCurve curve(view);                                          // milliseconds, once a height
+//   welkin::SphericalHarmonics light = curve.at(welkin::sun_direction(20.0, 145.0));  // each frame
+
+/// Directions and weights. A sky is mirror-symmetric about the sun's vertical plane, so all of them look at half the
+/// azimuths only, and no coefficient that is odd in the azimuth from the sun is computed.
+enum class SkyQuadrature {
+  /// Uniform in angles, weighted by solid angle: 16 zenith angles x 32 azimuths (16 looked at) are the article's
+  uniform,
+  /// Gauss-Legendre in t, cosine = horizon +- t^2, on either side of the horizon, times a trapezoid in azimuth
+  gauss,
+  /// The same zenith angles, azimuths closer together about the sun (tan(azimuth / 2) = A tan(t / 2), trapezoid in t),
+  /// and the aerosol's forward lobe, times what it has to scatter at the sun, taken out of the sky and given back by
+  /// its own spectrum in closed form
+  gauss_split,
+};
+
+/// "uniform", "gauss", "gauss-split"
+[[nodiscard]] const char* name(SkyQuadrature quadrature) noexcept;
+
+/// How a sky is projected.
+struct SkyHarmonicsOptions {
+  int bands = 3;                                          ///< 1 to kMaximumBands
+  SkyQuadrature quadrature = SkyQuadrature::gauss_split;  ///< where directions are taken
+  int zeniths = 16;   ///< Gauss nodes on either side of the horizon; uniform: over both. 2 to 128
+  int azimuths = 16;  ///< over half the circle, mirrored: 2 to 256
+
+  friend bool operator==(const SkyHarmonicsOptions&, const SkyHarmonicsOptions&) = default;
+};
+
+/// A quadrature made ready for a view: what does not depend on the sun is computed here. Immutable: any number of
+/// threads may ask at once.
+///
+/// Error of the nine coefficients of Bruneton's Earth at the default setting, against the converged integral of the
+/// same view, on the ground: 2.1e-4 from 90 to -6 degrees, 3e-3 at -10; the article's directions: 2e-2 to 1.3e-1. At
+/// 10 km 2.2e-3, at 50 km 6.4e-3 (both at -6). Sharper lobes: 5e-3 at g = 0.95; at 0.99 up to 7e-2 while the sun
+/// crosses the horizon. Outside of the atmosphere the lobe is not taken out, and an update costs some 50 times more.
+class SkyProjector {
+ public:
+  /// Throws `Error`: invalid_argument, limit_exceeded (more than 1 GiB for what is made ready).
+  explicit SkyProjector(SkyView view, const SkyHarmonicsOptions& options = {});
+
+  /// Radiance coefficients of the sky with the sun towards a direction, without its disc. Writes bands^2 triples;
+  /// allocates nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span,
+  /// a direction that is not finite or has no length.
+  void project(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  /// Harmonics of radiance for one direction to the sun, without the sun's disc.
+  [[nodiscard]] SphericalHarmonics project(const glm::dvec3& sun) const;
+
+  [[nodiscard]] int directions() const noexcept;  ///< radiance evaluations an update
+  /// The view that is projected.
+  [[nodiscard]] const SkyView& view() const noexcept;
+  /// Those that it was made with.
+  [[nodiscard]] const SkyHarmonicsOptions& options() const noexcept;
+
+ private:
+  struct WELKIN_HIDDEN Prepared;
+  friend struct SkyProjectorAccess;  ///< module/sky: coefficients before they are turned
+  std::shared_ptr<const Prepared> prepared_;
+};
+
+/// How many nodes a curve has, and how each is made.
+struct SkyCurveOptions {
+  int bands = 3;    ///< 1 to kMaximumBands; `projection.bands` is not read
+  int nodes = 256;  ///< sun elevations, closer together about the horizon: 8 to 4096
+  /// How each node is projected.
+  SkyHarmonicsOptions projection{.bands = 3, .quadrature = SkyQuadrature::gauss_split, .zeniths = 32, .azimuths = 32};
+
+  friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
+};
+
+/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a rotation
+/// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share it.
+///
+/// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to
+/// -9, 2e-2 to -12, 1e-1 to -18, where the tables' own interpolation between suns is no smoother than that.
+class SkyCurve {
+ public:
+  /// Parallel over elevations; the same bits on any number of threads and instruction set.
+  /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.
+  explicit SkyCurve(const SkyView& view, const SkyCurveOptions& options = {}, const Control& control = {});
+
+  /// Bands of the harmonics.
+  [[nodiscard]] int bands() const noexcept;
+  /// Writes bands^2 triples; allocates nothing; under a microsecond for 3 bands. Throws `Error` (invalid_argument) for
+  /// too short a span, a direction that is not finite or has no length.
+  void at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  /// Harmonics of radiance for a direction to the sun. Cost: microseconds.
+  [[nodiscard]] SphericalHarmonics at(const glm::dvec3& sun) const;
+  /// The direct sun's irradiance on a surface that faces it, from the same curve.
+  [[nodiscard]] glm::dvec3 sun_irradiance(const glm::dvec3& sun) const;
+
+  /// Memory of the curve.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+
+ private:
+  struct WELKIN_HIDDEN Nodes;
+  std::shared_ptr<const Nodes> nodes_;
+};
+
+}  // namespace welkin

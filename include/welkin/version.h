@@ -1,6 +1,0 @@
-#pragma once
-
-#define WELKIN_VERSION_MAJOR 0
-#define WELKIN_VERSION_MINOR 1
-#define WELKIN_VERSION_PATCH 0
-#define WELKIN_VERSION_STRING "0.1.0"
