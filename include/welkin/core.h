@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory_resource>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
@@ -67,6 +68,11 @@ struct Control {
   /// environment, and may use TBB itself; what it throws ends the call and reaches the caller. Left empty, progress
   /// costs nothing.
   std::function<void(double)> progress{};
+
+  /// Where the call takes the memory of the `CubemapChain`s that it returns; null: `std::pmr::get_default_resource()`.
+  /// Passes run side by side, so that `allocate` may be called from several threads at once. It must outlive the
+  /// results. Working memory, images and coefficients come from the heap.
+  std::pmr::memory_resource* memory = nullptr;
 };
 
 /// How the system ranks a worker's threads against all others.

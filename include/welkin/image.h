@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -127,9 +128,10 @@ class CubemapChain {
   /// No levels.
   CubemapChain() = default;
 
-  /// The pixels are not initialised. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and
-  /// 1 <= levels <= full_chain_levels(size).
-  CubemapChain(int size, int levels);
+  /// The pixels are not initialised; they start on a cache line. `memory` must outlive the chain; null:
+  /// `std::pmr::get_default_resource()`. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and
+  /// 1 <= levels <= full_chain_levels(size), and what `memory` throws.
+  CubemapChain(int size, int levels, std::pmr::memory_resource* memory = nullptr);
 
   /// Texels along an edge of level 0; 0 if there are no levels.
   [[nodiscard]] int size() const noexcept { return size_; }
@@ -153,6 +155,14 @@ class CubemapChain {
   [[nodiscard]] std::vector<CubemapView> views() const;
 
  private:
+  /// Gives the pixels back to where they came from.
+  struct Free {
+    std::pmr::memory_resource* memory = nullptr;
+    std::size_t bytes = 0;
+
+    void operator()(float* pixels) const noexcept;
+  };
+
   [[nodiscard]] std::size_t face_offset(int level, int face) const noexcept {
     const auto edge = static_cast<std::size_t>(level_size(level));
     return offsets_[static_cast<std::size_t>(level)] + static_cast<std::size_t>(face) * edge * edge * 3;
@@ -161,7 +171,7 @@ class CubemapChain {
   int size_ = 0;
   std::size_t values_ = 0;
   std::vector<std::size_t> offsets_;  ///< of each level's first value
-  std::unique_ptr<float[]> pixels_;
+  std::unique_ptr<float[], Free> pixels_;
 };
 
 // Cubemaps into memory of the caller's, as Vulkan and D3D12 take them: an upload buffer that is mapped, say.

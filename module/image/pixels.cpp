@@ -262,7 +262,11 @@ void check_view(const LatLongView& lat_long) {
 
 namespace welkin {
 
-CubemapChain::CubemapChain(int size, int levels) : size_(size) {
+constexpr std::size_t kCacheLine = 64;
+
+void CubemapChain::Free::operator()(float* pixels) const noexcept { memory->deallocate(pixels, bytes, kCacheLine); }
+
+CubemapChain::CubemapChain(int size, int levels, std::pmr::memory_resource* memory) : size_(size) {
   constexpr int largest = 16384;
   if (size < 1 || size > largest) {
     throw Error(ErrorCode::invalid_argument,
@@ -279,7 +283,8 @@ CubemapChain::CubemapChain(int size, int levels) : size_(size) {
     offsets_.push_back(values_);
     values_ += 6 * edge * edge * 3;
   }
-  pixels_ = std::make_unique_for_overwrite<float[]>(values_);
+  if (memory == nullptr) memory = std::pmr::get_default_resource();
+  pixels_ = {static_cast<float*>(memory->allocate(bytes(), kCacheLine)), Free{memory, bytes()}};
   platform::advise_huge_pages(pixels_.get(), bytes());
 }
 
@@ -334,10 +339,10 @@ SphereGrid grid_of(const LatLongView& source, const Control& control) {
 
 }  // namespace
 
-CubemapChain shaped(CubemapChain chain, int size, int levels) {
+CubemapChain shaped(CubemapChain chain, int size, int levels, std::pmr::memory_resource* memory) {
   if (chain.size() == size && chain.levels() == levels) return chain;
   chain = {};  // freed before the next one is allocated
-  return {size, levels};
+  return {size, levels, memory};
 }
 
 std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept {

@@ -16,7 +16,7 @@ void throw_if_cancelled(const std::stop_token& stop) {
 }
 
 Control part_of(const Control& control, double from, double to) {
-  Control part{control.stop, {}};
+  Control part{control.stop, {}, control.memory};
   if (control.progress) {
     part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
   }

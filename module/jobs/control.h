@@ -17,7 +17,7 @@ inline constexpr const char* kCancelled = "cancelled by the caller";
 void throw_if_cancelled(const std::stop_token& stop);
 inline void throw_if_cancelled(const Control& control) { throw_if_cancelled(control.stop); }
 
-/// The part [from, to] of a call's progress, and its stop token. `control` must outlive what is returned.
+/// The part [from, to] of a call's progress, its stop token and its memory. `control` must outlive what is returned.
 [[nodiscard]] Control part_of(const Control& control, double from, double to);
 
 /// Adds up the units of work that several threads have done, and tells the caller which share of the whole that is:
