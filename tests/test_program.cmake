@@ -17,6 +17,7 @@ if(NOT welkin_all_codecs)
 ^(bake/bake_sources|c/c_interface|c/files_in_c|harmonics/real_engines|image/pixels|image/resampling|projection/irradiance|\
 projection/sun_detection|reflections/prefilter|worker/errors|worker/results|worker/sources_and_handles)_test")
 endif()
+list(APPEND sources float_environment/modes.cpp)
 add_executable(welkin_tests ${sources})
 target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/module)
 if(TARGET Catch2::Catch2WithMain)
@@ -50,3 +51,13 @@ if(WELKIN_TOOLS)
   add_dependencies(welkin_tests welkin_command welkin_report_command)
 endif()
 catch_discover_tests(welkin_tests PROPERTIES TIMEOUT 600)
+
+# A call of C that computes with the caller's rounding would differ from the call of C++, which does not
+# (tests/float_environment).
+if(welkin_all_codecs AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT WELKIN_TEST_FOLDERS)
+  foreach(mode IN ITEMS upward flushed)
+    add_test(NAME "float environment: the C interface, ${mode}" COMMAND welkin_tests "C: *C++ call*")
+    set_tests_properties("float environment: the C interface, ${mode}" PROPERTIES
+                         ENVIRONMENT WELKIN_TEST_FLOAT_MODE=${mode} TIMEOUT 600)
+  endforeach()
+endif()

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <numbers>
 #include <string>
 
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
@@ -102,23 +102,6 @@ void check_edge(const char* which, int edge) {
                                                "; pass 1 to " + std::to_string(kLargestEdge));
 }
 
-/// IEEE binary16, ties to even; beyond its range the largest half.
-std::uint16_t half_from_float(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t sign = (bits >> 16U) & 0x8000U;
-  const std::uint32_t magnitude = bits & 0x7FFFFFFFU;
-  constexpr std::uint32_t least_normal = 0x38800000U;  // 2^-14
-  constexpr std::uint32_t largest = 0x477FE000U;       // 65504
-  if (magnitude >= largest) return static_cast<std::uint16_t>(sign | 0x7BFFU);
-  if (magnitude < least_normal) {
-    // A float addition rounds to multiples of 2^-24, to even, and leaves them in the mantissa's last bits.
-    const float rounded = std::bit_cast<float>(magnitude) + 0.5F;
-    return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(rounded) - 0x3F000000U));
-  }
-  const std::uint32_t odd = (magnitude >> 13U) & 1U;
-  return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000U + 0xFFFU + odd) >> 13U));
-}
-
 math::TableCache<BrdfTableOptions, BrdfTable>& cache() {
   static auto& tables = *new math::TableCache<BrdfTableOptions, BrdfTable>(kCacheBytes);  // never destroyed
   return tables;
@@ -129,7 +112,7 @@ math::TableCache<BrdfTableOptions, BrdfTable>& cache() {
 std::vector<std::uint16_t> BrdfTable::half_values() const {
   const platform::FloatingPointScope floating_point;
   std::vector<std::uint16_t> halves(values.size());
-  std::transform(values.begin(), values.end(), halves.begin(), half_from_float);
+  std::transform(values.begin(), values.end(), halves.begin(), image::half_from_float);
   return halves;
 }
 
