@@ -262,7 +262,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   report.source = baked.source;
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
-  report.projection = {transform(light, matrix), baked.light.diagnostics};
+  report.projection = {turned(light, matrix), baked.light.diagnostics};
   report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
   report.axes = axes_text(options.turn);
   report.engine = options.turn.to;

@@ -120,7 +120,7 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
   if (matrix == glm::dmat3(1.0)) return;
   if (stored_light_) {
     SphericalHarmonics& radiance = stored_light_->radiance;
-    radiance = transform(radiance, turn_of_light(into_welkin, is_cubemap()));
+    radiance = turned(radiance, turn_of_light(into_welkin, is_cubemap()));
   }
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {

@@ -331,7 +331,7 @@ ShReport measure_sky(const SkyOptions& options) {
   describe_light(sky, report);
   const glm::dmat3 matrix = turn_of_light(options.sh.turn, false);
   if (matrix != glm::dmat3(1.0)) {
-    report.projection.radiance = transform(report.projection.radiance, matrix);
+    report.projection.radiance = turned(report.projection.radiance, matrix);
     report.sun->direction = matrix * report.sun->direction;
   }
   complete(report, options.sh);

@@ -10,6 +10,9 @@
 
 #define WELKIN_VERSION_MAJOR 0
 #define WELKIN_VERSION_MINOR 1
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #define WELKIN_VERSION_PATCH 0
 #define WELKIN_VERSION_STRING "0.1.0"
 
@@ -23,7 +26,28 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// The one exception type that Welkin throws.
+// ---- Vectors and matrices
+
+// In a host without GLM's macros these are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. Under
+// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES GLM's own names stand for types of another size, with which the library was not
+// built; so the precision is spelled out here. A host's aligned vector converts to these and back where it is passed or
+// assigned (with GLM_FORCE_EXPLICIT_CTOR it has to be cast); spans and arrays need these types themselves.
+
+/// Three floats without padding.
+using vec3 = glm::vec<3, float, glm::packed_highp>;
+/// Three doubles without padding: a direction (x, y, z) or a colour (r, g, b).
+using dvec3 = glm::vec<3, double, glm::packed_highp>;
+/// Four doubles without padding.
+using dvec4 = glm::vec<4, double, glm::packed_highp>;
+/// Nine doubles without padding, column after column.
+using dmat3 = glm::mat<3, 3, double, glm::packed_highp>;
+
+static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
+static_assert(sizeof(dvec3) == 3 * sizeof(double) && alignof(dvec3) == alignof(double));
+static_assert(sizeof(dvec4) == 4 * sizeof(double) && alignof(dvec4) == alignof(double));
+static_assert(sizeof(dmat3) == 9 * sizeof(double) && alignof(dmat3) == alignof(double));
+
+// ---- Errors
 
 /// What kind of thing went wrong; the message says what, where, and what would do instead.
 enum class ErrorCode {

@@ -5,9 +5,6 @@
 // person who looks around in the engine sees the same picture, not mirrored.
 #pragma once
 
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,11 +31,11 @@ struct Convention {
 
   /// Takes a direction in Welkin's axes to the engine's axes, as a lat-long picture is laid out by both. Orthogonal;
   /// of determinant -1 for left-handed engines.
-  glm::dmat3 from_welkin;
+  dmat3 from_welkin;
 
   /// Takes a direction in the engine's axes to the one in the frames of `CubemapView` under which the engine's cube
   /// faces hold it. None if the engine has no cubemaps of its own.
-  std::optional<glm::dmat3> faces_from_engine;
+  std::optional<dmat3> faces_from_engine;
 };
 
 [[nodiscard]] const Convention& convention(Engine engine) noexcept;
@@ -55,15 +52,15 @@ struct Convention {
 /// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried
 /// twice and constants truncated as they are in Babylon.js; its shader's way back undoes that.
 struct BabylonPolynomial {
-  glm::dvec3 x{};   ///< factor of the normal's x
-  glm::dvec3 y{};   ///< of y
-  glm::dvec3 z{};   ///< of z
-  glm::dvec3 xx{};  ///< of x squared
-  glm::dvec3 yy{};  ///< of y squared
-  glm::dvec3 zz{};  ///< of z squared
-  glm::dvec3 yz{};  ///< of y z
-  glm::dvec3 zx{};  ///< of z x
-  glm::dvec3 xy{};  ///< of x y
+  dvec3 x{};   ///< factor of the normal's x
+  dvec3 y{};   ///< of y
+  dvec3 z{};   ///< of z
+  dvec3 xx{};  ///< of x squared
+  dvec3 yy{};  ///< of y squared
+  dvec3 zz{};  ///< of z squared
+  dvec3 yz{};  ///< of y z
+  dvec3 zx{};  ///< of z x
+  dvec3 xy{};  ///< of x y
 };
 
 /// What CubeMapToSphericalPolynomialTools makes of the same light: irradiance / pi in Babylon's signs (odd
@@ -73,23 +70,23 @@ struct BabylonPolynomial {
 
 /// The polynomial of a single ambient colour (a placeholder until the real light is there): that colour
 /// for every normal, no direction in it. Exactly `colour` in xx, yy and zz, zero elsewhere.
-[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour);
+[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const dvec3& colour);
 
 /// The polynomial's value for a unit normal.
-[[nodiscard]] glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal);
+[[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 
 // A radiance projection in the form in which an engine wants it.
 
 /// One named number triple of an engine's form.
 struct EngineTerm {
   std::string name;  ///< as the engine calls it: "xx", "coefficients[4]", "irradianceCoefficients[0]", ...
-  glm::dvec3 rgb{};  ///< red, green, blue
+  dvec3 rgb{};       ///< red, green, blue
 };
 
 /// One named four-vector that an engine's shader reads.
 struct EngineVector {
-  std::string name;    ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
-  glm::dvec4 value{};  ///< x, y, z, w as the shader reads them
+  std::string name;  ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
+  dvec4 value{};     ///< x, y, z, w as the shader reads them
 };
 
 /// Light in an engine's own form.

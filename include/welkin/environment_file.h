@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -105,18 +104,18 @@ struct EnvironmentInfo {
 /// What is in the pixels, as they are in the file: nothing is replaced or clamped. NaN and infinities are
 /// counted and stay out of the other numbers.
 struct EnvironmentStatistics {
-  std::uint64_t texels = 0;     ///< of the sphere: what lies between the faces of a cross does not count, here or below
-  glm::dvec3 minimum{};         ///< of each channel, NaN and infinities left out
-  glm::dvec3 maximum{};         ///< likewise
-  glm::dvec3 mean{};            ///< weighted by solid angle: the sphere's average radiance
-  glm::dvec3 total_radiance{};  ///< integral over the sphere: 4 pi times the mean
-  std::uint64_t nans = 0;       ///< channel values
-  std::uint64_t infinities = 0;      ///< channel values
-  std::uint64_t negatives = 0;       ///< channel values
-  int brightest_column = 0;          ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
-  int brightest_row = 0;             ///< of six_files as if they stood one above the other
-  glm::dvec3 brightest{};            ///< radiance of the brightest texel, by luminance
-  glm::dvec3 brightest_direction{};  ///< unit, of that texel's centre; 0 if no texel is finite
+  std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
+  dvec3 minimum{};           ///< of each channel, NaN and infinities left out
+  dvec3 maximum{};           ///< likewise
+  dvec3 mean{};              ///< weighted by solid angle: the sphere's average radiance
+  dvec3 total_radiance{};    ///< integral over the sphere: 4 pi times the mean
+  std::uint64_t nans = 0;    ///< channel values
+  std::uint64_t infinities = 0;  ///< channel values
+  std::uint64_t negatives = 0;   ///< channel values
+  int brightest_column = 0;      ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
+  int brightest_row = 0;         ///< of six_files as if they stood one above the other
+  dvec3 brightest{};             ///< radiance of the brightest texel, by luminance
+  dvec3 brightest_direction{};   ///< unit, of that texel's centre; 0 if no texel is finite
 };
 
 /// An environment held in memory as RGB floats: a lat-long, or six faces in the frames of `CubemapView`,

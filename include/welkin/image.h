@@ -183,10 +183,10 @@ enum class TexelFormat {
 /// One level of a cubemap in memory that is written to. Rows of a face lie `row_pitch_bytes` apart, row 0 first; what
 /// lies between them is not touched. Faces are those of `CubemapView`, and need not lie one after the other.
 struct CubemapTarget {
-  std::array<void*, 6> faces{};
-  int size = 0;                        ///< texels along an edge
-  std::ptrdiff_t row_pitch_bytes = 0;  ///< 0: rows are packed; negative: bottom-up
-  TexelFormat format = TexelFormat::rgba16f;
+  std::array<void*, 6> faces{};               ///< where the first texel of the top row of each face is written
+  int size = 0;                               ///< texels along an edge
+  std::ptrdiff_t row_stride_bytes = 0;        ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  TexelFormat format = TexelFormat::rgba16f;  ///< how texels are written, in all six faces
 };
 
 /// Writes a cubemap of the same size. Returns how many channel values the format could not hold. The same bytes on any

@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -31,10 +30,17 @@ enum class Quadrature {
 };
 
 /// What becomes of a NaN or an infinity.
-enum class NonFinitePolicy { replace, reject };
+enum class NonFinitePolicy {
+  replace,  ///< it is replaced as `PixelPolicy` says, and counted
+  reject,   ///< the call throws `Error` (rejected_pixel)
+};
 
 /// What becomes of a finite value below zero.
-enum class NegativePolicy { keep, replace, reject };
+enum class NegativePolicy {
+  keep,     ///< it counts as it is
+  replace,  ///< it becomes 0, and is counted
+  reject,   ///< the call throws `Error` (rejected_pixel)
+};
 
 /// An upper bound on radiance.
 struct RadianceClamp {
@@ -110,9 +116,8 @@ struct ProjectionDiagnostics {
   std::uint64_t infinities_replaced = 0;  ///< channel values
   std::uint64_t negatives_replaced = 0;   ///< channel values
   std::uint64_t texels_clamped = 0;       ///< texels that the clamp changed
-  glm::dvec3
-      total_radiance_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
-  glm::dvec3 total_radiance{};        ///< the same as it was projected
+  dvec3 total_radiance_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
+  dvec3 total_radiance{};               ///< the same as it was projected
 
   /// Estimated relative error |c - c*| / |c*| of the radiance coefficients, c* being the exact integral of
   /// the source's texels as areas: rounding, the midpoint rule, and what a reduction lost. An estimate.

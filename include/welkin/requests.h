@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <variant>
@@ -102,9 +100,9 @@ struct ProjectLatLong {
 
 /// `to_cubemap` of a lat-long.
 struct LatLongToCubemap {
-  LatLongSource source;
-  int size = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  LatLongSource source;     ///< the pixels that are read
+  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
@@ -114,9 +112,9 @@ struct LatLongToCubemap {
 
 /// `to_cubemap` of a cubemap.
 struct CubemapToCubemap {
-  CubemapSource source;
-  int size = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  CubemapSource source;     ///< the pixels that are read
+  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
@@ -126,10 +124,10 @@ struct CubemapToCubemap {
 
 /// `to_lat_long` of a cubemap.
 struct CubemapToLatLong {
-  CubemapSource source;
-  int width = 0;
-  int height = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  CubemapSource source;     ///< the pixels that are read
+  int width = 0;            ///< of the result: texels, 1 to 65536
+  int height = 0;           ///< of the result: texels, 1 to 32768
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
@@ -176,7 +174,7 @@ struct BakeSkyCurve {
 struct SkySpecular {
   std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
   double altitude_m = 0.0;                  ///< the observer's, above the ground
-  glm::dvec3 sun{0.0, 1.0, 0.0};            ///< unit, towards it
+  dvec3 sun{0.0, 1.0, 0.0};                 ///< unit, towards it
   PrefilterOptions options{.size = 32};     ///< of the chain
 
   [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;

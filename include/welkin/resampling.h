@@ -1,7 +1,6 @@
 // Environments of another shape, size or orientation, and smaller levels of a cubemap.
 #pragma once
 
-#include <glm/mat3x3.hpp>
 #include <span>
 
 #include "welkin/core.h"
@@ -52,19 +51,18 @@ enum class ResampleFilter {
 /// bilinear 8, else some 20 ns a sample and thread from a cubemap, 60 ns from a lat-long. The same bits on any number
 /// of threads and every instruction set. Throws `Error`: invalid_argument (views, sizes, a matrix that is off
 /// orthogonal by more than 1e-6), cancelled.
-[[nodiscard]] CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] CubemapImage to_cubemap(const CubemapView& source, int size, const dmat3& turn = dmat3(1.0),
                                       const Control& control = {});
-[[nodiscard]] CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] CubemapImage to_cubemap(const LatLongView& source, int size, const dmat3& turn = dmat3(1.0),
                                       ResampleFilter filter = ResampleFilter::area, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const CubemapView& source, int width, int height,
-                                       const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] LatLongImage to_lat_long(const CubemapView& source, int width, int height, const dmat3& turn = dmat3(1.0),
                                        ResampleFilter filter = ResampleFilter::bilinear, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const LatLongView& source, int width, int height,
-                                       const glm::dmat3& turn = glm::dmat3(1.0), const Control& control = {});
+[[nodiscard]] LatLongImage to_lat_long(const LatLongView& source, int width, int height, const dmat3& turn = dmat3(1.0),
+                                       const Control& control = {});
 
 /// A turn about y, from +z towards +x: what lies in the middle of a lat-long moves to the left. The same bits
 /// everywhere, exact at multiples of 90 degrees. Throws `Error` (invalid_argument) unless |degrees| <= 1e6.
-[[nodiscard]] glm::dmat3 turn_about_y(double degrees);
+[[nodiscard]] dmat3 turn_about_y(double degrees);
 
 // Smaller levels of a cubemap, for minification: no light is changed but for its sharpness.
 

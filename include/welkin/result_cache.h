@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -94,8 +93,8 @@ struct CacheStatistics {
 
 /// What is done to light that was projected before.
 struct LightChange {
-  double exposure = 1.0;                    ///< factor to the light as gamma and clamp have left it; finite, >= 0
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  ///< what came from direction d comes from rotation * d
+  double exposure = 1.0;  ///< factor to the light as gamma and clamp have left it; finite, >= 0
+  dmat3 turn{1.0};        ///< orthogonal: what came from direction d comes from turn * d
 
   /// Keeps the sums of faces too, which `FaceHarmonics` holds: of a cubemap that is seen again with some faces changed,
   /// those alone are projected. No use for lat-longs, nor for a target size with the midpoint rule.

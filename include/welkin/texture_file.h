@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <glm/vec3.hpp>
 #include <map>
 #include <optional>
 #include <span>
@@ -19,7 +18,14 @@
 
 namespace WELKIN_EXPORT welkin {
 
-enum class Supercompression { none, zlib, zstd };  ///< of KTX2's levels
+// ---- KTX2, DDS and OpenEXR
+
+/// How KTX2's levels are packed.
+enum class Supercompression {
+  none,  ///< as they are
+  zlib,  ///< ZLIB
+  zstd,  ///< Zstandard
+};
 
 /// How texels are stored.
 struct TextureOptions {
@@ -77,7 +83,7 @@ struct BabylonEnvironment {
   std::optional<BabylonPolynomial> polynomial;  ///< as stored: it is used, not computed again
   double lod_generation_scale = 0.8;            ///< Babylon.js stores 0 for what was not prefiltered
   CubemapImage irradiance;  ///< irradiance / pi (1 in a uniform environment of 1); size 0: no irradiance texture
-  std::optional<glm::dvec3> dominant_direction;  ///< of the light; kept with an irradiance texture alone
+  std::optional<dvec3> dominant_direction;  ///< of the light; kept with an irradiance texture alone
 };
 
 /// An environment from Welkin's axes to Babylon.js's: faces mirrored texel by texel, and the polynomial of the turned

@@ -271,13 +271,13 @@ WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficien
 
 /* The light after it was turned: what came from direction d comes from the rotated d. `quaternion` is x, y, z, w of any
  * length but 0. `turned`, 3 bands^2 doubles, may be `coefficients`. */
-WELKIN_API welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* quaternion,
-                                       double* turned);
+WELKIN_API welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficients, const double* quaternion,
+                                                   double* turned);
 
 /* The same for an orthogonal matrix, mirrors included. WELKIN_INVALID_ARGUMENT if it is off orthogonal by more than
  * 1e-6. */
-WELKIN_API welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix,
-                                          double* turned);
+WELKIN_API welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, const double* matrix,
+                                               double* turned);
 
 /* By what band l is multiplied against ringing; spherical_harmonics.h has the formulas. */
 typedef int32_t welkin_window;
@@ -695,20 +695,20 @@ enum {
 /* sky.h has the ranges. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
-  welkin_scattering_layout layout;
-  int32_t heights;                /* 0: 32 */
-  int32_t view_zeniths;           /* 0: 64 */
-  int32_t sun_zeniths;            /* 0: 64 */
-  int32_t sun_angles;             /* 0: 8 */
-  int32_t transmittance_heights;  /* 0: 64 */
-  int32_t transmittance_zeniths;  /* 0: 256 */
-  int32_t irradiance_heights;     /* 0: 16 */
-  int32_t irradiance_sun_zeniths; /* 0: 64 */
-  int32_t orders;                 /* of scattering; 0: 4 */
-  welkin_sky_colour colour;
-  double lowest_sun_degrees;   /* that the tables hold, -90 up to below 0; 0: -30 */
-  double until_change;         /* stop before `orders` when one added less than this share; 0: never */
-  uint64_t memory_limit_bytes; /* 0: 4 GiB */
+  welkin_scattering_layout layout;      /* of the table of scattered light */
+  int32_t heights;                      /* 0: 32 */
+  int32_t view_zeniths;                 /* 0: 64 */
+  int32_t sun_zeniths;                  /* 0: 64 */
+  int32_t sun_angles;                   /* 0: 8 */
+  int32_t transmittance_heights;        /* 0: 64 */
+  int32_t transmittance_zeniths;        /* 0: 256 */
+  int32_t irradiance_heights;           /* 0: 16 */
+  int32_t irradiance_sun_zeniths;       /* 0: 64 */
+  int32_t orders;                       /* of scattering; 0: 4 */
+  welkin_sky_colour colour;             /* what the three channels are */
+  double minimum_sun_elevation_degrees; /* that the tables hold, -90 up to below 0; 0: -30 */
+  double until_change;                  /* stop before `orders` when one added less than this share; 0: never */
+  uint64_t memory_limit_bytes;          /* 0: 4 GiB */
 } welkin_sky_table_options;
 
 /* All that a planet's sky can look like: precomputed scattering. */
@@ -1061,9 +1061,9 @@ typedef struct welkin_sky_light_options {
 /* A prefiltered sky, and how it is to be used now. */
 typedef struct welkin_sky_reflections {
   const welkin_cubemap_chain* chain; /* lent until the next update; null: none yet */
-  uint64_t id;        /* rises with each new chain: what has the same one need not be uploaded again; 0: none */
-  double weight;      /* of its light */
-  double rotation[9]; /* what came from direction d comes from rotation * d */
+  uint64_t id;    /* rises with each new chain: what has the same one need not be uploaded again; 0: none */
+  double weight;  /* of its light */
+  double turn[9]; /* what came from direction d comes from turn * d */
 } welkin_sky_reflections;
 
 /* The light of a frame. */
@@ -1085,8 +1085,19 @@ typedef struct welkin_sky_frame {
 /* What was done and what was not; sky_light.h says more. */
 typedef struct welkin_sky_light_counters {
   uint32_t struct_size;
-  uint64_t frames, lights, moves_ignored, turns, elevations, intensities, specular_spared;
-  uint64_t posts, tables_baked, curves_baked, speculars_baked, given_up, failures;
+  uint64_t frames;          /* calls of `welkin_sky_light_update` */
+  uint64_t lights;          /* of them those that computed coefficients */
+  uint64_t moves_ignored;   /* of sun or altitude, below their thresholds */
+  uint64_t turns;           /* moves of the azimuth alone */
+  uint64_t elevations;      /* moves of the elevation */
+  uint64_t intensities;     /* changes of the intensity */
+  uint64_t specular_spared; /* moves of the elevation that asked for no reflections */
+  uint64_t posts;           /* requests given to the worker */
+  uint64_t tables_baked;    /* tables, curves and reflections that were made */
+  uint64_t curves_baked;    /* curves that were made */
+  uint64_t speculars_baked; /* chains of reflections that were made */
+  uint64_t given_up;        /* bakes that were stopped because something newer overtook them */
+  uint64_t failures;        /* bakes that ended with an error */
 } welkin_sky_light_counters;
 
 /* Asks the worker for the first tables, or begins with the ones that are there; the sun stands in the zenith. */

@@ -165,17 +165,17 @@ void pick_bands(const BudgetChoice<int>& choice, double budget, NeededOptions& n
   const EstimatedSetting<int>* last = nullptr;
   const EstimatedSetting<int>* fewest = nullptr;
   for (const EstimatedSetting<int>& entry : choice.tried) {
-    const bool meets = entry.estimated_error <= budget;
+    const bool meets = entry.error_estimate <= budget;
     if (meets && fewest == nullptr) fewest = &entry;
     if (entry.setting <= options.bands) last = &entry;
   }
   std::string words;
   if (fewest != nullptr && fewest->setting <= options.bands) {
     options.bands = fewest->setting;
-    words = bands_text(options.bands) + " picked: estimated error of irradiance " + percent(fewest->estimated_error) +
+    words = bands_text(options.bands) + " picked: estimated error of irradiance " + percent(fewest->error_estimate) +
             ", budget " + percent(budget);
   } else {
-    words = "no fewer: estimated error of irradiance " + percent(last->estimated_error) + ", above the budget of " +
+    words = "no fewer: estimated error of irradiance " + percent(last->error_estimate) + ", above the budget of " +
             percent(budget);
     if (fewest != nullptr) words += ", which " + bands_text(fewest->setting) + " would meet";
   }
@@ -187,8 +187,8 @@ std::string unmet_words(const PrefilterChoice& choice, double budget) {
   const std::vector<reflections::MipPlan> mips = reflections::plan_prefilter(choice.setting).mips;
   if (std::ranges::any_of(mips, [](const auto& mip) { return !mip.copy && mip.bands.bands() == 0; }))
     return words + "a mip that is sampled has no estimate for the budget";
-  return words + "of none is the estimated error under the budget of " + percent(budget) + ", the least is " +
-         percent(choice.estimated_error);
+  return words + "of none is the estimated error under the budget of " + percent(budget) + ", the minimum is " +
+         percent(choice.error_estimate);
 }
 
 void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& needed) {
@@ -198,7 +198,7 @@ void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& ne
     specular.rms_error = choice.setting.rms_error;
     specular.maximum_error = choice.setting.maximum_error;
     words = "rms bound " + percent(specular.rms_error) + " picked: estimated error of the worst mip " +
-            percent(choice.estimated_error) + ", budget " + percent(budget);
+            percent(choice.error_estimate) + ", budget " + percent(budget);
   } else {
     words = unmet_words(choice, budget);
   }

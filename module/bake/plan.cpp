@@ -211,7 +211,7 @@ void check(const EnvironmentChange& change) {
                                                  "; pass a finite factor that is not negative");
   }
   // Refuses what is no turn, whether or not there is light to turn.
-  if (turns(change)) static_cast<void>(transform(SphericalHarmonics(1), change.turn));
+  if (turns(change)) static_cast<void>(turned(SphericalHarmonics(1), change.turn));
 }
 
 std::string how(const EnvironmentChange& change) {
@@ -272,7 +272,7 @@ void apply_change(BakeResult& result, const BakeOptions& baked, const Environmen
   result.diagnostics.total_radiance_before_clamp *= change.scale;
   if (!result.radiance) return;
   SphericalHarmonics radiance = *result.radiance;
-  if (turns(change)) radiance = transform(radiance, change.turn);
+  if (turns(change)) radiance = turned(radiance, change.turn);
   if (scales(change)) radiance = scale(radiance, change.scale);
   if (evaluates_irradiance(baked)) {
     result.irradiance = irradiance_cubemap(irradiance_from_radiance(radiance), baked.irradiance_size, control);

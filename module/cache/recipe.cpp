@@ -345,12 +345,12 @@ ContentHash hash_options(const ReadOptions& options) {
 
 ContentHash hash_options(const SkyTableOptions& options) {
   const auto& [layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-               irradiance_heights, irradiance_sun_zeniths, lowest_sun_degrees, orders, until_change, colour,
+               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour,
                memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("sky tables");
   writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-             irradiance_heights, irradiance_sun_zeniths, lowest_sun_degrees, orders, until_change, colour);
+             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour);
   return writer.hash();
 }
 

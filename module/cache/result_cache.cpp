@@ -79,8 +79,8 @@ void check(const LightChange& change) {
     throw Error(ErrorCode::invalid_argument,
                 "exposure is " + std::to_string(change.exposure) + "; it must be a finite factor of at least 0");
   }
-  // Refuses what is no rotation.
-  static_cast<void>(rotate(SphericalHarmonics(1), change.rotation));
+  // Refuses what is no turn.
+  static_cast<void>(turned(SphericalHarmonics(1), change.turn));
 }
 
 }  // namespace
@@ -95,9 +95,9 @@ Projection changed(const Projection& projection, const LightChange& change) {
     result.diagnostics.total_radiance_before_clamp *= change.exposure;
     result.diagnostics.passes.push_back({"exposure", PassAction::run, "a factor to the coefficients"});
   }
-  if (change.rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) {
-    result.radiance = rotate(result.radiance, change.rotation);
-    result.diagnostics.passes.push_back({"rotation", PassAction::run, "a transform of the coefficients"});
+  if (change.turn != dmat3(1.0)) {
+    result.radiance = turned(result.radiance, change.turn);
+    result.diagnostics.passes.push_back({"turn", PassAction::run, "of the coefficients"});
   }
   return result;
 }

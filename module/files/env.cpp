@@ -140,7 +140,7 @@ BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmo
   const platform::FloatingPointScope floating_point;
   BabylonEnvironment environment;
   environment.specular = mirrored_x(specular);
-  environment.polynomial = babylon_polynomial(transform(radiance, convention(Engine::babylon).from_welkin));
+  environment.polynomial = babylon_polynomial(turned(radiance, convention(Engine::babylon).from_welkin));
   environment.irradiance = mirrored_x(irradiance_over_pi);
   return environment;
 }
@@ -303,7 +303,7 @@ class EnvSource final : public RowSource {
   }
   [[nodiscard]] std::optional<SphericalHarmonics> stored_radiance() const override {
     if (!manifest_.polynomial || level_ != 0) return std::nullopt;
-    return transform(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
+    return turned(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
   }
 
  private:

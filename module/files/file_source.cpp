@@ -62,7 +62,7 @@ PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
     record.size = part.cubemap.level_size(level);
     record.roughness = file_.roughness[static_cast<std::size_t>(mip)];
     record.method = "stored";
-    record.mean = average_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
+    record.mean = mean_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
     part.mips.push_back(std::move(record));
   }
   return part;

@@ -139,8 +139,8 @@ void parameters(Archive&& each, Tables& tables) {
   auto& options = tables.options;
   each(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles, options.transmittance_heights,
        options.transmittance_zeniths, options.irradiance_heights, options.irradiance_sun_zeniths,
-       options.lowest_sun_degrees, options.orders, options.until_change, options.memory_limit_bytes, tables.orders,
-       tables.last_change);
+       options.minimum_sun_elevation_degrees, options.orders, options.until_change, options.memory_limit_bytes,
+       tables.orders, tables.last_change);
 }
 
 std::vector<std::uint8_t> write_parameters(const SkyTables& tables) {

@@ -152,7 +152,7 @@ void check(const CubemapView& from, const CubemapTarget& to) {
       throw Error(ErrorCode::invalid_argument, "face " + std::to_string(face) + " of the target is a null pointer");
   }
   const std::uint64_t row = texel * static_cast<std::uint64_t>(to.size);
-  const auto pitch = static_cast<std::uint64_t>(to.row_pitch_bytes < 0 ? -to.row_pitch_bytes : to.row_pitch_bytes);
+  const auto pitch = static_cast<std::uint64_t>(to.row_stride_bytes < 0 ? -to.row_stride_bytes : to.row_stride_bytes);
   if (pitch != 0 && pitch < row) {
     throw Error(ErrorCode::invalid_argument, "the target's rows are " + std::to_string(pitch) +
                                                  " bytes apart, and a row takes " + std::to_string(row));
@@ -174,7 +174,7 @@ class RowStore {
     const auto* const source = static_cast<const std::uint8_t*>(from_.faces[face]) +
                                line * (from_.row_stride_bytes != 0 ? from_.row_stride_bytes : packed_from);
     auto* const target = static_cast<std::uint8_t*>(to_.faces[face]) +
-                         line * (to_.row_pitch_bytes != 0 ? to_.row_pitch_bytes : packed_to);
+                         line * (to_.row_stride_bytes != 0 ? to_.row_stride_bytes : packed_to);
     image::decode_texels(from_.format, source, from_.size, rgb_);
     clamped_ += image::encode_texels(to_.format, rgb_, static_cast<std::size_t>(from_.size), target);
   }
@@ -291,7 +291,7 @@ std::vector<CubemapTarget> upload_targets(const UploadLayout& layout, std::span<
     CubemapTarget& target = targets[static_cast<std::size_t>(level)];
     target.faces[static_cast<std::size_t>(face)] = memory.data() + placement.offset;
     target.size = std::max(1, layout.size >> level);
-    target.row_pitch_bytes = static_cast<std::ptrdiff_t>(placement.pitch);
+    target.row_stride_bytes = static_cast<std::ptrdiff_t>(placement.pitch);
     target.format = layout.format;
   });
   return targets;

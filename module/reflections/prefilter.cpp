@@ -227,7 +227,7 @@ void Prefilter<View>::end_mip(std::size_t level, const char* method, const Stopw
   mip.roughness = plan_.mips[level].roughness;
   mip.method = method;
   const CubemapView whole = result_.specular.cubemap.view(static_cast<int>(level));
-  mip.mean = average_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
+  mip.mean = mean_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
   mip.milliseconds = watch.milliseconds();
 }
 

@@ -97,17 +97,17 @@ TEST_CASE("cache: a changed face alone is projected again") {
   CHECK(cache.statistics().memory_hits == 5);
 }
 
-TEST_CASE("cache: exposure is a factor, rotation a transform, and no pixel is projected for them") {
+TEST_CASE("cache: exposure is a factor, a turn is one of the coefficients, and no pixel is projected for them") {
   ResultCache cache;
   const TestCubemap cubemap = make_cubemap(Content::high_range, 16, 3, 9);
   const Projection plain = cache.project(cubemap.view(), {.bands = 5});
-  const glm::dquat turn = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0)));
-  const Projection light = cache.project(cubemap.view(), {.bands = 5}, {.exposure = 4.0, .rotation = turn});
+  const glm::dmat3 turn = glm::mat3_cast(glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0))));
+  const Projection light = cache.project(cubemap.view(), {.bands = 5}, {.exposure = 4.0, .turn = turn});
   CHECK(cache.statistics().memory_hits == 1);
   CHECK(action(light.diagnostics, "project") == "reuse");
   CHECK(action(light.diagnostics, "exposure") == "run");
-  CHECK(action(light.diagnostics, "rotation") == "run");
-  const SphericalHarmonics expected = rotate(scale(plain.radiance, glm::dvec3(4.0)), turn);
+  CHECK(action(light.diagnostics, "turn") == "run");
+  const SphericalHarmonics expected = turned(scale(plain.radiance, glm::dvec3(4.0)), turn);
   CHECK(same_bytes(light.radiance.coefficients(), expected.coefficients()));
   // A power of two: what the exposed pixels themselves give, bit for bit.
   TestCubemap exposed = cubemap;
@@ -265,7 +265,7 @@ TEST_CASE("cache: a file that a memory limit refuses is refused, whoever read it
 TEST_CASE("cache: a change that is none is refused before anything is computed") {
   const TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
   ResultCache cache;
-  for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.rotation = {0.0, 0.0, 0.0, 0.0}}}) {
+  for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.turn = glm::dmat3(0.0)}}) {
     CHECK_THROWS_AS(cache.project(cubemap.view(), {}, change), Error);
     CHECK(cache.statistics().misses == 0);
   }

@@ -67,7 +67,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   const CacheOptions cache_options{.folder = folder.file("cache")};
   calls.call("ResultCache::ResultCache(CacheOptions", [&] { return ResultCache(cache_options).statistics().misses; });
   ResultCache cache(cache_options);
-  const LightChange change{.exposure = 1.7, .rotation = glm::dquat(0.4, 0.2, -0.4, 0.8)};
+  const LightChange change{.exposure = 1.7, .turn = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
   const Projection projection = project(cube.view());
   calls.call("changed(", [&] { return changed(projection, change); });
   calls.call("ResultCache::project(CubemapView", [&] { return cache.project(cube.view(), {}, change); });

@@ -79,7 +79,7 @@ Settled settle(SkyLight& sky, Worker& worker) {
   const SkyLightFrame& frame = sky.light();
   Settled light{frame.radiance, frame.sun, {}, {}};
   for (const SkyReflections& reflections : frame.reflections) {
-    light.rotations.push_back(reflections.rotation);
+    light.rotations.push_back(reflections.turn);
     light.weights.push_back(reflections.weight);
   }
   return light;

@@ -142,7 +142,7 @@ std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyT
     add_bits(hash, reflections.weight);
     if (reflections.weight == 0.0) continue;
     add_bits(hash, reflections.specular);
-    add_bits(hash, reflections.rotation);
+    add_bits(hash, reflections.turn);
   }
   return hash.value();
 }
@@ -218,7 +218,8 @@ TEST_CASE("Results of the cache, computed and found, are the same as before", "[
   const LatLongImage wide = wide_picture();
   const CubemapImage cube = cube_picture();
   const SomeFiles files;
-  const LightChange change{.exposure = 1.5, .rotation = glm::dquat(0.5, 0.5, -0.5, 0.5), .keep_faces = true};
+  const LightChange change{
+      .exposure = 1.5, .turn = glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)), .keep_faces = true};
   const PrefilterOptions specular{.size = 16, .roughness = {0.0, 0.3, 1.0}};
   require_as_recorded(
       "cache",

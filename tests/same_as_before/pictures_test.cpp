@@ -166,10 +166,10 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
              BitHash hash;
              add_bits(hash, choice.setting.rms_error);
              add_bits(hash, choice.setting.maximum_error);
-             add_bits(hash, choice.estimated_error);
+             add_bits(hash, choice.error_estimate);
              for (const MipNeed& mip : choice.mips) {
                add_bits(hash, mip.source_size);
-               for (const double x : {mip.roughness, mip.estimated_error, mip.source_size_error}) add_bits(hash, x);
+               for (const double x : {mip.roughness, mip.error_estimate, mip.source_size_error}) add_bits(hash, x);
              }
              return hash.value();
            }},

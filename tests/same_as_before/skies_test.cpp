@@ -232,7 +232,7 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
   results.emplace_back("directions_by_budget", [&] {
     const std::array sun{sun_direction(20.0, 0.0)};
     const BudgetChoice<SkyHarmonicsOptions> choice = choose_sky_harmonics(ground, sun, {}, {.relative = 0.05});
-    return bits_of(choice.setting.zeniths, choice.setting.azimuths, choice.estimated_error);
+    return bits_of(choice.setting.zeniths, choice.setting.azimuths, choice.error_estimate);
   });
   require_as_recorded("sky_harmonics", results);
 }
