@@ -1,4 +1,12 @@
-// What a file carries beside the pixels: told from its header, before anything is read.
+// Bakes of files: whole, or planned with what a file already carries (mips, reflections, coefficients); requests about
+// files for a worker; files of a sky's tables.
+//
+//   welkin::BakeResult light = welkin::bake_file("sky.exr", {}, {.specular = welkin::PrefilterOptions{.size = 512}});
+//
+//   const welkin::StoredEnvironment file = welkin::probe_environment("sky.env");
+//   welkin::BakeResult needed = welkin::bake(file, welkin::plan(file, {.diffuse_bands = 3}));
+//
+//   auto job = worker.post(welkin::BakeFile{"sky.exr"});
 #pragma once
 
 #include <cstddef>
@@ -16,6 +24,8 @@
 #include "welkin/sky.h"
 
 namespace WELKIN_EXPORT welkin {
+
+// ---- What a file carries beside its pixels
 
 /// What the levels below the first are.
 enum class LevelContent {
@@ -46,22 +56,22 @@ struct StoredEnvironment {
 [[nodiscard]] StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read = {},
                                                   LevelContent content = LevelContent::automatic);
 
-// Bakes of files: read whole and baked, or planned with what the file carries already.
+// ---- Bakes of files
 
 /// Reads and bakes a file: all that `read_environment` reads; the full size of .env, KTX2 and DDS cubemaps. Throws as
 /// `read_environment` too.
 [[nodiscard]] BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
                                    const BakeOptions& options = {}, const Control& control = {});
 
-/// Of a file that was probed: with what it carries. Where nothing wants pixels it is projected while it is read, or not
-/// even read. Nothing is read here: an error budget is refused as of a shape.
+/// Plans a bake of a file that was probed, with what it carries. Where nothing wants pixels it is projected while it is
+/// read, or not even read. Nothing is read here: an error budget is refused as of a shape.
 [[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {},
                         const CostModel& costs = {});
 
 /// Carries out the plan of a file. Throws as `bake` and `bake_file`, and invalid_argument for another file's plan.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
-// What can be asked of a worker about files: Welkin's own calls, as in requests.h.
+// ---- Requests about files, for a worker (requests.h has the others)
 
 /// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
 struct ProjectFile {
@@ -109,13 +119,13 @@ struct BakeFile {
   friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
 
-// Files of a sky's tables, so that they are computed once.
+// ---- Files of a sky's tables, so that they are computed once
 
 /// Writes tables with all their parameters and a checksum; read again they are the same bits. Written beside, renamed.
 /// Throws `Error`: invalid_argument for tables whose sizes are not their options', file_access.
 void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path);
-/// Throws `Error`: file_access, corrupt_file (a checksum that differs, a table cut off), unsupported_file (another
-/// version), limit_exceeded.
+/// Reads tables that `save_sky_tables` wrote. Throws `Error`: file_access, corrupt_file (a checksum that differs, a
+/// table cut off), unsupported_file (another version), limit_exceeded.
 [[nodiscard]] SkyTables load_sky_tables(const std::filesystem::path& path,
                                         std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U);
 

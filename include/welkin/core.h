@@ -1,8 +1,18 @@
-// What all other headers build on: the version, what a shared library shows, errors, the control of long calls,
-// instruction sets.
+// What all other headers build on: the version, vectors, errors, the control of long calls, threads and instruction
+// sets.
+//
+//   std::stop_source stop;
+//   try {
+//     light = welkin::project(view, {}, {.stop = stop.get_token(), .progress = [](double share) { show(share); }});
+//   } catch (const welkin::Error& error) {
+//     if (error.code() != welkin::ErrorCode::cancelled) log(error.what());
+//   }
 #pragma once
 
 #include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
@@ -10,9 +20,6 @@
 
 #define WELKIN_VERSION_MAJOR 0
 #define WELKIN_VERSION_MINOR 1
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 #define WELKIN_VERSION_PATCH 0
 #define WELKIN_VERSION_STRING "0.1.0"
 
@@ -31,7 +38,8 @@ namespace WELKIN_EXPORT welkin {
 // In a host without GLM's macros these are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. Under
 // GLM_FORCE_DEFAULT_ALIGNED_GENTYPES GLM's own names stand for types of another size, with which the library was not
 // built; so the precision is spelled out here. A host's aligned vector converts to these and back where it is passed or
-// assigned (with GLM_FORCE_EXPLICIT_CTOR it has to be cast); spans and arrays need these types themselves.
+// assigned (with GLM_FORCE_EXPLICIT_CTOR it has to be cast); spans and arrays need these types themselves. Sources with
+// GLM_FORCE_SIZE_T_LENGTH do not link with the library: that macro makes vec<3ul, double> of vec<3, double>.
 
 /// Three floats without padding.
 using vec3 = glm::vec<3, float, glm::packed_highp>;
@@ -63,7 +71,7 @@ enum class ErrorCode {
   stopped,           ///< the worker was terminated before this job was done
 };
 
-/// Thrown by every public entry that can fail. Nothing else leaves the library, except
+/// The one exception type that Welkin throws, from every call that can fail. Nothing else leaves the library, except
 /// `std::bad_alloc` and whatever a caller's own callback throws.
 class Error : public std::runtime_error {
  public:
@@ -77,7 +85,7 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-// How a caller steers a long call: cancellation, progress, threads.
+// ---- Cancellation, progress and threads
 
 /// Passed to every call that can take longer than a frame. The default asks for nothing.
 struct Control {
@@ -112,7 +120,7 @@ void run_with_threads(int threads, const std::function<void()>& work);
 /// the control group's CPU quota (cgroup v2 `cpu.max`) grants fewer. At least 1.
 [[nodiscard]] int available_threads();
 
-// Which of the kernels' builds is in use.
+// ---- Instruction sets
 
 /// The builds of the kernels that an x86-64 binary carries, narrowest first. All give the same bits.
 enum class InstructionSet { sse2, avx2, avx512 };

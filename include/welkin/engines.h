@@ -1,4 +1,7 @@
-// Where things lie in other engines: their axes, their lat-longs, their cube faces.
+// Other engines: where things lie in them, and the form in which they want diffuse light.
+//
+//   welkin::EngineLight light = welkin::engine_light(projection.radiance, welkin::Engine::unity);
+//   for (const welkin::EngineVector& vector : light.vectors) material.set(vector.name, vector.value);
 //
 // An environment in Welkin lives in Welkin's axes: right-handed, y up, a lat-long's centre along +z and +x a quarter
 // in from the left (as in OpenEXR). A convention says how the same surroundings lie in an engine's axes, so that a
@@ -16,6 +19,9 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Axes, lat-longs and cube faces
+
+/// The engines and formats whose conventions are known; `conventions()` describes them.
 enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
 
 /// Where things lie in one engine.
@@ -38,6 +44,7 @@ struct Convention {
   std::optional<dmat3> faces_from_engine;
 };
 
+/// How things lie in an engine. Cost: a look into a table.
 [[nodiscard]] const Convention& convention(Engine engine) noexcept;
 
 /// All of them, in the order of `Engine`.
@@ -46,7 +53,7 @@ struct Convention {
 /// By `Convention::name`. Throws `Error` (invalid_argument) listing the names.
 [[nodiscard]] const Convention& convention(std::string_view name);
 
-// The form in which Babylon.js 9.34 keeps an environment's diffuse light.
+// ---- Babylon.js's polynomial, as version 9.34 has it
 
 /// Babylon.js's SphericalPolynomial: a quadratic in the surface normal (x, y, z), one RGB triple a term.
 /// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried
@@ -75,7 +82,7 @@ struct BabylonPolynomial {
 /// The polynomial's value for a unit normal.
 [[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 
-// A radiance projection in the form in which an engine wants it.
+// ---- Diffuse light in an engine's own form
 
 /// One named number triple of an engine's form.
 struct EngineTerm {

@@ -1,4 +1,8 @@
-// What a surface receives, without harmonics: the truth that a few bands are measured against.
+// Irradiance at surfaces: by direct integration, which is the truth that a few bands are measured against, and as a
+// cubemap.
+//
+//   welkin::dvec3 ground = welkin::direct_irradiance(cubemap, {0.0, 1.0, 0.0});
+//   welkin::CubemapImage lookup = welkin::irradiance_cubemap(welkin::irradiance_from_radiance(light.radiance), 64);
 #pragma once
 
 #include <span>
@@ -11,6 +15,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Direct integration
+
 /// Irradiance by direct cosine integration, in double: the sum over all texels of radiance times the texel's integral
 /// of max(0, normal . direction). W/m2 where radiance is W/m2/sr.
 ///
@@ -19,9 +25,8 @@ namespace WELKIN_EXPORT welkin {
 /// each taken at its centre. Error: below 1e-5 of pi times the radiance near the horizon at every size, below 1e-6 from
 /// 512 x 256 or 256 x 256 texels on.
 ///
-/// Normals need not be of unit length. Of `options` only what concerns pixels matters: clamp, gamma and the policies
-/// for NaN, infinities and negatives, which act as in `project`. Cost: some 5 ns a texel, normal and thread. The same
-/// bits on any number of threads. Throws `Error`: invalid_argument (view, options, a normal without length, none or
+/// Normals need not be of unit length. `pixels` acts as in `project`. Cost: some 5 ns a texel, normal and thread. The
+/// same bits on any number of threads. Throws `Error`: invalid_argument (view, policy, a normal without length, none or
 /// more than 100 000 normals), rejected_pixel, cancelled.
 [[nodiscard]] std::vector<dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const dvec3> normals,
                                                    const PixelPolicy& pixels = {}, const Control& control = {});
@@ -55,7 +60,7 @@ struct IrradianceError {
                                                              const PixelPolicy& pixels = {},
                                                              const Control& control = {});
 
-// Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics.
+// ---- Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics
 
 /// Irradiance (W/m2 where radiance is W/m2/sr; pi times it in a uniform environment) at each texel's centre, by the
 /// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. SIMD; the same bits

@@ -57,6 +57,7 @@ class JobHandle {
   /// was done, or given up before.
   bool cancel() const;
 
+  /// The job's priority; `normal` for no job.
   [[nodiscard]] TaskPriority priority() const;
 
   /// A waiting job goes to the end of those of its new priority; if that is the old one, it stays where it is. A
@@ -66,9 +67,10 @@ class JobHandle {
  protected:
   friend struct detail::JobAccess;
 
+  /// Of a job that was made.
   explicit JobHandle(std::shared_ptr<detail::JobRecord> record) : record_(std::move(record)) {}
 
-  std::shared_ptr<detail::JobRecord> record_;
+  std::shared_ptr<detail::JobRecord> record_;  ///< shared with the worker; null: no job
 };
 
 /// A handle that also has the result. The result can be taken once, in one of five ways: `try_take()`, `get()`, `then`,
@@ -77,8 +79,11 @@ class JobHandle {
 template <class Result>
 class Job : public JobHandle {
  public:
+  /// No job.
   Job() = default;
+  /// Moves: the source is no job afterwards.
   Job(Job&&) noexcept = default;
+  /// As above. The job that it was before runs to its end.
   Job& operator=(Job&&) noexcept = default;
 
   /// Whether this is a job whose result can still be taken; also of one that failed.
@@ -265,6 +270,7 @@ class Awaited {
 
 }  // namespace detail
 
+/// \cond Doxygen does not find the declarations of these two.
 template <class Result>
 template <class FollowUp>
 auto Job<Result>::then(FollowUp follow_up) && {
@@ -281,5 +287,6 @@ void Job<Result>::on_drain(Callback callback) && {
   using Drained = detail::DrainCallback<Result, Callback>;
   detail::attach(record_, std::make_shared<Drained>(take_over(), std::move(callback)), nullptr);
 }
+/// \endcond
 
 }  // namespace welkin

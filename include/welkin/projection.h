@@ -23,6 +23,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Options
+
 /// What a texel stands for while it is integrated.
 enum class Quadrature {
   exact,     ///< its area: each basis function is integrated over the texel; no error at any size
@@ -91,6 +93,8 @@ struct ProjectionOptions {
   friend bool operator==(const ProjectionOptions&, const ProjectionOptions&) = default;
 };
 
+// ---- Results
+
 /// What becomes of a step.
 enum class PassAction {
   run,    ///< it is computed
@@ -103,10 +107,10 @@ enum class PassAction {
 
 /// One step of a call: what was done, or why it was not.
 struct PassRecord {
-  std::string name;  ///< "read", "reduce", "project", "cubemap", ...
-  PassAction action = PassAction::run;
-  std::string reason;         ///< why that action
-  double milliseconds = 0.0;  ///< wall time; 0 for what was skipped
+  std::string name;                     ///< "read", "reduce", "project", "cubemap", ...
+  PassAction action = PassAction::run;  ///< what became of it
+  std::string reason;                   ///< why that action
+  double milliseconds = 0.0;            ///< wall time; 0 for what was skipped
 };
 
 /// How good a result is, and what was done to get it.
@@ -132,6 +136,8 @@ struct Projection {
   ProjectionDiagnostics diagnostics;  ///< what was read, replaced and clamped, and how exact the result is
 };
 
+// ---- Projection
+
 /// Projects a cubemap.
 ///
 /// Reads every texel once (or the levels that `target_size` picks), about 0.3 ns a texel and thread on a
@@ -153,7 +159,7 @@ struct Projection {
 [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
-// A cubemap's projection face by face: when one face changes, one face is projected again.
+// ---- Face by face: when one face changes, one face is projected again
 //
 //   welkin::FaceHarmonics kept = welkin::project_faces(cubemap);
 //   cubemap.faces[2] = new_sky;

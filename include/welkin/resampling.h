@@ -1,4 +1,7 @@
-// Environments of another shape, size or orientation, and smaller levels of a cubemap.
+// Environments of another shape, size or orientation, and mip chains of cubemaps.
+//
+//   welkin::CubemapImage cubemap = welkin::to_cubemap(panorama, 1024, welkin::turn_about_y(90.0));
+//   welkin::CubemapChain mips = welkin::build_mips(cubemap.view());
 #pragma once
 
 #include <span>
@@ -8,7 +11,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// One environment in memory to another of a different shape, size or orientation.
+// ---- Another shape, size or orientation
 
 /// How a lat-long becomes a cubemap, or the other way about.
 enum class ResampleFilter {
@@ -64,8 +67,9 @@ enum class ResampleFilter {
 /// everywhere, exact at multiples of 90 degrees. Throws `Error` (invalid_argument) unless |degrees| <= 1e6.
 [[nodiscard]] dmat3 turn_about_y(double degrees);
 
-// Smaller levels of a cubemap, for minification: no light is changed but for its sharpness.
+// ---- Mip chains, for minification
 
+/// How each level is made from the one above it.
 enum class MipFilter {
   box,          ///< the plain mean of the texels below: what graphics APIs do
   solid_angle,  ///< their mean by solid angle: keeps the sphere's total radiance on every level

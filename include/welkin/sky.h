@@ -1,7 +1,13 @@
-// Precomputed scattering: everything a planet's sky can look like, in tables (Bruneton and Neyret 2008; Bruneton 2017).
+// Computed skies: tables of a planet's scattered light, the sky as it is seen from one height, and its harmonics.
 //
-//   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));
-//   welkin::SkyView view(tables, 0.0);
+//   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));   // seconds
+//   welkin::SkyView view(tables, 0.0);                                     // milliseconds, once a height
+//   welkin::dvec3 sun = welkin::sun_direction(20.0, 145.0);
+//   welkin::CubemapImage picture = welkin::sky_cubemap(view, sun, 256);
+//   welkin::SphericalHarmonics light = welkin::SkyProjector(view).project(sun);
+//
+// Directions have y up, and a direction `sun` points towards the sun. atmosphere.h describes planets, and has the
+// units.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +25,9 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Precomputed scattering (Bruneton and Neyret 2008; Bruneton 2017)
+
+/// How many dimensions the table of scattered light has.
 enum class ScatteringLayout {
   /// Height x cosine of view's zenith x cosine of sun's zenith x cosine of the azimuth between view and sun (Bruneton,
   /// who has the cosine between view and sun for the last).
@@ -47,7 +56,8 @@ struct SkyTableOptions {
   int orders = 4;  ///< of scattering, ground reflections included: 1 (single) to 64
 
   /// Stops before `orders` when an order added less than this share of all light before it (mean radiance, over all
-  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the most of them.
+  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the largest number
+  /// of the three.
   double until_change = 0.0;
 
   SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
@@ -103,7 +113,7 @@ struct SkyTables {
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                        const Control& control = {});
 
-// The sky as it is seen from one height: any direction, any sun.
+// ---- The sky as it is seen from one height: any direction, any sun
 
 /// What a view is prepared for.
 struct SkyViewOptions {
@@ -177,7 +187,7 @@ class SkyView {
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
                                         const SkyPictureOptions& options = {}, const Control& control = {});
 
-// A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation that is baked once.
+// ---- A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation, baked once
 //
 //   welkin::SkyCurve curve(view);                                          // milliseconds, once a height
 //   welkin::SphericalHarmonics light = curve.at(welkin::sun_direction(20.0, 145.0));  // each frame
@@ -249,7 +259,7 @@ struct SkyCurveOptions {
   friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
 };
 
-/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a rotation
+/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a turn
 /// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share it.
 ///
 /// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to

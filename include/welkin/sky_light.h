@@ -9,7 +9,7 @@
 //
 // What a change costs: docs/sky.md.
 //
-//   sun's azimuth        the curve's coefficients are turned, reflections get another rotation: no work
+//   sun's azimuth        the curve's coefficients are turned, reflections get another turn: no work
 //   intensity            a factor
 //   sun's elevation      the curve, at once; reflections anew, later, once it moved by `specular_threshold_degrees`
 //   altitude             a new curve (milliseconds) and new reflections, later

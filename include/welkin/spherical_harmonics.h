@@ -1,4 +1,7 @@
-// Real spherical harmonics: coefficients, basis, and what is done to them after a projection.
+// Real spherical harmonics: coefficients, their basis, and what is done to coefficients after a projection.
+//
+//   welkin::SphericalHarmonics irradiance = welkin::irradiance_from_radiance(light.radiance);
+//   welkin::dvec3 ground = welkin::evaluate(irradiance, {0.0, 1.0, 0.0});   // W/m2 on a surface that faces up
 //
 // Convention, everywhere in Welkin: orthonormal real harmonics without Condon-Shortley phase, coefficient
 // (l, m) at index l (l + 1) + m, Y(1, -1..1) proportional to y, z, x. Other engines' signs, orders and
@@ -13,11 +16,13 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// The most bands that any call takes. Band l = bands - 1 is the highest one present.
+// ---- Coefficients and their values
+
+/// The largest number of bands that any call takes. Band l = bands - 1 is the highest one present.
 inline constexpr int kMaximumBands = 16;
 
 /// RGB coefficients of `bands` bands: bands^2 triples, all zero at first.
-/// Whether they are radiance or irradiance is said by whoever hands them out.
+/// The call that returns them says whether they are radiance or irradiance.
 class SphericalHarmonics {
  public:
   /// One band.
@@ -85,7 +90,7 @@ struct Quaternion {
   double z = 0.0;  ///< likewise
 };
 
-/// Coefficients of the light after it was turned: what came from direction d comes from rotation * d.
+/// Coefficients of the light after it was turned: what came from direction d comes from turn * d.
 /// Band by band by the recurrence of Ivanic and Ruedenberg (1996, with the 1998 corrections); error below 1e-13 for
 /// 16 bands; 10 000 steps in a row stay within 1e-11, and so does each band's power. The quaternion is normalised
 /// first. Cost: a microsecond for three bands, some 100 for 16. Throws `Error` (invalid_argument) for a quaternion
@@ -101,7 +106,7 @@ template <glm::qualifier Precision>
 /// more than 1e-6; the nearest orthogonal matrix is what is applied.
 [[nodiscard]] SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn);
 
-/// a + b and factor * a (per channel); of two band counts the larger, missing bands being zero.
+/// a + b, with as many bands as the larger one has; missing bands are zero.
 [[nodiscard]] SphericalHarmonics add(const SphericalHarmonics& a, const SphericalHarmonics& b);
 /// factor * a, channel by channel.
 [[nodiscard]] SphericalHarmonics scale(const SphericalHarmonics& a, const dvec3& factor);
@@ -117,11 +122,11 @@ template <glm::qualifier Precision>
 /// band limit is known, and it is integrated by a Gauss rule of that degree.
 [[nodiscard]] SphericalHarmonics product(const SphericalHarmonics& a, const SphericalHarmonics& b, int bands = 0);
 
-// Windows against ringing: light that a few bands make negative.
+// ---- Windows against ringing (where a few bands make light negative)
 
 /// By what band l is multiplied. `width` is in bands.
 enum class Window {
-  none,
+  none,           ///< 1
   hanning,        ///< (1 + cos(pi l / width)) / 2, 0 from l = width on
   lanczos,        ///< sin(x) / x with x = pi l / width, 0 from l = width on
   min_laplacian,  ///< 1 / (1 + lambda l^2 (l + 1)^2), with the smallest lambda that leaves no irradiance negative
@@ -130,16 +135,16 @@ enum class Window {
 /// "none", "hanning", "lanczos", "min-laplacian"
 [[nodiscard]] const char* name(Window window) noexcept;
 
-/// The smallest value of a function over the sphere, by channel, and where it is.
+/// The minimum of a function over the sphere, by channel, and where it is.
 struct HarmonicMinimum {
   dvec3 value{};         ///< of each channel at its own direction
   dvec3 direction[3]{};  ///< unit, by channel; one of them where several are equal
 };
 
-/// On a grid finer than the highest band (8 points to each half wave of it) and refined by Newton steps. Error of a
-/// value: below 1e-12 of the largest coefficient. The same bits everywhere. A channel with a coefficient that is not
-/// finite has the minimum NaN. Cost: some 50 microseconds for three bands, some milliseconds for 16; ten times as much
-/// where the lowest places are a ring, as around a lone light.
+/// Finds the minimum on a grid finer than the highest band (8 points to each half wave of it), refined by Newton
+/// steps. Error of a value: below 1e-12 of the largest coefficient. The same bits everywhere. A channel with a
+/// coefficient that is not finite has the minimum NaN. Cost: some 50 microseconds for three bands, some milliseconds
+/// for 16; ten times as much where the minimum is a ring, as around a lone light.
 [[nodiscard]] HarmonicMinimum minimum(const SphericalHarmonics& harmonics);
 
 /// Windowed coefficients, and what the window did.
@@ -155,7 +160,7 @@ struct Windowed {
 /// bands; the others take no notice of it. Band 0 and so the mean radiance never change.
 ///
 /// `min_laplacian` (Sloan 2008, "Stupid Spherical Harmonics Tricks", and 2017, "Deringing Spherical Harmonics"; the
-/// window of least squared Laplacian): no channel's irradiance is below -1e-9 of its mean anywhere, and with any
+/// window of minimum squared Laplacian): no channel's irradiance is below -1e-9 of its mean anywhere, and with any
 /// smaller lambda some channel's would be (but for that tolerance). One lambda for all channels, so that colours keep
 /// their balance. It is 0 if nothing is negative. It does not depend on how the light is turned.
 ///

@@ -1,6 +1,8 @@
-// Cubemaps with their mips as textures that graphics APIs load as they are: KTX2, DDS, and mip-mapped OpenEXR.
+// Cubemaps with their mips in files: KTX2, DDS and mip-mapped OpenEXR, which graphics APIs load as they are, and
+// Babylon.js's .env.
 //
 //   welkin::write_texture("sky.ktx2", chain.views(), {.format = welkin::TexelFormat::rgba16f});
+//   welkin::write_babylon_environment("sky.env", welkin::to_babylon(chain, light.radiance));
 #pragma once
 
 #include <cstdint>
@@ -73,7 +75,7 @@ struct CubemapTexture {
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});
 
-// Babylon.js's .env file: a prefiltered cubemap as RGBD pictures, with the polynomial that its shaders use.
+// ---- Babylon.js's .env: a prefiltered cubemap as RGBD pictures, with the polynomial that its shaders use
 
 /// What an .env file holds, all of it in Babylon.js's axes, which are left-handed: x is Welkin's -x. Faces and rows are
 /// in the order of `CubemapView`, row 0 on top (the file has them bottom row first).
@@ -93,15 +95,15 @@ struct BabylonEnvironment {
 [[nodiscard]] BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
                                             const CubemapImage& irradiance_over_pi = {});
 
-/// The same cubemap with x turned round: +X and -X change places, and columns run the other way. Both ways between
+/// The same cubemap mirrored in x: +X and -X change places, and columns run the other way. Both ways between
 /// Welkin's axes and those of Babylon.js; no texel changes.
 [[nodiscard]] CubemapChain mirrored_x(const CubemapChain& chain);
 [[nodiscard]] CubemapImage mirrored_x(const CubemapImage& cubemap);
 
-/// Reads one: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes. Faces in
-/// parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take above
-/// the memory limit is refused before a picture is read. Throws `Error`: file_access, corrupt_file, unsupported_file,
-/// limit_exceeded, cancelled.
+/// Reads an .env file: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes.
+/// Faces in parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take
+/// above the memory limit is refused before a picture is read. Throws `Error`: file_access, corrupt_file,
+/// unsupported_file, limit_exceeded, cancelled.
 [[nodiscard]] BabylonEnvironment read_babylon_environment(const std::filesystem::path& path,
                                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                                           const Control& control = {});
