@@ -5,8 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -216,8 +214,8 @@ struct Plan {
 
 /// How an environment changed that was baked before: what came from direction d comes from turn * d, times a factor.
 struct EnvironmentChange {
-  glm::dmat3 turn{1.0};   ///< orthogonal
-  glm::dvec3 scale{1.0};  ///< of red, green and blue: exposure; not negative
+  dmat3 turn{1.0};   ///< orthogonal
+  dvec3 scale{1.0};  ///< of red, green and blue: exposure; not negative
 };
 
 /// What such a change costs a result that was baked with `baked`: coefficients are turned and scaled, an irradiance

@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -64,7 +63,7 @@ struct MipRecord {
   int bright_texels = 0;        ///< spectral: texels whose lobes were added one by one
   int samples = 0;              ///< sampled: taps a texel
   double error_estimate = 0.0;  ///< predicted largest relative error
-  glm::dvec3 mean{};            ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
+  dvec3 mean{};                 ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
   double milliseconds = 0.0;    ///< wall time
 };
 
@@ -88,12 +87,10 @@ struct PrefilteredSpecular {
 /// The truth at chosen directions, in double over all of the source's texels as areas: one entry a direction, which
 /// need not be of unit length. Cost: some 10 ns a source texel and direction. Throws `Error` (invalid_argument,
 /// cancelled).
-[[nodiscard]] std::vector<glm::dvec3> reference_specular(const LatLongView& source, double roughness,
-                                                         const std::vector<glm::dvec3>& directions,
-                                                         const Control& control = {});
-[[nodiscard]] std::vector<glm::dvec3> reference_specular(const CubemapView& source, double roughness,
-                                                         const std::vector<glm::dvec3>& directions,
-                                                         const Control& control = {});
+[[nodiscard]] std::vector<dvec3> reference_specular(const LatLongView& source, double roughness,
+                                                    const std::vector<dvec3>& directions, const Control& control = {});
+[[nodiscard]] std::vector<dvec3> reference_specular(const CubemapView& source, double roughness,
+                                                    const std::vector<dvec3>& directions, const Control& control = {});
 
 // Which roughness each mip of a specular cubemap has, and where a shader looks for a roughness.
 //

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,9 +18,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the sun's disc is left out unless asked
 /// for. Throws `Error`: invalid_argument, limit_exceeded, cancelled.
-[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun,
-                                               const PrefilterOptions& options, const SkyPictureOptions& picture = {},
-                                               const Control& control = {});
+[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const dvec3& sun, const PrefilterOptions& options,
+                                               const SkyPictureOptions& picture = {}, const Control& control = {});
 
 // Plans for computed skies: which tables, and what of the light.
 //
@@ -80,7 +78,7 @@ struct SkyBake {
 };
 
 /// Carries it out, for one sun. The same bits on any number of threads. Throws `Error` as the calls that it makes.
-[[nodiscard]] SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control = {});
+[[nodiscard]] SkyBake bake(const SkyPlan& plan, const dvec3& sun, const Control& control = {});
 
 /// As `plan_text` of plan.h.
 [[nodiscard]] std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured = {});
