@@ -72,7 +72,7 @@ bool is_reused(const Projection& projection) {
 std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const BakeCommandOptions& options,
                                           const Control& control) {
   const ReadOptions& read = options.common.read;
-  if (info.format != "Babylon.js .env" || read.level != 0) return std::nullopt;
+  if (info.format != FileFormat::babylon || read.level != 0) return std::nullopt;
   if (options.sun.take_out || options.clamp.clamps || options.bake.pixels.gamma) return std::nullopt;
   Projection projection = project_file(info.path, read, {}, {control.stop, {}});
   if (!is_reused(projection)) return std::nullopt;

@@ -26,10 +26,10 @@ enum class LevelContent {
 
 /// What a file holds besides its pixels.
 struct StoredEnvironment {
-  std::filesystem::path path;  ///< as it was named
-  ReadOptions read;            ///< how it is to be read
-  EnvironmentInfo info;        ///< what the file says of itself
-  SourceShape shape;           ///< of the pixels as `read_environment` gives them
+  FileInput input;       ///< what is read; bytes in memory must outlive this and its copies
+  ReadOptions read;      ///< how it is to be read
+  EnvironmentInfo info;  ///< what the file says of itself
+  SourceShape shape;     ///< of the pixels as `read_environment` gives them
 
   bool compressed = true;       ///< pixels must be unpacked
   bool has_polynomial = false;  ///< of an .env: three bands of the light, in full where its pixels end at 255
@@ -43,14 +43,14 @@ struct StoredEnvironment {
 
 /// Reads the header. `content` overrides what the file says; of reflections without a roughness each in the metadata
 /// (`welkin.roughness`) it is spread as `RoughnessSchedule::linear` has it. Throws `Error` as `inspect_environment`.
-[[nodiscard]] StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read = {},
+[[nodiscard]] StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read = {},
                                                   LevelContent content = LevelContent::automatic);
 
 // Bakes of files: read whole and baked, or planned with what the file carries already.
 
 /// Reads and bakes a file: all that `read_environment` reads; the full size of .env, KTX2 and DDS cubemaps. Throws as
 /// `read_environment` too.
-[[nodiscard]] BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
+[[nodiscard]] BakeResult bake_file(const FileInput& input, const ReadOptions& read_options = {},
                                    const BakeOptions& options = {}, const Control& control = {});
 
 /// Of a file that was probed: with what it carries. Where nothing wants pixels it is projected while it is read, or not
@@ -61,37 +61,45 @@ struct StoredEnvironment {
 /// Carries out the plan of a file. Throws as `bake` and `bake_file`, and invalid_argument for another file's plan.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
-// What can be asked of a worker about files: Welkin's own calls, as in requests.h.
+// What can be asked of a worker about files: Welkin's own calls, as in requests.h. Each reads a file by its path, or
+// from bytes that it shares (`memory`), which count against the worker's memory limit; the path is then their name.
 
-/// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
+/// `project_file`. Equal are the same path, options and bytes in memory (of these the same vector); as the file may
+/// change, only those that still wait share a run.
 struct ProjectFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;   ///< the file, or one of six
-  ReadOptions read_options{};   ///< how it is read
-  ProjectionOptions options{};  ///< how it is projected
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  ProjectionOptions options{};                             ///< how it is projected
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
 };
 
 /// `read_environment`. Its result cannot be copied, so it is not shared.
 struct ReadFile {
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Environment operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
 };
 
 /// `measure_environment`. Shared as `ProjectFile`.
 struct MeasureFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
 };
@@ -100,11 +108,13 @@ struct MeasureFile {
 struct BakeFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
-  BakeOptions options{};       ///< what is made of it
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  BakeOptions options{};                                   ///< what is made of it
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
@@ -113,10 +123,10 @@ struct BakeFile {
 
 /// Writes tables with all their parameters and a checksum; read again they are the same bits. Written beside, renamed.
 /// Throws `Error`: invalid_argument for tables whose sizes are not their options', file_access.
-void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path);
+void save_sky_tables(const SkyTables& tables, const FileOutput& output);
 /// Throws `Error`: file_access, corrupt_file (a checksum that differs, a table cut off), unsupported_file (another
 /// version), limit_exceeded.
-[[nodiscard]] SkyTables load_sky_tables(const std::filesystem::path& path,
+[[nodiscard]] SkyTables load_sky_tables(const FileInput& input,
                                         std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U);
 
 }  // namespace welkin

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
@@ -44,12 +43,12 @@ struct TextureOptions {
 /// the levels that are being packed, side by side. The same bytes on any number of threads (with the same zlib and
 /// Zstandard). A file is complete or not there. Throws `Error`: invalid_argument (an uneven chain, a format or option
 /// that the file cannot hold), unsupported_file (the extension), file_access, cancelled.
-WriteReport write_texture(const std::filesystem::path& path, std::span<const CubemapView> mips,
+WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips,
                           const TextureOptions& options = {}, const Control& control = {});
 
 /// Writes a two-dimensional texture of one level, as a BRDF table is, to .ktx2 or .dds: `rgb` is height x width x 3,
 /// first row on top; 1 to 16384 each way. Throws as above.
-WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
+WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
                              const TextureOptions& options = {}, const Control& control = {});
 
 /// A texture that was read.
@@ -63,7 +62,7 @@ struct CubemapTexture {
 /// unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header. Alpha is passed over. The
 /// header is checked whole before anything is allocated, and what would take more than the limit is refused. Throws
 /// `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
-[[nodiscard]] CubemapTexture read_texture(const std::filesystem::path& path,
+[[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});
 
@@ -96,7 +95,7 @@ struct BabylonEnvironment {
 /// parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take above
 /// the memory limit is refused before a picture is read. Throws `Error`: file_access, corrupt_file, unsupported_file,
 /// limit_exceeded, cancelled.
-[[nodiscard]] BabylonEnvironment read_babylon_environment(const std::filesystem::path& path,
+[[nodiscard]] BabylonEnvironment read_babylon_environment(const FileInput& input,
                                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                                           const Control& control = {});
 
@@ -105,7 +104,7 @@ struct BabylonEnvironment {
 /// has no negatives: the report counts the values that were clamped, so the polynomial must come from the source and
 /// not from mip 0. Throws `Error`: invalid_argument (also for an irradiance texture without a polynomial, and numbers
 /// that are not finite), file_access, cancelled.
-WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
+WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnvironment& environment,
                                       const Control& control = {});
 
 }  // namespace welkin

@@ -7,6 +7,7 @@
 
 #include "bake/needs.h"
 #include "files/env_manifest.h"
+#include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "welkin/bake_file.h"
@@ -35,20 +36,20 @@ void FileSource::read(const Control& control) {
   if (plan_.streams) return;
   const std::uint64_t limit = file_.read.memory_limit_bytes;
   if (!plan_.take_specular && !plan_.take_levels) {
-    environment_ = read_environment(file_.path, file_.read, control);
-  } else if (file_.info.format == "Babylon.js .env") {
-    chain_ = mirrored_x(read_babylon_environment(file_.path, limit, control).specular);
+    environment_ = read_environment(file_.input, file_.read, control);
+  } else if (file_.info.format == FileFormat::babylon) {
+    chain_ = mirrored_x(read_babylon_environment(file_.input, limit, control).specular);
   } else {
-    chain_ = read_texture(file_.path, limit, control).cubemap;
+    chain_ = read_texture(file_.input, limit, control).cubemap;
   }
 }
 
 Projection FileSource::project(const ProjectionOptions& options, const Control& control) {
-  return project_file(file_.path, file_.read, options, control);
+  return project_file(file_.input, file_.read, options, control);
 }
 
 SphericalHarmonics FileSource::take_radiance(const Control& control) {
-  return project_file(file_.path, file_.read, {}, {control.stop, {}}).radiance;
+  return project_file(file_.input, file_.read, {}, {control.stop, {}}).radiance;
 }
 
 PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
@@ -73,7 +74,7 @@ namespace {
 /// As it stands in the manifest.
 std::optional<BabylonPolynomial> stored_polynomial(const StoredEnvironment& file) {
   if (!file.has_polynomial) return std::nullopt;
-  platform::ByteFile bytes(file.path);
+  platform::ByteFile bytes = open_file(file.input);
   return read_env_manifest(bytes).polynomial;
 }
 
@@ -88,7 +89,7 @@ BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, bak
   } catch (const Error& failure) {
     // What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
     if (failure.code() != ErrorCode::rejected_pixel) throw;
-    throw platform::file_error(failure.code(), file.path, failure.what());
+    throw platform::file_error(failure.code(), file.input.path(), failure.what());
   }
   result.stored_polynomial = stored_polynomial(file);
   return result;
@@ -103,10 +104,10 @@ BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& 
   return files::bake_file_source(file, plan, nullptr, control);
 }
 
-BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options, const BakeOptions& options,
+BakeResult bake_file(const FileInput& input, const ReadOptions& read_options, const BakeOptions& options,
                      const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const StoredEnvironment file = probe_environment(path, read_options);
+  const StoredEnvironment file = probe_environment(input, read_options);
   return bake(file, files::plan_whole(file, options), control);
 }
 

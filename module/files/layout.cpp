@@ -138,6 +138,40 @@ const char* name(Layout layout) noexcept {
   return "unknown";
 }
 
+const char* name(FileFormat format) noexcept {
+  switch (format) {
+    case FileFormat::openexr: return "OpenEXR";
+    case FileFormat::radiance: return "Radiance";
+    case FileFormat::pfm: return "PFM";
+    case FileFormat::png: return "PNG";
+    case FileFormat::ktx2: return "KTX2";
+    case FileFormat::dds: return "DDS";
+    case FileFormat::babylon: return "Babylon.js .env";
+  }
+  return "unknown";
+}
+
+const char* name(ChannelType type) noexcept {
+  switch (type) {
+    case ChannelType::unknown: return "unknown";
+    case ChannelType::half: return "half";
+    case ChannelType::float32: return "float";
+    case ChannelType::uint32: return "uint";
+    case ChannelType::rgbe: return "rgbe";
+    case ChannelType::xyze: return "xyze";
+    case ChannelType::rgbd: return "rgbd";
+    case ChannelType::uint1: return "uint1";
+    case ChannelType::uint2: return "uint2";
+    case ChannelType::uint4: return "uint4";
+    case ChannelType::uint8: return "uint8";
+    case ChannelType::uint16: return "uint16";
+    case ChannelType::ufloat10: return "ufloat10";
+    case ChannelType::ufloat11: return "ufloat11";
+    case ChannelType::shared_exponent: return "shared exponent";
+  }
+  return "unknown";
+}
+
 }  // namespace welkin
 
 namespace welkin::files {
@@ -204,7 +238,8 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options) {
   if (options.layout != Layout::automatic && options.layout != Layout::vertical_strip) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                               std::string("was asked for as a ") + name(options.layout) + ", and " + info.format +
+                               std::string("was asked for as a ") + name(options.layout) + ", and " +
+                                   name(info.format) +
                                    " holds six faces, read as a vertical strip; leave --layout out");
   }
   if (options.level < 0 || options.level >= levels) {
@@ -219,7 +254,7 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
     info.levels.push_back({edge, 6 * edge});
   }
   info.layout = Layout::vertical_strip;
-  info.layout_reason = info.format + " holds six faces";
+  info.layout_reason = std::string(name(info.format)) + " holds six faces";
   info.width = info.levels[static_cast<std::size_t>(options.level)].width;
   info.height = 6 * info.width;
 }

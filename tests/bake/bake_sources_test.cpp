@@ -179,8 +179,8 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
   CHECK(light.pass("project").action == PassAction::reuse);
   const BakeResult result = bake(file, light);
   REQUIRE(result.radiance);
-  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), project_file(file.path).radiance.coefficients()));
-  CHECK(same_bits(result.irradiance, bake_file(file.path, {}, whole_bake()).irradiance));
+  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), project_file(file.input).radiance.coefficients()));
+  CHECK(same_bits(result.irradiance, bake_file(file.input, {}, whole_bake()).irradiance));
   REQUIRE(result.stored_polynomial);
   CHECK(result.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
 }
@@ -188,7 +188,7 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
 TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][codec]") {
   const TemporaryDirectory directory;
   const StoredEnvironment file = probe_environment(write_env(directory));
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
   for (const RoughnessRange range : {RoughnessRange{0.0, 1.0}, RoughnessRange{0.6, 1.0}}) {
     const Plan planned = plan(file, {.glossy = range}, whole_bake());
     INFO(plan_text(planned));
@@ -215,7 +215,7 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
   const Plan planned = plan(file, {.stored_results = false}, whole_bake());
   for (const char* pass : {"read", "specular", "project"}) CHECK(planned.pass(pass).action == PassAction::run);
   const BakeResult result = bake(file, planned);
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
   const BakeResult pixels = bake(stored.view(0), whole_bake());
   CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
   CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));
