@@ -41,8 +41,8 @@ class FileInput {
   FileInput(Path&& path)  // NOLINT(google-explicit-constructor): a path is an input as it is
       : path_(std::forward<Path>(path)) {}
 
-  /// All bytes of a file. Messages call it by `name`. The kind of file is told by the bytes; the end of the name counts
-  /// only where the shape does not tell the layout, as with a path ("sky_px.png" is one face of six).
+  /// All bytes of a file. Messages call it by `name`, which tells nothing else: the kind of file is told by its bytes.
+  /// A square picture, which a path would make one of six files, is refused unless a layout is asked for.
   FileInput(std::span<const std::byte> bytes, std::string_view name)
       : path_(name.empty() ? "bytes in memory" : name), bytes_(bytes) {}
 

@@ -243,19 +243,6 @@ std::string shape(const EnvironmentInfo& info) {
   return std::to_string(info.width) + " x " + std::to_string(info.height);
 }
 
-// In face order.
-std::vector<FileInput> six_inputs(const FileInput& input) {
-  if (!input.faces().empty()) return std::vector<FileInput>(input.faces().begin(), input.faces().end());
-  if (input.bytes()) {
-    throw platform::file_error(
-        ErrorCode::invalid_argument, input.path(),
-        "is one face of a cubemap in memory, and nothing says where the others are; pass all six "
-        "(FileInput::six_faces), or read it as a layout of one picture");
-  }
-  const std::array<std::filesystem::path, 6> paths = face_files(input.path());
-  return std::vector<FileInput>(paths.begin(), paths.end());
-}
-
 // Opened as what no shape contradicts: a face alone has no layout.
 std::unique_ptr<RowSource> open_face(const FileInput& input, const ReadOptions& options) {
   ReadOptions of_face = options;
@@ -403,9 +390,19 @@ class SixFilesSource final : public RowSource {
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_six_files(const FileInput& input, const ReadOptions& options,
-                                          const std::string& reason) {
-  const std::vector<FileInput> inputs = six_inputs(input);
+std::vector<FileInput> six_inputs(const FileInput& input) {
+  if (!input.faces().empty()) return std::vector<FileInput>(input.faces().begin(), input.faces().end());
+  if (input.bytes()) {
+    throw platform::file_error(ErrorCode::invalid_argument, input.path(),
+                               "is in memory, where nothing says which are the other faces; pass all six "
+                               "(FileInput::six_faces)");
+  }
+  const std::array<std::filesystem::path, 6> paths = face_files(input.path());
+  return std::vector<FileInput>(paths.begin(), paths.end());
+}
+
+std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
+                                          const ReadOptions& options, const std::string& reason) {
   Faces faces;
   for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = open_face(inputs[face], options);
   require_fitting_faces(faces);

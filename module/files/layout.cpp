@@ -42,17 +42,6 @@ void settle(EnvironmentInfo& info, Layout layout, const std::string& reason) {
   throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
 }
 
-// A square is one of six files, if anything. Why it is not is in the message: a missing face above all.
-void settle_by_name(EnvironmentInfo& info) {
-  try {
-    static_cast<void>(face_files(info.path));
-  } catch (const Error& failure) {
-    refuse(info, shape(info) + " is square, so it would be a face among six files, but " + failure.what() +
-                     ". If it is something else, pass --layout to say what: " + kAllLayouts);
-  }
-  settle(info, Layout::six_files, shape(info) + " is square, and its name and five others are those of six faces");
-}
-
 void settle_by_shape(EnvironmentInfo& info) {
   if (info.width == 2 * info.height) {
     settle(info, Layout::lat_long, shape(info) + " is 2:1");
@@ -65,7 +54,7 @@ void settle_by_shape(EnvironmentInfo& info) {
     }
   }
   if (info.width == info.height) {
-    settle_by_name(info);
+    settle(info, Layout::six_files, shape(info) + " is square, and its name and five others are those of six faces");
     return;
   }
   refuse(info, shape(info) +
@@ -101,6 +90,11 @@ void require_fitting_shape(const EnvironmentInfo& info) {
 }
 
 }  // namespace
+
+void refuse_square(const EnvironmentInfo& info, const std::string& reason) {
+  refuse(info, shape(info) + " is square, so it would be a face among six files, but " + reason +
+                   ". If it is something else, pass --layout to say what: " + kAllLayouts);
+}
 
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header) {
   if (asked_for != Layout::automatic) {

@@ -13,6 +13,7 @@
 #include "files/env.h"
 #include "files/env_manifest.h"
 #include "files/hdr.h"
+#include "files/layout.h"
 #include "files/pfm.h"
 #include "files/textures.h"
 #include "jobs/tiles.h"
@@ -103,20 +104,26 @@ std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOpt
           std::string("was given with five others as the faces of a cubemap, and asked for as a ") +
               name(options.layout) + "; leave the layout out");
     }
-    return open_six_files(input, options, "six faces were given");
+    return open_six_files(input, six_inputs(input), options, "six faces were given");
   }
   if (options.layout == Layout::six_files) {
-    return open_six_files(input, options, "six-files was asked for");
+    return open_six_files(input, six_inputs(input), options, "six-files was asked for");
   }
   std::error_code ignored;
   if (options.layout == Layout::automatic && !input.bytes() && std::filesystem::is_directory(input.path(), ignored)) {
-    return open_six_files(input, options, "the directory holds the six faces of one cube");
+    return open_six_files(input, six_inputs(input), options, "the directory holds the six faces of one cube");
   }
   std::unique_ptr<RowSource> picture = open_picture(input, options);
   if (picture->info().layout != Layout::six_files) {
     return picture;
   }
-  return open_six_files(input, options, picture->info().layout_reason);
+  std::vector<FileInput> faces;
+  try {
+    faces = six_inputs(input);
+  } catch (const Error& failure) {
+    refuse_square(picture->info(), failure.what());
+  }
+  return open_six_files(input, faces, options, picture->info().layout_reason);
 }
 
 namespace {

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "platform/file.h"
 #include "welkin/core.h"
@@ -100,11 +101,15 @@ class RowSource {
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options);
 
-/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: the input's
-/// six faces, or those of `face_files` of its path. Throws as `inspect_environment`; invalid_argument for one face in
-/// memory; unsupported_file naming the file that is not square or not of the first one's size.
-[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const ReadOptions& options,
-                                                        const std::string& reason);
+/// The six faces that an input has, or those that `face_files` finds by its path. Throws `Error` as `face_files`, and
+/// invalid_argument for one face in memory.
+[[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);
+
+/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: `faces`, as
+/// `six_inputs` finds them for `input`. Throws as `inspect_environment`; unsupported_file naming the file that is not
+/// square or not of the first one's size.
+[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& faces,
+                                                        const ReadOptions& options, const std::string& reason);
 
 /// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.
 [[nodiscard]] constexpr std::uint64_t rgb_bytes(int width, int rows) noexcept {
