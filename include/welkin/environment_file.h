@@ -34,7 +34,7 @@ namespace WELKIN_EXPORT welkin {
 /// must stay as long as it is used. Several threads may read the same bytes at once.
 class FileInput {
  public:
-  FileInput() = default;
+  FileInput() = default;  ///< names no file
 
   /// The file at a path: whatever converts to `std::filesystem::path`. Nothing is opened yet.
   template <std::convertible_to<std::filesystem::path> Path>

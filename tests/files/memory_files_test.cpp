@@ -56,13 +56,16 @@ auto outcome_of(const Call& call) -> Outcome<decltype(call())> {
   }
 }
 
+/// Of a square picture its path says why it is no face among six, and bytes cannot.
+std::string comparable(const std::string& error) { return error.substr(0, error.find(" is square")); }
+
 /// The outcome of `call`, given the path, and given the bytes with the path as their name.
 template <class Call, class Same>
 void check_same_outcome(const std::filesystem::path& path, std::span<const std::byte> bytes, const Call& call,
                         const Same& same) {
   const auto from_path = outcome_of([&] { return call(FileInput(path)); });
   const auto from_memory = outcome_of([&] { return call(FileInput(bytes, path.string())); });
-  CHECK(from_memory.error == from_path.error);
+  CHECK(comparable(from_memory.error) == comparable(from_path.error));
   if (from_path.value && from_memory.value) CHECK(same(*from_path.value, *from_memory.value));
 }
 
