@@ -163,8 +163,9 @@ struct JobAccess {
   /// A job for the request, not posted yet.
   template <class Request, class From>
   static Job<ResultOf<Request>> make(From&& request) {
-    auto computation = std::make_shared<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
-    auto record = std::make_shared<TypedJobRecord<ResultOf<Request>>>();
+    auto computation =
+        make_shared_in_job_memory<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
+    auto record = make_shared_in_job_memory<TypedJobRecord<ResultOf<Request>>>();
     record->progress = &computation->progress;
     record->computation = computation;
     record->posted = std::move(computation);
@@ -253,7 +254,7 @@ class Awaited {
   bool await_suspend(std::coroutine_handle<> coroutine) {
     // The coroutine may go on, and this object be gone, before `attach` returns.
     const std::shared_ptr<JobRecord> record = job_.record_;
-    return attach(record, std::make_shared<Resumption>(coroutine, place_), nullptr);
+    return attach(record, make_shared_in_job_memory<Resumption>(coroutine, place_), nullptr);
   }
 
   Result await_resume() { return job_.get(); }
@@ -279,7 +280,7 @@ template <class Result>
 template <class Callback>
 void Job<Result>::on_drain(Callback callback) && {
   using Drained = detail::DrainCallback<Result, Callback>;
-  detail::attach(record_, std::make_shared<Drained>(take_over(), std::move(callback)), nullptr);
+  detail::attach(record_, detail::make_shared_in_job_memory<Drained>(take_over(), std::move(callback)), nullptr);
 }
 
 }  // namespace welkin
