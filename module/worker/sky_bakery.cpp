@@ -1,5 +1,6 @@
 #include "worker/sky_bakery.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "welkin/core.h"
@@ -180,25 +181,19 @@ void SkyBakery::close() noexcept {
   stop_.request_stop();
 }
 
-std::optional<SkyArrivals> SkyBakery::try_take(bool curve, bool reflections) noexcept {
+std::optional<SkyArrivals> SkyBakery::try_take(bool curve, bool reflections,
+                                               std::span<std::shared_ptr<const void>> garbage) noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
+  for (std::shared_ptr<const void>& old : garbage) {
+    const auto place = std::find(retired_.begin(), retired_.end(), nullptr);
+    if (place != retired_.end()) place->swap(old);
+  }
   SkyArrivals taken;
   if (curve) taken.curve = std::exchange(arrivals_.curve, {});
   if (reflections) taken.reflections = std::exchange(arrivals_.reflections, {});
   taken.more_to_come = running_ || next_step() != Step::none || arrivals_.curve.curve || arrivals_.reflections.specular;
   return taken;
-}
-
-bool SkyBakery::retire(std::shared_ptr<const void>& old) noexcept {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock.owns_lock()) return false;
-  for (std::shared_ptr<const void>& place : retired_) {
-    if (place) continue;
-    place = std::move(old);
-    return true;
-  }
-  return false;
 }
 
 SkyBakeCounts SkyBakery::counts() const {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 
 #include "welkin/requests.h"
@@ -68,13 +69,11 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   /// Stops what is being made; nothing is posted any more.
   void close() noexcept;
 
-  /// For the frame: what has been made, a curve or reflections only where they are asked for. Nothing if the lock is
-  /// held by somebody: it does not wait.
-  [[nodiscard]] std::optional<SkyArrivals> try_take(bool curve, bool reflections) noexcept;
-
-  /// Takes what the frame has no more use for, so that it is freed on the worker. False, and it is the caller's still,
-  /// if there is no room or the lock is held by somebody.
-  bool retire(std::shared_ptr<const void>& old) noexcept;
+  /// For the frame: what has been made, a curve or reflections only where they are asked for. In return it takes what
+  /// the frame has no more use for, as far as there is room, so that it is freed on the worker. Nothing happens if the
+  /// lock is held by somebody: it does not wait.
+  [[nodiscard]] std::optional<SkyArrivals> try_take(bool curve, bool reflections,
+                                                    std::span<std::shared_ptr<const void>> garbage) noexcept;
 
   [[nodiscard]] SkyBakeCounts counts() const;
   [[nodiscard]] std::exception_ptr error() const;

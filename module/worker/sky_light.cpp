@@ -139,7 +139,6 @@ struct SkyLight::State {
   void place_reflections();
   [[nodiscard]] Sun sun_of(const glm::dvec3& irradiance, double radius_degrees) const;
   void let_go(std::shared_ptr<const void> old);
-  void retire();
 };
 
 SkyLight::State::State(Worker& worker, std::shared_ptr<const Atmosphere> atmosphere,
@@ -264,7 +263,7 @@ void SkyLight::State::wish_for_light(bool stop) {
 
 /// What comes while something is being blended waits for the end of that: there are two places only.
 void SkyLight::State::take_news() {
-  std::optional<worker::SkyArrivals> news = bakery->try_take(!curves.under_way(), !reflections.under_way());
+  std::optional<worker::SkyArrivals> news = bakery->try_take(!curves.under_way(), !reflections.under_way(), garbage);
   frame.settled = news && !news->more_to_come;
   if (!news) return;
   const bool blends = options.blend_seconds > 0.0;
@@ -283,18 +282,8 @@ void SkyLight::State::take_news() {
 }
 
 void SkyLight::State::let_go(std::shared_ptr<const void> old) {
-  if (!old) return;
-  for (std::shared_ptr<const void>& place : garbage) {
-    if (place) continue;
-    place = std::move(old);
-    return;
-  }
-}
-
-void SkyLight::State::retire() {
-  for (std::shared_ptr<const void>& old : garbage) {
-    if (old && !bakery->retire(old)) return;
-  }
+  const auto place = std::find(garbage.begin(), garbage.end(), nullptr);
+  if (place != garbage.end()) *place = std::move(old);
 }
 
 /// Whether anything moved.
@@ -357,7 +346,6 @@ const SkyLightFrame& SkyLight::update(double seconds) {
   State& state = *state_;
   ++state.counters.frames;
   state.take_news();
-  state.retire();
   const bool moved = state.advance(seconds);
   if (state.curves.under_way() || state.reflections.under_way()) state.frame.settled = false;
   if (state.frame.ready && (state.dirty || moved)) {
