@@ -213,7 +213,7 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
 
 void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
-  options.bake.bake.background_size = kSkyBackground;
+  options.bake.background_size = kSkyBackground;
   options.bake.all_mips = true;  // 32 texels down to 16 would be two
   table.push_back(
       {.names = "-o,--output",

@@ -1,7 +1,7 @@
 // The whole of image-based lighting in one call: all that a physically based renderer loads.
 //
 //   welkin::BakeResult light = welkin::bake(panorama, {.specular = welkin::PrefilterOptions{.size = 512}});
-//   upload(light.specular->cubemap);  upload(light.irradiance);  upload(*light.brdf);
+//   upload(light.specular->cubemap);  upload(*light.irradiance);  upload(*light.brdf);
 #pragma once
 
 #include <cstdint>
@@ -23,28 +23,37 @@ enum class IrradianceMethod {
   direct,     ///< by direct convolution: the reference, slow
 };
 
+/// A sharp cubemap, for what is seen behind a scene.
+struct BackgroundOptions {
+  /// Texels along an edge, 1 to 16384. None: the specular cubemap's; without one the source's own, of a lat-long a
+  /// quarter of its width.
+  std::optional<int> size = std::nullopt;
+  bool mips = true;                               ///< down to 1 texel; or level 0 alone
+  MipFilter mip_filter = MipFilter::solid_angle;  ///< how each level is made from the one before
+
+  friend bool operator==(const BackgroundOptions&, const BackgroundOptions&) = default;
+};
+
+/// A cubemap of the light that falls on a matte surface.
+struct IrradianceOptions {
+  int size = 64;                                          ///< texels along an edge, 1 to 4096
+  IrradianceMethod method = IrradianceMethod::harmonics;  ///< how it is computed; `harmonics` needs bands of them
+
+  friend bool operator==(const IrradianceOptions&, const IrradianceOptions&) = default;
+};
+
 /// What a bake makes, and how. The default is all of it.
 struct BakeOptions {
-  /// Texels along an edge of the background cubemap, up to 16384. 0: the specular cubemap's; without one the source's
-  /// own, of a lat-long a quarter of its width.
-  int background_size = 0;
-  bool background = true;                         ///< a sharp cubemap, for what is seen behind a scene
-  bool background_mips = true;                    ///< down to 1 texel; or level 0 alone
-  MipFilter mip_filter = MipFilter::solid_angle;  ///< how each level of the background is made from the one before
+  std::optional<BackgroundOptions> background = BackgroundOptions{};  ///< none: no background
 
   /// None: no prefilter. Its `pixels` are not used, but those below.
   std::optional<PrefilterOptions> specular = PrefilterOptions{};
 
-  int irradiance_size = 64;  ///< texels along an edge, up to 4096; 0: no irradiance cubemap
-  IrradianceMethod irradiance_method = IrradianceMethod::harmonics;  ///< how the irradiance cubemap is computed
-  int bands = 3;  ///< harmonic bands that are returned, and that the irradiance cubemap is made from; 0: none
+  std::optional<IrradianceOptions> irradiance = IrradianceOptions{};  ///< none: no irradiance cubemap
 
-  /// If above `bands`: so many bands are projected, and the first `bands` of them are returned. They have the same bits
-  /// as in a bake of that many bands. A projection of fewer bands differs from them by rounding.
-  int projected_bands = 0;
-  /// Whether a bake with `bands` = 0 still projects one band, which gives the diagnostics' total radiance. Else it is
-  /// 0.
-  bool total_radiance = true;
+  /// Harmonic bands that are returned, and that the irradiance cubemap is made from: 0 to kMaximumBands. With 0 bands
+  /// one is projected all the same, for the diagnostics' total radiance.
+  int bands = 3;
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 
@@ -56,13 +65,13 @@ struct BakeOptions {
   friend bool operator==(const BakeOptions&, const BakeOptions&) = default;
 };
 
-/// What a bake made. What was not asked for is empty, as each member says.
+/// What a bake made. What was not asked for is not there.
 struct BakeResult {
-  CubemapChain background;                      ///< radiance; no levels if it was not asked for
-  std::optional<PrefilteredSpecular> specular;  ///< reflections; none if they were not asked for
-  CubemapImage irradiance;                      ///< W/m2 for W/m2/sr; size 0 if it was not asked for
+  std::optional<CubemapChain> background;       ///< radiance
+  std::optional<PrefilteredSpecular> specular;  ///< reflections
+  std::optional<CubemapImage> irradiance;       ///< W/m2 for W/m2/sr
   std::optional<SphericalHarmonics> radiance;   ///< coefficients: the very bits of `project` (of an .env: see below)
-  std::shared_ptr<const BrdfTable> brdf;        ///< null if it was not asked for; shared with other bakes
+  std::shared_ptr<const BrdfTable> brdf;        ///< shared with other bakes; null if it was not asked for
 
   /// Of an .env file, as it is stored there, in Babylon.js's axes. Up to three bands of `radiance` and the irradiance
   /// cubemap come from it and not from the pixels, which end at 255.

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "welkin/core.h"
@@ -32,16 +32,11 @@ enum class PrefilterMethod {
 /// Sizes, roughness and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
-  int mips = 0;    ///< 0: as many as `roughness` names, else down to 1 texel
+  /// At least 1. None: as many as `roughness` names, else down to 1 texel.
+  std::optional<int> mips = std::nullopt;
 
   /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(linear, mips, size)`. 0: no blur.
   std::vector<double> roughness{};
-
-  /// Mips that are not made: so many at the chain's sharp end, and at its rough end; one at least stays. The others are
-  /// the very bits of the whole chain's, and level 0 of the result has size >> leave_out_sharp texels along an edge.
-  int leave_out_sharp = 0;
-  /// At the rough end, likewise.
-  int leave_out_rough = 0;
 
   PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
 
@@ -55,17 +50,29 @@ struct PrefilterOptions {
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
 
+/// How one mip came about.
+enum class MipMethod {
+  copy,       ///< the source resampled by area: roughness 0
+  spectral,   ///< as `PrefilterMethod::spectral`
+  sampled,    ///< as `PrefilterMethod::sampled`
+  reference,  ///< as `PrefilterMethod::reference`
+  stored,     ///< it was in the file that was baked
+};
+
+/// "copy", "spectral", "sampled", "reference", "stored"
+[[nodiscard]] const char* name(MipMethod method) noexcept;
+
 /// How one mip was made, and how good it is.
 struct MipRecord {
-  int size = 0;                 ///< texels along an edge
-  double roughness = 0.0;       ///< perceptual
-  std::string method;           ///< "copy" or a `PrefilterMethod`'s name
-  int bands = 0;                ///< spectral: harmonic bands that were used
-  int bright_texels = 0;        ///< spectral: texels whose lobes were added one by one
-  int samples = 0;              ///< sampled: taps a texel
-  double error_estimate = 0.0;  ///< predicted largest relative error
-  glm::dvec3 mean{};            ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
-  double milliseconds = 0.0;    ///< wall time
+  int size = 0;                        ///< texels along an edge
+  double roughness = 0.0;              ///< perceptual
+  MipMethod method = MipMethod::copy;  ///< how it was made
+  int bands = 0;                       ///< spectral: harmonic bands that were used
+  int bright_texels = 0;               ///< spectral: texels whose lobes were added one by one
+  int samples = 0;                     ///< sampled: taps a texel
+  double error_estimate = 0.0;         ///< predicted largest relative error; 0 of copies and stored mips
+  glm::dvec3 mean{};                   ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
+  double milliseconds = 0.0;           ///< wall time
 };
 
 /// A chain of reflections.

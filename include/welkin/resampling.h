@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/mat3x3.hpp>
+#include <optional>
 #include <span>
 
 #include "welkin/core.h"
@@ -75,10 +76,10 @@ enum class MipFilter {
 
 /// Copies `source` to level 0 and fills the levels below from it, each from the one above. Odd sizes: a texel below
 /// covers 1 / its size of the face, cut texels count by the part (for solid_angle: the solid angle) that is covered.
-/// `levels` 0: down to 1 texel. Cost: bounded by memory. The same bits on any number of threads and instruction set.
-/// Throws `Error`: invalid_argument (view, levels), cancelled.
+/// `levels`: how many, the source's own counted; none: down to 1 texel. Cost: bounded by memory. The same bits on any
+/// number of threads and instruction set. Throws `Error`: invalid_argument (view, levels), cancelled.
 [[nodiscard]] CubemapChain build_mips(const CubemapView& source, MipFilter filter = MipFilter::solid_angle,
-                                      int levels = 0, const Control& control = {});
+                                      std::optional<int> levels = std::nullopt, const Control& control = {});
 
 /// The same where level 0 of `chain` is filled already.
 void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control = {});

@@ -480,7 +480,7 @@ typedef struct welkin_prefilter_options {
   int32_t roughness_count; /* numbers at `roughness`; 0: linear in the mip */
   const double* roughness; /* perceptual, 0 to 1, of each mip; copied */
   int32_t leave_out_sharp; /* mips that are not made at the chain's sharp end, and */
-  int32_t leave_out_rough; /* at its rough end */
+  int32_t leave_out_rough; /* at its rough end; the others are made as a chain of their own, within the same bounds */
   welkin_prefilter_method method;
   int32_t samples;                   /* a texel, of the sampled method; 0: 1024 */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */

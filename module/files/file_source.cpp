@@ -5,7 +5,6 @@
 #include <cstring>
 #include <utility>
 
-#include "bake/needs.h"
 #include "files/env_manifest.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
@@ -15,10 +14,6 @@
 #include "welkin/texture_file.h"
 
 namespace welkin::files {
-
-FileSource::FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {
-  baking::require_same_source(plan, file.words());
-}
 
 baking::StoredKinds FileSource::stored() const {
   baking::StoredKinds kinds;
@@ -43,6 +38,12 @@ void FileSource::read(const Control& control) {
   }
 }
 
+baking::PixelsView FileSource::pixels() const {
+  if (chain_.levels() > 0) return chain_.view(0);
+  if (file_.shape.cubemap) return environment_.cubemap();
+  return environment_.lat_long();
+}
+
 Projection FileSource::project(const ProjectionOptions& options, const Control& control) {
   return project_file(file_.path, file_.read, options, control);
 }
@@ -61,9 +62,9 @@ PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
     MipRecord record;
     record.size = part.cubemap.level_size(level);
     record.roughness = file_.roughness[static_cast<std::size_t>(mip)];
-    record.method = "stored";
+    record.method = MipMethod::stored;
     record.mean = average_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
-    part.mips.push_back(std::move(record));
+    part.mips.push_back(record);
   }
   return part;
 }
@@ -84,7 +85,7 @@ BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, bak
   FileSource source(file, plan);
   BakeResult result;
   try {
-    baking::run_bake(result, source, {plan.options, plan.passes, store}, control);
+    result = baking::run_bake(source, plan, store, control);
   } catch (const Error& failure) {
     // What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
     if (failure.code() != ErrorCode::rejected_pixel) throw;

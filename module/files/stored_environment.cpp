@@ -123,7 +123,7 @@ bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
          options.pixels.infinity == NonFinitePolicy::reject;
 }
 
-baking::UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
+UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
   return baking::unused_mips(file.roughness, *needs.glossy);
 }
 
@@ -139,7 +139,7 @@ baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds
   if (file.has_polynomial) kinds.harmonics_bands = 3;
   if (file.content == LevelContent::radiance) kinds.background_levels = file.levels;
   if (!takes_specular(file, needs, options)) return kinds;
-  const baking::UnusedMips unused = unused_of(file, needs);
+  const UnusedMips unused = unused_of(file, needs);
   kinds.specular_mips = file.levels - unused.sharp - unused.rough;
   kinds.specular_size = std::max(1, file.shape.columns >> unused.sharp);
   return kinds;
@@ -168,12 +168,6 @@ PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan, const Cos
   return {kRead, PassAction::run, file.words(), cost, bytes};
 }
 
-}  // namespace
-}  // namespace files
-
-namespace files {
-namespace {
-
 /// `kinds`: what is taken of the file.
 Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds,
                const CostModel& costs) {
@@ -189,7 +183,7 @@ Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& neede
 Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
   baking::StoredKinds kinds;
   if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;
-  return plan_with(file, {options, {}}, kinds, {});
+  return plan_with(file, {options}, kinds, {});
 }
 
 }  // namespace files

@@ -19,7 +19,7 @@ namespace {
 BakeOptions small_bake() {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
-  options.irradiance_size = 3;
+  options.irradiance->size = 3;
   options.brdf.reset();
   return options;
 }

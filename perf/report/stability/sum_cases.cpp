@@ -138,7 +138,7 @@ double growth(const std::function<double(int)>& error, const std::vector<int>& s
 
 /// Mean of the sphere on each mip against that of the first.
 double mips_drift(int size, const Control& control) {
-  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, 0, control);
+  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
   const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
   double worst = 0.0;
   for (int level = 1; level < chain.levels(); ++level) {
