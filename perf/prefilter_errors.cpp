@@ -94,7 +94,7 @@ std::string rows_of(const Picture& picture, const Settings& settings) {
             reference_specular(picture.image.view(), mip.roughness, report::directions_of(probes[key], mip.size));
       }
       const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
-      rows += "| " + picture.name + " | " + mip.method + " | " + std::to_string(level) + " | " +
+      rows += "| " + picture.name + " | " + name(mip.method) + " | " + std::to_string(level) + " | " +
               number("%.3f", mip.roughness) + " | " + std::to_string(mip.bands) + " | " +
               std::to_string(mip.bright_texels) + " | " + number("%.2g", 100.0 * errors.norms.rms) + " | " +
               number("%.2g", 100.0 * errors.norms.maximum) + " | " + number("%.2g", errors.truth_there) + " | " +

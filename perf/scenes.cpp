@@ -84,9 +84,9 @@ void compare_light(const std::optional<SphericalHarmonics>& part, const std::opt
 
 std::string compare(const BakeResult& part, const BakeResult& whole, int first_mip) {
   Comparison comparison;
-  comparison.check_levels("background", part.background, whole.background, 0);
+  if (part.background) comparison.check_levels("background", *part.background, *whole.background, 0);
   if (part.specular) comparison.check_levels("specular", part.specular->cubemap, whole.specular->cubemap, first_mip);
-  if (part.irradiance.size > 0) comparison.check("irradiance", same(part.irradiance.pixels, whole.irradiance.pixels));
+  if (part.irradiance) comparison.check("irradiance", same(part.irradiance->pixels, whole.irradiance->pixels));
   if (part.brdf) comparison.check("brdf", same(part.brdf->values, whole.brdf->values));
   compare_light(part.radiance, whole.radiance, comparison);
   return comparison.text();
@@ -167,8 +167,8 @@ class Scenes {
     const Plan& planned = planning.result;
     const auto part = measured(runs_, [&] { return bake(view, planned); });
     explain(scene, plan_text(planned, part.result.diagnostics.passes));
-    const int first = planned.options.specular ? planned.options.specular->leave_out_sharp : 0;
-    std::string equal = needs.same_bits ? compare(part.result, whole.result, first) : "within the same bounds of error";
+    std::string equal = needs.same_bits ? compare(part.result, whole.result, planned.trim.mips.sharp)
+                                        : "within the same bounds of error";
     if (needs.error_budget) {
       equal = "within the budget, which took " + std::to_string(std::lround(planning.milliseconds)) + " ms to judge";
     }
@@ -226,8 +226,8 @@ class Scenes {
 
   void files() {
     const CubemapImage cube = to_cubemap(picture(512).view(), 128);
-    PrefilterOptions babylon{.size = 128, .mips = full_chain_levels(128)};
-    babylon.roughness = roughness_of_mips(RoughnessSchedule::babylon, babylon.mips, babylon.size);
+    PrefilterOptions babylon{.size = 128};
+    babylon.roughness = roughness_of_mips(RoughnessSchedule::babylon, full_chain_levels(128), 128);
     const PrefilteredSpecular specular = prefilter_specular(cube.view(), babylon);
     const BabylonEnvironment stored = to_babylon(specular.cubemap, project(cube.view()).radiance);
     const StoredEnvironment env = probe_environment(

@@ -152,7 +152,7 @@ struct Again {
 };
 
 /// A post takes what the system gives this thread of a processor, but nothing of what it gives those of the worker,
-/// which it may keep from running for seconds, wherever they are. (What is left is the allocator's: glibc's has locks.)
+/// which it may keep from running for seconds, wherever they are: also inside the system's allocator.
 void post_beside_busy_processors(benchmark::State& state) {
   WorkerOptions options = worker_options(1);
   options.thread_priority = ThreadPriority::idle;

@@ -95,15 +95,15 @@ std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options
 /// The names in the output folder that a bake of these options writes, manifest included. `bake`: of
 /// `library_options`.
 std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
-  const int background = bake.background_size > 0 ? bake.background_size : bake.specular->size;
+  const int background = bake.background->size.value_or(bake.specular->size);
   std::vector<std::string> names = {kManifestName};
   for (const Container container : options.containers) {
     const bool textures = container == Container::ktx2 || container == Container::dds;
     if (!textures) names.push_back(std::string("environment.") + name(container));
     if (container == Container::env) continue;
     add_cubemap(names, "background", full_chain_levels(background), container);
-    add_cubemap(names, "specular", bake.specular->mips, container);
-    if (bake.irradiance_size > 0) add_cubemap(names, "irradiance", 1, container);
+    add_cubemap(names, "specular", bake.specular->mips.value(), container);
+    if (bake.irradiance) add_cubemap(names, "irradiance", 1, container);
   }
   if (bake.brdf) {
     for (const std::string& table : brdf_names(options)) names.push_back(table);
@@ -159,7 +159,7 @@ std::string mip_lines(const std::vector<MipRecord>& mips) {
   for (std::size_t number = 0; number < mips.size(); ++number) {
     const MipRecord& mip = mips[number];
     text += pad_left(std::to_string(number), 5) + pad_left(std::to_string(mip.size), 6) +
-            pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(mip.method, 10) +
+            pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(name(mip.method), 10) +
             pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
             pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 15) +
             pad_left(significant(mip.error_estimate, 2), 22) + '\n';

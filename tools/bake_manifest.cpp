@@ -32,25 +32,24 @@ Json axes_json(const BakeCommandOptions& options) {
 Json options_json(const Baked& baked, const BakeCommandOptions& options) {
   const PrefilterOptions& specular = *baked.whole.specular;
   const PixelPolicy& pixels = baked.whole.pixels;
-  Json json = {
-      {"size", specular.size},
-      {"mips", specular.mips},
-      {"roughness", options.roughness.words()},
-      {"method", welkin::name(specular.method)},
-      {"samples", specular.samples},
-      {"rms_error", specular.rms_error},
-      {"maximum_error", specular.maximum_error},
-      {"background_size", baked.whole.background_size},
-      {"irradiance_size", baked.whole.irradiance_size},
-      {"irradiance_method", baked.whole.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
-      {"bands", options.bake.bands},
-      {"from", convention(options.turn.from).name},
-      {"yaw_degrees", options.turn.yaw_degrees},
-      {"mirror", options.turn.mirror},
-      {"rotation",
-       {options.turn.rotation.x, options.turn.rotation.y, options.turn.rotation.z, options.turn.rotation.w}},
-      {"clamp", nullptr},
-      {"gamma", pixels.gamma}};
+  Json json = {{"size", specular.size},
+               {"mips", specular.mips.value()},
+               {"roughness", options.roughness.words()},
+               {"method", welkin::name(specular.method)},
+               {"samples", specular.samples},
+               {"rms_error", specular.rms_error},
+               {"maximum_error", specular.maximum_error},
+               {"background_size", options.background_size},
+               {"irradiance_size", options.irradiance_size},
+               {"irradiance_method", options.irradiance_method == IrradianceMethod::direct ? "direct" : "harmonics"},
+               {"bands", options.bake.bands},
+               {"from", convention(options.turn.from).name},
+               {"yaw_degrees", options.turn.yaw_degrees},
+               {"mirror", options.turn.mirror},
+               {"rotation",
+                {options.turn.rotation.x, options.turn.rotation.y, options.turn.rotation.z, options.turn.rotation.w}},
+               {"clamp", nullptr},
+               {"gamma", pixels.gamma}};
   if (pixels.clamp) {
     json["clamp"] = pixels.clamp->maximum;
     json["preserve_clamped"] = pixels.clamp->preserve_colour;
@@ -74,7 +73,7 @@ Json mip_json(const MipRecord& mip, std::size_t number) {
           {"size", mip.size},
           {"roughness", mip.roughness},
           {"alpha", mip.roughness * mip.roughness},
-          {"method", mip.method},
+          {"method", name(mip.method)},
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
           {"samples", mip.samples},
@@ -130,7 +129,7 @@ Json times_json(const Baked& baked) {
     const bool taken = reused || record.milliseconds == 0.0;  // by itself too: a cache found it
     list.push_back({{"name", "specular mip " + std::to_string(mip)},
                     {"action", name(taken ? PassAction::reuse : PassAction::run)},
-                    {"reason", record.method},
+                    {"reason", name(record.method)},
                     {"ms", taken ? 0.0 : record.milliseconds}});
   }
   return list;

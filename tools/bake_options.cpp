@@ -111,9 +111,9 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   table.push_back(size_option(
       "--size", options.specular.size, 1, kLargestFace,
       "Texels along an edge of the specular cubemap's faces; default " + std::to_string(options.specular.size)));
-  table.push_back(size_option("--background-size", options.bake.background_size, 0, kLargestFace,
+  table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "The same for the background cubemap, which is not blurred; 0: as --size; default " +
-                                  std::to_string(options.bake.background_size)));
+                                  std::to_string(options.background_size)));
   table.push_back(
       {.names = "--mips",
        .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
@@ -144,10 +144,10 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
 }
 
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
-  table.push_back(size_option("--irradiance", options.bake.irradiance_size, 0, kLargestIrradiance,
+  table.push_back(size_option("--irradiance", options.irradiance_size, 0, kLargestIrradiance,
                               "Texels along an edge of the irradiance cubemap's faces; default 64; 0: none"));
   table.push_back(
-      choice<IrradianceMethod>("--irradiance-method", options.bake.irradiance_method,
+      choice<IrradianceMethod>("--irradiance-method", options.irradiance_method,
                                {{"harmonics", IrradianceMethod::harmonics}, {"direct", IrradianceMethod::direct}},
                                "From the spherical harmonics (default), or by direct integration: exact, and slow"));
   table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "No BRDF table"});
@@ -219,20 +219,24 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   const RoughnessChoice& roughness = options.roughness;
   const auto numbers = static_cast<int>(roughness.table.size());
   if (options.all_mips) specular.mips = full_chain_levels(specular.size);
-  if (numbers > 0 && specular.mips > 0 && specular.mips != numbers) {
-    throw Error(ErrorCode::invalid_argument, "--mips asks for " + std::to_string(specular.mips) +
+  if (numbers > 0 && specular.mips && *specular.mips != numbers) {
+    throw Error(ErrorCode::invalid_argument, "--mips asks for " + std::to_string(*specular.mips) +
                                                  ", and --roughness has numbers for " + std::to_string(numbers) +
                                                  "; leave --mips out");
   }
-  if (specular.mips == 0) specular.mips = numbers > 0 ? numbers : default_mips(specular.size);
-  if (specular.mips > full_chain_levels(specular.size)) {
+  const int mips = specular.mips.value_or(numbers > 0 ? numbers : default_mips(specular.size));
+  if (mips > full_chain_levels(specular.size)) {
     throw Error(ErrorCode::invalid_argument,
                 "a cubemap of " + std::to_string(specular.size) + " texels has at most " +
                     counted(static_cast<std::uint64_t>(full_chain_levels(specular.size)), "mip") + ", not " +
-                    std::to_string(specular.mips));
+                    std::to_string(mips));
   }
-  specular.roughness =
-      numbers > 0 ? roughness.table : roughness_of_mips(roughness.schedule, specular.mips, specular.size);
+  specular.mips = mips;
+  specular.roughness = numbers > 0 ? roughness.table : roughness_of_mips(roughness.schedule, mips, specular.size);
+  if (options.background_size > 0) bake.background->size = options.background_size;
+  bake.irradiance.reset();
+  if (options.irradiance_size > 0)
+    bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method};
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;

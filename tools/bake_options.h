@@ -45,7 +45,10 @@ struct BakeCommandOptions {
   PrefilterOptions specular;
   bool all_mips = false;  ///< down to 1 texel
   RoughnessChoice roughness;
-  BakeOptions bake;
+  int background_size = 0;   ///< 0: the specular cubemap's
+  int irradiance_size = 64;  ///< 0: no irradiance cubemap
+  IrradianceMethod irradiance_method = IrradianceMethod::harmonics;
+  BakeOptions bake;  ///< what is not said above
   BrdfTableOptions brdf;
   bool no_brdf = false;
 

@@ -135,7 +135,7 @@ void write_cubemap(const Cubemap& cubemap, const Job& job) {
 void write_lat_longs(const CubemapChain& background, const Job& job) {
   LatLongImage picture;
   for (const Container container : {Container::exr, Container::hdr, Container::pfm}) {
-    if (!job.options.containers.contains(container) || background.levels() == 0) continue;
+    if (!job.options.containers.contains(container)) continue;
     if (picture.width == 0) {
       picture = to_lat_long(background.view(0), 4 * background.size(), 2 * background.size(), glm::dmat3(1.0),
                             ResampleFilter::bilinear, {job.control.stop, {}});
@@ -174,9 +174,9 @@ void write_computed(const LatLongImage& picture, const Job& job) {
 void turn_to_engine(BakeResult& light, Engine engine, const Control& control) {
   const glm::dmat3 symmetry = faces_of(engine);
   if (symmetry == glm::dmat3(1.0)) return;
-  if (light.background.levels() > 0) light.background = turned(light.background, symmetry, control);
+  if (light.background) light.background = turned(*light.background, symmetry, control);
   if (light.specular) light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
-  if (light.irradiance.size > 0) light.irradiance = turned(light.irradiance, symmetry, control);
+  if (light.irradiance) light.irradiance = turned(*light.irradiance, symmetry, control);
 }
 
 std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
@@ -262,7 +262,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   report.source = baked.source;
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
-  report.projection = {transform(light, matrix), baked.light.diagnostics};
+  report.projection = {turned(light, matrix), baked.light.diagnostics};
   report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
   report.axes = axes_text(options.turn);
   report.engine = options.turn.to;
@@ -301,9 +301,9 @@ void write_preview(const PreviewPicture& picture, const char* name, const char* 
 /// Draws and writes the previews.
 void write_previews(const Baked& baked, int ball, OutputFolder& folder) {
   const ToneMap tone_map = tone_map_of(baked);
-  const bool has_background = baked.light.background.levels() > 0;
+  const bool has_background = baked.light.background.has_value();
   if (has_background) {
-    write_preview(preview_cross(CubeLookup(baked.light.background), tone_map), "preview_environment.png",
+    write_preview(preview_cross(CubeLookup(*baked.light.background), tone_map), "preview_environment.png",
                   "the surroundings as seen from inside, facing Welkin's +z", folder);
   }
   if (!baked.light.specular) return;
@@ -322,9 +322,9 @@ void write_previews(const Baked& baked, int ball, OutputFolder& folder) {
 
 ToneMap tone_map_of(const Baked& baked) {
   constexpr int kEnough = 32;
-  const bool background = baked.light.background.levels() > 0;
+  const std::optional<CubemapChain>& background = baked.light.background;
   if (!background && !baked.light.specular) return {};
-  const CubemapChain& chain = background ? baked.light.background : baked.light.specular->cubemap;
+  const CubemapChain& chain = background ? *background : baked.light.specular->cubemap;
   int level = 0;
   while (level + 1 < chain.levels() && chain.level_size(level + 1) >= kEnough) ++level;
   return tone_map_of(chain.view(level));
@@ -368,19 +368,21 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     BakeResult& light = baked.light;
     const Job job{options, folder, control};
     write_computed(baked.picture, job);
-    write_lat_longs(light.background, job);  // before it is turned
+    if (light.background) write_lat_longs(*light.background, job);  // before it is turned
     turn_to_engine(light, options.turn.to, control);
-    write_cubemap({"background", "the environment itself, with plain mips", light.background.views(), {}, "radiance"},
-                  job);
+    if (light.background) {
+      write_cubemap(
+          {"background", "the environment itself, with plain mips", light.background->views(), {}, "radiance"}, job);
+    }
     if (light.specular) {
       write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
                      roughness_of(*light.specular), "radiance"},
                     job);
     }
-    if (light.irradiance.size > 0) {
+    if (light.irradiance) {
       write_cubemap({"irradiance",
                      "irradiance: divide by pi for what a white surface shows",
-                     {light.irradiance.view()},
+                     {light.irradiance->view()},
                      {},
                      "irradiance"},
                     job);

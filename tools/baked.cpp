@@ -72,7 +72,7 @@ bool is_reused(const Projection& projection) {
 std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const BakeCommandOptions& options,
                                           const Control& control) {
   const ReadOptions& read = options.common.read;
-  if (info.format != "Babylon.js .env" || read.level != 0) return std::nullopt;
+  if (info.format != FileFormat::babylon || read.level != 0) return std::nullopt;
   if (options.sun.take_out || options.clamp.clamps || options.bake.pixels.gamma) return std::nullopt;
   Projection projection = project_file(info.path, read, {}, {control.stop, {}});
   if (!is_reused(projection)) return std::nullopt;
@@ -120,7 +120,7 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
   if (matrix == glm::dmat3(1.0)) return;
   if (stored_light_) {
     SphericalHarmonics& radiance = stored_light_->radiance;
-    radiance = transform(radiance, turn_of_light(into_welkin, is_cubemap()));
+    radiance = turned(radiance, turn_of_light(into_welkin, is_cubemap()));
   }
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {
@@ -165,7 +165,7 @@ std::uint64_t chain_bytes(int size, int levels) {
 /// 0: there is none.
 int background_size(const BakeOptions& bake) {
   if (!bake.background) return 0;
-  return bake.background_size > 0 || !bake.specular ? bake.background_size : bake.specular->size;
+  return bake.background->size.value_or(bake.specular ? bake.specular->size : 0);
 }
 
 struct MemoryStep {
@@ -176,9 +176,9 @@ struct MemoryStep {
 /// What `bake` alone makes of the .env's chain.
 BakeOptions second_bake_options(const PrefilterOptions& env) {
   BakeOptions options;
-  options.background = false;
+  options.background.reset();
   options.specular = env;
-  options.irradiance_size = 0;
+  options.irradiance.reset();
   options.bands = 0;
   options.brdf = std::nullopt;
   options.pixels = env.pixels;
@@ -190,8 +190,9 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
 void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
   const int size = background_size(bake);
   const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
-  const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips) : 0;
-  const std::uint64_t results = background + specular + cubemap_bytes(bake.irradiance_size);
+  const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
+  const std::uint64_t irradiance = bake.irradiance ? cubemap_bytes(bake.irradiance->size) : 0;
+  const std::uint64_t results = background + specular + irradiance;
   // 4 size x 2 size texels.
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
   const bool has_lat_long = options.containers.contains(Container::exr) ||
@@ -227,8 +228,9 @@ constexpr const char* kEnvPass = "specular for .env";
 PrefilterOptions env_options(const PrefilterOptions& specular) {
   PrefilterOptions env = specular;
   env.size = env_size(specular.size);
-  env.mips = full_chain_levels(env.size);
-  env.roughness = roughness_of_mips(RoughnessSchedule::babylon, env.mips, env.size);
+  const int mips = full_chain_levels(env.size);
+  env.mips = mips;
+  env.roughness = roughness_of_mips(RoughnessSchedule::babylon, mips, env.size);
   return env;
 }
 
@@ -243,9 +245,10 @@ void use_stored_light(Baked& baked, const Control& control) {
   light.diagnostics.total_radiance = stored.total_radiance;
   light.diagnostics.total_radiance_before_clamp = stored.total_radiance_before_clamp;
   light.diagnostics.error_estimate = stored.error_estimate;
-  if (baked.options.irradiance_size == 0 || baked.options.irradiance_method != IrradianceMethod::harmonics) return;
+  const std::optional<IrradianceOptions>& irradiance = baked.options.irradiance;
+  if (!irradiance || irradiance->method != IrradianceMethod::harmonics) return;
   light.irradiance =
-      irradiance_cubemap(irradiance_from_radiance(*light.radiance), baked.options.irradiance_size, {control.stop, {}});
+      irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }
 
 /// The .env wants its polynomial, whatever else reads it.
@@ -271,13 +274,14 @@ struct EnvChain {
 };
 
 /// With the bounds that were picked for the bake's, if they were.
-EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const BakeOptions& planned) {
+EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
+  const std::optional<PrefilterOptions>& specular = planned.options.specular;
   EnvChain chain{env_options(*whole.specular)};
-  if (!options.containers.contains(Container::env) || !planned.specular) return chain;
+  if (!options.containers.contains(Container::env) || !specular) return chain;
   chain.wanted = true;
-  chain.options.rms_error = planned.specular->rms_error;
-  chain.options.maximum_error = planned.specular->maximum_error;
-  chain.is_specular = chain.options == *planned.specular;
+  chain.options.rms_error = specular->rms_error;
+  chain.options.maximum_error = specular->maximum_error;
+  chain.is_specular = chain.options == *specular && planned.trim.mips == UnusedMips();
   return chain;
 }
 
@@ -371,9 +375,9 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
     work.light = plan(view, needs, baked.whole, costs, part_of(control, kRead, work.done));
     baked.plan = work.light;
     baked.options = work.light.options;
-    work.env = env_chain(options, baked.whole, baked.options);
+    work.env = env_chain(options, baked.whole, work.light);
     plan_env(view, work.env, costs, baked.plan);
-    memory.bake = bake_bytes(view, baked.options);
+    memory.bake = work.light.result_bytes + work.light.working_bytes;
     if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
   });
   baked.env_left_out = options.containers.contains(Container::env) && !work.env.wanted;
@@ -422,13 +426,13 @@ Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
     const StoredEnvironment file = probe_environment(*options.input, options.common.read);
     Plan planned =
         takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
-    plan_env(file.shape, env_chain(options, whole, planned.options), costs, planned);
+    plan_env(file.shape, env_chain(options, whole, planned), costs, planned);
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
   return source.visit([&](const auto& view) {
     Plan planned = plan(view, needs, whole, costs, part_of(control, kRead, 1.0));
-    plan_env(view, env_chain(options, whole, planned.options), costs, planned);
+    plan_env(view, env_chain(options, whole, planned), costs, planned);
     return planned;
   });
 }

@@ -41,8 +41,8 @@ struct InfoReport {
 // JSON. Members are only ever added: programs read this.
 
 Json source_json(const EnvironmentInfo& file) {
-  return {{"path", file.path.string()}, {"layout", name(file.layout)}, {"width", file.width},
-          {"height", file.height},      {"format", file.format},       {"notes", file.notes}};
+  return {{"path", file.path.string()}, {"layout", name(file.layout)},   {"width", file.width},
+          {"height", file.height},      {"format", file.format_words()}, {"notes", file.notes}};
 }
 
 Json storage_json(const EnvironmentInfo& file) {
@@ -64,7 +64,8 @@ Json storage_json(const EnvironmentInfo& file) {
 
 Json channels_json(const EnvironmentInfo& file) {
   Json list = Json::array();
-  for (const ChannelInfo& channel : file.channels) list.push_back({{"name", channel.name}, {"type", channel.type}});
+  for (const ChannelInfo& channel : file.channels)
+    list.push_back({{"name", channel.name}, {"type", name(channel.type)}});
   return list;
 }
 
@@ -102,7 +103,7 @@ std::string channels_text(const EnvironmentInfo& file) {
   std::string text;
   for (const ChannelInfo& channel : file.channels) {
     if (!text.empty()) text += ", ";
-    text += printable(channel.name) + ' ' + channel.type;
+    text += printable(channel.name) + ' ' + name(channel.type);
   }
   return text;
 }
@@ -136,7 +137,7 @@ std::string file_lines(const EnvironmentInfo& file) {
   const std::string compression = file.compression == "none" ? "not compressed" : file.compression + " compression";
   return file.path.string() + '\n' + line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
          line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
-         line("format", file.format + ", " + file.storage + ", " + compression) +
+         line("format", file.format_words() + ", " + file.storage + ", " + compression) +
          line("channels", channels_text(file)) + further_lines(file);
 }
 

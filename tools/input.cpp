@@ -161,9 +161,10 @@ void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp) 
 }
 
 Source source_of(const std::string& path, const EnvironmentInfo& info) {
-  std::string detail = info.channels.empty() ? "" : info.channels.front().type + ", ";
+  std::string detail = info.channels.empty() ? "" : std::string(name(info.channels.front().type)) + ", ";
   if (info.compression != "none") detail += info.compression + ", ";
-  return {path, name(info.layout), info.width, info.height, info.format, detail + info.layout_reason, info.notes};
+  return {path,      name(info.layout), info.width, info.height, info.format_words(), detail + info.layout_reason,
+          info.notes};
 }
 
 Pixels pixels_of(const Environment& environment) {

@@ -114,8 +114,8 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   table.push_back(
       {.names = "--glossy",
        .target = On<std::vector<double>>(set_range),
-       .text = "The lowest and the highest roughness of the materials; mips outside of this range are not made",
-       .type = "LEAST,GREATEST",
+       .text = "The minimum and the maximum roughness of the materials; mips outside of this range are not made",
+       .type = "MINIMUM,MAXIMUM",
        .bounds = finite_between(0.0, 1.0),
        .list = List::commas,
        .count = 2,

@@ -277,7 +277,7 @@ class Scene {
       if (!table_.empty() && mip.roughness <= table_.back()) break;  // several mips of one roughness: the first will do
       table_.push_back(mip.roughness);
     }
-    if (light.irradiance.size > 0) irradiance_.emplace(std::vector<CubemapView>{light.irradiance.view()});
+    if (light.irradiance) irradiance_.emplace(std::vector<CubemapView>{light.irradiance->view()});
     for (const PreviewMaterial& material : preview_materials()) {
       if (material.is_metal() || irradiance_) rows_.push_back(&material);
     }

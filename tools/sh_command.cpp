@@ -183,7 +183,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
 
 void turn(const glm::dmat3& matrix, ShReport& report) {
   if (matrix == glm::dmat3(1.0)) return;
-  report.projection.radiance = transform(report.projection.radiance, matrix);
+  report.projection.radiance = turned(report.projection.radiance, matrix);
   if (report.sun) report.sun->direction = matrix * report.sun->direction;
 }
 

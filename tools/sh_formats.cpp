@@ -221,7 +221,7 @@ std::string sh_table(const ShReport& report) {
   std::string text = source_lines(report) + convention_lines(radiance.bands()) + indented("Axes: " + report.axes) +
                      coefficient_lines(radiance, report.irradiance);
   text += report.engine_light ? engine_lines(*report.engine_light) : babylon_lines(report.polynomial);
-  return text + "\nAverage colour (mean radiance of the sphere)  " + significant(average_radiance(radiance)) + '\n' +
+  return text + "\nAverage colour (mean radiance of the sphere)  " + significant(mean_radiance(radiance)) + '\n' +
          window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +
          dominant_lines(report) + irradiance_error_lines(report) + diagnostics_lines(report);
 }
@@ -273,7 +273,7 @@ Json diagnostics_json(const ShReport& report) {
           {"clamped", diagnostics.texels_clamped},
           {"total_radiance_before_clamp", json_triple(diagnostics.total_radiance_before_clamp)},
           {"total_radiance", json_triple(diagnostics.total_radiance)},
-          {"average", json_triple(average_radiance(report.projection.radiance))},
+          {"average", json_triple(mean_radiance(report.projection.radiance))},
           {"error_estimate", diagnostics.error_estimate},
           {"settings", settings_json(report)},
           {"passes", passes}};

@@ -213,7 +213,7 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
 
 void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
-  options.bake.bake.background_size = kSkyBackground;
+  options.bake.background_size = kSkyBackground;
   options.bake.all_mips = true;  // 32 texels down to 16 would be two
   table.push_back(
       {.names = "-o,--output",
@@ -331,7 +331,7 @@ ShReport measure_sky(const SkyOptions& options) {
   describe_light(sky, report);
   const glm::dmat3 matrix = turn_of_light(options.sh.turn, false);
   if (matrix != glm::dmat3(1.0)) {
-    report.projection.radiance = transform(report.projection.radiance, matrix);
+    report.projection.radiance = turned(report.projection.radiance, matrix);
     report.sun->direction = matrix * report.sun->direction;
   }
   complete(report, options.sh);

@@ -238,7 +238,7 @@ Json tables_json(const SkyReport& report) {
           {"view_zeniths", tables.view_zeniths},
           {"sun_zeniths", tables.sun_zeniths},
           {"sun_angles", tables.layout == ScatteringLayout::full ? Json(tables.sun_angles) : Json(nullptr)},
-          {"lowest_sun_degrees", tables.lowest_sun_degrees},
+          {"minimum_sun_elevation_degrees", tables.minimum_sun_elevation_degrees},
           {"orders_asked_for", tables.orders},
           {"until_change", tables.until_change},
           {"bytes", report.table_bytes}};

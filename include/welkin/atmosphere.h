@@ -4,7 +4,6 @@
 // counted from +z towards +x, its elevation from the horizon up.
 #pragma once
 
-#include <glm/vec3.hpp>
 #include <string>
 #include <vector>
 
@@ -107,10 +106,10 @@ enum class SkyColour {
 
 /// Linear sRGB luminance (cd/m2) of radiances (W/m2/sr/nm) at an atmosphere's wavelengths: weights[i] times radiance i,
 /// summed. The spectrum between them is linear, outside of them constant. Throws `Error` (invalid_argument).
-[[nodiscard]] std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
+[[nodiscard]] std::vector<dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
 /// Unit direction towards a sun, elevation from -90 to 90. y up; azimuth from +z towards +x, -1e6 to 1e6. Throws
 /// `Error` (invalid_argument).
-[[nodiscard]] glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees);
+[[nodiscard]] dvec3 sun_direction(double elevation_degrees, double azimuth_degrees);
 
 }  // namespace welkin

@@ -1,7 +1,7 @@
 // The whole of image-based lighting in one call: all that a physically based renderer loads.
 //
 //   welkin::BakeResult light = welkin::bake(panorama, {.specular = welkin::PrefilterOptions{.size = 512}});
-//   upload(light.specular->cubemap);  upload(light.irradiance);  upload(*light.brdf);
+//   upload(light.specular->cubemap);  upload(*light.irradiance);  upload(*light.brdf);
 #pragma once
 
 #include <cstdint>
@@ -23,28 +23,37 @@ enum class IrradianceMethod {
   direct,     ///< by direct convolution: the reference, slow
 };
 
+/// A sharp cubemap, for what is seen behind a scene.
+struct BackgroundOptions {
+  /// Texels along an edge, 1 to 16384. None: the specular cubemap's; without one the source's own, of a lat-long a
+  /// quarter of its width.
+  std::optional<int> size = std::nullopt;
+  bool mips = true;                               ///< down to 1 texel; or level 0 alone
+  MipFilter mip_filter = MipFilter::solid_angle;  ///< how each level is made from the one before
+
+  friend bool operator==(const BackgroundOptions&, const BackgroundOptions&) = default;
+};
+
+/// A cubemap of the light that falls on a matte surface.
+struct IrradianceOptions {
+  int size = 64;                                          ///< texels along an edge, 1 to 4096
+  IrradianceMethod method = IrradianceMethod::harmonics;  ///< how it is computed; `harmonics` needs bands of them
+
+  friend bool operator==(const IrradianceOptions&, const IrradianceOptions&) = default;
+};
+
 /// What a bake makes, and how. The default is all of it.
 struct BakeOptions {
-  /// Texels along an edge of the background cubemap, up to 16384. 0: the specular cubemap's; without one the source's
-  /// own, of a lat-long a quarter of its width.
-  int background_size = 0;
-  bool background = true;                         ///< a sharp cubemap, for what is seen behind a scene
-  bool background_mips = true;                    ///< down to 1 texel; or level 0 alone
-  MipFilter mip_filter = MipFilter::solid_angle;  ///< how each level of the background is made from the one before
+  std::optional<BackgroundOptions> background = BackgroundOptions{};  ///< none: no background
 
   /// None: no prefilter. Its `pixels` are not used, but those below.
   std::optional<PrefilterOptions> specular = PrefilterOptions{};
 
-  int irradiance_size = 64;  ///< texels along an edge, up to 4096; 0: no irradiance cubemap
-  IrradianceMethod irradiance_method = IrradianceMethod::harmonics;  ///< how the irradiance cubemap is computed
-  int bands = 3;  ///< harmonic bands that are returned, and that the irradiance cubemap is made from; 0: none
+  std::optional<IrradianceOptions> irradiance = IrradianceOptions{};  ///< none: no irradiance cubemap
 
-  /// If above `bands`: so many bands are projected, and the first `bands` of them are returned. They have the same bits
-  /// as in a bake of that many bands. A projection of fewer bands differs from them by rounding.
-  int projected_bands = 0;
-  /// Whether a bake with `bands` = 0 still projects one band, which gives the diagnostics' total radiance. Else it is
-  /// 0.
-  bool total_radiance = true;
+  /// Harmonic bands that are returned, and that the irradiance cubemap is made from: 0 to kMaximumBands. With 0 bands
+  /// one is projected all the same, for the diagnostics' total radiance.
+  int bands = 3;
 
   std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< none: no table
 
@@ -56,13 +65,13 @@ struct BakeOptions {
   friend bool operator==(const BakeOptions&, const BakeOptions&) = default;
 };
 
-/// What a bake made. What was not asked for is empty, as each member says.
+/// What a bake made. What was not asked for is not there.
 struct BakeResult {
-  CubemapChain background;                      ///< radiance; no levels if it was not asked for
-  std::optional<PrefilteredSpecular> specular;  ///< reflections; none if they were not asked for
-  CubemapImage irradiance;                      ///< W/m2 for W/m2/sr; size 0 if it was not asked for
+  std::optional<CubemapChain> background;       ///< radiance
+  std::optional<PrefilteredSpecular> specular;  ///< reflections
+  std::optional<CubemapImage> irradiance;       ///< W/m2 for W/m2/sr
   std::optional<SphericalHarmonics> radiance;   ///< coefficients: the very bits of `project` (of an .env: see below)
-  std::shared_ptr<const BrdfTable> brdf;        ///< null if it was not asked for; shared with other bakes
+  std::shared_ptr<const BrdfTable> brdf;        ///< shared with other bakes; null if it was not asked for
 
   /// Of an .env file, as it is stored there, in Babylon.js's axes. Up to three bands of `radiance` and the irradiance
   /// cubemap come from it and not from the pixels, which end at 255.
@@ -73,6 +82,17 @@ struct BakeResult {
   /// its wall time: as passes overlap, times add up to more than the bake took.
   ProjectionDiagnostics diagnostics;
   std::uint64_t peak_bytes = 0;  ///< bound on results and working memory together: what `bake_bytes` says
+
+  /// Of `bake_to`: channel values that the formats of the targets could not hold.
+  std::uint64_t values_clamped = 0;
+};
+
+/// Memory of the caller's for the cubemaps of a bake, such as a mapped upload buffer. `upload_targets` makes the
+/// targets of a chain.
+struct BakeTargets {
+  std::vector<CubemapTarget> background{};    ///< one a level; empty: the chain stays in the result
+  std::vector<CubemapTarget> specular{};      ///< one a mip; empty: the chain stays in the result
+  std::optional<CubemapTarget> irradiance{};  ///< none: the cubemap stays in the result
 };
 
 /// Memory that `bake` needs at most, results included, source not. Throws `Error` (invalid_argument) as `bake`.
@@ -92,5 +112,15 @@ void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions&
                const Control& control = {});
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options = {},
                const Control& control = {});
+
+/// The same with cubemaps in memory of the caller's: each is written to its targets, in their formats, as soon as it is
+/// made, while other passes still run. The texels are those that `store_texels` writes. What went to targets is not in
+/// the result. Nothing is written where a target is refused. Throws `Error` as `bake`, and invalid_argument for targets
+/// of another size or number than the bake makes, or of a cubemap that the options leave out; after an exception
+/// targets may be written in part.
+[[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const LatLongView& source, const BakeOptions& options = {},
+                                 const Control& control = {});
+[[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options = {},
+                                 const Control& control = {});
 
 }  // namespace welkin

@@ -1,4 +1,12 @@
-// What a file carries beside the pixels: told from its header, before anything is read.
+// Bakes of files: whole, or planned with what a file already carries (mips, reflections, coefficients); requests about
+// files for a worker; files of a sky's tables.
+//
+//   welkin::BakeResult light = welkin::bake_file("sky.exr", {}, {.specular = welkin::PrefilterOptions{.size = 512}});
+//
+//   const welkin::StoredEnvironment file = welkin::probe_environment("sky.env");
+//   welkin::BakeResult needed = welkin::bake(file, welkin::plan(file, {.diffuse_bands = 3}));
+//
+//   auto job = worker.post(welkin::BakeFile{"sky.exr"});
 #pragma once
 
 #include <cstddef>
@@ -17,6 +25,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- What a file carries beside its pixels
+
 /// What the levels below the first are.
 enum class LevelContent {
   automatic,    ///< as the file says; DDS cannot: then they are not used
@@ -26,10 +36,10 @@ enum class LevelContent {
 
 /// What a file holds besides its pixels.
 struct StoredEnvironment {
-  std::filesystem::path path;  ///< as it was named
-  ReadOptions read;            ///< how it is to be read
-  EnvironmentInfo info;        ///< what the file says of itself
-  SourceShape shape;           ///< of the pixels as `read_environment` gives them
+  FileInput input;       ///< what is read; bytes in memory must outlive this and its copies
+  ReadOptions read;      ///< how it is to be read
+  EnvironmentInfo info;  ///< what the file says of itself
+  SourceShape shape;     ///< of the pixels as `read_environment` gives them
 
   bool compressed = true;       ///< pixels must be unpacked
   bool has_polynomial = false;  ///< of an .env: three bands of the light, in full where its pixels end at 255
@@ -43,55 +53,65 @@ struct StoredEnvironment {
 
 /// Reads the header. `content` overrides what the file says; of reflections without a roughness each in the metadata
 /// (`welkin.roughness`) it is spread as `RoughnessSchedule::linear` has it. Throws `Error` as `inspect_environment`.
-[[nodiscard]] StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read = {},
+[[nodiscard]] StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read = {},
                                                   LevelContent content = LevelContent::automatic);
 
-// Bakes of files: read whole and baked, or planned with what the file carries already.
+// ---- Bakes of files
 
 /// Reads and bakes a file: all that `read_environment` reads; the full size of .env, KTX2 and DDS cubemaps. Throws as
 /// `read_environment` too.
-[[nodiscard]] BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
+[[nodiscard]] BakeResult bake_file(const FileInput& input, const ReadOptions& read_options = {},
                                    const BakeOptions& options = {}, const Control& control = {});
 
-/// Of a file that was probed: with what it carries. Where nothing wants pixels it is projected while it is read, or not
-/// even read. Nothing is read here: an error budget is refused as of a shape.
+/// Plans a bake of a file that was probed, with what it carries. Where nothing wants pixels it is projected while it is
+/// read, or not even read. Nothing is read here: an error budget is refused as of a shape.
 [[nodiscard]] Plan plan(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& whole = {},
                         const CostModel& costs = {});
 
 /// Carries out the plan of a file. Throws as `bake` and `bake_file`, and invalid_argument for another file's plan.
 [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});
 
-// What can be asked of a worker about files: Welkin's own calls, as in requests.h.
+// ---- Requests about files, for a worker (requests.h has the others)
 
-/// `project_file`. Equal are the same path and options; as the file may change, only those that still wait share a run.
+// Each reads a file by its path, or from bytes that it shares (`memory`), which count against the worker's memory
+// limit; the path is then their name.
+
+/// `project_file`. Equal are the same path, options and bytes in memory (of these the same vector); as the file may
+/// change, only those that still wait share a run.
 struct ProjectFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;   ///< the file, or one of six
-  ReadOptions read_options{};   ///< how it is read
-  ProjectionOptions options{};  ///< how it is projected
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  ProjectionOptions options{};                             ///< how it is projected
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Projection operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
 };
 
 /// `read_environment`. Its result cannot be copied, so it is not shared.
 struct ReadFile {
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Environment operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
 };
 
 /// `measure_environment`. Shared as `ProjectFile`.
 struct MeasureFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
 };
@@ -100,23 +120,25 @@ struct MeasureFile {
 struct BakeFile {
   static constexpr bool kReadsFiles = true;
 
-  std::filesystem::path path;  ///< the file, or one of six
-  ReadOptions read_options{};  ///< how it is read
-  BakeOptions options{};       ///< what is made of it
+  std::filesystem::path path;                              ///< the file, or one of six
+  ReadOptions read_options{};                              ///< how it is read
+  BakeOptions options{};                                   ///< what is made of it
+  std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const BakeFile&, const BakeFile&) = default;
 };
 
-// Files of a sky's tables, so that they are computed once.
+// ---- Files of a sky's tables, so that they are computed once
 
 /// Writes tables with all their parameters and a checksum; read again they are the same bits. Written beside, renamed.
 /// Throws `Error`: invalid_argument for tables whose sizes are not their options', file_access.
-void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path);
-/// Throws `Error`: file_access, corrupt_file (a checksum that differs, a table cut off), unsupported_file (another
-/// version), limit_exceeded.
-[[nodiscard]] SkyTables load_sky_tables(const std::filesystem::path& path,
+void save_sky_tables(const SkyTables& tables, const FileOutput& output);
+/// Reads tables that `save_sky_tables` wrote. Throws `Error`: file_access, corrupt_file (a checksum that differs, a
+/// table cut off), unsupported_file (another version), limit_exceeded.
+[[nodiscard]] SkyTables load_sky_tables(const FileInput& input,
                                         std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U);
 
 }  // namespace welkin

@@ -1,8 +1,18 @@
-// What all other headers build on: the version, what a shared library shows, errors, the control of long calls,
-// instruction sets.
+// What all other headers build on: the version, vectors, errors, the control of long calls, threads and instruction
+// sets.
+//
+//   std::stop_source stop;
+//   try {
+//     light = welkin::project(view, {}, {.stop = stop.get_token(), .progress = [](double share) { show(share); }});
+//   } catch (const welkin::Error& error) {
+//     if (error.code() != welkin::ErrorCode::cancelled) log(error.what());
+//   }
 #pragma once
 
 #include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory_resource>
 #include <stdexcept>
 #include <stop_token>
@@ -24,7 +34,29 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// The one exception type that Welkin throws.
+// ---- Vectors and matrices
+
+// In a host without GLM's macros these are glm::vec3, glm::dvec3, glm::dvec4 and glm::dmat3. Under
+// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES GLM's own names stand for types of another size, with which the library was not
+// built; so the precision is spelled out here. A host's aligned vector converts to these and back where it is passed or
+// assigned (with GLM_FORCE_EXPLICIT_CTOR it has to be cast); spans and arrays need these types themselves. Sources with
+// GLM_FORCE_SIZE_T_LENGTH do not link with the library: that macro makes vec<3ul, double> of vec<3, double>.
+
+/// Three floats without padding.
+using vec3 = glm::vec<3, float, glm::packed_highp>;
+/// Three doubles without padding: a direction (x, y, z) or a colour (r, g, b).
+using dvec3 = glm::vec<3, double, glm::packed_highp>;
+/// Four doubles without padding.
+using dvec4 = glm::vec<4, double, glm::packed_highp>;
+/// Nine doubles without padding, column after column.
+using dmat3 = glm::mat<3, 3, double, glm::packed_highp>;
+
+static_assert(sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float));
+static_assert(sizeof(dvec3) == 3 * sizeof(double) && alignof(dvec3) == alignof(double));
+static_assert(sizeof(dvec4) == 4 * sizeof(double) && alignof(dvec4) == alignof(double));
+static_assert(sizeof(dmat3) == 9 * sizeof(double) && alignof(dmat3) == alignof(double));
+
+// ---- Errors
 
 /// What kind of thing went wrong; the message says what, where, and what would do instead.
 enum class ErrorCode {
@@ -40,7 +72,7 @@ enum class ErrorCode {
   stopped,           ///< the worker was terminated before this job was done
 };
 
-/// Thrown by every public entry that can fail. Nothing else leaves the library, except
+/// The one exception type that Welkin throws, from every call that can fail. Nothing else leaves the library, except
 /// `std::bad_alloc` and whatever a caller's own callback throws.
 class Error : public std::runtime_error {
  public:
@@ -54,7 +86,7 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-// How a caller steers a long call: cancellation, progress, threads.
+// ---- Cancellation, progress and threads
 
 /// Passed to every call that can take longer than a frame. The default asks for nothing.
 struct Control {
@@ -94,7 +126,7 @@ void run_with_threads(int threads, const std::function<void()>& work);
 /// the control group's CPU quota (cgroup v2 `cpu.max`) grants fewer. At least 1.
 [[nodiscard]] int available_threads();
 
-// Which of the kernels' builds is in use.
+// ---- Instruction sets
 
 /// The builds of the kernels that an x86-64 binary carries, narrowest first. All give the same bits.
 enum class InstructionSet { sse2, avx2, avx512 };

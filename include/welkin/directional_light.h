@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <optional>
 
 #include "welkin/core.h"
@@ -13,8 +12,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// The one directional light that comes closest to an environment of two bands or more.
 struct DominantLight {
-  glm::dvec3 direction{};   ///< unit, towards the light
-  glm::dvec3 irradiance{};  ///< on a surface that faces it
+  dvec3 direction{};   ///< unit, towards the light
+  dvec3 irradiance{};  ///< on a surface that faces it
 };
 
 /// Direction: that of the linear band's luminance (0.2126, 0.7152, 0.0722), the mean direction of the light. Colour, by
@@ -50,14 +49,14 @@ struct SunOptions {
 
 /// A sun that was taken out of an environment.
 struct Sun {
-  glm::dvec3 direction{};    ///< unit, towards the centre of its light: the mean weighted by luminance
-  glm::dvec3 irradiance{};   ///< of the directional light: what was taken out, integral of (L - what was left) dw
-  glm::dvec3 radiance{};     ///< its mean: irradiance / solid angle
+  dvec3 direction{};         ///< unit, towards the centre of its light: the mean weighted by luminance
+  dvec3 irradiance{};        ///< of the directional light: what was taken out, integral of (L - what was left) dw
+  dvec3 radiance{};          ///< its mean: irradiance / solid angle
   double solid_angle = 0.0;  ///< of the texels of the spot, steradians
   double angular_radius_degrees = 0.0;  ///< of a disc with that solid angle
   std::uint64_t texels = 0;             ///< that were changed: of the spot and of its rim
-  glm::dvec3 total_radiance_before{};   ///< of the map, integral over the sphere
-  glm::dvec3 total_radiance_after{};    ///< of the map without its sun; before = after + irradiance, to 1e-6
+  dvec3 total_radiance_before{};        ///< of the map, integral over the sphere
+  dvec3 total_radiance_after{};         ///< of the map without its sun; before = after + irradiance, to 1e-6
 };
 
 /// Finds the sun and takes it out, in place: the spot's texels and those that touch it, which its edge covers in part,

@@ -1,13 +1,13 @@
-// Where things lie in other engines: their axes, their lat-longs, their cube faces.
+// Other engines: where things lie in them, and the form in which they want diffuse light.
+//
+//   welkin::EngineLight light = welkin::engine_light(projection.radiance, welkin::Engine::unity);
+//   for (const welkin::EngineVector& vector : light.vectors) material.set(vector.name, vector.value);
 //
 // An environment in Welkin lives in Welkin's axes: right-handed, y up, a lat-long's centre along +z and +x a quarter
 // in from the left (as in OpenEXR). A convention says how the same surroundings lie in an engine's axes, so that a
 // person who looks around in the engine sees the same picture, not mirrored.
 #pragma once
 
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +19,9 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Axes, lat-longs and cube faces
+
+/// The engines and formats whose conventions are known; `conventions()` describes them.
 enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
 
 /// Where things lie in one engine.
@@ -34,13 +37,14 @@ struct Convention {
 
   /// Takes a direction in Welkin's axes to the engine's axes, as a lat-long picture is laid out by both. Orthogonal;
   /// of determinant -1 for left-handed engines.
-  glm::dmat3 from_welkin;
+  dmat3 from_welkin;
 
   /// Takes a direction in the engine's axes to the one in the frames of `CubemapView` under which the engine's cube
   /// faces hold it. None if the engine has no cubemaps of its own.
-  std::optional<glm::dmat3> faces_from_engine;
+  std::optional<dmat3> faces_from_engine;
 };
 
+/// How things lie in an engine. Cost: a look into a table.
 [[nodiscard]] const Convention& convention(Engine engine) noexcept;
 
 /// All of them, in the order of `Engine`.
@@ -49,21 +53,21 @@ struct Convention {
 /// By `Convention::name`. Throws `Error` (invalid_argument) listing the names.
 [[nodiscard]] const Convention& convention(std::string_view name);
 
-// The form in which Babylon.js 9.34 keeps an environment's diffuse light.
+// ---- Babylon.js's polynomial, as version 9.34 has it
 
 /// Babylon.js's SphericalPolynomial: a quadratic in the surface normal (x, y, z), one RGB triple a term.
 /// Its values are Lambertian radiance (irradiance / pi) with the cosine factors of bands 1 and 2 carried
 /// twice and constants truncated as they are in Babylon.js; its shader's way back undoes that.
 struct BabylonPolynomial {
-  glm::dvec3 x{};   ///< factor of the normal's x
-  glm::dvec3 y{};   ///< of y
-  glm::dvec3 z{};   ///< of z
-  glm::dvec3 xx{};  ///< of x squared
-  glm::dvec3 yy{};  ///< of y squared
-  glm::dvec3 zz{};  ///< of z squared
-  glm::dvec3 yz{};  ///< of y z
-  glm::dvec3 zx{};  ///< of z x
-  glm::dvec3 xy{};  ///< of x y
+  dvec3 x{};   ///< factor of the normal's x
+  dvec3 y{};   ///< of y
+  dvec3 z{};   ///< of z
+  dvec3 xx{};  ///< of x squared
+  dvec3 yy{};  ///< of y squared
+  dvec3 zz{};  ///< of z squared
+  dvec3 yz{};  ///< of y z
+  dvec3 zx{};  ///< of z x
+  dvec3 xy{};  ///< of x y
 };
 
 /// What CubeMapToSphericalPolynomialTools makes of the same light: irradiance / pi in Babylon's signs (odd
@@ -73,23 +77,23 @@ struct BabylonPolynomial {
 
 /// The polynomial of a single ambient colour (a placeholder until the real light is there): that colour
 /// for every normal, no direction in it. Exactly `colour` in xx, yy and zz, zero elsewhere.
-[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour);
+[[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const dvec3& colour);
 
 /// The polynomial's value for a unit normal.
-[[nodiscard]] glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal);
+[[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 
-// A radiance projection in the form in which an engine wants it.
+// ---- Diffuse light in an engine's own form
 
 /// One named number triple of an engine's form.
 struct EngineTerm {
   std::string name;  ///< as the engine calls it: "xx", "coefficients[4]", "irradianceCoefficients[0]", ...
-  glm::dvec3 rgb{};  ///< red, green, blue
+  dvec3 rgb{};       ///< red, green, blue
 };
 
 /// One named four-vector that an engine's shader reads.
 struct EngineVector {
-  std::string name;    ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
-  glm::dvec4 value{};  ///< x, y, z, w as the shader reads them
+  std::string name;  ///< as the shader calls it: "unity_SHAr", "SkyIrradianceEnvironmentMap[0]", ...
+  dvec4 value{};     ///< x, y, z, w as the shader reads them
 };
 
 /// Light in an engine's own form.

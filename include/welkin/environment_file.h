@@ -1,16 +1,20 @@
-// Environments in files: what one is, what is in it, and its light.
+// Environments in files, on disk or in memory: what one is, what is in it, and its light.
 //
 // Read here: OpenEXR, Radiance .hdr, PFM and PNG; environment_file.h writes them. And cubemaps with their levels in
 // KTX2, DDS (texture_file.h) and Babylon.js .env files (texture_file.h; here in Welkin's axes).
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "welkin/core.h"
@@ -18,6 +22,81 @@
 #include "welkin/projection.h"
 
 namespace WELKIN_EXPORT welkin {
+
+/// Where a file is read from: a path, or the file's bytes in memory. A call that takes one also takes a path as it is.
+///
+///   welkin::read_environment("sky.exr");
+///   welkin::read_environment({bytes, "sky.exr"});  // std::vector<std::byte> bytes, or a std::span<const std::byte>
+///
+/// Both give the same bits and, of a damaged file, the same errors. Bytes in memory are not copied. The caller must
+/// keep them, and must not change them, until the call that reads them has returned. The bytes of a `StoredEnvironment`
+/// must stay as long as it is used. Several threads may read the same bytes at once.
+class FileInput {
+ public:
+  FileInput() = default;  ///< names no file
+
+  /// The file at a path: whatever converts to `std::filesystem::path`. Nothing is opened yet.
+  template <std::convertible_to<std::filesystem::path> Path>
+  FileInput(Path&& path)  // NOLINT(google-explicit-constructor): a path is an input as it is
+      : path_(std::forward<Path>(path)) {}
+
+  /// All bytes of a file. Messages call it by `name`, which tells nothing else: the kind of file is told by its bytes.
+  /// A square picture, which a path would make one of six files, is refused unless a layout is asked for.
+  FileInput(std::span<const std::byte> bytes, std::string_view name)
+      : path_(name.empty() ? "bytes in memory" : name), bytes_(bytes) {}
+
+  /// The six faces of a cubemap, +X -X +Y -Y +Z -Z, each a square picture of the same size in a file of its own or in
+  /// memory. What reads an environment takes them as layout six_files; what reads a texture or tables refuses them
+  /// (invalid_argument).
+  [[nodiscard]] static FileInput six_faces(const std::array<FileInput, 6>& faces) {
+    FileInput input;
+    input.path_ = faces[0].path_;
+    input.faces_.assign(faces.begin(), faces.end());
+    return input;
+  }
+
+  /// The path, or the name of the bytes; of six faces that of the first.
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  /// Of a file in memory; nothing if it is read by its path.
+  [[nodiscard]] const std::optional<std::span<const std::byte>>& bytes() const noexcept { return bytes_; }
+  /// Six, or none.
+  [[nodiscard]] std::span<const FileInput> faces() const noexcept { return faces_; }
+
+ private:
+  std::filesystem::path path_;
+  std::optional<std::span<const std::byte>> bytes_;
+  std::vector<FileInput> faces_;
+};
+
+/// Where a file is written to: a path, or a vector that becomes the file's bytes. A call that takes one also takes a
+/// path as it is.
+///
+///   std::vector<std::byte> bytes;
+///   welkin::write_environment({bytes, "sky.exr"}, picture);
+///
+/// The vector holds the bytes that the file would have. It is replaced when they are complete; after an error it is as
+/// it was.
+class FileOutput {
+ public:
+  /// The file at a path: whatever converts to `std::filesystem::path`.
+  template <std::convertible_to<std::filesystem::path> Path>
+  FileOutput(Path&& path)  // NOLINT(google-explicit-constructor): a path is an output as it is
+      : path_(std::forward<Path>(path)) {}
+
+  /// A vector, which must outlive the call. The extension of `name` chooses the format as that of a path does, and
+  /// messages call the file by it.
+  FileOutput(std::vector<std::byte>& bytes, std::string_view name)
+      : path_(name.empty() ? "bytes in memory" : name), bytes_(&bytes) {}
+
+  /// The path, or the name of the bytes.
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  /// Of a file in memory; nullptr if it is written to its path.
+  [[nodiscard]] std::vector<std::byte>* bytes() const noexcept { return bytes_; }
+
+ private:
+  std::filesystem::path path_;
+  std::vector<std::byte>* bytes_ = nullptr;
+};
 
 /// How a picture holds a sphere. Faces are those of `CubemapView`, N x N texels each.
 enum class Layout {
@@ -72,10 +151,39 @@ struct ReadOptions {
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
+/// The kinds of file that are read.
+enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon };
+
+/// "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env"
+[[nodiscard]] const char* name(FileFormat format) noexcept;
+
+/// How a file holds a channel's values.
+enum class ChannelType {
+  unknown,          ///< a type that OpenEXR has not
+  half,             ///< 16-bit float
+  float32,          ///< 32-bit float
+  uint32,           ///< OpenEXR's unsigned integers
+  rgbe,             ///< Radiance: 8 bits and an exponent that three channels share
+  xyze,             ///< the same of CIE XYZ
+  rgbd,             ///< Babylon.js .env: 8 bits, gamma encoded, and a divisor that three channels share
+  uint1,            ///< PNG, as are the next four; a palette's colours are uint8
+  uint2,            ///< 2 bits
+  uint4,            ///< 4 bits
+  uint8,            ///< 8 bits; in KTX2 and DDS too
+  uint16,           ///< 16 bits
+  ufloat10,         ///< float of 10 bits without a sign, KTX2 and DDS
+  ufloat11,         ///< float of 11 bits without a sign, KTX2 and DDS
+  shared_exponent,  ///< 9 bits and an exponent that three channels share, KTX2 and DDS
+};
+
+/// "unknown", "half", "float", "uint", "rgbe", "xyze", "rgbd", "uint1", "uint2", "uint4", "uint8", "uint16",
+/// "ufloat10", "ufloat11", "shared exponent"
+[[nodiscard]] const char* name(ChannelType type) noexcept;
+
 /// A channel of the file.
 struct ChannelInfo {
-  std::string name;  ///< "R", "G", "B", "Y", ...
-  std::string type;  ///< "half", "float", "uint", "rgbe", "xyze", "uint8", "uint16"
+  std::string name;                         ///< "R", "G", "B", "Y", ...
+  ChannelType type = ChannelType::unknown;  ///< how its values are held
 };
 
 /// A level of a chain in the file.
@@ -86,8 +194,9 @@ struct LevelInfo {
 
 /// What a file's header says; no pixel is read for it.
 struct EnvironmentInfo {
-  std::filesystem::path path;         ///< as it was named; of six files the first
-  std::string format;                 ///< "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS" or "Babylon.js .env"
+  std::filesystem::path path;               ///< as it was named; of `FileInput::six_faces` the first
+  FileFormat format = FileFormat::openexr;  ///< of six files that of the first face
+  std::vector<FileFormat> other_formats;    ///< of six files those that differ from it, each once; else empty
   std::string compression;            ///< "none", "zip", "piz", ... as OpenEXR has them; "rle", "old rle"; "deflate"
   std::string storage;                ///< "scanline", "tiled 64 x 64", "mip-mapped tiles 16 x 16", "columns", ...
   Layout layout = Layout::lat_long;   ///< as told from header or shape, or as it was asked for; never automatic
@@ -100,23 +209,26 @@ struct EnvironmentInfo {
   std::vector<std::string> layers;    ///< names of the layers that hold colour or luminance; "" is not among them
   std::vector<std::string> notes;     ///< what was done on the way in: primaries, exposure, windows; for a person
   std::array<std::filesystem::path, 6> faces;  ///< of six_files, in face order; else empty
+
+  /// The formats' names: "OpenEXR"; "OpenEXR, PNG" of six files that differ.
+  [[nodiscard]] std::string format_words() const;
 };
 
 /// What is in the pixels, as they are in the file: nothing is replaced or clamped. NaN and infinities are
 /// counted and stay out of the other numbers.
 struct EnvironmentStatistics {
-  std::uint64_t texels = 0;     ///< of the sphere: what lies between the faces of a cross does not count, here or below
-  glm::dvec3 minimum{};         ///< of each channel, NaN and infinities left out
-  glm::dvec3 maximum{};         ///< likewise
-  glm::dvec3 mean{};            ///< weighted by solid angle: the sphere's average radiance
-  glm::dvec3 total_radiance{};  ///< integral over the sphere: 4 pi times the mean
-  std::uint64_t nans = 0;       ///< channel values
-  std::uint64_t infinities = 0;      ///< channel values
-  std::uint64_t negatives = 0;       ///< channel values
-  int brightest_column = 0;          ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
-  int brightest_row = 0;             ///< of six_files as if they stood one above the other
-  glm::dvec3 brightest{};            ///< radiance of the brightest texel, by luminance
-  glm::dvec3 brightest_direction{};  ///< unit, of that texel's centre; 0 if no texel is finite
+  std::uint64_t texels = 0;  ///< of the sphere: what lies between the faces of a cross does not count, here or below
+  dvec3 minimum{};           ///< of each channel, NaN and infinities left out
+  dvec3 maximum{};           ///< likewise
+  dvec3 mean{};              ///< weighted by solid angle: the sphere's average radiance
+  dvec3 total_radiance{};    ///< integral over the sphere: 4 pi times the mean
+  std::uint64_t nans = 0;    ///< channel values
+  std::uint64_t infinities = 0;  ///< channel values
+  std::uint64_t negatives = 0;   ///< channel values
+  int brightest_column = 0;      ///< of the picture, as it is in the file; by (0.2126, 0.7152, 0.0722) . rgb
+  int brightest_row = 0;         ///< of six_files as if they stood one above the other
+  dvec3 brightest{};             ///< radiance of the brightest texel, by luminance
+  dvec3 brightest_direction{};   ///< unit, of that texel's centre; 0 if no texel is finite
 };
 
 /// An environment held in memory as RGB floats: a lat-long, or six faces in the frames of `CubemapView`,
@@ -145,10 +257,10 @@ struct Environment {
 [[nodiscard]] std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path);
 
 /// Reads a header. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded.
-[[nodiscard]] EnvironmentInfo inspect_environment(const std::filesystem::path& path, const ReadOptions& options = {});
+[[nodiscard]] EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options = {});
 
 /// Reads a whole file. Throws as `inspect_environment`, and cancelled.
-[[nodiscard]] Environment read_environment(const std::filesystem::path& path, const ReadOptions& options = {},
+[[nodiscard]] Environment read_environment(const FileInput& input, const ReadOptions& options = {},
                                            const Control& control = {});
 
 /// Projects a file. A lat-long streams: blocks of rows are decoded and projected in parallel, and memory
@@ -171,12 +283,12 @@ struct Environment {
 ///
 /// An .env file's polynomial is taken as it is stored (the pass "project" says "reuse"): its pixels are clipped at 255,
 /// and it is not. With more than three bands, or another level, its pixels are projected after all.
-[[nodiscard]] Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options = {},
+[[nodiscard]] Projection project_file(const FileInput& input, const ReadOptions& read_options = {},
                                       const ProjectionOptions& options = {}, const Control& control = {});
 
 /// Measures a file's pixels, streaming. Throws as `read_environment`.
-[[nodiscard]] EnvironmentStatistics measure_environment(const std::filesystem::path& path,
-                                                        const ReadOptions& options = {}, const Control& control = {});
+[[nodiscard]] EnvironmentStatistics measure_environment(const FileInput& input, const ReadOptions& options = {},
+                                                        const Control& control = {});
 
 // Environments to files.
 
@@ -194,29 +306,29 @@ struct WriteOptions {
   /// automatic: lat-long for a lat-long, vertical strip for a cubemap (with OpenEXR's envmap attribute in .exr,
   /// its faces then in OpenEXR's own frames). A cubemap can be written in every other layout too.
   /// Faces of a horizontal strip may have up to 10922 texels: wider pictures than 65536 are not read anywhere.
-  /// six_files: "sky.exr" makes sky_px.exr, sky_nx.exr, ..., sky_nz.exr.
+  /// six_files: "sky.exr" makes sky_px.exr, sky_nx.exr, ..., sky_nz.exr; not in memory.
   Layout layout = Layout::automatic;
   SampleType type = SampleType::automatic;  ///< halves, floats or bytes; automatic: the usual one of the format
 };
 
 /// What a format could not hold of the values.
 struct WriteReport {
-  std::vector<std::filesystem::path> files;  ///< that were written
+  std::vector<std::filesystem::path> files;  ///< that were written; in memory the name
   std::uint64_t values_clamped = 0;          ///< channel values beyond the format's range (NaN becomes 0)
 };
 
-/// Throws what `write_environment` would by path and options alone: ask it before a picture is made for them. (Of the
-/// place only the folder is looked at; the rest shows when it is written.)
-void check_write_options(const std::filesystem::path& path, const WriteOptions& options, bool is_cubemap);
+/// Throws what `write_environment` would by output and options alone: ask it before a picture is made for them. (Of the
+/// place only the folder is looked at, and nothing of a vector; the rest shows when it is written.)
+void check_write_options(const FileOutput& output, const WriteOptions& options, bool is_cubemap);
 
 /// Writes a picture in the format that the extension names: .exr, .hdr, .pfm, .png.
 ///
 /// A file is complete or not there: it is written beside its place and renamed when it is whole. Existing files
 /// are replaced. Throws `Error`: invalid_argument for a view, layout or type that does not fit (naming what
 /// does), unsupported_file for an extension that is not written, file_access, cancelled.
-WriteReport write_environment(const std::filesystem::path& path, const LatLongView& picture,
-                              const WriteOptions& options = {}, const Control& control = {});
-WriteReport write_environment(const std::filesystem::path& path, const CubemapView& picture,
-                              const WriteOptions& options = {}, const Control& control = {});
+WriteReport write_environment(const FileOutput& output, const LatLongView& picture, const WriteOptions& options = {},
+                              const Control& control = {});
+WriteReport write_environment(const FileOutput& output, const CubemapView& picture, const WriteOptions& options = {},
+                              const Control& control = {});
 
 }  // namespace welkin

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <cstddef>
-#include <glm/vec3.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,15 +42,15 @@ struct ErrorBudget {
 template <class Setting>
 struct EstimatedSetting {
   Setting setting{};                   ///< the setting that was judged
-  double estimated_error = 0.0;        ///< meant to be at least the true one
+  double error_estimate = 0.0;         ///< meant to be at least the true one
   double predicted_nanoseconds = 0.0;  ///< of the pass at this setting, on one thread of docs/error_budget.md's machine
 };
 
 /// What was chosen, and what else was looked at.
 template <class Setting>
 struct BudgetChoice {
-  Setting setting{};             ///< the cheapest under the budget; where none is, the one of the least estimated error
-  double estimated_error = 0.0;  ///< relative, of the chosen setting
+  Setting setting{};            ///< the cheapest under the budget; where none is, the one of the least estimated error
+  double error_estimate = 0.0;  ///< relative, of the chosen setting
   double predicted_nanoseconds = 0.0;            ///< on one thread, by the cost model
   bool met = false;                              ///< whether the estimate is under the budget
   std::string relative_to;                       ///< what the errors are shares of
@@ -106,9 +105,9 @@ struct HighBands {
 
 /// What one mip needs. Errors are rms over the sphere relative to the mip's own, whatever the budget's measure.
 struct MipNeed {
-  double roughness = 0.0;        ///< perceptual
-  double estimated_error = 0.0;  ///< at the setting chosen
-  int source_size = 0;           ///< the smallest face size to which the source may be reduced; 0: none that was tried
+  double roughness = 0.0;       ///< perceptual
+  double error_estimate = 0.0;  ///< at the setting chosen
+  int source_size = 0;          ///< the smallest face size to which the source may be reduced; 0: none that was tried
   double source_size_error = 0.0;  ///< estimated, of that reduction alone
 };
 
@@ -138,15 +137,14 @@ struct PrefilterChoice : BudgetChoice<PrefilterOptions> {
 /// Each number of directions is compared with one and a half times and twice as many, from the fewest up until the
 /// budget is met; then fewer azimuths are tried. Bands and quadrature are those of `options`, its numbers are not
 /// looked at. Throws `Error` as `SkyProjector`.
-[[nodiscard]] BudgetChoice<SkyHarmonicsOptions> choose_sky_harmonics(const SkyView& view,
-                                                                     std::span<const glm::dvec3> suns,
+[[nodiscard]] BudgetChoice<SkyHarmonicsOptions> choose_sky_harmonics(const SkyView& view, std::span<const dvec3> suns,
                                                                      const SkyHarmonicsOptions& options = {},
                                                                      const ErrorBudget& budget = {});
 
 /// What sizes and orders of tables are judged by: three bands of harmonics at one height.
 struct SkyProbe {
-  double altitude_m = 0.0;       ///< the observer's, above the ground
-  std::vector<glm::dvec3> suns;  ///< towards the sun, at least one
+  double altitude_m = 0.0;  ///< the observer's, above the ground
+  std::vector<dvec3> suns;  ///< towards the sun, at least one
 
   friend bool operator==(const SkyProbe&, const SkyProbe&) = default;
 };

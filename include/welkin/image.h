@@ -1,4 +1,9 @@
-// Pixels: views of the caller's, images and chains that own theirs, and targets in memory of the caller's.
+// Pixels: views of the caller's, images and chains that own theirs, and targets in the caller's memory.
+//
+//   welkin::CubemapView cubemap{{px, nx, py, ny, pz, nz}, 1024, 0, welkin::PixelFormat::rgba16f};
+//   welkin::LatLongView panorama{pixels, 4096, 2048, 0, welkin::PixelFormat::rgb32f};
+//
+// A view is read in place and never owns its pixels: they must stay as they are until the call that reads them returns.
 #pragma once
 
 #include <array>
@@ -13,7 +18,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// Views of the caller's pixels: Welkin reads environments in place and never owns them.
+// ---- Views of the caller's pixels
 
 /// How one texel lies in memory: interleaved channels, no padding inside a texel.
 /// Alpha is read past and never used. f16 is IEEE 754 binary16; u8 maps 0..255 to 0..1;
@@ -82,7 +87,7 @@ struct LatLongView {
   friend bool operator==(const LatLongView&, const LatLongView&) = default;
 };
 
-// Environments in memory that own their pixels.
+// ---- Images that own their pixels
 
 /// An RGB float lat-long picture that owns its pixels.
 struct LatLongImage {
@@ -108,7 +113,7 @@ struct CubemapImage {
   }
 };
 
-// A cubemap with its mip chain.
+// ---- A cubemap with its mip chain
 
 /// How many levels a whole chain has, from `size` down to 1: 1 + floor(log2(size)). `size` >= 1.
 [[nodiscard]] constexpr int full_chain_levels(int size) noexcept {
@@ -135,9 +140,9 @@ class CubemapChain {
 
   /// Texels along an edge of level 0; 0 if there are no levels.
   [[nodiscard]] int size() const noexcept { return size_; }
-  /// How many levels there are; 0 if it is empty.
+  /// How many levels there are; 0 for an empty chain.
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(offsets_.size()); }
-  /// Texels along an edge of a level.
+  /// Texels along an edge of a level, 0 <= level < levels().
   [[nodiscard]] int level_size(int level) const noexcept { return size_ >> level > 1 ? size_ >> level : 1; }
   /// Memory of all levels.
   [[nodiscard]] std::size_t bytes() const noexcept { return values_ * sizeof(float); }
@@ -157,8 +162,8 @@ class CubemapChain {
  private:
   /// Gives the pixels back to where they came from.
   struct Free {
-    std::pmr::memory_resource* memory = nullptr;
-    std::size_t bytes = 0;
+    std::pmr::memory_resource* memory;
+    std::size_t bytes;
 
     void operator()(float* pixels) const noexcept;
   };
@@ -174,15 +179,15 @@ class CubemapChain {
   std::unique_ptr<float[], Free> pixels_;
 };
 
-// Cubemaps into memory of the caller's, as Vulkan and D3D12 take them: an upload buffer that is mapped, say.
+// ---- Cubemaps in the caller's memory, as Vulkan and D3D12 take them: a mapped upload buffer for instance
 //
 //   const welkin::UploadLayout layout{.format = welkin::TexelFormat::rgba16f, .size = 256, .levels = 9};
 //   std::span<std::byte> memory = map(upload_bytes(layout));
 //   welkin::store_texels(light.specular->cubemap, upload_targets(layout, memory));
 
-/// How a texel is stored; each value is rounded to the nearest that there is, and what a format cannot hold is clamped
-/// and counted: what is above its largest value becomes that, NaN becomes 0, negatives become 0 where there are none.
-/// Alpha, where there is one, is 1.
+/// How a texel is stored. Each value is rounded to the nearest that the format has. What a format cannot hold is
+/// clamped and counted: a value above the largest becomes the largest, NaN becomes 0, and negatives become 0 in formats
+/// without a sign. Alpha is written as 1.
 enum class TexelFormat {
   rgba16f,    ///< halves, -65504 to 65504
   rgba32f,    ///< floats, as they are: NaN and infinities too
@@ -190,20 +195,21 @@ enum class TexelFormat {
   e5b9g9r9,   ///< mantissas of 9 bits, one exponent, up to 65408: 1 part in 512 of the largest channel
 };
 
-/// One level of a cubemap in memory that is written to. Rows of a face lie `row_pitch_bytes` apart, row 0 first; what
+/// One level of a cubemap in memory that is written to. Rows of a face lie `row_stride_bytes` apart, row 0 first; what
 /// lies between them is not touched. Faces are those of `CubemapView`, and need not lie one after the other.
 struct CubemapTarget {
-  std::array<void*, 6> faces{};
-  int size = 0;                        ///< texels along an edge
-  std::ptrdiff_t row_pitch_bytes = 0;  ///< 0: rows are packed; negative: bottom-up
-  TexelFormat format = TexelFormat::rgba16f;
+  std::array<void*, 6> faces{};               ///< where the first texel of the top row of each face is written
+  int size = 0;                               ///< texels along an edge
+  std::ptrdiff_t row_stride_bytes = 0;        ///< from a row to the next; 0: rows are packed; negative: bottom-up
+  TexelFormat format = TexelFormat::rgba16f;  ///< how texels are written, in all six faces
 };
 
 /// Writes a cubemap of the same size. Returns how many channel values the format could not hold. The same bytes on any
 /// number of threads. Throws `Error`: invalid_argument (a null face, another size, rows that overlap), cancelled.
 std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control = {});
 
-/// Writes all levels of a chain, each to its target; nothing is written if one of them is refused.
+/// Writes all levels of a chain, each to its target. Returns how many channel values the format could not hold. Throws
+/// as above, and invalid_argument unless there are as many targets as levels; nothing is written if one is refused.
 std::uint64_t store_texels(const CubemapChain& from, std::span<const CubemapTarget> to, const Control& control = {});
 
 /// Which of the images of six faces and several levels come one after the other.
@@ -214,12 +220,12 @@ enum class UploadOrder {
 
 /// How a chain lies in one block of memory.
 struct UploadLayout {
-  TexelFormat format = TexelFormat::rgba16f;
-  int size = 0;    ///< texels along an edge of level 0: 1 to 16384
-  int levels = 1;  ///< 1 to `full_chain_levels(size)`
-  UploadOrder order = UploadOrder::level_by_level;
-  std::uint64_t row_alignment_bytes = 1;    ///< of the distance between rows; D3D12 wants 256
-  std::uint64_t level_alignment_bytes = 1;  ///< of the start of each face of each level; D3D12 wants 512
+  TexelFormat format = TexelFormat::rgba16f;        ///< of all texels
+  int size = 0;                                     ///< texels along an edge of level 0: 1 to 16384
+  int levels = 1;                                   ///< 1 to `full_chain_levels(size)`
+  UploadOrder order = UploadOrder::level_by_level;  ///< whether levels or faces follow each other
+  std::uint64_t row_alignment_bytes = 1;            ///< of the distance between rows; D3D12 wants 256
+  std::uint64_t level_alignment_bytes = 1;          ///< of the start of each face of each level; D3D12 wants 512
 };
 
 /// Bytes of such a block. Throws `Error` (invalid_argument) for members out of range.

@@ -1,7 +1,10 @@
-// What a surface receives, without harmonics: the truth that a few bands are measured against.
+// Irradiance at surfaces: by direct integration, which is the truth that a few bands are measured against, and as a
+// cubemap.
+//
+//   welkin::dvec3 ground = welkin::direct_irradiance(cubemap, {0.0, 1.0, 0.0});
+//   welkin::CubemapImage lookup = welkin::irradiance_cubemap(welkin::irradiance_from_radiance(light.radiance), 64);
 #pragma once
 
-#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
@@ -12,6 +15,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Direct integration
+
 /// Irradiance by direct cosine integration, in double: the sum over all texels of radiance times the texel's integral
 /// of max(0, normal . direction). W/m2 where radiance is W/m2/sr.
 ///
@@ -20,28 +25,26 @@ namespace WELKIN_EXPORT welkin {
 /// each taken at its centre. Error: below 1e-5 of pi times the radiance near the horizon at every size, below 1e-6 from
 /// 512 x 256 or 256 x 256 texels on.
 ///
-/// Normals need not be of unit length. Of `options` only what concerns pixels matters: clamp, gamma and the policies
-/// for NaN, infinities and negatives, which act as in `project`. Cost: some 5 ns a texel, normal and thread. The same
-/// bits on any number of threads. Throws `Error`: invalid_argument (view, options, a normal without length, none or
+/// Normals need not be of unit length. `pixels` acts as in `project`. Cost: some 5 ns a texel, normal and thread. The
+/// same bits on any number of threads. Throws `Error`: invalid_argument (view, policy, a normal without length, none or
 /// more than 100 000 normals), rejected_pixel, cancelled.
-[[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const glm::dvec3> normals,
-                                                        const PixelPolicy& pixels = {}, const Control& control = {});
-[[nodiscard]] std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long,
-                                                        std::span<const glm::dvec3> normals,
-                                                        const PixelPolicy& pixels = {}, const Control& control = {});
+[[nodiscard]] std::vector<dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const dvec3> normals,
+                                                   const PixelPolicy& pixels = {}, const Control& control = {});
+[[nodiscard]] std::vector<dvec3> direct_irradiance(const LatLongView& lat_long, std::span<const dvec3> normals,
+                                                   const PixelPolicy& pixels = {}, const Control& control = {});
 
-/// The same for one normal.
-[[nodiscard]] glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal);
-[[nodiscard]] glm::dvec3 reference_irradiance(const LatLongView& lat_long, const glm::dvec3& normal);
+/// The same for one normal, with the default policy for pixels.
+[[nodiscard]] dvec3 direct_irradiance(const CubemapView& cubemap, const dvec3& normal);
+[[nodiscard]] dvec3 direct_irradiance(const LatLongView& lat_long, const dvec3& normal);
 
 /// How far the irradiance of the first `bands` bands is from the direct one, over normals that cover the sphere evenly.
 /// Differences are lengths |E_sh - E| over the three channels.
 struct IrradianceError {
-  int bands = 0;              ///< how many bands the irradiance was taken from
-  double rms = 0.0;           ///< root mean square of the difference over that of |E|: 0.01 is 1 %
-  double maximum = 0.0;       ///< largest difference over the root mean square of |E|
-  double relative = 0.0;      ///< largest difference over |E| at the same normal: on the dark side, as a rule
-  glm::dvec3 worst_normal{};  ///< where the largest difference is
+  int bands = 0;          ///< how many bands the irradiance was taken from
+  double rms = 0.0;       ///< root mean square of the difference over that of |E|: 0.01 is 1 %
+  double maximum = 0.0;   ///< largest difference over the root mean square of |E|
+  double relative = 0.0;  ///< largest difference over |E| at the same normal: on the dark side, as a rule
+  dvec3 worst_normal{};   ///< where the largest difference is
 };
 
 /// One entry for each number of bands from 1 to radiance.bands(). `radiance`: coefficients of the same environment,
@@ -57,7 +60,7 @@ struct IrradianceError {
                                                              const PixelPolicy& pixels = {},
                                                              const Control& control = {});
 
-// Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics.
+// ---- Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics
 
 /// Irradiance (W/m2 where radiance is W/m2/sr; pi times it in a uniform environment) at each texel's centre, by the
 /// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. SIMD; the same bits

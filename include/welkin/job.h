@@ -57,6 +57,7 @@ class JobHandle {
   /// was done, or given up before.
   bool cancel() const;
 
+  /// The job's priority; `normal` for no job.
   [[nodiscard]] TaskPriority priority() const;
 
   /// A waiting job goes to the end of those of its new priority; if that is the old one, it stays where it is. A
@@ -66,9 +67,10 @@ class JobHandle {
  protected:
   friend struct detail::JobAccess;
 
+  /// Of a job that was made.
   explicit JobHandle(std::shared_ptr<detail::JobRecord> record) : record_(std::move(record)) {}
 
-  std::shared_ptr<detail::JobRecord> record_;
+  std::shared_ptr<detail::JobRecord> record_;  ///< shared with the worker; null: no job
 };
 
 /// A handle that also has the result. The result can be taken once, in one of five ways: `try_take()`, `get()`, `then`,
@@ -77,8 +79,11 @@ class JobHandle {
 template <class Result>
 class Job : public JobHandle {
  public:
+  /// No job.
   Job() = default;
+  /// Moves: the source is no job afterwards.
   Job(Job&&) noexcept = default;
+  /// As above. The job that it was before runs to its end.
   Job& operator=(Job&&) noexcept = default;
 
   /// Whether this is a job whose result can still be taken; also of one that failed.
@@ -163,8 +168,9 @@ struct JobAccess {
   /// A job for the request, not posted yet.
   template <class Request, class From>
   static Job<ResultOf<Request>> make(From&& request) {
-    auto computation = std::make_shared<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
-    auto record = std::make_shared<TypedJobRecord<ResultOf<Request>>>();
+    auto computation =
+        make_shared_in_job_memory<RequestComputation<Request>>(std::in_place, std::forward<From>(request));
+    auto record = make_shared_in_job_memory<TypedJobRecord<ResultOf<Request>>>();
     record->progress = &computation->progress;
     record->computation = computation;
     record->posted = std::move(computation);
@@ -253,7 +259,7 @@ class Awaited {
   bool await_suspend(std::coroutine_handle<> coroutine) {
     // The coroutine may go on, and this object be gone, before `attach` returns.
     const std::shared_ptr<JobRecord> record = job_.record_;
-    return attach(record, std::make_shared<Resumption>(coroutine, place_), nullptr);
+    return attach(record, make_shared_in_job_memory<Resumption>(coroutine, place_), nullptr);
   }
 
   Result await_resume() { return job_.get(); }
@@ -265,6 +271,7 @@ class Awaited {
 
 }  // namespace detail
 
+/// \cond Doxygen does not find the declarations of these two.
 template <class Result>
 template <class FollowUp>
 auto Job<Result>::then(FollowUp follow_up) && {
@@ -279,7 +286,8 @@ template <class Result>
 template <class Callback>
 void Job<Result>::on_drain(Callback callback) && {
   using Drained = detail::DrainCallback<Result, Callback>;
-  detail::attach(record_, std::make_shared<Drained>(take_over(), std::move(callback)), nullptr);
+  detail::attach(record_, detail::make_shared_in_job_memory<Drained>(take_over(), std::move(callback)), nullptr);
 }
+/// \endcond
 
 }  // namespace welkin

@@ -40,7 +40,7 @@ class PromiseKeeper final : public Computation {
 
  private:
   Job<Result> job_;
-  std::promise<Result> promise_;
+  std::promise<Result> promise_{std::allocator_arg, JobAllocator<Result>()};
 };
 
 }  // namespace detail
@@ -52,7 +52,8 @@ class PromiseKeeper final : public Computation {
 template <class Result>
 [[nodiscard]] std::future<Result> future_of(Job<Result> job) {
   const auto record = detail::JobAccess::record(job);
-  const auto keeper = std::make_shared<detail::PromiseKeeper<Result>>(detail::JobAccess::take_over(job));
+  const auto keeper =
+      detail::make_shared_in_job_memory<detail::PromiseKeeper<Result>>(detail::JobAccess::take_over(job));
   std::future<Result> future = keeper->future();
   detail::attach(record, keeper, nullptr);
   return future;

@@ -5,8 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -169,12 +167,34 @@ struct PlannedPass {
 //   log(welkin::plan_text(plan));
 //   const welkin::BakeResult light = welkin::bake(panorama, plan);
 
+/// Mips at the ends of a prefiltered chain that no lookup touches, so that they are not made. The others have the bits
+/// that they have in the whole chain. (A smaller chain of the same roughness would have others within the bounds.)
+struct UnusedMips {
+  int sharp = 0;  ///< so many at the sharp end: level 0 of the result has size >> sharp texels along an edge
+  int rough = 0;  ///< so many at the rough end; one mip at least stays
+
+  friend bool operator==(const UnusedMips&, const UnusedMips&) = default;
+};
+
+/// What a plan does other than its options say, so that results have the bits of the whole bake.
+struct PlanTrim {
+  UnusedMips mips{};  ///< of the chain that `options.specular` describes
+
+  /// If above `options.bands`: so many bands are projected, and the first `options.bands` of them are returned. A
+  /// projection of fewer bands rounds otherwise. 0: where no bands are returned nothing is projected either, and the
+  /// diagnostics' total radiance is 0.
+  int projected_bands = 1;
+
+  friend bool operator==(const PlanTrim&, const PlanTrim&) = default;
+};
+
 /// What a bake would do, before it does it.
 struct Plan {
   std::string source;               ///< "lat-long 1024 x 512"; of files with their name
   std::vector<PlannedPass> passes;  ///< in the order of the records that come out; of files "read" first
 
   BakeOptions options;         ///< that do it: what the scene does not need is left out of them
+  PlanTrim trim{};             ///< and what else is left out
   bool take_specular = false;  ///< the file's chain is the result's
   bool take_levels = false;    ///< the file's levels are the background's mips
   int first_stored_mip = 0;    ///< of that chain: the first that is used,
@@ -216,8 +236,8 @@ struct Plan {
 
 /// How an environment changed that was baked before: what came from direction d comes from turn * d, times a factor.
 struct EnvironmentChange {
-  glm::dmat3 turn{1.0};   ///< orthogonal
-  glm::dvec3 scale{1.0};  ///< of red, green and blue: exposure; not negative
+  dmat3 turn{1.0};   ///< orthogonal
+  dvec3 scale{1.0};  ///< of red, green and blue: exposure; not negative
 };
 
 /// What such a change costs a result that was baked with `baked`: coefficients are turned and scaled, an irradiance

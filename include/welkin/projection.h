@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +23,8 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Options
+
 /// What a texel stands for while it is integrated.
 enum class Quadrature {
   exact,     ///< its area: each basis function is integrated over the texel; no error at any size
@@ -31,10 +32,17 @@ enum class Quadrature {
 };
 
 /// What becomes of a NaN or an infinity.
-enum class NonFinitePolicy { replace, reject };
+enum class NonFinitePolicy {
+  replace,  ///< it is replaced as `PixelPolicy` says, and counted
+  reject,   ///< the call throws `Error` (rejected_pixel)
+};
 
 /// What becomes of a finite value below zero.
-enum class NegativePolicy { keep, replace, reject };
+enum class NegativePolicy {
+  keep,     ///< it counts as it is
+  replace,  ///< it becomes 0, and is counted
+  reject,   ///< the call throws `Error` (rejected_pixel)
+};
 
 /// An upper bound on radiance.
 struct RadianceClamp {
@@ -85,6 +93,8 @@ struct ProjectionOptions {
   friend bool operator==(const ProjectionOptions&, const ProjectionOptions&) = default;
 };
 
+// ---- Results
+
 /// What becomes of a step.
 enum class PassAction {
   run,    ///< it is computed
@@ -97,10 +107,10 @@ enum class PassAction {
 
 /// One step of a call: what was done, or why it was not.
 struct PassRecord {
-  std::string name;  ///< "read", "reduce", "project", "cubemap", ...
-  PassAction action = PassAction::run;
-  std::string reason;         ///< why that action
-  double milliseconds = 0.0;  ///< wall time; 0 for what was skipped
+  std::string name;                     ///< "read", "reduce", "project", "cubemap", ...
+  PassAction action = PassAction::run;  ///< what became of it
+  std::string reason;                   ///< why that action
+  double milliseconds = 0.0;            ///< wall time; 0 for what was skipped
 };
 
 /// How good a result is, and what was done to get it.
@@ -110,9 +120,8 @@ struct ProjectionDiagnostics {
   std::uint64_t infinities_replaced = 0;  ///< channel values
   std::uint64_t negatives_replaced = 0;   ///< channel values
   std::uint64_t texels_clamped = 0;       ///< texels that the clamp changed
-  glm::dvec3
-      total_radiance_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
-  glm::dvec3 total_radiance{};        ///< the same as it was projected
+  dvec3 total_radiance_before_clamp{};  ///< integral of radiance over the sphere, before the clamp, after replacements
+  dvec3 total_radiance{};               ///< the same as it was projected
 
   /// Estimated relative error |c - c*| / |c*| of the radiance coefficients, c* being the exact integral of
   /// the source's texels as areas: rounding, the midpoint rule, and what a reduction lost. An estimate.
@@ -126,6 +135,8 @@ struct Projection {
   SphericalHarmonics radiance;        ///< coefficients of the environment's radiance
   ProjectionDiagnostics diagnostics;  ///< what was read, replaced and clamped, and how exact the result is
 };
+
+// ---- Projection
 
 /// Projects a cubemap.
 ///
@@ -148,7 +159,7 @@ struct Projection {
 [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
-// A cubemap's projection face by face: when one face changes, one face is projected again.
+// ---- Face by face: when one face changes, one face is projected again
 //
 //   welkin::FaceHarmonics kept = welkin::project_faces(cubemap);
 //   cubemap.faces[2] = new_sky;

@@ -8,9 +8,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "welkin/core.h"
@@ -32,16 +31,11 @@ enum class PrefilterMethod {
 /// Sizes, roughness and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
-  int mips = 0;    ///< 0: as many as `roughness` names, else down to 1 texel
+  /// At least 1. None: as many as `roughness` names, else down to 1 texel.
+  std::optional<int> mips = std::nullopt;
 
   /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(linear, mips, size)`. 0: no blur.
   std::vector<double> roughness{};
-
-  /// Mips that are not made: so many at the chain's sharp end, and at its rough end; one at least stays. The others are
-  /// the very bits of the whole chain's, and level 0 of the result has size >> leave_out_sharp texels along an edge.
-  int leave_out_sharp = 0;
-  /// At the rough end, likewise.
-  int leave_out_rough = 0;
 
   PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
 
@@ -55,17 +49,29 @@ struct PrefilterOptions {
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
 
+/// How one mip came about.
+enum class MipMethod {
+  copy,       ///< the source resampled by area: roughness 0
+  spectral,   ///< as `PrefilterMethod::spectral`
+  sampled,    ///< as `PrefilterMethod::sampled`
+  reference,  ///< as `PrefilterMethod::reference`
+  stored,     ///< it was in the file that was baked
+};
+
+/// "copy", "spectral", "sampled", "reference", "stored"
+[[nodiscard]] const char* name(MipMethod method) noexcept;
+
 /// How one mip was made, and how good it is.
 struct MipRecord {
-  int size = 0;                 ///< texels along an edge
-  double roughness = 0.0;       ///< perceptual
-  std::string method;           ///< "copy" or a `PrefilterMethod`'s name
-  int bands = 0;                ///< spectral: harmonic bands that were used
-  int bright_texels = 0;        ///< spectral: texels whose lobes were added one by one
-  int samples = 0;              ///< sampled: taps a texel
-  double error_estimate = 0.0;  ///< predicted largest relative error
-  glm::dvec3 mean{};            ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
-  double milliseconds = 0.0;    ///< wall time
+  int size = 0;                        ///< texels along an edge
+  double roughness = 0.0;              ///< perceptual
+  MipMethod method = MipMethod::copy;  ///< how it was made
+  int bands = 0;                       ///< spectral: harmonic bands that were used
+  int bright_texels = 0;               ///< spectral: texels whose lobes were added one by one
+  int samples = 0;                     ///< sampled: taps a texel
+  double error_estimate = 0.0;         ///< predicted largest relative error; 0 of copies and stored mips
+  dvec3 mean{};                        ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
+  double milliseconds = 0.0;           ///< wall time
 };
 
 /// A chain of reflections.
@@ -88,12 +94,10 @@ struct PrefilteredSpecular {
 /// The truth at chosen directions, in double over all of the source's texels as areas: one entry a direction, which
 /// need not be of unit length. Cost: some 10 ns a source texel and direction. Throws `Error` (invalid_argument,
 /// cancelled).
-[[nodiscard]] std::vector<glm::dvec3> reference_specular(const LatLongView& source, double roughness,
-                                                         const std::vector<glm::dvec3>& directions,
-                                                         const Control& control = {});
-[[nodiscard]] std::vector<glm::dvec3> reference_specular(const CubemapView& source, double roughness,
-                                                         const std::vector<glm::dvec3>& directions,
-                                                         const Control& control = {});
+[[nodiscard]] std::vector<dvec3> reference_specular(const LatLongView& source, double roughness,
+                                                    const std::vector<dvec3>& directions, const Control& control = {});
+[[nodiscard]] std::vector<dvec3> reference_specular(const CubemapView& source, double roughness,
+                                                    const std::vector<dvec3>& directions, const Control& control = {});
 
 // Which roughness each mip of a specular cubemap has, and where a shader looks for a roughness.
 //

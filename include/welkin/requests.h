@@ -1,14 +1,15 @@
-// What can be asked of a worker: Welkin's own calls, with the pixels that they work on.
+// What can be asked of a worker: Welkin's own calls, with the pixels or tables that they work on.
 //
-// Each is called with a `Control` and does what the call of the same name does, throwing what that throws. Any other
-// callable does as well: `worker.post([image](const welkin::Control& control) { return ...; })`.
+//   auto light = worker.post(welkin::ProjectCubemap{std::move(image), {.bands = 4}});
+//   auto tables = worker.post(welkin::PrecomputeSky{welkin::earth()}, {.key = "sky tables"});
+//
+// Each request does what the call of the same name does, and throws what that throws. Any other callable is a request
+// too: `worker.post([image](const welkin::Control& control) { return ...; })`. Requests about files are in bake_file.h.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <variant>
@@ -27,15 +28,17 @@ namespace WELKIN_EXPORT welkin {
 
 struct Environment;  // environment_file.h
 
+// ---- Pixels of a request
+
 /// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels. Two are equal if they
 /// are the same pixels in memory: values are not compared.
 class CubemapSource {
  public:
-  /// The pixels go over to the request, without a copy, and are freed when it is done.
+  /// The pixels are moved into the request, without a copy, and are freed when it is done.
   CubemapSource(CubemapImage image);  // NOLINT(google-explicit-constructor): a request is written down as what it reads
   /// Defined in welkin::files. Throws `Error` (invalid_argument) if it is a lat-long.
   CubemapSource(Environment environment);  // NOLINT(google-explicit-constructor)
-  /// Shared and read-only.
+  /// The pixels are shared, and must not change until the job is ready.
   CubemapSource(std::shared_ptr<const CubemapImage> image);  // NOLINT(google-explicit-constructor)
   /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
   /// empty, they must stay until the job is ready.
@@ -43,12 +46,13 @@ class CubemapSource {
   /// With its mip chain, `mips[0]` the full size.
   CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner);
 
+  /// All levels, the full size first; one without a mip chain.
   [[nodiscard]] std::span<const CubemapView> mips() const noexcept { return mips_; }
   /// The full size.
   [[nodiscard]] const CubemapView& view() const noexcept { return mips_.front(); }
-  /// That the pixels take, rows with their padding.
+  /// Memory of the pixels in bytes, padding of rows included.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
-  /// Of where they are.
+  /// Of the pixels' addresses, not of their values.
   [[nodiscard]] std::size_t hash() const noexcept;
 
   friend bool operator==(const CubemapSource&, const CubemapSource&) = default;
@@ -58,17 +62,25 @@ class CubemapSource {
   std::shared_ptr<const void> owner_;
 };
 
-/// The same for a lat-long.
+/// A lat-long for a request, together with what keeps its pixels alive. Copies and comparison are as of
+/// `CubemapSource`.
 class LatLongSource {
  public:
+  /// The pixels are moved into the request, without a copy, and are freed when it is done.
   LatLongSource(LatLongImage image);  // NOLINT(google-explicit-constructor)
-  /// Defined in welkin::files.
-  LatLongSource(Environment environment);                    // NOLINT(google-explicit-constructor)
+  /// Defined in welkin::files. Throws `Error` (invalid_argument) if it is a cubemap.
+  LatLongSource(Environment environment);  // NOLINT(google-explicit-constructor)
+  /// The pixels are shared, and must not change until the job is ready.
   LatLongSource(std::shared_ptr<const LatLongImage> image);  // NOLINT(google-explicit-constructor)
+  /// Pixels of any kind, and whatever frees them when its last copy goes, on whichever thread that is. If `owner` is
+  /// empty, they must stay until the job is ready.
   LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner);
 
+  /// The pixels.
   [[nodiscard]] const LatLongView& view() const noexcept { return view_; }
+  /// Memory of the pixels in bytes, padding of rows included.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
+  /// Of the pixels' address, not of their values.
   [[nodiscard]] std::size_t hash() const noexcept;
 
   friend bool operator==(const LatLongSource&, const LatLongSource&) = default;
@@ -78,12 +90,15 @@ class LatLongSource {
   std::shared_ptr<const void> owner_;
 };
 
+// ---- Requests about pixels
+
 /// `project` of a cubemap.
 struct ProjectCubemap {
-  CubemapSource source;
-  ProjectionOptions options{};
+  CubemapSource source;         ///< the pixels that are read
+  ProjectionOptions options{};  ///< as of `project`
 
   [[nodiscard]] Projection operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const ProjectCubemap&, const ProjectCubemap&) = default;
@@ -91,10 +106,11 @@ struct ProjectCubemap {
 
 /// `project` of a lat-long.
 struct ProjectLatLong {
-  LatLongSource source;
-  ProjectionOptions options{};
+  LatLongSource source;         ///< the pixels that are read
+  ProjectionOptions options{};  ///< as of `project`
 
   [[nodiscard]] Projection operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const ProjectLatLong&, const ProjectLatLong&) = default;
@@ -102,11 +118,12 @@ struct ProjectLatLong {
 
 /// `to_cubemap` of a lat-long.
 struct LatLongToCubemap {
-  LatLongSource source;
-  int size = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  LatLongSource source;     ///< the pixels that are read
+  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const LatLongToCubemap&, const LatLongToCubemap&) = default;
@@ -114,11 +131,12 @@ struct LatLongToCubemap {
 
 /// `to_cubemap` of a cubemap.
 struct CubemapToCubemap {
-  CubemapSource source;
-  int size = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  CubemapSource source;     ///< the pixels that are read
+  int size = 0;             ///< of the result: texels along an edge, 1 to 16384
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] CubemapImage operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const CubemapToCubemap&, const CubemapToCubemap&) = default;
@@ -126,12 +144,13 @@ struct CubemapToCubemap {
 
 /// `to_lat_long` of a cubemap.
 struct CubemapToLatLong {
-  CubemapSource source;
-  int width = 0;
-  int height = 0;
-  glm::dmat3 turn = glm::dmat3(1.0);
+  CubemapSource source;     ///< the pixels that are read
+  int width = 0;            ///< of the result: texels, 1 to 65536
+  int height = 0;           ///< of the result: texels, 1 to 32768
+  dmat3 turn = dmat3(1.0);  ///< orthogonal: direction d of the source becomes turn * d
 
   [[nodiscard]] LatLongImage operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return source.bytes(); }
   [[nodiscard]] std::size_t hash() const noexcept { return source.hash(); }
   friend bool operator==(const CubemapToLatLong&, const CubemapToLatLong&) = default;
@@ -139,18 +158,17 @@ struct CubemapToLatLong {
 
 /// `bake`. Its result is handed out by pointer: equal requests share it, and it is large.
 struct Bake {
-  std::variant<CubemapSource, LatLongSource> source;
-  BakeOptions options{};
+  std::variant<CubemapSource, LatLongSource> source;  ///< the pixels that are baked
+  BakeOptions options{};                              ///< what is made, and how
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  /// Memory of the source in bytes, which counts against the limit of the worker.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
   [[nodiscard]] std::size_t hash() const noexcept;
   friend bool operator==(const Bake&, const Bake&) = default;
 };
 
-// What can be asked of a worker about skies: Welkin's own calls, as in requests.h.
-//
-//   auto job = worker.post(welkin::PrecomputeSky{welkin::earth()}, {.key = "sky tables"});
+// ---- Requests about skies
 
 /// `precompute_sky`. Handed out by pointer: views and curves share the tables.
 struct PrecomputeSky {
@@ -176,7 +194,7 @@ struct BakeSkyCurve {
 struct SkySpecular {
   std::shared_ptr<const SkyTables> tables;  ///< of the atmosphere
   double altitude_m = 0.0;                  ///< the observer's, above the ground
-  glm::dvec3 sun{0.0, 1.0, 0.0};            ///< unit, towards it
+  dvec3 sun{0.0, 1.0, 0.0};                 ///< unit, towards it
   PrefilterOptions options{.size = 32};     ///< of the chain
 
   [[nodiscard]] std::shared_ptr<const PrefilteredSpecular> operator()(const Control& control) const;

@@ -1,7 +1,10 @@
-// Environments of another shape, size or orientation, and smaller levels of a cubemap.
+// Environments of another shape, size or orientation, and mip chains of cubemaps.
+//
+//   welkin::CubemapImage cubemap = welkin::to_cubemap(panorama, 1024, welkin::turn_about_y(90.0));
+//   welkin::CubemapChain mips = welkin::build_mips(cubemap.view());
 #pragma once
 
-#include <glm/mat3x3.hpp>
+#include <optional>
 #include <span>
 
 #include "welkin/core.h"
@@ -9,7 +12,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// One environment in memory to another of a different shape, size or orientation.
+// ---- Another shape, size or orientation
 
 /// How a lat-long becomes a cubemap, or the other way about.
 enum class ResampleFilter {
@@ -52,22 +55,22 @@ enum class ResampleFilter {
 /// bilinear 8, else some 20 ns a sample and thread from a cubemap, 60 ns from a lat-long. The same bits on any number
 /// of threads and every instruction set. Throws `Error`: invalid_argument (views, sizes, a matrix that is off
 /// orthogonal by more than 1e-6), cancelled.
-[[nodiscard]] CubemapImage to_cubemap(const CubemapView& source, int size, const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] CubemapImage to_cubemap(const CubemapView& source, int size, const dmat3& turn = dmat3(1.0),
                                       const Control& control = {});
-[[nodiscard]] CubemapImage to_cubemap(const LatLongView& source, int size, const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] CubemapImage to_cubemap(const LatLongView& source, int size, const dmat3& turn = dmat3(1.0),
                                       ResampleFilter filter = ResampleFilter::area, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const CubemapView& source, int width, int height,
-                                       const glm::dmat3& turn = glm::dmat3(1.0),
+[[nodiscard]] LatLongImage to_lat_long(const CubemapView& source, int width, int height, const dmat3& turn = dmat3(1.0),
                                        ResampleFilter filter = ResampleFilter::bilinear, const Control& control = {});
-[[nodiscard]] LatLongImage to_lat_long(const LatLongView& source, int width, int height,
-                                       const glm::dmat3& turn = glm::dmat3(1.0), const Control& control = {});
+[[nodiscard]] LatLongImage to_lat_long(const LatLongView& source, int width, int height, const dmat3& turn = dmat3(1.0),
+                                       const Control& control = {});
 
 /// A turn about y, from +z towards +x: what lies in the middle of a lat-long moves to the left. The same bits
 /// everywhere, exact at multiples of 90 degrees. Throws `Error` (invalid_argument) unless |degrees| <= 1e6.
-[[nodiscard]] glm::dmat3 turn_about_y(double degrees);
+[[nodiscard]] dmat3 turn_about_y(double degrees);
 
-// Smaller levels of a cubemap, for minification: no light is changed but for its sharpness.
+// ---- Mip chains, for minification
 
+/// How each level is made from the one above it.
 enum class MipFilter {
   box,          ///< the plain mean of the texels below: what graphics APIs do
   solid_angle,  ///< their mean by solid angle: keeps the sphere's total radiance on every level
@@ -75,10 +78,10 @@ enum class MipFilter {
 
 /// Copies `source` to level 0 and fills the levels below from it, each from the one above. Odd sizes: a texel below
 /// covers 1 / its size of the face, cut texels count by the part (for solid_angle: the solid angle) that is covered.
-/// `levels` 0: down to 1 texel. Cost: bounded by memory. The same bits on any number of threads and instruction set.
-/// Throws `Error`: invalid_argument (view, levels), cancelled.
+/// `levels`: how many, the source's own counted; none: down to 1 texel. Cost: bounded by memory. The same bits on any
+/// number of threads and instruction set. Throws `Error`: invalid_argument (view, levels), cancelled.
 [[nodiscard]] CubemapChain build_mips(const CubemapView& source, MipFilter filter = MipFilter::solid_angle,
-                                      int levels = 0, const Control& control = {});
+                                      std::optional<int> levels = std::nullopt, const Control& control = {});
 
 /// The same where level 0 of `chain` is filled already.
 void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control = {});

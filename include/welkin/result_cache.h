@@ -1,7 +1,7 @@
-// What pixels and options are, in 128 bits: the name under which a result is found again.
+// Results that were computed before, found again by the contents of what they were computed from.
 //
-// XXH3-128 (https://xxhash.com, fixed since version 0.8): not for secrets. Two different inputs share a hash by chance
-// once in 10^26 results for a million of them; whoever can choose inputs freely can make two that do.
+//   welkin::ResultCache cache({.folder = "cache"});
+//   welkin::BakeResult light = cache.bake(panorama, options);   // the second time, in any process, it is read
 #pragma once
 
 #include <array>
@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +25,11 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Hashes of pixels, options and files
+//
+// XXH3-128 (https://xxhash.com, fixed since version 0.8) is not for secrets. Among a million different inputs two share
+// a hash by chance once in 10^26 times; whoever can choose inputs freely can make two that do.
+
 /// 128 bits of XXH3: equal for equal contents.
 struct ContentHash {
   std::uint64_t high = 0;  ///< the upper 64 bits
@@ -37,6 +41,7 @@ struct ContentHash {
   [[nodiscard]] std::string text() const;
 };
 
+/// Of `count` bytes from `bytes` on; 5 to 10 GB/s.
 [[nodiscard]] ContentHash hash_bytes(const void* bytes, std::size_t count) noexcept;
 
 /// Of several in their order.
@@ -67,10 +72,7 @@ struct ContentHash {
 [[nodiscard]] ContentHash hash_options(const SkyTableOptions& options);
 [[nodiscard]] ContentHash hash_options(const Atmosphere& atmosphere);
 
-// Results that were computed before, found again by what they were computed from.
-//
-//   welkin::ResultCache cache({.folder = "cache"});
-//   welkin::BakeResult light = cache.bake(panorama, options);   // the second time, in any process, it is read
+// ---- The cache
 
 /// Where results are kept, and how much of them.
 struct CacheOptions {
@@ -94,16 +96,16 @@ struct CacheStatistics {
 
 /// What is done to light that was projected before.
 struct LightChange {
-  double exposure = 1.0;                    ///< factor to the light as gamma and clamp have left it; finite, >= 0
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  ///< what came from direction d comes from rotation * d
+  double exposure = 1.0;  ///< factor to the light as gamma and clamp have left it; finite, >= 0
+  dmat3 turn{1.0};        ///< orthogonal: what came from direction d comes from turn * d
 
   /// Keeps the sums of faces too, which `FaceHarmonics` holds: of a cubemap that is seen again with some faces changed,
   /// those alone are projected. No use for lat-longs, nor for a target size with the midpoint rule.
   bool keep_faces = false;
 };
 
-/// A light changed without a look at its pixels: exposure is a factor, rotation a transform of the coefficients, both
-/// in double. The diagnostics' total radiance follows the exposure. Throws `Error` (invalid_argument).
+/// A light changed without a look at its pixels: exposure is a factor, and the coefficients are turned as by `turned`.
+/// The diagnostics' total radiance follows the exposure. Throws `Error` (invalid_argument).
 [[nodiscard]] Projection changed(const Projection& projection, const LightChange& change);
 
 /// Each call gives the bits of the call of the same name without a cache; hits differ in their passes (action "reuse",
@@ -169,6 +171,7 @@ class ResultCache {
   [[nodiscard]] BakeResult bake(const LatLongView& view, const BakeOptions& options = {}, const Control& control = {});
   /// The same of a plan, which must be of these pixels.
   [[nodiscard]] BakeResult bake(const CubemapView& view, const Plan& plan, const Control& control = {});
+  /// The same of a plan for a lat-long.
   [[nodiscard]] BakeResult bake(const LatLongView& view, const Plan& plan, const Control& control = {});
   /// And of a file: what it carries is taken from it, of the rest what was made before is found by its pixels.
   [[nodiscard]] BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& control = {});

@@ -1,11 +1,16 @@
-// Precomputed scattering: everything a planet's sky can look like, in tables (Bruneton and Neyret 2008; Bruneton 2017).
+// Computed skies: tables of a planet's scattered light, the sky as it is seen from one height, and its harmonics.
 //
-//   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));
-//   welkin::SkyView view(tables, 0.0);
+//   auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth()));   // seconds
+//   welkin::SkyView view(tables, 0.0);                                     // milliseconds, once a height
+//   welkin::dvec3 sun = welkin::sun_direction(20.0, 145.0);
+//   welkin::CubemapImage picture = welkin::sky_cubemap(view, sun, 256);
+//   welkin::SphericalHarmonics light = welkin::SkyProjector(view).project(sun);
+//
+// Directions have y up, and a direction `sun` points towards the sun. atmosphere.h describes planets, and has the
+// units.
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,6 +25,9 @@
 
 namespace WELKIN_EXPORT welkin {
 
+// ---- Precomputed scattering (Bruneton and Neyret 2008; Bruneton 2017)
+
+/// How many dimensions the table of scattered light has.
 enum class ScatteringLayout {
   /// Height x cosine of view's zenith x cosine of sun's zenith x cosine of the azimuth between view and sun (Bruneton,
   /// who has the cosine between view and sun for the last).
@@ -41,14 +49,15 @@ struct SkyTableOptions {
   int irradiance_heights = 16;                       ///< 2 to 1024
   int irradiance_sun_zeniths = 64;                   ///< 2 to 1024
 
-  /// Elevation of the lowest sun that tables hold, degrees; below it the sky is that of the last one, faded to nothing.
-  /// -90 to 0.
-  double lowest_sun_degrees = -30.0;
+  /// Elevation of the lowest sun that tables hold, in degrees, -90 to 0. The sky of a sun below it is that of the
+  /// lowest one, faded to nothing.
+  double minimum_sun_elevation_degrees = -30.0;
 
   int orders = 4;  ///< of scattering, ground reflections included: 1 (single) to 64
 
   /// Stops before `orders` when an order added less than this share of all light before it (mean radiance, over all
-  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the most of them.
+  /// heights and suns). 0: never. Folded spectra stop three wavelengths at a time: `orders` is then the largest number
+  /// of the three.
   double until_change = 0.0;
 
   SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
@@ -104,7 +113,7 @@ struct SkyTables {
 [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                        const Control& control = {});
 
-// The sky as it is seen from one height: any direction, any sun.
+// ---- The sky as it is seen from one height: any direction, any sun
 
 /// What a view is prepared for.
 struct SkyViewOptions {
@@ -149,19 +158,19 @@ class SkyView {
   /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`, without its disc. Not
   /// negative, finite. Allocates nothing. Directions of any length are taken, one without is the zenith. Below the
   /// lowest sun of the tables it is that one's sky, faded to nothing at the nadir. Cost: some 0.3 us.
-  [[nodiscard]] glm::dvec3 radiance(const glm::dvec3& direction, const glm::dvec3& sun) const;
+  [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
   /// The same for many directions, in lanes: packed x y z, packed rgb. The bits of the call above for the same floats.
   /// Allocates nothing; some 50 ns a direction. Throws `Error` (invalid_argument) if `rgb` is shorter than
   /// `directions`.
-  void radiance(std::span<const glm::vec3> directions, const glm::dvec3& sun, std::span<glm::vec3> rgb) const;
+  void radiance(std::span<const vec3> directions, const dvec3& sun, std::span<vec3> rgb) const;
 
   /// The sun as a directional light at this height: direction, irradiance through the air (0 below the horizon, in part
   /// while it sets), mean radiance, solid angle of its disc. `texels` and total radiances are not set.
-  [[nodiscard]] Sun sun(const glm::dvec3& sun) const;
+  [[nodiscard]] Sun sun(const dvec3& sun) const;
 
   /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table; 0 from above the air.
-  [[nodiscard]] glm::dvec3 irradiance(const glm::dvec3& sun) const;
+  [[nodiscard]] dvec3 irradiance(const dvec3& sun) const;
 
  private:
   struct WELKIN_HIDDEN Slice;
@@ -173,12 +182,12 @@ class SkyView {
 /// `SkyView::sun` at any size; of a disc that the horizon cuts the part above). Parallel over rows, the same bits on
 /// any number of threads; some 50 ns and 12 bytes a texel. Throws `Error`: invalid_argument (size or height 1 to
 /// 16384), cancelled.
-[[nodiscard]] CubemapImage sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size,
+[[nodiscard]] CubemapImage sky_cubemap(const SkyView& view, const dvec3& sun, int size,
                                        const SkyPictureOptions& options = {}, const Control& control = {});
-[[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height,
+[[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
                                         const SkyPictureOptions& options = {}, const Control& control = {});
 
-// A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation that is baked once.
+// ---- A computed sky as spherical harmonics: by quadrature, or along a curve over the sun's elevation, baked once
 //
 //   welkin::SkyCurve curve(view);                                          // milliseconds, once a height
 //   welkin::SphericalHarmonics light = curve.at(welkin::sun_direction(20.0, 145.0));  // each frame
@@ -224,9 +233,9 @@ class SkyProjector {
   /// Radiance coefficients of the sky with the sun towards a direction, without its disc. Writes bands^2 triples;
   /// allocates nothing. The same bits on every instruction set. Throws `Error` (invalid_argument) for too short a span,
   /// a direction that is not finite or has no length.
-  void project(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  void project(const dvec3& sun, std::span<dvec3> coefficients) const;
   /// Harmonics of radiance for one direction to the sun, without the sun's disc.
-  [[nodiscard]] SphericalHarmonics project(const glm::dvec3& sun) const;
+  [[nodiscard]] SphericalHarmonics project(const dvec3& sun) const;
 
   [[nodiscard]] int directions() const noexcept;  ///< radiance evaluations an update
   /// The view that is projected.
@@ -250,7 +259,7 @@ struct SkyCurveOptions {
   friend bool operator==(const SkyCurveOptions&, const SkyCurveOptions&) = default;
 };
 
-/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a rotation
+/// Coefficients over the sun's elevation at one height, baked once: a moved sun is an interpolation and a turn
 /// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share it.
 ///
 /// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to
@@ -265,11 +274,11 @@ class SkyCurve {
   [[nodiscard]] int bands() const noexcept;
   /// Writes bands^2 triples; allocates nothing; under a microsecond for 3 bands. Throws `Error` (invalid_argument) for
   /// too short a span, a direction that is not finite or has no length.
-  void at(const glm::dvec3& sun, std::span<glm::dvec3> coefficients) const;
+  void at(const dvec3& sun, std::span<dvec3> coefficients) const;
   /// Harmonics of radiance for a direction to the sun. Cost: microseconds.
-  [[nodiscard]] SphericalHarmonics at(const glm::dvec3& sun) const;
+  [[nodiscard]] SphericalHarmonics at(const dvec3& sun) const;
   /// The direct sun's irradiance on a surface that faces it, from the same curve.
-  [[nodiscard]] glm::dvec3 sun_irradiance(const glm::dvec3& sun) const;
+  [[nodiscard]] dvec3 sun_irradiance(const dvec3& sun) const;
 
   /// Memory of the curve.
   [[nodiscard]] std::uint64_t bytes() const noexcept;

@@ -9,7 +9,7 @@
 //
 // What a change costs: docs/sky.md.
 //
-//   sun's azimuth        the curve's coefficients are turned, reflections get another rotation: no work
+//   sun's azimuth        the curve's coefficients are turned, reflections get another turn: no work
 //   intensity            a factor
 //   sun's elevation      the curve, at once; reflections anew, later, once it moved by `specular_threshold_degrees`
 //   altitude             a new curve (milliseconds) and new reflections, later
@@ -20,8 +20,6 @@
 #include <array>
 #include <cstdint>
 #include <exception>
-#include <glm/mat3x3.hpp>
-#include <glm/vec3.hpp>
 #include <memory>
 
 #include "welkin/atmosphere.h"
@@ -61,8 +59,8 @@ struct SkyLightOptions {
 struct SkyReflections {
   std::shared_ptr<const PrefilteredSpecular> specular;  ///< of intensity 1; null: none yet
   /// From where the sun was when it was made to where it is now, about the vertical: what came from direction d comes
-  /// from rotation * d.
-  glm::dmat3 rotation{1.0};
+  /// from turn * d.
+  dmat3 turn{1.0};
   double weight = 0.0;  ///< of its light
 };
 
@@ -121,7 +119,7 @@ class SkyLight {
   /// Degrees; azimuth from +z towards +x.
   void set_sun(double elevation_degrees, double azimuth_degrees);
   /// Towards it, of any length.
-  void set_sun(const glm::dvec3& direction);
+  void set_sun(const dvec3& direction);
   /// A factor of all light, 0 to 1e12.
   void set_intensity(double intensity);
   /// Moves the observer; above the ground, in metres. Curve and reflections are made anew.

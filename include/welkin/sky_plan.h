@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,9 +18,8 @@ namespace WELKIN_EXPORT welkin {
 
 /// A sky cubemap of `options.size` prefiltered as `prefilter_specular` does; the sun's disc is left out unless asked
 /// for. Throws `Error`: invalid_argument, limit_exceeded, cancelled.
-[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun,
-                                               const PrefilterOptions& options, const SkyPictureOptions& picture = {},
-                                               const Control& control = {});
+[[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const dvec3& sun, const PrefilterOptions& options,
+                                               const SkyPictureOptions& picture = {}, const Control& control = {});
 
 // Plans for computed skies: which tables, and what of the light.
 //
@@ -37,8 +35,9 @@ struct SkyBakeOptions {
   SkyCurveOptions curve{};          ///< of a sun that moves
   SkyHarmonicsOptions harmonics{};  ///< of one that does not
   std::optional<PrefilterOptions> specular = PrefilterOptions{.size = 32};  ///< reflections; none: not made
-  int background_size = 256;                                                ///< of a cubemap of the sky; 0: none
-  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};                ///< the BRDF table; none: not made
+  /// Texels along an edge of a sharp cubemap of the sky, at least 1; none: not made.
+  std::optional<int> background_size = 256;
+  std::optional<BrdfTableOptions> brdf = BrdfTableOptions{};  ///< the BRDF table; none: not made
 
   friend bool operator==(const SkyBakeOptions&, const SkyBakeOptions&) = default;
 };
@@ -49,6 +48,7 @@ struct SkyPlan {
   std::string source;               ///< for a person
   std::vector<PlannedPass> passes;  ///< of the tables as `SkyTables::passes` names them, and what follows
   SkyBakeOptions options;           ///< what the scene does not need is left out of them
+  UnusedMips unused_mips{};         ///< of the chain that `options.specular` describes: they are not made
   bool tables = true;               ///< whether anything looks into them
   bool curve = false;               ///< harmonics over the sun's elevation; or of one sun, if there are bands
   std::uint64_t result_bytes = 0;   ///< memory of the results
@@ -74,13 +74,13 @@ struct SkyBake {
   std::optional<SphericalHarmonics> radiance;   ///< of one that does not: what `SkyProjector` gives
   Sun sun;                                      ///< as a directional light
   std::optional<PrefilteredSpecular> specular;  ///< for this sun; about the vertical it can be turned
-  CubemapImage background;                      ///< the sky as a sharp cubemap; size 0: not made
+  std::optional<CubemapImage> background;       ///< the sky as a sharp cubemap
   std::shared_ptr<const BrdfTable> brdf;        ///< null: not made
   std::vector<PassRecord> passes;  ///< in the plan's order; of tables for more wavelengths than three some come again
 };
 
 /// Carries it out, for one sun. The same bits on any number of threads. Throws `Error` as the calls that it makes.
-[[nodiscard]] SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control = {});
+[[nodiscard]] SkyBake bake(const SkyPlan& plan, const dvec3& sun, const Control& control = {});
 
 /// As `plan_text` of plan.h.
 [[nodiscard]] std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured = {});

@@ -1,11 +1,11 @@
-// Cubemaps with their mips as textures that graphics APIs load as they are: KTX2, DDS, and mip-mapped OpenEXR.
+// Cubemaps with their mips in files: KTX2, DDS and mip-mapped OpenEXR, which graphics APIs load as they are, and
+// Babylon.js's .env.
 //
 //   welkin::write_texture("sky.ktx2", chain.views(), {.format = welkin::TexelFormat::rgba16f});
+//   welkin::write_babylon_environment("sky.env", welkin::to_babylon(chain, light.radiance));
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <glm/vec3.hpp>
 #include <map>
 #include <optional>
 #include <span>
@@ -19,7 +19,14 @@
 
 namespace WELKIN_EXPORT welkin {
 
-enum class Supercompression { none, zlib, zstd };  ///< of KTX2's levels
+// ---- KTX2, DDS and OpenEXR
+
+/// How KTX2's levels are packed.
+enum class Supercompression {
+  none,  ///< as they are
+  zlib,  ///< ZLIB
+  zstd,  ///< Zstandard
+};
 
 /// How texels are stored.
 struct TextureOptions {
@@ -44,12 +51,12 @@ struct TextureOptions {
 /// the levels that are being packed, side by side. The same bytes on any number of threads (with the same zlib and
 /// Zstandard). A file is complete or not there. Throws `Error`: invalid_argument (an uneven chain, a format or option
 /// that the file cannot hold), unsupported_file (the extension), file_access, cancelled.
-WriteReport write_texture(const std::filesystem::path& path, std::span<const CubemapView> mips,
+WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips,
                           const TextureOptions& options = {}, const Control& control = {});
 
 /// Writes a two-dimensional texture of one level, as a BRDF table is, to .ktx2 or .dds: `rgb` is height x width x 3,
 /// first row on top; 1 to 16384 each way. Throws as above.
-WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
+WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
                              const TextureOptions& options = {}, const Control& control = {});
 
 /// A texture that was read.
@@ -63,11 +70,11 @@ struct CubemapTexture {
 /// unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header. Alpha is passed over. The
 /// header is checked whole before anything is allocated, and what would take more than the limit is refused. Throws
 /// `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
-[[nodiscard]] CubemapTexture read_texture(const std::filesystem::path& path,
+[[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});
 
-// Babylon.js's .env file: a prefiltered cubemap as RGBD pictures, with the polynomial that its shaders use.
+// ---- Babylon.js's .env: a prefiltered cubemap as RGBD pictures, with the polynomial that its shaders use
 
 /// What an .env file holds, all of it in Babylon.js's axes, which are left-handed: x is Welkin's -x. Faces and rows are
 /// in the order of `CubemapView`, row 0 on top (the file has them bottom row first).
@@ -77,7 +84,7 @@ struct BabylonEnvironment {
   std::optional<BabylonPolynomial> polynomial;  ///< as stored: it is used, not computed again
   double lod_generation_scale = 0.8;            ///< Babylon.js stores 0 for what was not prefiltered
   CubemapImage irradiance;  ///< irradiance / pi (1 in a uniform environment of 1); size 0: no irradiance texture
-  std::optional<glm::dvec3> dominant_direction;  ///< of the light; kept with an irradiance texture alone
+  std::optional<dvec3> dominant_direction;  ///< of the light; kept with an irradiance texture alone
 };
 
 /// An environment from Welkin's axes to Babylon.js's: faces mirrored texel by texel, and the polynomial of the turned
@@ -87,16 +94,16 @@ struct BabylonEnvironment {
 [[nodiscard]] BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmonics& radiance,
                                             const CubemapImage& irradiance_over_pi = {});
 
-/// The same cubemap with x turned round: +X and -X change places, and columns run the other way. Both ways between
+/// The same cubemap mirrored in x: +X and -X change places, and columns run the other way. Both ways between
 /// Welkin's axes and those of Babylon.js; no texel changes.
 [[nodiscard]] CubemapChain mirrored_x(const CubemapChain& chain);
 [[nodiscard]] CubemapImage mirrored_x(const CubemapImage& cubemap);
 
-/// Reads one: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes. Faces in
-/// parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take above
-/// the memory limit is refused before a picture is read. Throws `Error`: file_access, corrupt_file, unsupported_file,
-/// limit_exceeded, cancelled.
-[[nodiscard]] BabylonEnvironment read_babylon_environment(const std::filesystem::path& path,
+/// Reads an .env file: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes.
+/// Faces in parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take
+/// above the memory limit is refused before a picture is read. Throws `Error`: file_access, corrupt_file,
+/// unsupported_file, limit_exceeded, cancelled.
+[[nodiscard]] BabylonEnvironment read_babylon_environment(const FileInput& input,
                                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                                           const Control& control = {});
 
@@ -105,7 +112,7 @@ struct BabylonEnvironment {
 /// has no negatives: the report counts the values that were clamped, so the polynomial must come from the source and
 /// not from mip 0. Throws `Error`: invalid_argument (also for an irradiance texture without a polynomial, and numbers
 /// that are not finite), file_access, cancelled.
-WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
+WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnvironment& environment,
                                       const Control& control = {});
 
 }  // namespace welkin

@@ -70,6 +70,8 @@ extern "C" {
  * with every library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as
  * it leaves what is new alone. */
 #define WELKIN_C_VERSION 2
+
+/* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
 WELKIN_API uint32_t welkin_c_version(void);
 
 /* Makes `object`, a structure of this header, all defaults: WELKIN_INIT(options); */
@@ -127,7 +129,7 @@ enum {
  */
 typedef struct welkin_cubemap {
   uint32_t struct_size;
-  welkin_format format;
+  welkin_format format;     /* of all six faces */
   int64_t row_stride_bytes; /* from a row to the next; 0: rows are packed; negative: bottom-up */
   const void* faces[6];     /* first texel of each; float formats aligned to their channel */
   int64_t size;             /* texels along an edge, 1 to 16384 */
@@ -137,11 +139,11 @@ typedef struct welkin_cubemap {
  * from the left, y up. */
 typedef struct welkin_lat_long {
   uint32_t struct_size;
-  welkin_format format;
-  int64_t row_stride_bytes;
-  const void* pixels; /* first texel of the top row */
-  int32_t width;      /* 1 to 65536 */
-  int32_t height;     /* 1 to 32768 */
+  welkin_format format;     /* of the pixels */
+  int64_t row_stride_bytes; /* from a row to the next; 0: rows are packed; negative: bottom-up */
+  const void* pixels;       /* first texel of the top row */
+  int32_t width;            /* texels, 1 to 65536 */
+  int32_t height;           /* texels, 1 to 32768 */
 } welkin_lat_long;
 
 /* How a picture file holds a sphere; environment_file.h has the faces' places. */
@@ -174,17 +176,18 @@ enum {
 /* How a file is read: OpenEXR, Radiance .hdr, PFM, PNG. */
 typedef struct welkin_read_options {
   uint32_t struct_size;
-  welkin_layout layout;
-  const char* part;  /* of a multi-part OpenEXR file: its name, or its number from 0; null: the first with colour */
-  const char* layer; /* of an OpenEXR file with layers; null: the channels without one, else the only one */
-  welkin_transfer transfer;
-  welkin_primaries primaries;
+  welkin_layout layout; /* how the picture holds the sphere */
+  const char* part;     /* of a multi-part OpenEXR file: its name, or its number from 0; null: the first with colour */
+  const char* layer;    /* of an OpenEXR file with layers; null: the channels without one, else the only one */
+  welkin_transfer transfer;    /* what the numbers of a PNG mean */
+  welkin_primaries primaries;  /* the colours that pixels are taken in */
   uint64_t memory_limit_bytes; /* the most that pixels may take; 0: 8 GiB */
   int64_t level;               /* of a file with a mip chain; 0 is the full size */
 } welkin_read_options;
 
 /* ---- Projection to spherical harmonics ---- */
 
+/* The largest number of bands that any call takes. */
 #define WELKIN_MAXIMUM_BANDS 16
 
 /* What a texel stands for while it is integrated. */
@@ -194,24 +197,33 @@ enum {
   WELKIN_QUADRATURE_MIDPOINT = 1 /* its centre, as Babylon.js does */
 };
 
-/* What becomes of a NaN or an infinity, and of a value below zero. */
+/* What becomes of a NaN or an infinity. */
 typedef int32_t welkin_non_finite_policy;
-enum { WELKIN_NON_FINITE_REPLACE = 0, WELKIN_NON_FINITE_REJECT = 1 };
+enum {
+  WELKIN_NON_FINITE_REPLACE = 0, /* NaN and -infinity by 0, +infinity by the clamp's maximum or else 65504 */
+  WELKIN_NON_FINITE_REJECT = 1   /* the call returns WELKIN_REJECTED_PIXEL */
+};
+
+/* What becomes of a finite value below zero. */
 typedef int32_t welkin_negative_policy;
-enum { WELKIN_NEGATIVE_KEEP = 0, WELKIN_NEGATIVE_REPLACE = 1, WELKIN_NEGATIVE_REJECT = 2 };
+enum {
+  WELKIN_NEGATIVE_KEEP = 0,
+  WELKIN_NEGATIVE_REPLACE = 1, /* by 0 */
+  WELKIN_NEGATIVE_REJECT = 2   /* the call returns WELKIN_REJECTED_PIXEL */
+};
 
 /* projection.h says more of each. */
 typedef struct welkin_projection_options {
   uint32_t struct_size;
-  int32_t bands; /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
-  welkin_quadrature quadrature;
+  int32_t bands;                 /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
+  welkin_quadrature quadrature;  /* how texels are integrated */
   int32_t target_size;           /* edge of the cubemap face to which the environment is reduced first; 0: it is not */
   float clamp_maximum;           /* upper bound on radiance, above 0; 0: none */
   int32_t clamp_preserve_colour; /* 1: r, g and b are scaled together; 0: each is clamped to [0, maximum] */
   int32_t gamma;                 /* 1: the pixels are gamma encoded, as Babylon.js's gammaSpace; 0: linear */
-  welkin_non_finite_policy nan;
-  welkin_non_finite_policy infinity;
-  welkin_negative_policy negative;
+  welkin_non_finite_policy nan;  /* what becomes of a NaN */
+  welkin_non_finite_policy infinity; /* what becomes of an infinity */
+  welkin_negative_policy negative;   /* what becomes of a finite value below zero */
 } welkin_projection_options;
 
 /* The light of an environment. 6 KiB that the caller provides: nothing to free, and no second buffer whose length could
@@ -219,7 +231,7 @@ typedef struct welkin_projection_options {
  * for. */
 typedef struct welkin_projection {
   uint32_t struct_size;
-  int32_t bands;
+  int32_t bands;                         /* how many of them `coefficients` holds */
   uint64_t texels;                       /* read and projected */
   uint64_t nans_replaced;                /* channel values */
   uint64_t infinities_replaced;          /* channel values */
@@ -269,15 +281,15 @@ WELKIN_API welkin_status welkin_irradiance_from_radiance(int32_t bands, const do
 WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction,
                                          double* value);
 
-/* The light after it was turned: what came from direction d comes from the rotated d. `quaternion` is x, y, z, w of any
+/* The light after it was turned: what came from direction d comes from the turned d. `quaternion` is x, y, z, w of any
  * length but 0. `turned`, 3 bands^2 doubles, may be `coefficients`. */
-WELKIN_API welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* quaternion,
-                                       double* turned);
+WELKIN_API welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficients, const double* quaternion,
+                                                   double* turned);
 
 /* The same for an orthogonal matrix, mirrors included. WELKIN_INVALID_ARGUMENT if it is off orthogonal by more than
  * 1e-6. */
-WELKIN_API welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix,
-                                          double* turned);
+WELKIN_API welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, const double* matrix,
+                                               double* turned);
 
 /* By what band l is multiplied against ringing; spherical_harmonics.h has the formulas. */
 typedef int32_t welkin_window;
@@ -291,10 +303,10 @@ enum {
 /* What a window did. */
 typedef struct welkin_window_report {
   uint32_t struct_size;
-  int32_t bands;
-  double parameter;         /* Hanning, Lanczos: the width in bands; min Laplacian: lambda */
-  double minimum_before[3]; /* r, g, b: the least irradiance over all normals */
-  double minimum_after[3];
+  int32_t bands;                        /* how many of `factors` there are */
+  double parameter;                     /* Hanning, Lanczos: the width in bands; min Laplacian: lambda */
+  double minimum_before[3];             /* r, g, b: the minimum of irradiance over all normals */
+  double minimum_after[3];              /* the same of the windowed irradiance */
   double factors[WELKIN_MAXIMUM_BANDS]; /* by band; zeros behind */
 } welkin_window_report;
 
@@ -303,7 +315,7 @@ typedef struct welkin_window_report {
 WELKIN_API welkin_status welkin_apply_window(int32_t bands, const double* radiance, welkin_window window, double width,
                                              double* windowed, welkin_window_report* report);
 
-/* The least value over the sphere, by channel: `value` gets r, g, b; `directions` (nine doubles, may be null) gets the
+/* The minimum over the sphere, by channel: `value` gets r, g, b; `directions` (nine doubles, may be null) gets the
  * unit direction of each channel's. */
 WELKIN_API welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* value, double* directions);
 
@@ -315,11 +327,11 @@ WELKIN_API welkin_status welkin_dominant_light(int32_t bands, const double* radi
 /* A sun as a directional light. */
 typedef struct welkin_sun {
   uint32_t struct_size;
-  double direction[3];  /* unit, towards its centre */
-  double irradiance[3]; /* on a surface that faces it */
-  double radiance[3];   /* its mean: irradiance / solid angle */
-  double solid_angle;   /* steradians */
-  double angular_radius_degrees;
+  double direction[3];           /* unit, towards its centre */
+  double irradiance[3];          /* on a surface that faces it */
+  double radiance[3];            /* its mean: irradiance / solid angle */
+  double solid_angle;            /* steradians */
+  double angular_radius_degrees; /* of a disc with that solid angle */
 } welkin_sun;
 
 /* The radiance coefficients of a sun's light, to be added to those of its sky: a disc of its solid angle that holds its
@@ -328,6 +340,7 @@ WELKIN_API welkin_status welkin_sun_harmonics(const welkin_sun* sun, int32_t ban
 
 /* ---- Engines ---- */
 
+/* The engines and formats whose conventions are known. */
 typedef int32_t welkin_engine;
 enum {
   WELKIN_ENGINE_WELKIN = 0,
@@ -345,7 +358,7 @@ enum {
 /* How an engine's axes lie to Welkin's; engines.h says more. The strings are constants. */
 typedef struct welkin_convention {
   uint32_t struct_size;
-  welkin_engine engine;
+  welkin_engine engine;  /* whose it is */
   int32_t right_handed;  /* 1 or 0 */
   int32_t has_faces;     /* 1 if the engine has cubemaps of its own: `faces_from_engine` is one */
   const char* name;      /* "babylon", ... */
@@ -356,12 +369,13 @@ typedef struct welkin_convention {
   double faces_from_engine[9]; /* takes a direction in the engine's axes to the frames of `welkin_cubemap`'s faces */
 } welkin_convention;
 
+/* How things lie in an engine. */
 WELKIN_API welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention);
 
 /* Light in an engine's own form; docs/engines.md has the formulas. */
 typedef struct welkin_engine_light {
   uint32_t struct_size;
-  welkin_engine engine;
+  welkin_engine engine; /* whose form it is */
   int32_t term_count;   /* 9 */
   int32_t vector_count; /* 7 for Unity and Unreal, else 0 */
   /* r, g, b of each term. Babylon.js (SphericalPolynomial): x y z xx yy zz yz zx xy; else coefficient l (l + 1) + m. */
@@ -379,9 +393,10 @@ WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const 
 WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance, welkin_engine engine,
                                                       welkin_engine_light* light);
 
-/* Babylon.js's polynomial of a single ambient colour, and a polynomial's value for a unit normal. `polynomial` is a
- * light of WELKIN_ENGINE_BABYLON. */
+/* Babylon.js's polynomial of a single ambient colour: r, g, b for every normal. */
 WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
+
+/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a unit normal: `value` gets r, g, b. */
 WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
                                                  double* value);
 
@@ -393,7 +408,7 @@ WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* poly
  * such values goes. A target is checked before anything is computed. */
 typedef struct welkin_cubemap_target {
   uint32_t struct_size;
-  welkin_format format;
+  welkin_format format;     /* of all six faces */
   int64_t row_stride_bytes; /* from a row to the next, at least a row; 0: rows are packed; negative: bottom-up */
   void* faces[6];           /* first texel of the top row of each, aligned to its channels */
   int64_t size;             /* texels along an edge: exactly those of what is written */
@@ -402,29 +417,32 @@ typedef struct welkin_cubemap_target {
 /* The same for a two-dimensional picture. */
 typedef struct welkin_image_target {
   uint32_t struct_size;
-  welkin_format format;
-  int64_t row_stride_bytes;
-  void* pixels;
-  int32_t width;
-  int32_t height;
+  welkin_format format;     /* of the pixels */
+  int64_t row_stride_bytes; /* from a row to the next, at least a row; 0: rows are packed; negative: bottom-up */
+  void* pixels;             /* first texel of the top row, aligned to its channels */
+  int32_t width;            /* texels: exactly those of what is written */
+  int32_t height;           /* likewise */
 } welkin_image_target;
 
 /* A cubemap of RGB floats with its levels, level l with max(1, size >> l) texels along an edge. */
 typedef struct welkin_cubemap_chain welkin_cubemap_chain;
 
+/* What a chain holds. */
 typedef struct welkin_cubemap_chain_info {
   uint32_t struct_size;
-  int32_t size; /* texels along an edge of level 0 */
-  int32_t levels;
+  int32_t size;        /* texels along an edge of level 0 */
+  int32_t levels;      /* how many there are */
   int32_t prefiltered; /* 1: each level has a roughness, see `welkin_cubemap_chain_get_mip` */
-  uint64_t bytes;
+  uint64_t bytes;      /* memory of all levels */
 } welkin_cubemap_chain_info;
 
+/* Destroys a handle. The pixels go with the last one. */
 WELKIN_API void welkin_cubemap_chain_destroy(welkin_cubemap_chain* chain);
 
 /* Another handle to the same pixels, which stay for as long as one of them is held. */
 WELKIN_API welkin_status welkin_cubemap_chain_share(const welkin_cubemap_chain* chain, welkin_cubemap_chain** another);
 
+/* Sizes of a chain. */
 WELKIN_API welkin_status welkin_cubemap_chain_get_info(const welkin_cubemap_chain* chain,
                                                        welkin_cubemap_chain_info* info);
 
@@ -440,17 +458,18 @@ WELKIN_API welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* c
 
 /* ---- Reflections ---- */
 
-/* Of pixels that are read: the same as in `welkin_projection_options`. */
+/* What becomes of pixel values before they count as radiance, as in `welkin_projection_options`. */
 typedef struct welkin_pixel_policy {
   uint32_t struct_size;
-  float clamp_maximum;
-  int32_t clamp_preserve_colour;
-  int32_t gamma;
-  welkin_non_finite_policy nan;
-  welkin_non_finite_policy infinity;
-  welkin_negative_policy negative;
+  float clamp_maximum;               /* upper bound on radiance, above 0; 0: none */
+  int32_t clamp_preserve_colour;     /* 1: r, g and b are scaled together; 0: each is clamped to [0, maximum] */
+  int32_t gamma;                     /* 1: the pixels are gamma encoded, as Babylon.js's gammaSpace; 0: linear */
+  welkin_non_finite_policy nan;      /* what becomes of a NaN */
+  welkin_non_finite_policy infinity; /* what becomes of an infinity */
+  welkin_negative_policy negative;   /* what becomes of a finite value below zero */
 } welkin_pixel_policy;
 
+/* How a mip is made; reflections.h says more. */
 typedef int32_t welkin_prefilter_method;
 enum {
   WELKIN_PREFILTER_AUTOMATIC = 0, /* for each mip the fastest within both bounds */
@@ -475,13 +494,13 @@ WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule sche
 /* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
-  int32_t size;            /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;            /* 0: as many as `roughness_count` says, else down to 1 texel */
-  int32_t roughness_count; /* numbers at `roughness`; 0: linear in the mip */
-  const double* roughness; /* perceptual, 0 to 1, of each mip; copied */
-  int32_t leave_out_sharp; /* mips that are not made at the chain's sharp end, and */
-  int32_t leave_out_rough; /* at its rough end */
-  welkin_prefilter_method method;
+  int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
+  int32_t mips;                      /* 0: as many as `roughness_count` says, else down to 1 texel */
+  int32_t roughness_count;           /* numbers at `roughness`; 0: linear in the mip */
+  const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
+  int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
+  int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
+  welkin_prefilter_method method;    /* of all mips */
   int32_t samples;                   /* a texel, of the sampled method; 0: 1024 */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
   double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
@@ -499,7 +518,7 @@ typedef struct welkin_mip {
   int32_t samples;                /* sampled: a texel */
   double error_estimate;          /* predicted largest relative error */
   double mean[3];                 /* by solid angle */
-  double milliseconds;
+  double milliseconds;            /* wall time */
 } welkin_mip;
 
 /* Of a prefiltered chain. */
@@ -511,6 +530,8 @@ WELKIN_API welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain
 WELKIN_API welkin_status welkin_prefilter_cubemap(const welkin_cubemap* cubemap,
                                                   const welkin_prefilter_options* options,
                                                   const welkin_control* control, welkin_cubemap_chain** chain);
+
+/* The same of a lat-long. */
 WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_long,
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
@@ -519,12 +540,13 @@ WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_lo
 typedef int32_t welkin_brdf_model;
 enum { WELKIN_BRDF_SPLIT_SUM = 0, WELKIN_BRDF_MULTIPLE_SCATTERING = 1 };
 
+/* Size and contents of a BRDF table. */
 typedef struct welkin_brdf_options {
   uint32_t struct_size;
-  int32_t width;  /* along N.V, 1 to 4096; 0: 64 */
-  int32_t height; /* along perceptual roughness, 1 to 4096; 0: 64 */
-  welkin_brdf_model model;
-  int32_t without_sheen; /* 1: the third channel is 0; 0: it is the albedo of sheen */
+  int32_t width;           /* along N.V, 1 to 4096; 0: 64 */
+  int32_t height;          /* along perceptual roughness, 1 to 4096; 0: 64 */
+  welkin_brdf_model model; /* of the first two channels */
+  int32_t without_sheen;   /* 1: the third channel is 0; 0: it is the albedo of sheen */
 } welkin_brdf_options;
 
 /* Writes the table; the target has the options' width and height, row 0 the lowest roughness. Tables that were used
@@ -550,12 +572,14 @@ enum {
   WELKIN_PART_BRDF = 16       /* the table */
 };
 
+/* How a level is made from the one above it. */
 typedef int32_t welkin_mip_filter;
 enum {
   WELKIN_MIP_FILTER_SOLID_ANGLE = 0, /* keeps the sphere's total radiance */
   WELKIN_MIP_FILTER_BOX = 1          /* as graphics APIs do */
 };
 
+/* How an irradiance cubemap is computed. */
 typedef int32_t welkin_irradiance_method;
 enum {
   WELKIN_IRRADIANCE_HARMONICS = 0,
@@ -565,27 +589,29 @@ enum {
 /* bake.h says more of each. */
 typedef struct welkin_bake_options {
   uint32_t struct_size;
-  welkin_parts leave_out;          /* parts that are not made; 0: all are */
-  int32_t background_size;         /* 0: the specular cubemap's; without one the source's own */
-  int32_t background_without_mips; /* 1: level 0 alone */
-  welkin_mip_filter mip_filter;    /* of the background */
-  int32_t irradiance_size;         /* 0: 64 */
-  welkin_irradiance_method irradiance_method;
-  int32_t bands; /* of the harmonics, and of the irradiance cubemap; 0: 3 */
-  const welkin_prefilter_options* specular;
-  const welkin_brdf_options* brdf;
-  const welkin_pixel_policy* pixels;
-  uint64_t memory_limit_bytes; /* results and working memory together; 0: 8 GiB */
+  welkin_parts leave_out;                     /* parts that are not made; 0: all are */
+  int32_t background_size;                    /* 0: the specular cubemap's; without one the source's own */
+  int32_t background_without_mips;            /* 1: level 0 alone */
+  welkin_mip_filter mip_filter;               /* of the background */
+  int32_t irradiance_size;                    /* 0: 64 */
+  welkin_irradiance_method irradiance_method; /* of the irradiance cubemap */
+  int32_t bands;                              /* of the harmonics, and of the irradiance cubemap; 0: 3 */
+  const welkin_prefilter_options* specular;   /* of the reflections; null: the defaults */
+  const welkin_brdf_options* brdf;            /* of the table; null: the defaults */
+  const welkin_pixel_policy* pixels;          /* for all parts; null: the defaults */
+  uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
 } welkin_bake_options;
 
+/* What a bake made. */
 typedef struct welkin_bake_result welkin_bake_result;
 
+/* Which parts a bake made, and how large they are. */
 typedef struct welkin_bake_info {
   uint32_t struct_size;
-  welkin_parts parts; /* that there are */
-  int32_t bands;      /* 0 without harmonics */
-  int32_t brdf_width; /* 0 without a table */
-  int32_t brdf_height;
+  welkin_parts parts;    /* that there are */
+  int32_t bands;         /* 0 without harmonics */
+  int32_t brdf_width;    /* 0 without a table */
+  int32_t brdf_height;   /* likewise */
   int32_t brdf_channels; /* 3 with sheen, else 2 */
   uint64_t peak_bytes;   /* bound on results and working memory together */
 } welkin_bake_info;
@@ -593,10 +619,15 @@ typedef struct welkin_bake_info {
 /* Bakes. As `welkin_project_cubemap`, and WELKIN_LIMIT_EXCEEDED. */
 WELKIN_API welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
                                              const welkin_control* control, welkin_bake_result** result);
+
+/* The same of a lat-long. */
 WELKIN_API welkin_status welkin_bake_lat_long(const welkin_lat_long* lat_long, const welkin_bake_options* options,
                                               const welkin_control* control, welkin_bake_result** result);
 
+/* Destroys a result. Chains that were shared stay. */
 WELKIN_API void welkin_bake_result_destroy(welkin_bake_result* result);
+
+/* What is in a result. */
 WELKIN_API welkin_status welkin_bake_result_get_info(const welkin_bake_result* result, welkin_bake_info* info);
 
 /* The cubemap of one of the parts background, specular and irradiance, lent: good for as long as the result is held,
@@ -618,6 +649,7 @@ WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* 
 /* An atmosphere: a planet's air, its ground and its sun. Not to be changed while another thread uses it. */
 typedef struct welkin_atmosphere welkin_atmosphere;
 
+/* Atmospheres to begin with. */
 typedef int32_t welkin_planet;
 enum {
   WELKIN_PLANET_EARTH = 0,          /* Bruneton 2017's, at 680, 550 and 440 nm */
@@ -626,12 +658,14 @@ enum {
   WELKIN_PLANET_BARE = 3 /* of Earth's size, without air, light or colour, at 680, 550 and 440 nm */
 };
 
+/* Makes an atmosphere, which can then be changed. */
 WELKIN_API welkin_status welkin_atmosphere_create(welkin_planet planet, welkin_atmosphere** atmosphere);
 
 /* Earth at wavelengths of the caller's choice, 360 to 830 nm: three, or up to 96 for WELKIN_SKY_COLOUR_LINEAR_SRGB. */
 WELKIN_API welkin_status welkin_atmosphere_create_earth(const double* wavelengths_nm, int32_t count,
                                                         welkin_atmosphere** atmosphere);
 
+/* Destroys an atmosphere. Tables and jobs that were made of it have copies. */
 WELKIN_API void welkin_atmosphere_destroy(welkin_atmosphere* atmosphere);
 
 /* Rising or falling, 3 to 96. What was set for each of the wavelengths before has to be set again. */
@@ -649,6 +683,7 @@ typedef struct welkin_constituent {
   const double* absorption_per_m; /* likewise */
 } welkin_constituent;
 
+/* Which of the air's constituents is meant. */
 typedef int32_t welkin_matter;
 enum {
   WELKIN_MATTER_RAYLEIGH = 0,
@@ -660,12 +695,15 @@ enum {
 WELKIN_API welkin_status welkin_atmosphere_set_matter(welkin_atmosphere* atmosphere, welkin_matter matter,
                                                       const welkin_constituent* constituent);
 
+/* How the aerosol scatters by angle. */
 typedef int32_t welkin_aerosol_phase;
 enum { WELKIN_PHASE_CORNETTE_SHANKS = 0, WELKIN_PHASE_HENYEY_GREENSTEIN = 1 };
 
+/* Sets how the aerosol scatters. `asymmetry` is g, -0.999 to 0.999. */
 WELKIN_API welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere, welkin_aerosol_phase phase,
                                                              double asymmetry);
 
+/* Sets the radii of the ground, 1 to 1e9 m, and of the top of the air, above it and at most 11 times it. */
 WELKIN_API welkin_status welkin_atmosphere_set_radii(welkin_atmosphere* atmosphere, double bottom_m, double top_m);
 
 /* The ground's, 0 to 1: one value for all wavelengths (`count` 1), or one for each. */
@@ -682,6 +720,7 @@ WELKIN_API welkin_status welkin_atmosphere_check(const welkin_atmosphere* atmosp
 /* Unit direction towards a sun. */
 WELKIN_API welkin_status welkin_sun_direction(double elevation_degrees, double azimuth_degrees, double* direction);
 
+/* How many dimensions the table of scattered light has; sky.h says more. */
 typedef int32_t welkin_scattering_layout;
 enum { WELKIN_SCATTERING_FULL = 0, WELKIN_SCATTERING_COMPACT = 1 };
 
@@ -695,30 +734,31 @@ enum {
 /* sky.h has the ranges. */
 typedef struct welkin_sky_table_options {
   uint32_t struct_size;
-  welkin_scattering_layout layout;
-  int32_t heights;                /* 0: 32 */
-  int32_t view_zeniths;           /* 0: 64 */
-  int32_t sun_zeniths;            /* 0: 64 */
-  int32_t sun_angles;             /* 0: 8 */
-  int32_t transmittance_heights;  /* 0: 64 */
-  int32_t transmittance_zeniths;  /* 0: 256 */
-  int32_t irradiance_heights;     /* 0: 16 */
-  int32_t irradiance_sun_zeniths; /* 0: 64 */
-  int32_t orders;                 /* of scattering; 0: 4 */
-  welkin_sky_colour colour;
-  double lowest_sun_degrees;   /* that the tables hold, -90 up to below 0; 0: -30 */
-  double until_change;         /* stop before `orders` when one added less than this share; 0: never */
-  uint64_t memory_limit_bytes; /* 0: 4 GiB */
+  welkin_scattering_layout layout;      /* of the table of scattered light */
+  int32_t heights;                      /* 0: 32 */
+  int32_t view_zeniths;                 /* 0: 64 */
+  int32_t sun_zeniths;                  /* 0: 64 */
+  int32_t sun_angles;                   /* 0: 8 */
+  int32_t transmittance_heights;        /* 0: 64 */
+  int32_t transmittance_zeniths;        /* 0: 256 */
+  int32_t irradiance_heights;           /* 0: 16 */
+  int32_t irradiance_sun_zeniths;       /* 0: 64 */
+  int32_t orders;                       /* of scattering; 0: 4 */
+  welkin_sky_colour colour;             /* what the three channels are */
+  double minimum_sun_elevation_degrees; /* that the tables hold, -90 up to below 0; 0: -30 */
+  double until_change;                  /* stop before `orders` when one added less than this share; 0: never */
+  uint64_t memory_limit_bytes;          /* 0: 4 GiB */
 } welkin_sky_table_options;
 
 /* All that a planet's sky can look like: precomputed scattering. */
 typedef struct welkin_sky_tables welkin_sky_tables;
 
+/* What was computed. */
 typedef struct welkin_sky_tables_info {
   uint32_t struct_size;
   int32_t orders;     /* that were computed */
   double last_change; /* share that the last of them added */
-  uint64_t bytes;
+  uint64_t bytes;     /* memory of all tables */
 } welkin_sky_tables_info;
 
 /* Computes them: some two seconds of processor time with the defaults. The atmosphere is copied. Also
@@ -726,20 +766,27 @@ typedef struct welkin_sky_tables_info {
 WELKIN_API welkin_status welkin_sky_tables_create(const welkin_atmosphere* atmosphere,
                                                   const welkin_sky_table_options* options,
                                                   const welkin_control* control, welkin_sky_tables** tables);
+
+/* Destroys a handle. Views, curves and jobs that were made of the tables keep them. */
 WELKIN_API void welkin_sky_tables_destroy(welkin_sky_tables* tables);
+
+/* Sizes of the tables. */
 WELKIN_API welkin_status welkin_sky_tables_get_info(const welkin_sky_tables* tables, welkin_sky_tables_info* info);
 
 /* The sky as it is seen from one height. */
 typedef struct welkin_sky_view welkin_sky_view;
 
+/* What a view is prepared for. */
 typedef struct welkin_sky_view_options {
   uint32_t struct_size;
   int32_t without_ground; /* 1: rays that end on the ground see only the air before it */
 } welkin_sky_view_options;
 
-/* Some 2 ms. `altitude_m`: 0 to 1e9. */
+/* Makes a view, in some 2 ms. `altitude_m`: the observer's above the ground, 0 to 1e9. */
 WELKIN_API welkin_status welkin_sky_view_create(const welkin_sky_tables* tables, double altitude_m,
                                                 const welkin_sky_view_options* options, welkin_sky_view** view);
+
+/* Destroys a view. */
 WELKIN_API void welkin_sky_view_destroy(welkin_sky_view* view);
 
 /* Radiance that arrives from `count` directions, without the sun's disc: packed x y z and packed r g b, floats. */
@@ -758,11 +805,13 @@ typedef struct welkin_sky_picture_options {
   int32_t sun_disc; /* 1: the sun's disc, as texels that it covers by area */
 } welkin_sky_picture_options;
 
-/* Writes a picture of the sky to the target, whose size counts. A lat-long's width must be twice its height. */
+/* Writes a picture of the sky to the target, whose size counts. */
 WELKIN_API welkin_status welkin_sky_view_cubemap(const welkin_sky_view* view, const double* sun,
                                                  const welkin_sky_picture_options* options,
                                                  const welkin_control* control, const welkin_cubemap_target* target,
                                                  uint64_t* values_clamped);
+
+/* The same as a lat-long. Its width must be twice its height. */
 WELKIN_API welkin_status welkin_sky_view_lat_long(const welkin_sky_view* view, const double* sun,
                                                   const welkin_sky_picture_options* options,
                                                   const welkin_control* control, const welkin_image_target* target,
@@ -778,23 +827,29 @@ WELKIN_API welkin_status welkin_sky_view_specular(const welkin_sky_view* view, c
 typedef int32_t welkin_sky_quadrature;
 enum { WELKIN_SKY_QUADRATURE_GAUSS_SPLIT = 0, WELKIN_SKY_QUADRATURE_GAUSS = 1, WELKIN_SKY_QUADRATURE_UNIFORM = 2 };
 
+/* How a sky is projected; sky.h says more. */
 typedef struct welkin_sky_harmonics_options {
   uint32_t struct_size;
-  int32_t bands; /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
-  welkin_sky_quadrature quadrature;
-  int32_t zeniths;  /* 2 to 128; 0: 16, of a curve 32 */
-  int32_t azimuths; /* 2 to 256; 0: 16, of a curve 32 */
-  int32_t nodes;    /* sun elevations of a curve, 8 to 4096; 0: 256. Not for a projector */
+  int32_t bands;                    /* 1 to WELKIN_MAXIMUM_BANDS; 0: 3 */
+  welkin_sky_quadrature quadrature; /* where directions are taken */
+  int32_t zeniths;                  /* 2 to 128; 0: 16, of a curve 32 */
+  int32_t azimuths;                 /* 2 to 256; 0: 16, of a curve 32 */
+  int32_t nodes;                    /* sun elevations of a curve, 8 to 4096; 0: 256. Not for a projector */
 } welkin_sky_harmonics_options;
 
 /* The harmonics of a view for any sun, by quadrature. */
 typedef struct welkin_sky_projector welkin_sky_projector;
 
+/* Prepares what does not depend on the sun. Also WELKIN_LIMIT_EXCEEDED (more than 1 GiB). */
 WELKIN_API welkin_status welkin_sky_projector_create(const welkin_sky_view* view,
                                                      const welkin_sky_harmonics_options* options,
                                                      welkin_sky_projector** projector);
+
+/* Destroys a projector. */
 WELKIN_API void welkin_sky_projector_destroy(welkin_sky_projector* projector);
-WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector); /* 0 for null */
+
+/* Bands of its harmonics; 0 for null. */
+WELKIN_API int32_t welkin_sky_projector_bands(const welkin_sky_projector* projector);
 
 /* Radiance of sky and ground, without the sun's disc: `coefficients` gets 3 bands^2 doubles. Allocates nothing. */
 WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector* projector, const double* sun,
@@ -803,12 +858,16 @@ WELKIN_API welkin_status welkin_sky_projector_project(const welkin_sky_projector
 /* The harmonics of a view over the sun's elevation, computed once: a moved sun is an interpolation and a turn. */
 typedef struct welkin_sky_curve welkin_sky_curve;
 
-/* Milliseconds. Also WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED. */
+/* Makes a curve, in milliseconds. Also WELKIN_LIMIT_EXCEEDED, WELKIN_CANCELLED. */
 WELKIN_API welkin_status welkin_sky_curve_create(const welkin_sky_view* view,
                                                  const welkin_sky_harmonics_options* options,
                                                  const welkin_control* control, welkin_sky_curve** curve);
+
+/* Destroys a curve. */
 WELKIN_API void welkin_sky_curve_destroy(welkin_sky_curve* curve);
-WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve); /* 0 for null */
+
+/* Bands of its harmonics; 0 for null. */
+WELKIN_API int32_t welkin_sky_curve_bands(const welkin_sky_curve* curve);
 
 /* As of a projector; under a microsecond for three bands. `sun_irradiance` (may be null) gets r, g, b of the direct sun
  * on a surface that faces it. Allocates nothing. */
@@ -840,13 +899,14 @@ enum {
   WELKIN_OVERFLOW_DROP_OLDEST = 2 /* the oldest waiting job of the lowest priority gets that */
 };
 
+/* A worker's threads and limits. */
 typedef struct welkin_worker_options {
   uint32_t struct_size;
   int32_t threads; /* 1 to 1024; 0: one less than the process may use, at least 1. With `enqueue`: how many tasks the
                       engine runs at the same time; 0: as many as the process may use */
-  welkin_thread_priority thread_priority;
-  welkin_overflow_policy overflow;
-  const char* name; /* of the threads; null: "welkin" */
+  welkin_thread_priority thread_priority; /* of the worker's own threads */
+  welkin_overflow_policy overflow;        /* what a post does at the limits */
+  const char* name;                       /* of the threads; null: "welkin" */
 
   /* Null, or lends the worker the engine's threads: has `task(argument)` called, soon and exactly once, by a thread of
    * the engine's choice. Called from any thread, several at once. At most `threads` tasks are with the engine at a
@@ -854,7 +914,7 @@ typedef struct welkin_worker_options {
    * terminated or destroyed; a task that is called later does nothing. One that is never called is lost memory, and
    * until the worker is terminated a job may wait for it. */
   void (*enqueue)(void* enqueue_user, void (*task)(void* argument), void* argument);
-  void* enqueue_user;
+  void* enqueue_user; /* what `enqueue` gets as its first argument */
 
   uint64_t max_jobs;  /* in flight; 0: 4096 */
   uint64_t max_bytes; /* in flight, of their pixels; 0: 4 GiB */
@@ -893,6 +953,7 @@ WELKIN_API welkin_status welkin_worker_wait_until_idle(welkin_worker* worker);
  * one if there is one, then until `budget_nanoseconds` are spent. `called` (may be null) gets their number. */
 WELKIN_API welkin_status welkin_worker_drain(welkin_worker* worker, uint64_t budget_nanoseconds, uint64_t* called);
 
+/* What the worker has in hand at this moment. */
 WELKIN_API welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_load* load);
 
 /* ---- Posting ---- */
@@ -901,9 +962,10 @@ WELKIN_API welkin_status welkin_worker_get_load(const welkin_worker* worker, wel
 typedef int32_t welkin_priority;
 enum { WELKIN_PRIORITY_LOW = -1, WELKIN_PRIORITY_NORMAL = 0, WELKIN_PRIORITY_HIGH = 1 };
 
+/* How a job is posted, and whom its end is told. */
 typedef struct welkin_post_options {
   uint32_t struct_size;
-  welkin_priority priority;
+  welkin_priority priority; /* among the jobs that wait */
   const char* key; /* latest wins: a job of the same key that waits or runs ends with WELKIN_REPLACED; null: no key */
   uint64_t bytes;  /* that the job counts against `max_bytes`; 0: those of its pixels */
 
@@ -922,14 +984,14 @@ typedef struct welkin_post_options {
    * Null: the pixels stay the caller's, and must stay as they are until the job is ready. Equal posts of such pixels
    * share one run. */
   void (*release)(void* release_user);
-  void* release_user;
+  void* release_user; /* what `release` gets */
 
   /* Null, or called inside `welkin_worker_drain` once the job is done, well or not. `job` is lent for the call;
    * `welkin_job_retain` keeps it. Called exactly once if the post succeeds and the worker is drained to the end, never
    * if the post fails or the worker is destroyed first; if another thread drains, perhaps before the post returns. It
    * may call any function of this interface. */
   void (*completed)(welkin_job* job, void* completed_user);
-  void* completed_user;
+  void* completed_user; /* what `completed` gets as its second argument */
 } welkin_post_options;
 
 /* These return at once, unless the worker is at its limits and waits. `post` and `job` may be null; else `*job` gets a
@@ -954,18 +1016,22 @@ WELKIN_API welkin_status welkin_post_project_file(welkin_worker* worker, const c
                                                   const welkin_projection_options* options,
                                                   const welkin_post_options* post, welkin_job** job);
 
-/* `welkin_prefilter_cubemap` and `welkin_prefilter_lat_long`, as jobs: `welkin_job_get_chain`. */
+/* `welkin_prefilter_cubemap`, as a job: `welkin_job_get_chain`. */
 WELKIN_API welkin_status welkin_post_prefilter_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
                                                        const welkin_prefilter_options* options,
                                                        const welkin_post_options* post, welkin_job** job);
+
+/* `welkin_prefilter_lat_long`, as a job: `welkin_job_get_chain`. */
 WELKIN_API welkin_status welkin_post_prefilter_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
                                                         const welkin_prefilter_options* options,
                                                         const welkin_post_options* post, welkin_job** job);
 
-/* `welkin_bake_cubemap` and `welkin_bake_lat_long`, as jobs: `welkin_job_get_bake`. */
+/* `welkin_bake_cubemap`, as a job: `welkin_job_get_bake`. */
 WELKIN_API welkin_status welkin_post_bake_cubemap(welkin_worker* worker, const welkin_cubemap* cubemap,
                                                   const welkin_bake_options* options, const welkin_post_options* post,
                                                   welkin_job** job);
+
+/* `welkin_bake_lat_long`, as a job: `welkin_job_get_bake`. */
 WELKIN_API welkin_status welkin_post_bake_lat_long(welkin_worker* worker, const welkin_lat_long* lat_long,
                                                    const welkin_bake_options* options, const welkin_post_options* post,
                                                    welkin_job** job);
@@ -1018,24 +1084,34 @@ WELKIN_API welkin_status welkin_job_wait(const welkin_job* job, uint64_t timeout
  * the job makes something else or `projection` has no room for its bands. */
 WELKIN_API welkin_status welkin_job_projection(const welkin_job* job, welkin_projection* projection);
 
-/* These hand the result out as a handle, any number of times: all of them share it. They never wait. What
- * `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if the job makes something else. */
+/* The result of a prefilter as a handle, which the caller destroys. It can be asked for any number of times: all
+ * handles share it. Never waits. What `welkin_job_poll` returns, and WELKIN_INVALID_ARGUMENT if the job makes something
+ * else. */
 WELKIN_API welkin_status welkin_job_get_chain(const welkin_job* job, welkin_cubemap_chain** chain);
+
+/* The same of a bake. */
 WELKIN_API welkin_status welkin_job_get_bake(const welkin_job* job, welkin_bake_result** result);
+
+/* The same of a sky's tables. */
 WELKIN_API welkin_status welkin_job_get_sky_tables(const welkin_job* job, welkin_sky_tables** tables);
+
+/* The same of a sky's curve. */
 WELKIN_API welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve** curve);
 
 /* Gives the job up: it ends with WELKIN_CANCELLED, at once if it waits, else before its next tile (a function: when it
  * returns). `given_up` (may be null) gets 1 if this call did it, 0 if the job was done or given up before. */
 WELKIN_API welkin_status welkin_job_cancel(welkin_job* job, int32_t* given_up);
 
+/* The job's priority. */
 WELKIN_API welkin_status welkin_job_get_priority(const welkin_job* job, welkin_priority* priority);
 
 /* Moves a waiting job to the end of those of that priority. */
 WELKIN_API welkin_status welkin_job_set_priority(welkin_job* job, welkin_priority priority);
 
-/* One more reference to be given back; and giving one back. Null does nothing. */
+/* Takes one more reference, to be given back. Null does nothing. */
 WELKIN_API void welkin_job_retain(welkin_job* job);
+
+/* Gives a reference back. The handle goes with the last one, the job runs to its end. Null does nothing. */
 WELKIN_API void welkin_job_release(welkin_job* job);
 
 /* ---- The dynamic sky of an engine's loop ---- */
@@ -1044,37 +1120,38 @@ WELKIN_API void welkin_job_release(welkin_job* job);
  * outlive it. For one thread at a time. */
 typedef struct welkin_sky_light welkin_sky_light;
 
+/* What a dynamic sky computes, and from which change on. */
 typedef struct welkin_sky_light_options {
   uint32_t struct_size;
   welkin_priority priority;                  /* of what is posted */
   const welkin_sky_table_options* tables;    /* not read where tables are given */
   const welkin_sky_harmonics_options* curve; /* with the number of bands */
-  const welkin_prefilter_options* specular;
-  int32_t without_specular; /* 1: no reflections */
-  double altitude_m;
-  double sun_threshold_degrees;      /* the sun stays until it is to move by this; 0: 0.01; negative: none */
-  double specular_threshold_degrees; /* of elevation, between new reflections; 0: 0.5; negative: none */
-  double altitude_threshold_m;       /* 0: 1; negative: none */
-  double blend_seconds;              /* from old light to new; 0: 0.5; negative: at once */
+  const welkin_prefilter_options* specular;  /* of the reflections; null: the defaults */
+  int32_t without_specular;                  /* 1: no reflections */
+  double altitude_m;                         /* the observer's, above the ground */
+  double sun_threshold_degrees;              /* the sun stays until it is to move by this; 0: 0.01; negative: none */
+  double specular_threshold_degrees;         /* of elevation, between new reflections; 0: 0.5; negative: none */
+  double altitude_threshold_m;               /* 0: 1; negative: none */
+  double blend_seconds;                      /* from old light to new; 0: 0.5; negative: at once */
 } welkin_sky_light_options;
 
 /* A prefiltered sky, and how it is to be used now. */
 typedef struct welkin_sky_reflections {
   const welkin_cubemap_chain* chain; /* lent until the next update; null: none yet */
-  uint64_t id;        /* rises with each new chain: what has the same one need not be uploaded again; 0: none */
-  double weight;      /* of its light */
-  double rotation[9]; /* what came from direction d comes from rotation * d */
+  uint64_t id;    /* rises with each new chain: what has the same one need not be uploaded again; 0: none */
+  double weight;  /* of its light */
+  double turn[9]; /* what came from direction d comes from turn * d */
 } welkin_sky_reflections;
 
 /* The light of a frame. */
 typedef struct welkin_sky_frame {
   uint32_t struct_size;
-  int32_t ready;   /* 0 until the first curve has come: all is black */
-  int32_t settled; /* 1: nothing is being made or blended */
-  int32_t bands;
-  double sun_direction[3];
-  double sun_irradiance[3]; /* on a surface that faces it, intensity included */
-  double sun_solid_angle;
+  int32_t ready;                         /* 0 until the first curve has come: all is black */
+  int32_t settled;                       /* 1: nothing is being made or blended */
+  int32_t bands;                         /* how many of them `coefficients` holds */
+  double sun_direction[3];               /* unit, towards it */
+  double sun_irradiance[3];              /* on a surface that faces it, intensity included */
+  double sun_solid_angle;                /* steradians */
   welkin_sky_reflections reflections[2]; /* newer and older; both weights add up to the intensity */
 
   /* Radiance of sky and ground, intensity included, without the sun's disc: as in `welkin_projection`, and likewise
@@ -1085,13 +1162,26 @@ typedef struct welkin_sky_frame {
 /* What was done and what was not; sky_light.h says more. */
 typedef struct welkin_sky_light_counters {
   uint32_t struct_size;
-  uint64_t frames, lights, moves_ignored, turns, elevations, intensities, specular_spared;
-  uint64_t posts, tables_baked, curves_baked, speculars_baked, given_up, failures;
+  uint64_t frames;          /* calls of `welkin_sky_light_update` */
+  uint64_t lights;          /* of them those that computed coefficients */
+  uint64_t moves_ignored;   /* of sun or altitude, below their thresholds */
+  uint64_t turns;           /* moves of the azimuth alone */
+  uint64_t elevations;      /* moves of the elevation */
+  uint64_t intensities;     /* changes of the intensity */
+  uint64_t specular_spared; /* moves of the elevation that asked for no reflections */
+  uint64_t posts;           /* requests given to the worker */
+  uint64_t tables_baked;    /* tables, curves and reflections that were made */
+  uint64_t curves_baked;    /* curves that were made */
+  uint64_t speculars_baked; /* chains of reflections that were made */
+  uint64_t given_up;        /* bakes that were stopped because something newer overtook them */
+  uint64_t failures;        /* bakes that ended with an error */
 } welkin_sky_light_counters;
 
-/* Asks the worker for the first tables, or begins with the ones that are there; the sun stands in the zenith. */
+/* Asks the worker for the first tables; the sun stands in the zenith. */
 WELKIN_API welkin_status welkin_sky_light_create(welkin_worker* worker, const welkin_atmosphere* atmosphere,
                                                  const welkin_sky_light_options* options, welkin_sky_light** light);
+
+/* The same with tables that are there, whose options count. */
 WELKIN_API welkin_status welkin_sky_light_create_with_tables(welkin_worker* worker, const welkin_sky_tables* tables,
                                                              const welkin_sky_light_options* options,
                                                              welkin_sky_light** light);
@@ -1099,15 +1189,24 @@ WELKIN_API welkin_status welkin_sky_light_create_with_tables(welkin_worker* work
 /* Stops what is being made; does not wait. */
 WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);
 
+/* `sun`: three doubles towards it, of any length. This and the next three look, compare, and post a request only if
+ * there is something to make. */
 WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
+
+/* A factor of all light, 0 to 1e12. */
 WELKIN_API welkin_status welkin_sky_light_set_intensity(welkin_sky_light* light, double intensity);
+
+/* Moves the observer, in metres above the ground: curve and reflections are made anew. */
 WELKIN_API welkin_status welkin_sky_light_set_altitude(welkin_sky_light* light, double altitude_m);
+
+/* Another planet: tables, curve and reflections are made anew. The atmosphere is copied. */
 WELKIN_API welkin_status welkin_sky_light_set_atmosphere(welkin_sky_light* light, const welkin_atmosphere* atmosphere);
 
 /* Takes what has come, goes on with what is being blended, and writes the light. Never waits; allocates only when new
  * reflections have come. `seconds`: since the last update. */
 WELKIN_API welkin_status welkin_sky_light_update(welkin_sky_light* light, double seconds, welkin_sky_frame* frame);
 
+/* How much work was done so far. */
 WELKIN_API welkin_status welkin_sky_light_get_counters(const welkin_sky_light* light,
                                                        welkin_sky_light_counters* counters);
 
@@ -1120,15 +1219,18 @@ WELKIN_API welkin_status welkin_sky_light_get_status(const welkin_sky_light* lig
  * complete or not there. Also WELKIN_FILE_ACCESS, WELKIN_CORRUPT_FILE, WELKIN_UNSUPPORTED_FILE, WELKIN_LIMIT_EXCEEDED.
  */
 
-/* Reads and bakes a file; and the same as a job. */
+/* Reads and bakes a file. */
 WELKIN_API welkin_status welkin_bake_file(const char* path, const welkin_read_options* read_options,
                                           const welkin_bake_options* options, const welkin_control* control,
                                           welkin_bake_result** result);
+
+/* `welkin_bake_file`, as a job: `welkin_job_get_bake`. The path is copied. */
 WELKIN_API welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path,
                                                const welkin_read_options* read_options,
                                                const welkin_bake_options* options, const welkin_post_options* post,
                                                welkin_job** job);
 
+/* How texels are stored; image.h (`TexelFormat`) says more. */
 typedef int32_t welkin_texel_format;
 enum {
   WELKIN_TEXEL_RGBA16F = 0,
@@ -1137,13 +1239,14 @@ enum {
   WELKIN_TEXEL_E5B9G9R9 = 3   /* not in OpenEXR */
 };
 
+/* How KTX2's levels are packed. */
 typedef int32_t welkin_supercompression;
 enum { WELKIN_SUPERCOMPRESSION_NONE = 0, WELKIN_SUPERCOMPRESSION_ZLIB = 1, WELKIN_SUPERCOMPRESSION_ZSTD = 2 };
 
 /* texture_file.h says more. */
 typedef struct welkin_texture_options {
   uint32_t struct_size;
-  welkin_texel_format format;
+  welkin_texel_format format;               /* of all texels */
   welkin_supercompression supercompression; /* KTX2 only */
 } welkin_texture_options;
 
@@ -1171,9 +1274,10 @@ WELKIN_API welkin_status welkin_write_babylon_environment(const char* path, cons
                                                           int32_t bands, const double* radiance,
                                                           const welkin_control* control, uint64_t* values_clamped);
 
-/* Saves a sky's tables with all their parameters; loaded again they are the same bits. `memory_limit_bytes` 0: 4 GiB.
- */
+/* Saves a sky's tables with all their parameters; loaded again they are the same bits. */
 WELKIN_API welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path);
+
+/* Loads tables that were saved. `memory_limit_bytes` 0: 4 GiB. */
 WELKIN_API welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes,
                                                 welkin_sky_tables** tables);
 

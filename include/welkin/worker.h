@@ -1,4 +1,16 @@
-// The threads of an engine, lent to a worker.
+// Light off the main thread: requests are posted to a worker, results come back when they are ready.
+//
+//   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
+//   auto job = worker.post(welkin::ProjectCubemap{std::move(image)}, {.key = "probe 7"});
+//   ...                                                        // later, once a frame
+//   if (auto light = job.try_take()) use(light->radiance);     // never waits, and gives the result once
+//
+// or, with callbacks that run when the engine says so:
+//
+//   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
+//   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
+//
+// docs/threading.md says which thread runs what.
 #pragma once
 
 #include <chrono>
@@ -16,6 +28,8 @@
 #include "welkin/requests.h"
 
 namespace WELKIN_EXPORT welkin {
+
+// ---- The threads of an engine, lent to a worker
 
 /// An engine's thread pool, job system or TBB arena, behind two functions that the engine writes. A worker that has one
 /// (`WorkerOptions::executor`) makes no threads. `examples/own_executor` is such a class over a plain thread pool.
@@ -43,19 +57,7 @@ class Executor {
   virtual void enqueue(void (*run)(void* job), void* job) = 0;
 };
 
-// Light off the main thread: requests are posted to a worker, results come back when they are ready.
-//
-//   welkin::Worker worker;                                     // threads of its own, below the engine's in priority
-//   auto job = worker.post(welkin::ProjectCubemap{std::move(image)}, {.key = "probe 7"});
-//   ...                                                        // later, once a frame
-//   if (auto light = job.try_take()) use(light->radiance);     // never waits, and gives the result once
-//
-// or, with callbacks that run when the engine says so:
-//
-//   worker.post(welkin::ProjectFile{"sky.exr"}).on_drain([](welkin::Job<welkin::Projection> light) { ... });
-//   worker.drain(std::chrono::microseconds(500));              // once a frame, at most half a millisecond
-//
-// docs/threading.md says who runs where.
+// ---- The worker
 
 /// What `post` does when a worker is at its limits.
 enum class OverflowPolicy {
@@ -65,12 +67,14 @@ enum class OverflowPolicy {
                 ///< wait have a higher priority or if dropping them would not make room
 };
 
+/// A worker's threads and limits.
 struct WorkerOptions {
   /// 0: one less than the process may use (`available_threads()`, which knows the container's CPU quota), so that one
   /// processor is the frame's own; at least 1. Else 1 to 1024. They run on the processors that the thread which makes
   /// the worker may run on.
   int threads = 0;
 
+  /// Of the worker's threads against all others of the machine.
   ThreadPriority thread_priority = ThreadPriority::idle;
 
   /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
@@ -82,15 +86,16 @@ struct WorkerOptions {
   /// threads.
   std::shared_ptr<Executor> executor{};
 
-  /// Limits: jobs in flight (posted, not yet ready) and bytes of their requests. (The memory itself comes back right
-  /// after a job is ready.)
+  /// Limit on jobs in flight: posted, and not yet ready.
   std::size_t max_jobs = 4096;
+  /// Limit on the bytes of their requests. (The memory itself comes back right after a job is ready.)
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;
-  OverflowPolicy overflow = OverflowPolicy::wait;
+  OverflowPolicy overflow = OverflowPolicy::wait;  ///< what `post` does at the limits
 };
 
+/// How a job is posted.
 struct PostOptions {
-  TaskPriority priority = TaskPriority::normal;
+  TaskPriority priority = TaskPriority::normal;  ///< among the jobs that wait
 
   /// Latest wins: a job with the same key that waits or runs is given up for this one, and ends with an `Error`
   /// (replaced). Empty: no key. Copied by `post`.
@@ -166,6 +171,7 @@ class Worker {
   /// Waits until nothing waits or runs; not for callbacks. Not on the worker's own threads: it returns at once.
   void wait_until_idle();
 
+  /// What the worker has in hand at this moment.
   [[nodiscard]] WorkerLoad load() const;
 
   /// How many jobs it runs at once: its threads, or what its executor says.

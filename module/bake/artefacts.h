@@ -6,8 +6,8 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
+#include <variant>
 
 #include "bake/bake_plan.h"
 #include "projection/sanitized_pixels.h"
@@ -18,6 +18,8 @@
 
 namespace welkin::baking {
 
+using PixelsView = std::variant<LatLongView, CubemapView>;
+
 /// Pixels of a known shape, and what comes with them.
 class Source {
  public:
@@ -27,6 +29,8 @@ class Source {
   Source& operator=(const Source&) = delete;
 
   [[nodiscard]] virtual SourceShape shape() const = 0;
+  /// As a plan of it says.
+  [[nodiscard]] virtual std::string words() const { return shape().words(); }
 
   /// The kinds of results that the bake takes from the source instead of computing them.
   [[nodiscard]] virtual StoredKinds stored() const { return {}; }
@@ -37,9 +41,8 @@ class Source {
   [[nodiscard]] virtual bool holds_pixels() const { return true; }
   virtual void read(const Control& /*control*/) {}
 
-  /// The pixels, after `read`: the one of the two that `shape` says.
-  [[nodiscard]] virtual LatLongView lat_long() const { return {}; }
-  [[nodiscard]] virtual CubemapView cubemap() const { return {}; }
+  /// After `read`, of a source that holds them.
+  [[nodiscard]] virtual PixelsView pixels() const = 0;
 
   /// Projects a source that does not hold its pixels.
   [[nodiscard]] virtual Projection project(const ProjectionOptions& options, const Control& control);
@@ -68,7 +71,7 @@ struct FoundArtefacts {
   std::optional<ProjectionDiagnostics> sanitized;
 
   /// Of the prefiltered chain: what is still to be made; nothing if all mips were found.
-  std::optional<PrefilterOptions> missing_specular;
+  std::optional<reflections::PrefilterPlan> missing_specular;
   std::string specular_where;  ///< "3 of 5 mips found on disk"; empty if none was
   double specular_milliseconds = 0.0;
 };
@@ -83,7 +86,7 @@ class ArtefactStore {
   ArtefactStore& operator=(const ArtefactStore&) = delete;
 
   /// Comes first: recognises the pixels, and looks for all that `plan` computes of them. Throws `Error` (cancelled).
-  [[nodiscard]] virtual FoundArtefacts find(const Source& source, const BakeOptions& options, const BakePlan& plan,
+  [[nodiscard]] virtual FoundArtefacts find(const PixelsView& pixels, const BakeOptions& options, const BakePlan& plan,
                                             const Control& control) = 0;
 
   virtual void keep(const projection::SanitizedSource& sanitized) = 0;
@@ -94,29 +97,29 @@ class ArtefactStore {
   [[nodiscard]] virtual PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) = 0;
 };
 
-struct BakeRequest {
-  const BakeOptions& options;
-  std::span<const PlannedPass> planned{};  ///< whose reasons are taken over where the bake does the same
-  ArtefactStore* store = nullptr;
-};
+/// Bakes any source into an older result, as `bake_into`. Throws `Error` as `bake`, and as the source and the store do.
+void run_bake(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
+              const Control& control);
 
-/// `bake_into`, of any source. Throws `Error` as `bake`, and as the source and the store do.
-void run_bake(BakeResult& result, Source& source, const BakeRequest& request, const Control& control);
+/// Carries out a plan, whose reasons are taken over where the bake does what was planned. Throws `Error` as above, and
+/// invalid_argument for another source's plan.
+[[nodiscard]] BakeResult run_bake(Source& source, const Plan& plan, ArtefactStore* store, const Control& control);
 
 // Pixels in memory.
 
+[[nodiscard]] inline SourceShape shape_of(const PixelsView& pixels) {
+  return std::visit([](const auto& view) { return welkin::shape_of(view); }, pixels);
+}
+
 class MemorySource final : public Source {
  public:
-  explicit MemorySource(const LatLongView& view) : lat_long_(view), shape_(shape_of(view)) {}
-  explicit MemorySource(const CubemapView& view) : cubemap_(view), shape_(shape_of(view)) {}
+  explicit MemorySource(const PixelsView& pixels) : pixels_(pixels), shape_(shape_of(pixels)) {}
 
   [[nodiscard]] SourceShape shape() const override { return shape_; }
-  [[nodiscard]] LatLongView lat_long() const override { return lat_long_; }
-  [[nodiscard]] CubemapView cubemap() const override { return cubemap_; }
+  [[nodiscard]] PixelsView pixels() const override { return pixels_; }
 
  private:
-  LatLongView lat_long_{};
-  CubemapView cubemap_{};
+  PixelsView pixels_;
   SourceShape shape_;
 };
 

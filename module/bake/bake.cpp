@@ -2,15 +2,18 @@
 #include "welkin/bake.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory_resource>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "bake/artefacts.h"
@@ -40,18 +43,18 @@ struct Outcome {
 
 Outcome found(const std::string& where, double milliseconds = 0.0) { return {PassAction::reuse, where, milliseconds}; }
 
-LatLongView pixels_of(const Source& source, const LatLongView* /*kind*/) { return source.lat_long(); }
-CubemapView pixels_of(const Source& source, const CubemapView* /*kind*/) { return source.cubemap(); }
-
-template <class View>
 class Baking {
  public:
-  Baking(Source& source, const BakeRequest& request, const BakePlan& plan, BakeResult& result)
-      : source_(source), options_(request.options), plan_(plan), store_(request.store), result_(result) {}
+  /// `targets`: where cubemaps go; null: they stay in the result.
+  Baking(Source& source, const BakeOptions& options, const BakePlan& plan, ArtefactStore* store,
+         const BakeTargets* targets, BakeResult& result)
+      : source_(source), options_(options), plan_(plan), store_(store), targets_(targets), result_(result) {}
 
   void run(const Control& control) {
-    prepare_results();
+    if (targets_ != nullptr) check_targets();
+    prepare_results(control.memory);
     add_passes();
+    if (targets_ != nullptr) add_stores();
     graph_.run(control);
     finish();
   }
@@ -66,17 +69,21 @@ class Baking {
   };
 
   /// Makes room for the results, in what is there if it has the right size.
-  void prepare_results() {
-    result_.background = plan_.background_size == 0 ? CubemapChain()
-                                                    : image::shaped(std::move(result_.background),
-                                                                    plan_.background_size, plan_.background_levels);
+  void prepare_results(std::pmr::memory_resource* memory) {
+    if (plan_.background_size == 0) {
+      result_.background.reset();
+    } else {
+      CubemapChain older = std::move(result_.background).value_or(CubemapChain());
+      result_.background = image::shaped(std::move(older), plan_.background_size, plan_.background_levels, memory);
+    }
     if (!options_.specular) result_.specular.reset();
-    if (options_.irradiance_size == 0) result_.irradiance = {};
+    if (!options_.irradiance) result_.irradiance.reset();
     result_.radiance.reset();
     result_.brdf.reset();
     result_.stored_polynomial.reset();
     result_.diagnostics = {};
     result_.peak_bytes = 0;
+    result_.values_clamped = 0;
   }
 
   // The graph.
@@ -113,7 +120,8 @@ class Baking {
     const double bytes =
         static_cast<double>(source_.shape().texels()) * static_cast<double>(bytes_per_texel(source_.shape().format));
     find_ = add_pass(
-        kHashed * bytes, [this](const Control& control) { found_ = store_->find(source_, options_, plan_, control); },
+        kHashed * bytes,
+        [this](const Control& control) { found_ = store_->find(source_.pixels(), options_, plan_, control); },
         passes({read_}));
   }
 
@@ -142,8 +150,6 @@ class Baking {
     }
   }
 
-  [[nodiscard]] bool runs(BakePass pass) const { return plan_.step(pass).planned.action != PassAction::skip; }
-
   /// As planned.
   [[nodiscard]] Outcome done(BakePass pass) const {
     const PlannedPass& planned = plan_.step(pass).planned;
@@ -155,49 +161,48 @@ class Baking {
   /// Whether what is left to compute reads sanitized pixels, or nothing else could tell what is in them.
   [[nodiscard]] bool wants_sanitized() const {
     if (find_ == kSkipped) return true;
-    const bool specular = options_.specular && !plan_.stored_specular && found_.missing_specular;
+    const bool specular = found_.missing_specular.has_value();
     const bool background = plan_.background_size > 0 && !found_.background;
     const bool direct =
-        options_.irradiance_size > 0 && options_.irradiance_method == IrradianceMethod::direct && !found_.irradiance;
-    const bool described = runs(BakePass::project) || found_.sanitized;
+        options_.irradiance && options_.irradiance->method == IrradianceMethod::direct && !found_.irradiance;
+    const bool described = plan_.runs(BakePass::project) || found_.sanitized;
     return specular || background || direct || !described;
   }
 
   Outcome sanitize(const Control& control) {
     if (!wants_sanitized()) return {PassAction::skip, "all that is made of the pixels was found"};
-    sanitized_.emplace(pixels(), options_.pixels, control);
+    std::visit([&](const auto& view) { sanitized_.emplace(view, options_.pixels, control); }, source_.pixels());
     // A projection tells as much of the pixels, and is kept itself.
-    if (find_ != kSkipped && !runs(BakePass::project)) store_->keep(*sanitized_);
+    if (find_ != kSkipped && !plan_.runs(BakePass::project)) store_->keep(*sanitized_);
     if (sanitized_->bytes() == 0)
       return {PassAction::reuse, "the source's own pixels, looked through: they are clean RGB floats"};
     return {PassAction::run, "a copy as RGB floats, clamped and replaced as asked for"};
   }
 
-  [[nodiscard]] View pixels() const { return pixels_of(source_, static_cast<const View*>(nullptr)); }
-  [[nodiscard]] const View& sanitized_view() const { return projection::view_of(*sanitized_, View()); }
+  /// What `work` makes of the sanitized pixels, a lat-long or a cubemap.
+  template <class Function>
+  auto of_sanitized(const Function& work) const {
+    return sanitized_->cubemap() ? work(sanitized_->cube()) : work(sanitized_->lat_long());
+  }
 
   Outcome fill_background(const Control& control) {
     if (found_.background) {
       result_.background = std::move(found_.background->value);
       return found(found_.background->where, found_.background->milliseconds);
     }
-    CubemapChain& chain = result_.background;
-    const int size = chain.size();
+    CubemapChain& chain = *result_.background;
     // A chain of huge values went through a scale and back, which loses what is very dark.
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
-    } else if constexpr (std::is_same_v<View, LatLongView>) {
-      image::fill_cubemap(sanitized_view(), chain, ResampleFilter::area, control);
     } else {
-      const CubemapImage image = to_cubemap(sanitized_view(), size, glm::dmat3(1.0), control);
-      std::copy(image.pixels.begin(), image.pixels.end(), chain.face(0, 0));
+      of_sanitized([&](const auto& view) { reflections::fill_level(view, chain, 0, control); });
     }
     if (chain.levels() == 1) keep_background();
     return done(BakePass::background);
   }
 
   void keep_background() {
-    if (find_ != kSkipped && !plan_.stored_background) store_->keep_background(result_.background);
+    if (find_ != kSkipped && !plan_.stored_background) store_->keep_background(*result_.background);
   }
 
   /// Level 0, a tile for some rows of all that lies one after the other in memory.
@@ -218,7 +223,7 @@ class Baking {
   Outcome fill_levels(const Control& control) {
     if (found_.background) return found(found_.background->where);
     if (plan_.stored_background && copy_stored_levels()) return done(BakePass::background_mips);
-    fill_mips(result_.background, options_.mip_filter, control);
+    fill_mips(*result_.background, options_.background->mip_filter, control);
     keep_background();
     if (plan_.stored_background) return {PassAction::run, "those that came with the pixels are not all finite"};
     return done(BakePass::background_mips);
@@ -226,7 +231,7 @@ class Baking {
 
   /// Below level 0, which went through all the others' policies. False if some are no numbers: then nothing is copied.
   bool copy_stored_levels() {
-    CubemapChain& chain = result_.background;
+    CubemapChain& chain = *result_.background;
     const auto values = [&](int level) {
       const auto edge = static_cast<std::size_t>(chain.level_size(level));
       return std::span<const float>(source_.levels()->face(level, 0), 18 * edge * edge);
@@ -245,7 +250,7 @@ class Baking {
 
   Outcome prefilter(const Control& control) {
     if (find_ == kSkipped) {
-      result_.specular = prefiltered(*options_.specular, control);
+      result_.specular = prefiltered(*plan_.prefilter, control);
       return done(BakePass::specular);
     }
     std::optional<PrefilteredSpecular> made;
@@ -263,10 +268,10 @@ class Baking {
     return outcome;
   }
 
-  [[nodiscard]] PrefilteredSpecular prefiltered(PrefilterOptions options, const Control& control) {
-    options.pixels = {};
+  [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
     CubemapChain room = result_.specular ? std::move(result_.specular->cubemap) : CubemapChain();
-    return reflections::prefilter(sanitized_view(), options, 0, std::move(room), control).specular;
+    return of_sanitized(
+        [&](const auto& view) { return reflections::prefilter(view, mips, {}, std::move(room), control); });
   }
 
   Outcome project_source(const Control& control) {
@@ -279,13 +284,16 @@ class Baking {
       projection_ = std::move(found_.projection->value);
       outcome = found(found_.projection->where, found_.projection->milliseconds);
     } else {
-      projection_ =
-          source_.holds_pixels() ? project(pixels(), plan_.projecting, control) : streamed_projection(control);
+      projection_ = source_.holds_pixels() ? projection_of_pixels(control) : streamed_projection(control);
       if (find_ != kSkipped) store_->keep(*projection_);
     }
     if (options_.bands > 0 && options_.bands < projection_->radiance.bands())
       projection_->radiance = with_bands(projection_->radiance, options_.bands);
     return outcome;
+  }
+
+  [[nodiscard]] Projection projection_of_pixels(const Control& control) {
+    return std::visit([&](const auto& view) { return project(view, plan_.projecting, control); }, source_.pixels());
   }
 
   /// Whether light comes from beside pixels that are held.
@@ -303,12 +311,16 @@ class Baking {
       result_.irradiance = std::move(found_.irradiance->value);
       return found(found_.irradiance->where, found_.irradiance->milliseconds);
     }
-    const int size = options_.irradiance_size;
-    const bool direct = options_.irradiance_method == IrradianceMethod::direct;
-    result_.irradiance = direct ? direct_irradiance_cubemap(sanitized_view(), size, control)
-                                : irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
+    const int size = options_.irradiance->size;
+    const bool direct = options_.irradiance->method == IrradianceMethod::direct;
+    if (direct) {
+      result_.irradiance =
+          of_sanitized([&](const auto& view) { return direct_irradiance_cubemap(view, size, control); });
+    } else {
+      result_.irradiance = irradiance_cubemap(irradiance_from_radiance(projection_->radiance), size, control);
+    }
     // Of light that the source brought along it is not what the pixels tell.
-    if (find_ != kSkipped && (direct || !plan_.stored_harmonics)) store_->keep_irradiance(result_.irradiance);
+    if (find_ != kSkipped && (direct || !plan_.stored_harmonics)) store_->keep_irradiance(*result_.irradiance);
     return done(BakePass::irradiance);
   }
 
@@ -317,6 +329,60 @@ class Baking {
     result_.brdf = reflections::shared_brdf(*options_.brdf, control, made);
     if (made) return done(BakePass::brdf);
     return {PassAction::reuse, "made before: it depends on no scene"};
+  }
+
+  // To the caller's memory.
+
+  /// Before anything is baked.
+  void check_targets() const {
+    const auto check = [](const char* what, int size, int levels, std::span<const CubemapTarget> targets) {
+      if (!targets.empty()) image::check_chain_targets(what, size, levels, targets);
+    };
+    check("background", plan_.background_size, plan_.background_levels, targets_->background);
+    const int mips = plan_.prefilter ? static_cast<int>(plan_.prefilter->mips.size()) : 0;
+    check("specular cubemap", mips > 0 ? plan_.prefilter->mips.front().size : 0, mips, targets_->specular);
+    if (!targets_->irradiance) return;
+    const int size = options_.irradiance ? options_.irradiance->size : 0;
+    check("irradiance cubemap", size, options_.irradiance ? 1 : 0, {&*targets_->irradiance, 1});
+  }
+
+  /// A pass after those that make the cubemap. Others may read the cubemap at the same time.
+  void add_store(const char* name, double texels, std::vector<std::size_t> after,
+                 std::function<std::uint64_t(const Control&)> store) {
+    constexpr double kTexelMilliseconds = 3e-6;
+    const auto work = [this, store = std::move(store)](const Control& control) { values_clamped_ += store(control); };
+    stores_.emplace_back(name, add_pass(kTexelMilliseconds * texels, work, passes(std::move(after))));
+  }
+
+  void add_stores() {
+    const auto pass_of = [&](BakePass pass) { return steps_[static_cast<std::size_t>(pass)].pass; };
+    const auto texels_of = [](int size) { return 6.0 * size * size; };
+    if (!targets_->background.empty()) {
+      add_store("store background", texels_of(plan_.background_size),
+                {pass_of(BakePass::background), pass_of(BakePass::background_mips)}, [this](const Control& control) {
+                  return store_texels(*result_.background, targets_->background, control);
+                });
+    }
+    if (!targets_->specular.empty()) {
+      add_store("store specular", texels_of(plan_.prefilter->mips.front().size), {pass_of(BakePass::specular)},
+                [this](const Control& control) {
+                  return store_texels(result_.specular->cubemap, targets_->specular, control);
+                });
+    }
+    if (targets_->irradiance) {
+      add_store("store irradiance", texels_of(options_.irradiance->size), {pass_of(BakePass::irradiance)},
+                [this](const Control& control) {
+                  return store_texels(result_.irradiance->view(), *targets_->irradiance, control);
+                });
+    }
+  }
+
+  /// What went to targets is the caller's.
+  void drop_stored() {
+    if (!targets_->background.empty()) result_.background.reset();
+    if (!targets_->specular.empty()) result_.specular->cubemap = {};
+    if (targets_->irradiance) result_.irradiance.reset();
+    result_.values_clamped = values_clamped_;
   }
 
   // What is said of it.
@@ -339,6 +405,7 @@ class Baking {
     if (options_.bands > 0) result_.radiance = std::move(projection_->radiance);
     result_.peak_bytes = plan_.result_bytes + plan_.working_bytes;
     record_passes(diagnostics.passes);
+    if (targets_ != nullptr) drop_stored();
   }
 
   [[nodiscard]] double milliseconds_of(std::size_t pass) const {
@@ -359,12 +426,16 @@ class Baking {
       records.push_back({plan_.steps[k].planned.name, outcome.action, std::move(outcome.reason),
                          outcome.saved_milliseconds + milliseconds_of(steps_[k].pass)});
     }
+    for (const auto& [name, pass] : stores_) {
+      records.push_back({name, PassAction::run, "to the caller's memory", milliseconds_of(pass)});
+    }
   }
 
   Source& source_;
   const BakeOptions& options_;
   const BakePlan& plan_;
   ArtefactStore* store_;
+  const BakeTargets* targets_;
   BakeResult& result_;
 
   jobs::TaskGraph graph_;
@@ -372,6 +443,8 @@ class Baking {
   std::size_t read_ = kSkipped;  ///< of the graph, as `find_`
   std::size_t find_ = kSkipped;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
+  std::vector<std::pair<const char*, std::size_t>> stores_;          ///< names, and passes of the graph
+  std::atomic<std::uint64_t> values_clamped_{0};
 
   FoundArtefacts found_;
   std::optional<projection::SanitizedSource> sanitized_;
@@ -388,15 +461,23 @@ void take_reasons(std::span<const PlannedPass> planned, BakePlan& plan) {
   }
 }
 
-template <class View>
-void bake_view(BakeResult& result, const View& view, const BakeOptions& options, const Control& control) {
-  MemorySource source(view);
-  run_bake(result, source, {options}, control);
+void bake_pixels(BakeResult& result, const PixelsView& pixels, const BakeOptions& options, const Control& control) {
+  MemorySource source(pixels);
+  run_bake(result, source, options, nullptr, control);
 }
 
-template <class View>
-std::uint64_t bytes_of(const View& source, const BakeOptions& options) {
-  const BakePlan plan = plan_bake(shape_of(source), options);
+BakeResult bake_pixels_to(const BakeTargets& targets, const PixelsView& pixels, const BakeOptions& options,
+                          const Control& control) {
+  MemorySource source(pixels);
+  const BakePlan plan = plan_bake(source.shape(), options);
+  require_memory(plan, options);
+  BakeResult result;
+  Baking(source, options, plan, nullptr, &targets, result).run(control);
+  return result;
+}
+
+std::uint64_t bytes_of(const PixelsView& pixels, const BakeOptions& options) {
+  const BakePlan plan = plan_bake(shape_of(pixels), options);
   return plan.result_bytes + plan.working_bytes;
 }
 
@@ -406,22 +487,28 @@ std::uint64_t bytes_of(const View& source, const BakeOptions& options) {
 
 }  // namespace
 
-Projection Source::project(const ProjectionOptions& options, const Control& control) {
-  return shape().cubemap ? welkin::project(cubemap(), options, control) : welkin::project(lat_long(), options, control);
-}
-
+Projection Source::project(const ProjectionOptions& /*options*/, const Control& /*control*/) { refuse("projection"); }
 SphericalHarmonics Source::take_radiance(const Control& /*control*/) { refuse("coefficients"); }
 PrefilteredSpecular Source::take_specular(const Control& /*control*/) { refuse("prefiltered chain"); }
 
-void run_bake(BakeResult& result, Source& source, const BakeRequest& request, const Control& control) {
-  BakePlan plan = plan_bake(source.shape(), request.options, source.stored());
-  require_memory(plan.result_bytes, plan.working_bytes, request.options);
-  take_reasons(request.planned, plan);
-  if (source.shape().cubemap) {
-    Baking<CubemapView>(source, request, plan, result).run(control);
-  } else {
-    Baking<LatLongView>(source, request, plan, result).run(control);
+void run_bake(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
+              const Control& control) {
+  const BakePlan plan = plan_bake(source.shape(), options, {}, source.stored());
+  require_memory(plan, options);
+  Baking(source, options, plan, store, nullptr, result).run(control);
+}
+
+BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, const Control& control) {
+  if (const std::string words = source.words(); words != planned.source) {
+    throw Error(ErrorCode::invalid_argument,
+                "the plan is for " + planned.source + ", the source is " + words + "; plan again for this source");
   }
+  BakePlan plan = plan_bake(source.shape(), planned.options, planned.trim, source.stored());
+  require_memory(plan, planned.options);
+  take_reasons(planned.passes, plan);
+  BakeResult result;
+  Baking(source, planned.options, plan, store, nullptr, result).run(control);
+  return result;
 }
 
 }  // namespace baking
@@ -438,12 +525,12 @@ std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options) 
 
 void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  baking::bake_view(result, source, options, control);
+  baking::bake_pixels(result, source, options, control);
 }
 
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  baking::bake_view(result, source, options, control);
+  baking::bake_pixels(result, source, options, control);
 }
 
 BakeResult bake(const LatLongView& source, const BakeOptions& options, const Control& control) {
@@ -458,6 +545,18 @@ BakeResult bake(const CubemapView& source, const BakeOptions& options, const Con
   BakeResult result;
   bake_into(result, source, options, control);
   return result;
+}
+
+BakeResult bake_to(const BakeTargets& targets, const LatLongView& source, const BakeOptions& options,
+                   const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  return baking::bake_pixels_to(targets, source, options, control);
+}
+
+BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options,
+                   const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  return baking::bake_pixels_to(targets, source, options, control);
 }
 
 }  // namespace welkin

@@ -1,14 +1,19 @@
-// Which passes a bake has: run, reused or left out, why, and what waits for what.
+// Which passes a bake has: run, reused or left out, why, at what cost, and what waits for what.
 #include "bake/bake_plan.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "image/pixels.h"
+#include "image/sphere_grid.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
-#include "reflections/prefilter_plan.h"
+#include "transform/spectrum.h"
+#include "transform/transform_kernels.h"
 #include "welkin/core.h"
 #include "welkin/irradiance.h"
 #include "welkin/plan.h"
@@ -31,178 +36,353 @@ SourceShape shape_of(const CubemapView& view) {
   return {true, view.size, 6 * view.size, view.format};
 }
 
+std::span<const CostUnit> cost_units() noexcept {
+  static constexpr std::array kUnits = {CostUnit{"clean_texel", &CostModel::clean_texel},
+                                        CostUnit{"project_texel", &CostModel::project_texel},
+                                        CostUnit{"project_sum", &CostModel::project_sum},
+                                        CostUnit{"resample_texel", &CostModel::resample_texel},
+                                        CostUnit{"resample_source", &CostModel::resample_source},
+                                        CostUnit{"resample_cube_texel", &CostModel::resample_cube_texel},
+                                        CostUnit{"resample_cube_source", &CostModel::resample_cube_source},
+                                        CostUnit{"mip_texel", &CostModel::mip_texel},
+                                        CostUnit{"copy_texel", &CostModel::copy_texel},
+                                        CostUnit{"read_texel", &CostModel::read_texel},
+                                        CostUnit{"read_plain_texel", &CostModel::read_plain_texel},
+                                        CostUnit{"ring_texel", &CostModel::ring_texel},
+                                        CostUnit{"bright_texel", &CostModel::bright_texel},
+                                        CostUnit{"fourier_texel", &CostModel::fourier_texel},
+                                        CostUnit{"legendre_term", &CostModel::legendre_term},
+                                        CostUnit{"face_texel", &CostModel::face_texel},
+                                        CostUnit{"tap", &CostModel::tap},
+                                        CostUnit{"reference_pair", &CostModel::reference_pair},
+                                        CostUnit{"reference_direction", &CostModel::reference_direction},
+                                        CostUnit{"irradiance_term", &CostModel::irradiance_term},
+                                        CostUnit{"irradiance_pair", &CostModel::irradiance_pair},
+                                        CostUnit{"irradiance_direction", &CostModel::irradiance_direction},
+                                        CostUnit{"brdf_texel", &CostModel::brdf_texel},
+                                        CostUnit{"sheen_texel", &CostModel::sheen_texel},
+                                        CostUnit{"transmittance_texel", &CostModel::transmittance_texel},
+                                        CostUnit{"sun_path_node", &CostModel::sun_path_node},
+                                        CostUnit{"first_order_node", &CostModel::first_order_node},
+                                        CostUnit{"order_node", &CostModel::order_node},
+                                        CostUnit{"scattered_once", &CostModel::scattered_once},
+                                        CostUnit{"scattered_often", &CostModel::scattered_often},
+                                        CostUnit{"slice_texel", &CostModel::slice_texel},
+                                        CostUnit{"sky_direction", &CostModel::sky_direction},
+                                        CostUnit{"projected_direction", &CostModel::projected_direction}};
+  return kUnits;
+}
+
 }  // namespace welkin
 
 namespace welkin::baking {
 namespace {
 
 constexpr int kLargestIrradiance = 4096;
+constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
+constexpr std::uint64_t kSmallChange = std::uint64_t{2} << 20U;  ///< scratch space of tiles, lists of rows
+constexpr double kNanoseconds = 1e6;                             ///< in a millisecond
 
 std::uint64_t squared(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
 
-void check(const BakeOptions& options) {
-  image::require_range("background_size", options.background_size, 0, image::kLargestFace);
-  image::require_range("irradiance_size", options.irradiance_size, 0, kLargestIrradiance);
-  image::require_range("bands", options.bands, 0, kMaximumBands);
-  image::require_range("projected_bands", options.projected_bands, 0, kMaximumBands);
-  if (options.irradiance_size > 0 && options.bands == 0 && options.irradiance_method == IrradianceMethod::harmonics) {
-    throw Error(ErrorCode::invalid_argument,
-                "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, irradiance_size = 0 or "
-                "irradiance_method = direct");
+// What work takes: memory, and nanoseconds of one thread.
+
+/// Of the transform: orders times rings, in groups of lanes.
+std::uint64_t columns_bytes(int bands, int rings) {
+  const auto groups = static_cast<std::uint64_t>((rings + 1) / 2 + transforms::kRingLanes) / transforms::kRingLanes;
+  return static_cast<std::uint64_t>(bands) * groups * transforms::kColumnFloats * sizeof(float);
+}
+
+/// What the prefilter holds when all of its mips are being made.
+std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+  const bool sampled = plan.uses(MipMethod::sampled);
+  std::uint64_t bytes = 0;
+  const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
+  if (plan.bands > 0) {
+    if (source.cubemap) bytes += (24 + 9) * ring_texels;  // of `rings_of_cubemap`
+    bytes += kTexelBytes * ring_texels + columns_bytes(plan.bands, rings);
+    bytes += squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
   }
-  if (options.brdf) reflections::check_brdf(*options.brdf);
-}
-
-ProjectionOptions projection_of(const BakeOptions& options) {
-  ProjectionOptions projecting;
-  projecting.bands = options.bands > 0 ? std::max(options.bands, options.projected_bands) : 1;
-  projecting.pixels = options.pixels;
-  return projecting;
-}
-
-int background_size_of(const SourceShape& source, const BakeOptions& options) {
-  if (!options.background) return 0;
-  if (options.background_size > 0) return options.background_size;
-  if (options.specular) return options.specular->size;
-  return source.cubemap ? source.columns : std::max(1, source.columns / 4);
-}
-
-}  // namespace
-
-std::uint64_t chain_texels(int size, int levels) noexcept {
-  std::uint64_t texels = 0;
-  for (int level = 0; level < levels; ++level) texels += 6 * squared(std::max(1, size >> level));
-  return texels;
-}
-
-BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored,
-                   const CostModel& costs) {
-  check(options);
-  BakePlan plan;
-  plan.projecting = projection_of(options);
-  projection::check_options(plan.projecting);
-  plan.background_size = background_size_of(source, options);
-  if (plan.background_size > 0) {
-    plan.background_levels = options.background_mips ? full_chain_levels(plan.background_size) : 1;
+  for (const reflections::MipPlan& mip : plan.mips) {
+    if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
+    if (mip.bands.bands() == 0) continue;
+    const transforms::GridSize grid = transforms::grid_for_bands(mip.bands.bands());
+    constexpr int border = 2 * image::SphereGrid::kBorder;
+    bytes += columns_bytes(mip.bands.bands(), grid.rings) + sizeof(float) * 4 *
+                                                                static_cast<std::uint64_t>(grid.rings + border) *
+                                                                static_cast<std::uint64_t>(grid.columns + border);
   }
-  if (options.specular && stored.specular_mips > 0) {
-    plan.stored_specular = true;
-    plan.specular_size = stored.specular_size;
-    plan.specular_mips = stored.specular_mips;
-  } else if (options.specular) {
-    const reflections::PrefilterPlan prefiltering = reflections::plan_prefilter(*options.specular);
-    plan.specular_size = prefiltering.mips.front().size;
-    plan.specular_mips = static_cast<int>(prefiltering.mips.size());
-    plan.same_level = prefiltering.mips.front().copy && plan.background_size == plan.specular_size;
+  // The chain that is sampled, with a border, from level 0 down.
+  if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
+  return bytes;
+}
+
+double cube_texels(int edge) { return 6.0 * edge * edge; }
+
+/// How a cubemap is reduced by a power of two: as its mips are.
+bool halves(int source_size, int size) {
+  return source_size % size == 0 && std::has_single_bit(static_cast<unsigned>(source_size / size));
+}
+
+/// A texel of the result takes a look; where it is coarser than the source, all of what it covers.
+double resampling(const SourceShape& source, int size, const CostModel& costs) {
+  if (source.cubemap && source.columns == size) return costs.copy_texel * cube_texels(size);
+  if (source.cubemap && halves(source.columns, size)) return costs.mip_texel * static_cast<double>(source.texels());
+  if (source.cubemap) {
+    return costs.resample_cube_texel * cube_texels(size) +
+           costs.resample_cube_source * static_cast<double>(source.texels());
   }
-  plan.stored_harmonics = options.bands > 0 && options.bands <= stored.harmonics_bands;
-  plan.stored_background = source.cubemap && plan.background_levels > 1 && plan.background_size == source.columns &&
-                           stored.background_levels >= plan.background_levels;
-  plan.steps = steps_of(source, options, plan);
-  predict(source, options, costs, plan);
-  return plan;
+  return costs.resample_texel * cube_texels(size) + costs.resample_source * static_cast<double>(source.texels());
 }
 
-void require_memory(std::uint64_t result_bytes, std::uint64_t working_bytes, const BakeOptions& options) {
-  const std::uint64_t needed = result_bytes + working_bytes;
-  if (needed <= options.memory_limit_bytes) return;
-  throw Error(ErrorCode::limit_exceeded, "the bake may need " + std::to_string(needed) + " bytes (results " +
-                                             std::to_string(result_bytes) + ", working memory " +
-                                             std::to_string(working_bytes) + ") and the limit is " +
-                                             std::to_string(options.memory_limit_bytes) +
-                                             "; pass smaller sizes, leave results out, or raise memory_limit_bytes");
+double projecting(double texels, int bands, const CostModel& costs) {
+  return texels * (costs.project_texel + 0.5 * costs.project_sum * bands * (bands + 1));
 }
 
-namespace {
+/// Both halves of a transform: rings by Fourier, orders by Legendre. Functions vanish near the poles: half of them
+/// count.
+double transforming(double rings, double columns, int bands, const CostModel& costs) {
+  return costs.fourier_texel * rings * columns + costs.legendre_term * 0.25 * bands * bands * rings;
+}
+
+double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
+  const double rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const double columns = source.cubemap ? 2.0 * rings : source.columns;
+  double cost = 0.0;
+  if (plan.bands > 0) {
+    if (source.cubemap) cost += costs.ring_texel * rings * columns;
+    cost += costs.bright_texel * rings * columns + transforming(rings, columns, plan.bands, costs);
+  }
+  if (plan.uses(MipMethod::sampled)) {
+    cost += resampling(source, plan.size, costs) + (costs.mip_texel + costs.copy_texel) * cube_texels(plan.size);
+  }
+  for (const reflections::MipPlan& mip : plan.mips) {
+    const double texels = cube_texels(mip.size);
+    cost += projecting(texels, 1, costs);  // its mean
+    if (mip.method == MipMethod::copy) {
+      cost += resampling(source, mip.size, costs);
+    } else if (mip.method == MipMethod::sampled) {
+      cost += costs.tap * texels * plan.samples;
+    } else if (mip.method == MipMethod::reference) {
+      cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
+    } else {
+      const transforms::GridSize grid = transforms::grid_for_bands(mip.bands.bands());
+      cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
+    }
+  }
+  return cost;
+}
+
+/// What a pass takes.
+struct Work {
+  double nanoseconds = 0.0;
+  std::uint64_t result_bytes = 0;
+  std::uint64_t working_bytes = 0;  ///< beside the result
+};
+
+Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
+  const int mips = static_cast<int>(plan.mips.size());
+  return {prefiltering(source, plan, costs), kTexelBytes * chain_texels(plan.mips.front().size, mips),
+          prefilter_bytes(source, plan)};
+}
+
+// What is said of it.
 
 constexpr const char* kNotAskedFor = "not asked for";
 
 std::string edge(int size) { return std::to_string(size) + " x " + std::to_string(size); }
 
-BakeStep step(BakePass pass, PassAction action, std::string reason, std::vector<BakePass> after = {}) {
-  return {pass, {name(pass), action, std::move(reason), 0.0, 0}, std::move(after)};
+std::string mips_from(int mips, int size) { return std::to_string(mips) + " mips from " + edge(size); }
+
+std::string prefilter_words(const reflections::PrefilterPlan& plan) {
+  const int mips = static_cast<int>(plan.mips.size());
+  std::string words = mips_from(mips, plan.mips.front().size);
+  if (mips == plan.chain_mips) return words;
+  return words + "; left out: " + std::to_string(plan.first_mip) + " sharper, " +
+         std::to_string(plan.chain_mips - plan.first_mip - mips) + " rougher";
 }
 
-BakeStep skipped(BakePass pass, std::string reason = kNotAskedFor) {
-  return step(pass, PassAction::skip, std::move(reason));
-}
+// The passes.
 
-BakeStep sanitize_step(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
-  const bool direct = options.irradiance_size > 0 && options.irradiance_method == IrradianceMethod::direct;
-  const bool specular = options.specular && !plan.stored_specular;
-  const bool background = plan.background_size > 0;
-  if (!specular && !background && !direct)
-    return skipped(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
-  if (source.format == PixelFormat::rgb32f && !options.pixels.clamp && !options.pixels.gamma)
-    return step(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean");
-  return step(BakePass::sanitize, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for");
-}
-
-BakeStep specular_step(const BakeOptions& options, const BakePlan& plan) {
-  if (!options.specular) return skipped(BakePass::specular);
-  if (plan.stored_specular) {
-    return step(
-        BakePass::specular, PassAction::reuse,
-        std::to_string(plan.specular_mips) + " mips from " + edge(plan.specular_size) + " came with the pixels");
+void check(const BakeOptions& options, const PlanTrim& trim) {
+  if (options.background && options.background->size)
+    image::require_range("background.size", *options.background->size, 1, image::kLargestFace);
+  if (options.irradiance) image::require_range("irradiance.size", options.irradiance->size, 1, kLargestIrradiance);
+  image::require_range("bands", options.bands, 0, kMaximumBands);
+  image::require_range("projected_bands", trim.projected_bands, 0, kMaximumBands);
+  if (options.irradiance && options.bands == 0 && options.irradiance->method == IrradianceMethod::harmonics) {
+    throw Error(ErrorCode::invalid_argument,
+                "an irradiance cubemap from harmonics needs some, and bands is 0; pass 3, leave irradiance out, or set "
+                "its method to direct");
   }
-  std::string what = std::to_string(plan.specular_mips) + " mips from " + edge(plan.specular_size);
-  const int left_out = options.specular->leave_out_sharp + options.specular->leave_out_rough;
-  if (left_out > 0) {
-    what += "; left out: " + std::to_string(options.specular->leave_out_sharp) + " sharper, " +
-            std::to_string(options.specular->leave_out_rough) + " rougher";
+  if (options.brdf) reflections::check_brdf(*options.brdf);
+}
+
+/// Puts a plan together: one function a pass.
+class BakePlanner {
+ public:
+  BakePlanner(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim, const StoredKinds& stored,
+              const CostModel& costs)
+      : source_(source), options_(options), stored_(stored), costs_(costs) {
+    settle_projection(trim);
+    settle_sizes(trim);
   }
-  return step(BakePass::specular, PassAction::run, what, {BakePass::sanitize});
-}
 
-BakeStep background_step(const SourceShape& source, const BakePlan& plan) {
-  if (plan.background_size == 0) return skipped(BakePass::background);
-  if (plan.same_level) {
-    return step(BakePass::background, PassAction::reuse, "mip 0 of the specular cubemap is the same",
-                {BakePass::specular});
+  BakePlan run() {
+    plan_.working_bytes = kSmallChange;
+    sanitize();
+    specular();
+    background();
+    background_mips();
+    project();
+    irradiance();
+    brdf();
+    return std::move(plan_);
   }
-  return step(BakePass::background, PassAction::run,
-              source.words() + " to faces of " + edge(plan.background_size) + ", by area", {BakePass::sanitize});
-}
 
-BakeStep background_mips_step(const BakeOptions& options, const BakePlan& plan) {
-  if (plan.background_size == 0) return skipped(BakePass::background_mips, "there is no background");
-  if (plan.background_levels == 1)
-    return skipped(BakePass::background_mips, options.background_mips ? "level 0 is 1 texel" : kNotAskedFor);
-  const std::string levels = std::to_string(plan.background_levels) + " levels";
-  if (plan.stored_background)
-    return step(BakePass::background_mips, PassAction::reuse, levels + " came with the pixels", {BakePass::background});
-  return step(
-      BakePass::background_mips, PassAction::run,
-      levels + ", each from the one above, by " + (options.mip_filter == MipFilter::box ? "plain mean" : "solid angle"),
-      {BakePass::background});
-}
-
-BakeStep project_step(const BakeOptions& options, const BakePlan& plan) {
-  if (plan.stored_harmonics)
-    return step(BakePass::project, PassAction::reuse, "the harmonics that came with the pixels");
-  if (options.bands > 0) {
-    std::string bands = std::to_string(options.bands) + (options.bands > 1 ? " bands" : " band");
-    if (plan.projecting.bands > options.bands) bands += " of " + std::to_string(plan.projecting.bands);
-    return step(BakePass::project, PassAction::run, bands + " from the source's own texels");
+ private:
+  void settle_projection(const PlanTrim& trim) {
+    projected_bands_ =
+        options_.bands > 0 ? std::max(options_.bands, trim.projected_bands) : std::min(1, trim.projected_bands);
+    plan_.projecting.bands = std::max(1, projected_bands_);
+    plan_.projecting.pixels = options_.pixels;
+    projection::check_options(plan_.projecting);
+    plan_.stored_harmonics = options_.bands > 0 && options_.bands <= stored_.harmonics_bands;
   }
-  if (!options.total_radiance) return skipped(BakePass::project);
-  return step(BakePass::project, PassAction::run, "1 band, for the total radiance: no coefficients were asked for");
-}
 
-BakeStep irradiance_step(const BakeOptions& options) {
-  if (options.irradiance_size == 0) return skipped(BakePass::irradiance);
-  const std::string size = edge(options.irradiance_size);
-  if (options.irradiance_method == IrradianceMethod::direct)
-    return step(BakePass::irradiance, PassAction::run, size + " by direct convolution in double", {BakePass::sanitize});
-  return step(BakePass::irradiance, PassAction::run, size + " from " + std::to_string(options.bands) + " bands",
-              {BakePass::project});
-}
+  void settle_sizes(const PlanTrim& trim) {
+    plan_.background_size = background_size(source_, options_);
+    if (plan_.background_size > 0)
+      plan_.background_levels = options_.background->mips ? full_chain_levels(plan_.background_size) : 1;
+    plan_.stored_specular = options_.specular && stored_.specular_mips > 0;
+    if (options_.specular && !plan_.stored_specular) {
+      plan_.prefilter = reflections::plan_prefilter(*options_.specular).without(trim.mips.sharp, trim.mips.rough);
+      const reflections::MipPlan& first = plan_.prefilter->mips.front();
+      plan_.same_level = first.method == MipMethod::copy && plan_.background_size == first.size;
+    }
+    plan_.stored_background = source_.cubemap && plan_.background_levels > 1 &&
+                              plan_.background_size == source_.columns &&
+                              stored_.background_levels >= plan_.background_levels;
+  }
 
-BakeStep brdf_step(const BakeOptions& options) {
-  if (!options.brdf) return skipped(BakePass::brdf);
-  return step(BakePass::brdf, PassAction::run,
-              std::to_string(options.brdf->width) + " x " + std::to_string(options.brdf->height) + " by quadrature");
-}
+  void add(BakePass pass, PassAction action, std::string reason, const Work& work, std::vector<BakePass> after = {}) {
+    plan_.steps.push_back({pass,
+                           {name(pass), action, std::move(reason), work.nanoseconds / kNanoseconds,
+                            work.result_bytes + work.working_bytes},
+                           std::move(after)});
+    plan_.result_bytes += work.result_bytes;
+    plan_.working_bytes += work.working_bytes;
+  }
+  void skip(BakePass pass, std::string reason = kNotAskedFor) { add(pass, PassAction::skip, std::move(reason), {}); }
+
+  [[nodiscard]] double source_texels() const { return static_cast<double>(source_.texels()); }
+  [[nodiscard]] bool convolves_directly() const {
+    return options_.irradiance && options_.irradiance->method == IrradianceMethod::direct;
+  }
+
+  void sanitize() {
+    if (!plan_.prefilter && plan_.background_size == 0 && !convolves_directly())
+      return skip(BakePass::sanitize, "no pass wants pixels but the projection, which cleans on the fly");
+    // The memory is for a copy either way: the source's own pixels may turn out not to be clean.
+    const Work work{costs_.clean_texel * source_texels(), 0, kTexelBytes * source_.texels()};
+    if (source_.format == PixelFormat::rgb32f && !options_.pixels.clamp && !options_.pixels.gamma) {
+      add(BakePass::sanitize, PassAction::reuse, "RGB floats are looked through, and copied only if not clean", work);
+    } else {
+      add(BakePass::sanitize, PassAction::run, "a copy as RGB floats, clamped and replaced as asked for", work);
+    }
+  }
+
+  void specular() {
+    if (plan_.prefilter) {
+      add(BakePass::specular, PassAction::run, prefilter_words(*plan_.prefilter),
+          prefilter_work(source_, *plan_.prefilter, costs_), {BakePass::sanitize});
+    } else if (plan_.stored_specular) {
+      const std::uint64_t texels = chain_texels(stored_.specular_size, stored_.specular_mips);
+      add(BakePass::specular, PassAction::reuse,
+          mips_from(stored_.specular_mips, stored_.specular_size) + " came with the pixels",
+          {costs_.copy_texel * static_cast<double>(texels), kTexelBytes * texels, 0});
+    } else {
+      skip(BakePass::specular);
+    }
+  }
+
+  void background() {
+    const int size = plan_.background_size;
+    if (size == 0) return skip(BakePass::background);
+    const std::uint64_t bytes = kTexelBytes * chain_texels(size, 1);
+    if (plan_.same_level) {
+      add(BakePass::background, PassAction::reuse, "mip 0 of the specular cubemap is the same",
+          {costs_.copy_texel * cube_texels(size), bytes, 0}, {BakePass::specular});
+    } else {
+      add(BakePass::background, PassAction::run, source_.words() + " to faces of " + edge(size) + ", by area",
+          {resampling(source_, size, costs_), bytes, source_.cubemap ? bytes : 0}, {BakePass::sanitize});
+    }
+  }
+
+  void background_mips() {
+    const int size = plan_.background_size;
+    if (size == 0) return skip(BakePass::background_mips, "there is no background");
+    const int levels = plan_.background_levels;
+    if (levels == 1)
+      return skip(BakePass::background_mips, options_.background->mips ? "level 0 is 1 texel" : kNotAskedFor);
+    const std::uint64_t bytes = kTexelBytes * (chain_texels(size, levels) - chain_texels(size, 1));
+    const std::string count = std::to_string(levels) + " levels";
+    if (plan_.stored_background) {
+      add(BakePass::background_mips, PassAction::reuse, count + " came with the pixels",
+          {costs_.copy_texel / 3.0 * cube_texels(size), bytes, 0}, {BakePass::background});
+    } else {
+      const bool box = options_.background->mip_filter == MipFilter::box;
+      add(BakePass::background_mips, PassAction::run,
+          count + ", each from the one above, by " + (box ? "plain mean" : "solid angle"),
+          {costs_.mip_texel * cube_texels(size), bytes, 0}, {BakePass::background});
+    }
+  }
+
+  void project() {
+    if (plan_.stored_harmonics)
+      return add(BakePass::project, PassAction::reuse, "the harmonics that came with the pixels", {});
+    if (projected_bands_ == 0) return skip(BakePass::project);
+    std::string words = "1 band, for the total radiance: no coefficients were asked for";
+    if (options_.bands > 0) {
+      words = std::to_string(options_.bands) + (options_.bands > 1 ? " bands" : " band");
+      if (projected_bands_ > options_.bands) words += " of " + std::to_string(projected_bands_);
+      words += " from the source's own texels";
+    }
+    add(BakePass::project, PassAction::run, words, {projecting(source_texels(), projected_bands_, costs_), 0, 0});
+  }
+
+  void irradiance() {
+    if (!options_.irradiance) return skip(BakePass::irradiance);
+    const int size = options_.irradiance->size;
+    const double texels = cube_texels(size);
+    const std::uint64_t bytes = kTexelBytes * chain_texels(size, 1);
+    if (convolves_directly()) {
+      add(BakePass::irradiance, PassAction::run, edge(size) + " by direct convolution in double",
+          {texels * (costs_.irradiance_pair * source_texels() + costs_.irradiance_direction), bytes, 0},
+          {BakePass::sanitize});
+    } else {
+      add(BakePass::irradiance, PassAction::run, edge(size) + " from " + std::to_string(options_.bands) + " bands",
+          {costs_.irradiance_term * texels * options_.bands * options_.bands, bytes, 0}, {BakePass::project});
+    }
+  }
+
+  void brdf() {
+    if (!options_.brdf) return skip(BakePass::brdf);
+    const int width = options_.brdf->width;
+    const int height = options_.brdf->height;
+    const double texel = options_.brdf->sheen ? costs_.sheen_texel : costs_.brdf_texel;
+    add(BakePass::brdf, PassAction::run, std::to_string(width) + " x " + std::to_string(height) + " by quadrature",
+        {texel * width * height, sizeof(float) * reflections::brdf_values(*options_.brdf), 0});
+  }
+
+  const SourceShape& source_;
+  const BakeOptions& options_;
+  const StoredKinds& stored_;
+  const CostModel& costs_;
+  int projected_bands_ = 0;  ///< 0: nothing is projected
+  BakePlan plan_;
+};
 
 }  // namespace
 
@@ -219,14 +399,40 @@ const char* name(BakePass pass) noexcept {
   return "brdf";
 }
 
-std::vector<BakeStep> steps_of(const SourceShape& source, const BakeOptions& options, const BakePlan& plan) {
-  return {sanitize_step(source, options, plan),
-          specular_step(options, plan),
-          background_step(source, plan),
-          background_mips_step(options, plan),
-          project_step(options, plan),
-          irradiance_step(options),
-          brdf_step(options)};
+std::uint64_t chain_texels(int size, int levels) noexcept {
+  std::uint64_t texels = 0;
+  for (int level = 0; level < levels; ++level) texels += 6 * squared(std::max(1, size >> level));
+  return texels;
+}
+
+int background_size(const SourceShape& source, const BakeOptions& options) {
+  if (!options.background) return 0;
+  if (options.background->size) return *options.background->size;
+  if (options.specular) return options.specular->size;
+  return source.cubemap ? source.columns : std::max(1, source.columns / 4);
+}
+
+BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim,
+                   const StoredKinds& stored, const CostModel& costs) {
+  check(options, trim);
+  return BakePlanner(source, options, trim, stored, costs).run();
+}
+
+PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan,
+                                const CostModel& costs) {
+  const Work work = prefilter_work(source, plan, costs);
+  return {name(BakePass::specular), PassAction::run, prefilter_words(plan), work.nanoseconds / kNanoseconds,
+          work.result_bytes + work.working_bytes};
+}
+
+void require_memory(const BakePlan& plan, const BakeOptions& options) {
+  const std::uint64_t needed = plan.result_bytes + plan.working_bytes;
+  if (needed <= options.memory_limit_bytes) return;
+  throw Error(ErrorCode::limit_exceeded, "the bake may need " + std::to_string(needed) + " bytes (results " +
+                                             std::to_string(plan.result_bytes) + ", working memory " +
+                                             std::to_string(plan.working_bytes) + ") and the limit is " +
+                                             std::to_string(options.memory_limit_bytes) +
+                                             "; pass smaller sizes, leave results out, or raise memory_limit_bytes");
 }
 
 }  // namespace welkin::baking

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "reflections/prefilter_plan.h"
 #include "welkin/bake.h"
 #include "welkin/plan.h"
 
@@ -32,8 +34,8 @@ struct StoredKinds {
 struct BakePlan {
   int background_size = 0;    ///< 0: none
   int background_levels = 0;  ///< 0: none
-  int specular_size = 0;      ///< of what is made; 0: none
-  int specular_mips = 0;
+  /// The mips that are computed; none if the chain is stored, or not asked for.
+  std::optional<reflections::PrefilterPlan> prefilter;
   bool same_level = false;  ///< specular mip 0 is the background's level 0
   bool stored_harmonics = false;
   bool stored_specular = false;
@@ -41,29 +43,28 @@ struct BakePlan {
   ProjectionOptions projecting{};
 
   std::uint64_t result_bytes = 0;
-  std::uint64_t working_bytes = 0;  ///< at most
+  std::uint64_t working_bytes = 0;  ///< at most: of all that may run at the same time
   std::vector<BakeStep> steps;      ///< each pass once: what is run, planned, predicted and recorded
 
-  [[nodiscard]] BakeStep& step(BakePass pass) { return steps[static_cast<std::size_t>(pass)]; }
   [[nodiscard]] const BakeStep& step(BakePass pass) const { return steps[static_cast<std::size_t>(pass)]; }
+  [[nodiscard]] bool runs(BakePass pass) const { return step(pass).planned.action != PassAction::skip; }
 };
 
-/// All passes of a plan whose sizes are settled.
-[[nodiscard]] std::vector<BakeStep> steps_of(const SourceShape& source, const BakeOptions& options,
-                                             const BakePlan& plan);
+/// Throws `Error` (invalid_argument) for options that are out of range or do not go together.
+[[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const PlanTrim& trim = {},
+                                 const StoredKinds& stored = {}, const CostModel& costs = {});
+
+/// The background's size; 0: there is none.
+[[nodiscard]] int background_size(const SourceShape& source, const BakeOptions& options);
+
+/// The pass "specular" of a bake that computes these mips.
+[[nodiscard]] PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan,
+                                              const CostModel& costs);
 
 /// Texels of a chain of cubemaps.
 [[nodiscard]] std::uint64_t chain_texels(int size, int levels) noexcept;
 
-/// Fills in what the passes take: working memory of all that may run at the same time, at most, and processor time;
-/// `plan.steps` and sizes must be there.
-void predict(const SourceShape& source, const BakeOptions& options, const CostModel& costs, BakePlan& plan);
-
-/// Throws `Error` (invalid_argument) for options that are out of range or do not go together.
-[[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored = {},
-                                 const CostModel& costs = {});
-
 /// Throws `Error` (limit_exceeded) if the plan needs more than the options allow.
-void require_memory(std::uint64_t result_bytes, std::uint64_t working_bytes, const BakeOptions& options);
+void require_memory(const BakePlan& plan, const BakeOptions& options);
 
 }  // namespace welkin::baking

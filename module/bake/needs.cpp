@@ -33,69 +33,60 @@ void check(const SceneNeeds& needs) {
 namespace welkin::baking {
 namespace {
 
-using baking::BakePass;
-
 constexpr const char* kNotGlossy = "no glossy materials";
-
-/// The background's size must not follow the specular cubemap's when that is made smaller or not at all.
-int background_size(const SourceShape& source, const BakeOptions& whole) {
-  if (!whole.background) return 0;
-  BakeOptions shown = whole;  // what the rest demands of each other is no matter here
-  shown.irradiance_size = 0;
-  return plan_bake(source, shown).background_size;
-}
 
 void need_diffuse(const SceneNeeds& needs, NeededOptions& needed) {
   BakeOptions& options = needed.options;
-  const bool had_irradiance = options.irradiance_size > 0;
-  const bool had_bands = options.bands > 0;
-  if (needs.same_bits && needs.diffuse_bands < options.bands)
-    options.projected_bands = std::max(options.projected_bands, options.bands);
-  options.bands = std::min(options.bands, needs.diffuse_bands);
-  if (needs.diffuse_bands == 0 && had_bands) {
-    options.total_radiance = false;
-    needed.left_out.push_back({BakePass::project, "no diffuse light is used"});
+  if (needs.diffuse_bands == 0 && options.bands > 0) {
+    needed.trim.projected_bands = 0;
+    needed.left_out[BakePass::project] = "no diffuse light is used";
+  } else if (needs.same_bits && needs.diffuse_bands < options.bands) {
+    needed.trim.projected_bands = options.bands;
   }
-  if (!had_irradiance || (needs.irradiance_cubemap && needs.diffuse_bands > 1)) return;
-  options.irradiance_size = 0;
-  needed.left_out.push_back({BakePass::irradiance, needs.diffuse_bands == 0 ? "no diffuse light is used"
-                                                   : needs.diffuse_bands == 1
-                                                       ? "ambient only: one colour is all of it"
-                                                       : "diffuse light is read from coefficients"});
+  options.bands = std::min(options.bands, needs.diffuse_bands);
+  if (!options.irradiance || (needs.irradiance_cubemap && needs.diffuse_bands > 1)) return;
+  options.irradiance.reset();
+  needed.left_out[BakePass::irradiance] = needs.diffuse_bands == 0   ? "no diffuse light is used"
+                                          : needs.diffuse_bands == 1 ? "ambient only: one colour is all of it"
+                                                                     : "diffuse light is read from coefficients";
 }
 
 void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
   BakeOptions& options = needed.options;
   if (!needs.glossy) {
-    if (options.specular) needed.left_out.push_back({BakePass::specular, kNotGlossy});
-    if (options.brdf) needed.left_out.push_back({BakePass::brdf, kNotGlossy});
+    if (options.specular) needed.left_out[BakePass::specular] = kNotGlossy;
+    if (options.brdf) needed.left_out[BakePass::brdf] = kNotGlossy;
     options.specular.reset();
     options.brdf.reset();
     return;
   }
   if (options.specular) {
-    const std::vector<double> roughness = reflections::roughness_of_chain(*options.specular);
-    leave_out(unused_mips(roughness, *needs.glossy), needs.same_bits, *options.specular);
+    const UnusedMips unused = unused_mips(reflections::roughness_of_chain(*options.specular), *needs.glossy);
+    if (needs.same_bits) {
+      needed.trim.mips = unused;
+    } else {
+      options.specular = chain_without(unused, *options.specular);
+    }
   }
   if (!needs.brdf_table && options.brdf) {
-    needed.left_out.push_back({BakePass::brdf, "the engine has a table of its own"});
+    needed.left_out[BakePass::brdf] = "the engine has a table of its own";
     options.brdf.reset();
   }
 }
 
-void need_background(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole,
-                     NeededOptions& needed) {
-  BakeOptions& options = needed.options;
-  if (!options.background) return;
+/// Comes first: the background's size must not follow the specular cubemap's when that is made smaller or not at all.
+void need_background(const SourceShape& source, const SceneNeeds& needs, NeededOptions& needed) {
+  std::optional<BackgroundOptions>& background = needed.options.background;
+  if (!background) return;
   if (!needs.background) {
-    options.background = false;
-    needed.left_out.push_back({BakePass::background, "nothing shows it"});
+    background.reset();
+    needed.left_out[BakePass::background] = "nothing shows it";
     return;
   }
-  options.background_size = background_size(source, whole);
-  if (needs.background_mips || !options.background_mips) return;
-  options.background_mips = false;
-  needed.left_out.push_back({BakePass::background_mips, "it is shown at full size alone"});
+  background->size = background_size(source, needed.options);
+  if (needs.background_mips || !background->mips) return;
+  background->mips = false;
+  needed.left_out[BakePass::background_mips] = "it is shown at full size alone";
 }
 
 }  // namespace
@@ -113,28 +104,23 @@ UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRang
   return {first, mips - 1 - last};
 }
 
-void leave_out(const UnusedMips& unused, bool same_bits, PrefilterOptions& options) {
+PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions& options) {
   const std::vector<double> whole = reflections::roughness_of_chain(options);
-  if (same_bits) {
-    options.mips = static_cast<int>(whole.size());
-    options.roughness = whole;
-    options.leave_out_sharp = std::max(options.leave_out_sharp, unused.sharp);
-    options.leave_out_rough = std::max(options.leave_out_rough, unused.rough);
-    return;
-  }
-  options.size = std::max(1, options.size >> unused.sharp);
-  options.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
-  options.mips = static_cast<int>(options.roughness.size());
-  // What the caller left out already is in what is cut off, or beyond it.
-  options.leave_out_sharp = std::max(0, options.leave_out_sharp - unused.sharp);
-  options.leave_out_rough = std::max(0, options.leave_out_rough - unused.rough);
+  const auto mips = static_cast<int>(whole.size());
+  image::require_range("the number of sharp mips that are left out", unused.sharp, 0, mips - 1);
+  image::require_range("the number of rough mips that are left out", unused.rough, 0, mips - 1 - unused.sharp);
+  PrefilterOptions rest = options;
+  rest.size = std::max(1, options.size >> unused.sharp);
+  rest.roughness.assign(whole.begin() + unused.sharp, whole.end() - unused.rough);
+  rest.mips = static_cast<int>(rest.roughness.size());
+  return rest;
 }
 
 NeededOptions needed_options(const SourceShape& source, const SceneNeeds& needs, const BakeOptions& whole) {
-  NeededOptions needed{whole, {}};
+  NeededOptions needed{whole};
   SceneNeeds settled = needs;
   if (needs.error_budget) settled.same_bits = false;
-  need_background(source, settled, whole, needed);
+  need_background(source, settled, needed);
   need_diffuse(settled, needed);
   need_reflections(settled, needed);
   return needed;
@@ -165,30 +151,31 @@ void pick_bands(const BudgetChoice<int>& choice, double budget, NeededOptions& n
   const EstimatedSetting<int>* last = nullptr;
   const EstimatedSetting<int>* fewest = nullptr;
   for (const EstimatedSetting<int>& entry : choice.tried) {
-    const bool meets = entry.estimated_error <= budget;
+    const bool meets = entry.error_estimate <= budget;
     if (meets && fewest == nullptr) fewest = &entry;
     if (entry.setting <= options.bands) last = &entry;
   }
   std::string words;
   if (fewest != nullptr && fewest->setting <= options.bands) {
     options.bands = fewest->setting;
-    words = bands_text(options.bands) + " picked: estimated error of irradiance " + percent(fewest->estimated_error) +
+    words = bands_text(options.bands) + " picked: estimated error of irradiance " + percent(fewest->error_estimate) +
             ", budget " + percent(budget);
   } else {
-    words = "no fewer: estimated error of irradiance " + percent(last->estimated_error) + ", above the budget of " +
+    words = "no fewer: estimated error of irradiance " + percent(last->error_estimate) + ", above the budget of " +
             percent(budget);
     if (fewest != nullptr) words += ", which " + bands_text(fewest->setting) + " would meet";
   }
-  needed.chosen.push_back({BakePass::project, std::move(words)});
+  needed.chosen[BakePass::project] = std::move(words);
 }
 
 std::string unmet_words(const PrefilterChoice& choice, double budget) {
   const std::string words = "bounds as they were: ";
   const std::vector<reflections::MipPlan> mips = reflections::plan_prefilter(choice.setting).mips;
-  if (std::ranges::any_of(mips, [](const auto& mip) { return !mip.copy && mip.bands.bands() == 0; }))
+  if (std::ranges::any_of(mips,
+                          [](const auto& mip) { return mip.method != MipMethod::copy && mip.bands.bands() == 0; }))
     return words + "a mip that is sampled has no estimate for the budget";
-  return words + "of none is the estimated error under the budget of " + percent(budget) + ", the least is " +
-         percent(choice.estimated_error);
+  return words + "of none is the estimated error under the budget of " + percent(budget) + ", the minimum is " +
+         percent(choice.error_estimate);
 }
 
 void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& needed) {
@@ -198,11 +185,11 @@ void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& ne
     specular.rms_error = choice.setting.rms_error;
     specular.maximum_error = choice.setting.maximum_error;
     words = "rms bound " + percent(specular.rms_error) + " picked: estimated error of the worst mip " +
-            percent(choice.estimated_error) + ", budget " + percent(budget);
+            percent(choice.error_estimate) + ", budget " + percent(budget);
   } else {
     words = unmet_words(choice, budget);
   }
-  needed.chosen.push_back({BakePass::specular, std::move(words)});
+  needed.chosen[BakePass::specular] = std::move(words);
 }
 
 template <class View>
@@ -219,7 +206,7 @@ void spend(const View& view, double relative, NeededOptions& needed, const Contr
     const Control part = jobs::part_of(control, kBandsShare, 1.0);
     pick_bounds(choose_prefilter(view, asked, budget, false, part), relative, needed);
   } else if (options.specular) {
-    needed.chosen.push_back({BakePass::specular, "the method that was asked for has no estimate for a budget"});
+    needed.chosen[BakePass::specular] = "the method that was asked for has no estimate for a budget";
   }
 }
 

@@ -1,6 +1,7 @@
 // A bake of everything, less what a scene does not need.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,22 +13,11 @@
 
 namespace welkin::baking {
 
-/// Why a pass falls away.
-struct LeftOut {
-  BakePass pass;
-  std::string reason;
-};
-
-/// What an error budget did to a pass, for its reason.
-struct ChosenSetting {
-  BakePass pass;
-  std::string words;
-};
-
 struct NeededOptions {
   BakeOptions options;
-  std::vector<LeftOut> left_out;  ///< of what the whole bake would have done
-  std::vector<ChosenSetting> chosen{};
+  PlanTrim trim{};
+  std::map<BakePass, std::string> left_out{};  ///< why a pass of the whole bake falls away
+  std::map<BakePass, std::string> chosen{};    ///< what an error budget did to a pass
 };
 
 /// Settings that an error budget may loosen are still those of the whole bake, without what would keep its bits.
@@ -39,14 +29,10 @@ struct NeededOptions {
 void refuse_budget(const SceneNeeds& needs, const std::string& instead);
 
 /// Mips, of a table of roughness that rises, that no lookup from `range.minimum` to `range.maximum` touches.
-struct UnusedMips {
-  int sharp = 0;
-  int rough = 0;
-};
 [[nodiscard]] UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRange& range);
 
-/// Takes those out of the options; with `same_bits` as left out, else as a chain of its own.
-void leave_out(const UnusedMips& unused, bool same_bits, PrefilterOptions& options);
+/// The options of a chain of its own that has all mips but those. Throws `Error` (invalid_argument) unless one is left.
+[[nodiscard]] PrefilterOptions chain_without(const UnusedMips& unused, const PrefilterOptions& options);
 
 // What a scene may lose, spent: the cheapest setting of each pass that this environment allows.
 
@@ -55,10 +41,7 @@ void leave_out(const UnusedMips& unused, bool same_bits, PrefilterOptions& optio
 void spend_budget(const LatLongView& view, double budget, NeededOptions& needed, const Control& control);
 void spend_budget(const CubemapView& view, double budget, NeededOptions& needed, const Control& control);
 
-// Plans put together: what photographs, files and changes have in common.
-
-/// Throws `Error` (invalid_argument) unless the plan is of the source that these words describe.
-void require_same_source(const Plan& plan, const std::string& source);
+// Plans put together: what photographs and files have in common.
 
 /// `stored`: what the source brings along and may be taken.
 [[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored,

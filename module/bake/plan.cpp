@@ -19,20 +19,16 @@ namespace welkin {
 namespace baking {
 namespace {
 
-template <class View>
-BakeResult bake_planned(const View& view, const Plan& plan, const Control& control) {
-  MemorySource source(view);
-  require_same_source(plan, source.shape().words());
-  BakeResult result;
-  run_bake(result, source, {plan.options, plan.passes}, control);
-  return result;
+BakeResult bake_planned(const PixelsView& pixels, const Plan& plan, const Control& control) {
+  MemorySource source(pixels);
+  return run_bake(source, plan, nullptr, control);
 }
 
 template <class View>
 Plan plan_view(const View& view, const SceneNeeds& needs, const BakeOptions& whole, const CostModel& costs,
                const Control& control) {
   check(needs);
-  const SourceShape source = shape_of(view);
+  const SourceShape source = welkin::shape_of(view);
   NeededOptions needed = needed_options(source, needs, whole);
   if (needs.error_budget) spend_budget(view, *needs.error_budget, needed, control);
   return plan_pixels(source, needed, {}, costs);
@@ -40,18 +36,13 @@ Plan plan_view(const View& view, const SceneNeeds& needs, const BakeOptions& who
 
 }  // namespace
 
-void require_same_source(const Plan& plan, const std::string& source) {
-  if (plan.source == source) return;
-  throw Error(ErrorCode::invalid_argument,
-              "the plan is for " + plan.source + ", the source is " + source + "; plan again for this source");
-}
-
 Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored,
                  const CostModel& costs) {
-  const BakePlan baking = plan_bake(source, needed.options, stored, costs);
+  const BakePlan baking = plan_bake(source, needed.options, needed.trim, stored, costs);
   Plan plan;
   plan.source = source.words();
   plan.options = needed.options;
+  plan.trim = needed.trim;
   plan.take_specular = baking.stored_specular;
   plan.take_levels = baking.stored_background;
   plan.take_light = baking.stored_harmonics;
@@ -59,12 +50,9 @@ Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const S
   plan.working_bytes = baking.working_bytes;
   for (const BakeStep& step : baking.steps) {
     PlannedPass& pass = plan.passes.emplace_back(step.planned);
-    for (const LeftOut& left_out : needed.left_out) {
-      if (left_out.pass == step.pass && pass.action == PassAction::skip) pass.reason = left_out.reason;
-    }
-    for (const ChosenSetting& chosen : needed.chosen) {
-      if (chosen.pass == step.pass && pass.action != PassAction::skip) pass.reason += "; " + chosen.words;
-    }
+    const bool skipped = pass.action == PassAction::skip;
+    if (skipped && needed.left_out.contains(step.pass)) pass.reason = needed.left_out.at(step.pass);
+    if (!skipped && needed.chosen.contains(step.pass)) pass.reason += "; " + needed.chosen.at(step.pass);
   }
   return plan;
 }
@@ -211,7 +199,7 @@ void check(const EnvironmentChange& change) {
                                                  "; pass a finite factor that is not negative");
   }
   // Refuses what is no turn, whether or not there is light to turn.
-  if (turns(change)) static_cast<void>(transform(SphericalHarmonics(1), change.turn));
+  if (turns(change)) static_cast<void>(turned(SphericalHarmonics(1), change.turn));
 }
 
 std::string how(const EnvironmentChange& change) {
@@ -220,7 +208,7 @@ std::string how(const EnvironmentChange& change) {
 }
 
 bool evaluates_irradiance(const BakeOptions& baked) {
-  return baked.irradiance_size > 0 && baked.bands > 0 && baked.irradiance_method == IrradianceMethod::harmonics;
+  return baked.irradiance && baked.bands > 0 && baked.irradiance->method == IrradianceMethod::harmonics;
 }
 
 PlannedPass kept(std::string name, bool is_there, const EnvironmentChange& change) {
@@ -240,21 +228,21 @@ Plan plan_change(const BakeOptions& baked, const EnvironmentChange& change, cons
   plan.options = baked;
   plan.passes = {{"clean", PassAction::skip, "no pixel is read", 0.0, 0},
                  kept("specular", baked.specular.has_value(), change),
-                 kept("background", baked.background, change),
-                 kept("background mips", baked.background && baked.background_mips, change)};
+                 kept("background", baked.background.has_value(), change),
+                 kept("background mips", baked.background && baked.background->mips, change)};
   if (baked.bands > 0) {
     plan.passes.push_back({"project", PassAction::reuse, "coefficients, " + how(change), 0.0, 0});
   } else {
     plan.passes.push_back({"project", PassAction::skip, "there are no coefficients", 0.0, 0});
   }
-  const double texels = 6.0 * baked.irradiance_size * baked.irradiance_size;
   if (evaluates_irradiance(baked)) {
+    const double texels = 6.0 * baked.irradiance->size * baked.irradiance->size;
     const double cost = costs.irradiance_term * texels * baked.bands * baked.bands / kNanoseconds;
     plan.result_bytes = kTexelBytes * static_cast<std::uint64_t>(texels);
     plan.passes.push_back(
         {"irradiance", PassAction::run, "from the coefficients, " + how(change), cost, plan.result_bytes});
   } else {
-    plan.passes.push_back(kept("irradiance", baked.irradiance_size > 0, change));
+    plan.passes.push_back(kept("irradiance", baked.irradiance.has_value(), change));
   }
   if (baked.brdf) {
     plan.passes.push_back({"brdf", PassAction::reuse, "it depends on no scene", 0.0, 0});
@@ -272,10 +260,10 @@ void apply_change(BakeResult& result, const BakeOptions& baked, const Environmen
   result.diagnostics.total_radiance_before_clamp *= change.scale;
   if (!result.radiance) return;
   SphericalHarmonics radiance = *result.radiance;
-  if (turns(change)) radiance = transform(radiance, change.turn);
+  if (turns(change)) radiance = turned(radiance, change.turn);
   if (scales(change)) radiance = scale(radiance, change.scale);
   if (evaluates_irradiance(baked)) {
-    result.irradiance = irradiance_cubemap(irradiance_from_radiance(radiance), baked.irradiance_size, control);
+    result.irradiance = irradiance_cubemap(irradiance_from_radiance(radiance), baked.irradiance->size, control);
   }
   result.radiance = std::move(radiance);
 }

@@ -8,9 +8,10 @@
 
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
-#include "reflections/prefilter_plan.h"
+#include "reflections/prefilter.h"
 #include "sky/table_sizes.h"
 #include "welkin/core.h"
 #include "welkin/plan.h"
@@ -66,16 +67,15 @@ bool any_matter(const Constituent& constituent) {
 SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& whole) {
   SkyBakeOptions options = whole;
   options.bands = std::min(whole.bands, needs.diffuse_bands);
-  if (!needs.background) options.background_size = 0;
+  if (!needs.background) options.background_size.reset();
   if (!needs.glossy) options.specular.reset();
   if (!needs.glossy || !needs.brdf_table) options.brdf.reset();
-  if (options.specular) {
-    const std::vector<double> roughness = reflections::roughness_of_chain(*options.specular);
-    // Whatever `same_bits` says: the sky is drawn at the chain's size, and a smaller chain would blur it.
-    constexpr bool same_size = true;
-    baking::leave_out(baking::unused_mips(roughness, *needs.glossy), same_size, *options.specular);
-  }
   return options;
+}
+
+/// Of a plan with reflections.
+reflections::PrefilterPlan prefilter_plan(const SkyPlan& plan) {
+  return reflections::plan_prefilter(*plan.options.specular).without(plan.unused_mips.sharp, plan.unused_mips.rough);
 }
 
 /// Puts the passes together: one function a group of them.
@@ -203,25 +203,18 @@ class SkyPlanner {
 
   void plan_reflections() {
     if (!options_.specular) return skip(SkyPass::specular, whole_.specular ? kNotGlossy : "not asked for");
-    BakeOptions baking;
-    baking.background = false;
-    baking.specular = options_.specular;
-    baking.irradiance_size = 0;
-    baking.bands = 0;
-    baking.brdf.reset();
     const int size = options_.specular->size;
     const SourceShape source{true, size, 6 * size, PixelFormat::rgb32f};
-    const baking::BakePlan baked = baking::plan_bake(source, baking, {}, costs_);
-    const PlannedPass& pass = baked.step(baking::BakePass::specular).planned;
+    const PlannedPass pass = baking::plan_prefilter_pass(source, prefilter_plan(plan_), costs_);
     add(SkyPass::specular, pass.reason + ", for one sun; a turn about the vertical is the shader's",
         kNanoseconds * pass.predicted_milliseconds + costs_.sky_direction * static_cast<double>(source.texels()),
         pass.bytes);
   }
 
   void plan_background() {
-    if (options_.background_size == 0)
-      return skip(SkyPass::background, whole_.background_size == 0 ? "not asked for" : "nothing shows it");
-    const std::uint64_t texels = baking::chain_texels(options_.background_size, 1);
+    if (!options_.background_size)
+      return skip(SkyPass::background, whole_.background_size ? "nothing shows it" : "not asked for");
+    const std::uint64_t texels = baking::chain_texels(*options_.background_size, 1);
     add(SkyPass::background, "a cubemap of the sky for one sun", costs_.sky_direction * static_cast<double>(texels),
         kTexelBytes * texels);
   }
@@ -242,12 +235,17 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
   baking::refuse_budget(needs,
                         "ask choose_sky_tables, choose_sky_orders and choose_sky_harmonics, and pass their settings");
   static_cast<void>(sky_table_bytes(atmosphere, whole.tables));  // refuses what cannot be computed
+  if (whole.background_size) image::require_range("background_size", *whole.background_size, 1, image::kLargestFace);
   SkyPlan plan;
   plan.atmosphere = atmosphere;
   plan.source = "the sky of " + (atmosphere.name.empty() ? std::string("a planet") : atmosphere.name) + ", " +
                 (needs.sun_moves ? "a moving sun" : "one sun");
   plan.options = needed_options(needs, whole);
-  plan.tables = plan.options.bands > 0 || plan.options.specular || plan.options.background_size > 0;
+  if (plan.options.specular) {
+    // Whatever `same_bits` says: the sky is drawn at the chain's size, and a smaller chain would blur it.
+    plan.unused_mips = baking::unused_mips(reflections::roughness_of_chain(*plan.options.specular), *needs.glossy);
+  }
+  plan.tables = plan.options.bands > 0 || plan.options.specular || plan.options.background_size;
   plan.curve = plan.options.bands > 0 && needs.sun_moves;
   SkyPlanner(plan, needs, whole, costs).run();
   return plan;
@@ -273,12 +271,20 @@ std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measur
 
 namespace {
 
+PrefilteredSpecular prefiltered_sky(const SkyView& view, const glm::dvec3& sun, const reflections::PrefilterPlan& plan,
+                                    const PixelPolicy& pixels, const SkyPictureOptions& picture,
+                                    const Control& control) {
+  constexpr double share_of_sky = 0.2;
+  const CubemapImage sky = sky_cubemap(view, sun, plan.size, picture, jobs::part_of(control, 0.0, share_of_sky));
+  return reflections::prefilter(sky.view(), plan, pixels, {}, jobs::part_of(control, share_of_sky, 1.0));
+}
+
 constexpr double kTables = 0.8;  ///< of the progress
 
 class SkyBaking {
  public:
   SkyBaking(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
-      : plan_(plan), sun_(sun), control_(control), quiet_{control.stop, {}} {}
+      : plan_(plan), sun_(sun), control_(control), quiet_{control.stop, {}, control.memory} {}
 
   SkyBake run() {
     if (plan_.tables) {
@@ -335,8 +341,12 @@ class SkyBaking {
         sky_.radiance = SkyProjector(*view_, harmonics).project(sun_);
         break;
       }
-      case SkyPass::specular: sky_.specular = sky_specular(*view_, sun_, *options.specular, {}, quiet_); break;
-      case SkyPass::background: sky_.background = sky_cubemap(*view_, sun_, options.background_size, {}, quiet_); break;
+      case SkyPass::specular:
+        sky_.specular = prefiltered_sky(*view_, sun_, prefilter_plan(plan_), options.specular->pixels, {}, quiet_);
+        break;
+      case SkyPass::background:
+        sky_.background = sky_cubemap(*view_, sun_, *options.background_size, {}, quiet_);
+        break;
       case SkyPass::brdf: sky_.brdf = brdf_table(*options.brdf, quiet_); break;
       // In the tables.
       case SkyPass::transmittance:
@@ -368,11 +378,7 @@ SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
 PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun, const PrefilterOptions& options,
                                  const SkyPictureOptions& picture, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  constexpr double share_of_sky = 0.2;
-  constexpr int largest = 8192;
-  const int size = options.size >= 1 && options.size <= largest ? options.size : 1;  // the prefilter refuses others
-  const CubemapImage source = sky_cubemap(view, sun, size, picture, jobs::part_of(control, 0.0, share_of_sky));
-  return prefilter_specular(source.view(), options, jobs::part_of(control, share_of_sky, 1.0));
+  return prefiltered_sky(view, sun, reflections::plan_prefilter(options), options.pixels, picture, control);
 }
 
 }  // namespace welkin

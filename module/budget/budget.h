@@ -24,17 +24,17 @@ template <class Setting>
 void settle(BudgetChoice<Setting>& choice, const ErrorBudget& budget) {
   const EstimatedSetting<Setting>* best = nullptr;
   for (const EstimatedSetting<Setting>& entry : choice.tried) {
-    const bool under = entry.estimated_error <= budget.relative;
+    const bool under = entry.error_estimate <= budget.relative;
     const bool better = best == nullptr || (under && !choice.met) ||
                         (under == choice.met && (under ? entry.predicted_nanoseconds < best->predicted_nanoseconds
-                                                       : entry.estimated_error < best->estimated_error));
+                                                       : entry.error_estimate < best->error_estimate));
     if (!better) continue;
     best = &entry;
     choice.met = under;
   }
   if (best == nullptr) return;
   choice.setting = best->setting;
-  choice.estimated_error = best->estimated_error;
+  choice.error_estimate = best->error_estimate;
   choice.predicted_nanoseconds = best->predicted_nanoseconds;
 }
 

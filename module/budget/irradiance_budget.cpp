@@ -185,7 +185,7 @@ HighBands measure(const View& view, const SphericalHarmonics& radiance, const Pi
                   const Control& control) {
   const projection::SanitizedSource source(view, pixels, {control.stop, {}});
   const image::TexelGrid grid = grid_of(view);
-  const glm::dvec3 mean = average_radiance(radiance);
+  const glm::dvec3 mean = mean_radiance(radiance);
   const auto classes = static_cast<std::size_t>(grid.row_classes());
   const auto columns = static_cast<std::size_t>(grid.columns());
   const jobs::Placement placement = jobs::placement_for(grid.texels());

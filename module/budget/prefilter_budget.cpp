@@ -70,7 +70,7 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
     const MipPlan& mip = plan.mips[k];
     double error = 0.0;
-    if (!mip.copy) {
+    if (mip.method != MipMethod::copy) {
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
       error = known ? kSafety * budget::spectral_mip_error(mip, energies) + kRounding : kUnknown;
     }
@@ -84,11 +84,11 @@ CubemapChain reduced(const LatLongView& view, const Control& control) {
   const int size =
       std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(view.height))) / 2, 1, kMostReducedSize);
   const CubemapImage cube = to_cubemap(view, size, glm::dmat3(1.0), ResampleFilter::area, control);
-  return build_mips(cube.view(), MipFilter::solid_angle, 0, control);
+  return build_mips(cube.view(), MipFilter::solid_angle, std::nullopt, control);
 }
 
 CubemapChain reduced(const CubemapView& view, const Control& control) {
-  return build_mips(view, MipFilter::solid_angle, 0, control);
+  return build_mips(view, MipFilter::solid_angle, std::nullopt, control);
 }
 
 /// From the smallest reduced source up: the first that each mip can do with.
@@ -108,7 +108,7 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
       const MipPlan& mip = plan.mips[k];
-      if (mip.copy || needs[k].source_size > 0 || mip.bands.bands() == 0 || mip.bands.bands() > bands) continue;
+      if (needs[k].source_size > 0 || mip.bands.bands() == 0 || mip.bands.bands() > bands) continue;
       const double rms = budget::blurred_rms(mip.alpha, whole);
       // What the source itself loses on its rings is not in the difference of the two.
       const double change = budget::blurred_rms(mip.alpha, lost) + budget::blurred_rms(mip.alpha, energies.rings);

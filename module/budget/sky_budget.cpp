@@ -78,7 +78,7 @@ BudgetChoice<SkyHarmonicsOptions> choose_sky_harmonics(const SkyView& view, std:
   const auto look_at = [&](int zeniths, int azimuths, double error) {
     choice.tried.push_back({quadratures.setting(zeniths, azimuths), error + kRounding,
                             kDirectionNanoseconds * quadratures.directions(zeniths, azimuths)});
-    return choice.tried.back().estimated_error <= budget.relative;
+    return choice.tried.back().error_estimate <= budget.relative;
   };
   std::size_t step = 0;
   for (bool met = false; step < kNodes.size(); ++step) {
@@ -240,7 +240,7 @@ BudgetChoice<SkyTableOptions> choose_sky_orders(const Atmosphere& atmosphere, co
       choice.tried.push_back({setting, kOrderSafety * error + kRounding, predicted(setting)});
       before_that = before;
       before = last;
-      if (choice.tried.back().estimated_error <= budget.relative) break;
+      if (choice.tried.back().error_estimate <= budget.relative) break;
     }
     lights = std::move(next);
     if (control.progress) control.progress(static_cast<double>(orders) / (most.orders + 2));

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "bake/needs.h"
 #include "c/c_support.h"
 #include "c/c_worker.h"
 #include "welkin/bake.h"
@@ -104,9 +104,12 @@ static_assert(WELKIN_PREFILTER_SAMPLED == static_cast<int>(welkin::PrefilterMeth
 static_assert(WELKIN_PREFILTER_REFERENCE == static_cast<int>(welkin::PrefilterMethod::reference));
 
 welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
-  using welkin::PrefilterMethod;
-  for (const auto method : {PrefilterMethod::spectral, PrefilterMethod::sampled, PrefilterMethod::reference}) {
-    if (mip.method == std::string_view(welkin::name(method))) return static_cast<welkin_prefilter_method>(method);
+  switch (mip.method) {
+    case welkin::MipMethod::spectral: return WELKIN_PREFILTER_SPECTRAL;
+    case welkin::MipMethod::sampled: return WELKIN_PREFILTER_SAMPLED;
+    case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
+    case welkin::MipMethod::copy:
+    case welkin::MipMethod::stored: break;
   }
   return WELKIN_PREFILTER_COPY;
 }
@@ -184,7 +187,7 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   const auto given = read_options(options, "prefilter options");
   PrefilterOptions wanted;
   wanted.size = given.size != 0 ? given.size : size;
-  wanted.mips = given.mips;
+  if (given.mips != 0) wanted.mips = given.mips;
   if (given.roughness_count < 0 || given.roughness_count > kMostRoughness) {
     refuse("roughness_count is " + std::to_string(given.roughness_count) + "; it must be from 0 to " +
            std::to_string(kMostRoughness));
@@ -193,8 +196,6 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     require(given.roughness, "roughness");
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
-  wanted.leave_out_sharp = given.leave_out_sharp;
-  wanted.leave_out_rough = given.leave_out_rough;
   wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
   set_unless_zero(wanted.samples, given.samples);
   set_unless_zero(wanted.rms_error, given.rms_error);
@@ -204,7 +205,8 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
   } else if (given.pixels != nullptr) {
     refuse("pixels of the prefilter options is not null; here it must be, as no call would read it");
   }
-  return wanted;
+  const UnusedMips unused{given.leave_out_sharp, given.leave_out_rough};
+  return unused == UnusedMips() ? wanted : baking::chain_without(unused, wanted);
 }
 
 }  // namespace welkin::c_interface
@@ -310,9 +312,9 @@ welkin_status welkin_irradiance_cubemap(int32_t bands, const double* irradiance,
 
 welkin_bake_result::welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result)
     : result(std::move(its_result)) {
-  if (result->background.levels() > 0) background = welkin_cubemap_chain(result->background.views(), result);
+  if (result->background) background = welkin_cubemap_chain(result->background->views(), result);
   if (result->specular) specular = welkin_cubemap_chain(SpecularPointer(result, &*result->specular));
-  if (result->irradiance.size > 0) irradiance = welkin_cubemap_chain({result->irradiance.view()}, result);
+  if (result->irradiance) irradiance = welkin_cubemap_chain({result->irradiance->view()}, result);
 }
 
 namespace welkin::c_interface {
@@ -346,14 +348,14 @@ BakeOptions bake_options(const welkin_bake_options* options) {
   }
   const auto wants = [&](welkin_parts part) { return (given.leave_out & part) == 0; };
   BakeOptions wanted;
-  wanted.background = wants(WELKIN_PART_BACKGROUND);
-  wanted.background_size = given.background_size;
-  wanted.background_mips = !flag("background_without_mips", given.background_without_mips);
+  if (given.background_size != 0) wanted.background->size = given.background_size;
+  wanted.background->mips = !flag("background_without_mips", given.background_without_mips);
   require_enumerator("mip_filter", given.mip_filter, WELKIN_MIP_FILTER_BOX);
-  wanted.mip_filter = given.mip_filter == WELKIN_MIP_FILTER_BOX ? MipFilter::box : MipFilter::solid_angle;
-  set_unless_zero(wanted.irradiance_size, given.irradiance_size);
-  if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance_size = 0;
-  wanted.irradiance_method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::direct);
+  wanted.background->mip_filter = given.mip_filter == WELKIN_MIP_FILTER_BOX ? MipFilter::box : MipFilter::solid_angle;
+  if (!wants(WELKIN_PART_BACKGROUND)) wanted.background.reset();
+  set_unless_zero(wanted.irradiance->size, given.irradiance_size);
+  wanted.irradiance->method = enumerator("irradiance_method", given.irradiance_method, IrradianceMethod::direct);
+  if (!wants(WELKIN_PART_IRRADIANCE)) wanted.irradiance.reset();
   set_unless_zero(wanted.bands, given.bands);
   if (!wants(WELKIN_PART_HARMONICS)) wanted.bands = 0;
   wanted.specular = prefilter_options(given.specular, kDefaultReflections, false);

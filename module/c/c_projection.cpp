@@ -94,23 +94,24 @@ welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const d
   });
 }
 
-welkin_status welkin_rotate(int32_t bands, const double* coefficients, const double* quaternion, double* turned) {
+welkin_status welkin_turn_by_quaternion(int32_t bands, const double* coefficients, const double* quaternion,
+                                        double* turned) {
   return guarded([&] {
     require(quaternion, "quaternion");
     require(turned, "turned");
-    const glm::dquat rotation(quaternion[3], quaternion[0], quaternion[1], quaternion[2]);  // w comes first in GLM
-    write_harmonics(welkin::rotate(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
+    const welkin::Quaternion rotation{.w = quaternion[3], .x = quaternion[0], .y = quaternion[1], .z = quaternion[2]};
+    write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), rotation), turned);
     return WELKIN_OK;
   });
 }
 
-welkin_status welkin_transform(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
+welkin_status welkin_turn_by_matrix(int32_t bands, const double* coefficients, const double* matrix, double* turned) {
   return guarded([&] {
     require(matrix, "matrix");
     require(turned, "turned");
     const glm::dmat3 orthogonal(read_triple(matrix, "matrix"), read_triple(matrix + 3, "matrix"),
                                 read_triple(matrix + 6, "matrix"));
-    write_harmonics(welkin::transform(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
+    write_harmonics(welkin::turned(read_harmonics(bands, coefficients, "coefficients"), orthogonal), turned);
     return WELKIN_OK;
   });
 }

@@ -228,7 +228,7 @@ SkyTableOptions table_options(const welkin_sky_table_options* options) {
   set_unless_zero(wanted.transmittance_zeniths, given.transmittance_zeniths);
   set_unless_zero(wanted.irradiance_heights, given.irradiance_heights);
   set_unless_zero(wanted.irradiance_sun_zeniths, given.irradiance_sun_zeniths);
-  set_unless_zero(wanted.lowest_sun_degrees, given.lowest_sun_degrees);
+  set_unless_zero(wanted.minimum_sun_elevation_degrees, given.minimum_sun_elevation_degrees);
   set_unless_zero(wanted.orders, given.orders);
   wanted.until_change = given.until_change;
   wanted.colour = enumerator("colour", given.colour, SkyColour::linear_srgb);

@@ -228,7 +228,7 @@ void write_frame(const welkin_sky_light& sky, const SkyLightFrame& light, welkin
     values.reflections[i].chain = lent.id != 0 ? &lent.chain : nullptr;
     values.reflections[i].id = lent.id;
     values.reflections[i].weight = light.reflections[i].weight;
-    write_matrix(light.reflections[i].rotation, values.reflections[i].rotation);
+    write_matrix(light.reflections[i].turn, values.reflections[i].turn);
   }
   write_harmonics(light.radiance, values.coefficients);
   write_struct(frame, values, "frame");

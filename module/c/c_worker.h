@@ -245,8 +245,8 @@ void post(welkin_worker* worker, Request request, const Posting& posting, welkin
   JobReference reference;
   detail::ComputationList completed;
   if (posting.given.completed != nullptr) {
-    completed.push_back(
-        std::make_shared<CompletedCallback>(reference, posting.given.completed, posting.given.completed_user));
+    completed.push_back(detail::make_shared_in_job_memory<CompletedCallback>(reference, posting.given.completed,
+                                                                             posting.given.completed_user));
   }
   const std::uint64_t bytes = detail::bytes_of(request);
   const auto made = detail::JobAccess::make<Request>(std::move(request));

@@ -94,7 +94,7 @@ void save(Saver& saver, const CubemapChain& chain) {
 }
 
 /// `size` and `levels` of a chain that there can be.
-CubemapChain load_chain(Loader& loader, int size, int levels) {
+CubemapChain load_chain(Loader& loader, int size, int levels, std::pmr::memory_resource* memory) {
   int stored_size = 0;
   int stored_levels = 0;
   loader(stored_size, stored_levels);
@@ -111,7 +111,7 @@ CubemapChain load_chain(Loader& loader, int size, int levels) {
     loader.reader.fail();
     return {};
   }
-  CubemapChain chain(size, levels);
+  CubemapChain chain(size, levels, memory);
   loader.reader.floats({chain.face(0, 0), chain_values(chain)});
   return chain;
 }
@@ -149,9 +149,9 @@ Bytes encode(const CubemapChain& chain) {
   return saver.writer.take();
 }
 
-std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels) {
+std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels, std::pmr::memory_resource* memory) {
   Loader loader(bytes);
-  CubemapChain chain = load_chain(loader, size, levels);
+  CubemapChain chain = load_chain(loader, size, levels, memory);
   return if_complete(loader, std::move(chain));
 }
 
@@ -304,9 +304,11 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
 }
 
 ContentHash hash_options(const PrefilterOptions& options) {
-  const auto& [size, mips, roughness, sharp, rough, method, rms_error, maximum_error, samples, pixels] = options;
+  const auto& [size, mips, roughness, method, rms_error, maximum_error, samples, pixels] = options;
+  constexpr int removed = 0;  // stands where two options stood once, so that recorded hashes stay the same
   OptionWriter writer("prefilter");
-  writer.all(size, mips, roughness, sharp, rough, method, rms_error, maximum_error, samples, cache::pixel_key(pixels));
+  writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, samples,
+             cache::pixel_key(pixels));
   return writer.hash();
 }
 
@@ -318,9 +320,10 @@ ContentHash hash_options(const BrdfTableOptions& options) {
 }
 
 ContentHash hash_options(const BakeOptions& options) {
-  const auto& [background_size, background, background_mips, mip_filter, specular, irradiance_size, irradiance_method,
-               bands, projected_bands, total_radiance, brdf, pixels, memory_limit_bytes] = options;
+  const auto& [background, specular, irradiance, bands, brdf, pixels, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
+  const auto& [background_size, background_mips, mip_filter] = background.value_or(BackgroundOptions{});
+  const auto& [irradiance_size, irradiance_method] = irradiance.value_or(IrradianceOptions{});
   std::optional<ContentHash> prefilter;
   if (specular) {
     PrefilterOptions used = *specular;
@@ -329,9 +332,12 @@ ContentHash hash_options(const BakeOptions& options) {
   }
   std::optional<ContentHash> table;
   if (brdf) table = hash_options(*brdf);
+  constexpr int removed = 0;  // these stand where two options stood once, as in a prefilter's hash
+  constexpr bool removed_flag = true;
   OptionWriter writer("bake");
-  writer.all(background_size, background, background_mips, mip_filter, prefilter, irradiance_size, irradiance_method,
-             bands, projected_bands, total_radiance, table, cache::pixel_key(pixels));
+  writer.all(background_size.value_or(0), background.has_value(), background_mips, mip_filter, prefilter,
+             irradiance ? irradiance_size : 0, irradiance_method, bands, removed, removed_flag, table,
+             cache::pixel_key(pixels));
   return writer.hash();
 }
 
@@ -345,12 +351,12 @@ ContentHash hash_options(const ReadOptions& options) {
 
 ContentHash hash_options(const SkyTableOptions& options) {
   const auto& [layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-               irradiance_heights, irradiance_sun_zeniths, lowest_sun_degrees, orders, until_change, colour,
+               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour,
                memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("sky tables");
   writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-             irradiance_heights, irradiance_sun_zeniths, lowest_sun_degrees, orders, until_change, colour);
+             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour);
   return writer.hash();
 }
 

@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <initializer_list>
 #include <memory>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <string>
@@ -94,12 +95,8 @@ class ByteReader {
       if (static_cast<std::uint64_t>(value) != bits) fail();
     }
   }
-  void get(PassAction& action) {
-    int value = 0;
-    get(value);
-    if (value < 0 || value > static_cast<int>(PassAction::skip)) return fail();
-    action = static_cast<PassAction>(value);
-  }
+  void get(PassAction& action) { enumerator(action, PassAction::skip); }
+  void get(MipMethod& method) { enumerator(method, MipMethod::stored); }
   void get(std::string& text) {
     const std::size_t length = count(1);
     text.resize(length);
@@ -136,6 +133,14 @@ class ByteReader {
   [[nodiscard]] bool complete() const noexcept { return sound_ && rest_.empty(); }
 
  private:
+  template <class Enumeration>
+  void enumerator(Enumeration& value, Enumeration last) {
+    int number = 0;
+    get(number);
+    if (number < 0 || number > static_cast<int>(last)) return fail();
+    value = static_cast<Enumeration>(number);
+  }
+
   std::span<const std::uint8_t> rest_;
   bool sound_ = true;
 };
@@ -155,7 +160,8 @@ using ByteSpan = std::span<const std::uint8_t>;
 [[nodiscard]] Bytes encode(const SkyTables& tables);
 
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
-[[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels);
+[[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
+                                                         std::pmr::memory_resource* memory = nullptr);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
 [[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
@@ -174,7 +180,7 @@ using ByteSpan = std::span<const std::uint8_t>;
 /// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits or of
 /// their form as bytes.
 [[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
-  const std::string call = what + " " WELKIN_VERSION_STRING " 2";
+  const std::string call = what + " " WELKIN_VERSION_STRING " 3";
   std::vector<ContentHash> all{hash_bytes(call.data(), call.size())};
   all.insert(all.end(), parts);
   return combine(all);
@@ -186,37 +192,6 @@ template <class... Values>
   ByteWriter writer;
   (writer.put(values), ...);
   return hash_bytes(writer.bytes().data(), writer.bytes().size());
-}
-
-// What sanitizing a picture's pixels came to, kept so that what was made of them can be described without them.
-
-struct SanitizedPixels {
-  ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
-  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
-};
-
-[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
-  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
-}
-
-/// Store: `ResultCache::Store`. The entry is a projection's, whose total radiance before clamping is what the clamp
-/// took away.
-template <class Store>
-[[nodiscard]] std::optional<SanitizedPixels> find_sanitized(Store& store, const EntryName& name) {
-  constexpr int bands = 1;
-  auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
-  if (!found) return std::nullopt;
-  SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
-  std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
-  return sanitized;
-}
-
-template <class Store>
-SanitizedPixels store_sanitized(Store& store, const EntryName& name, const projection::SanitizedSource& source) {
-  Projection entry{SphericalHarmonics(1), source.diagnostics()};
-  entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
-  store.store(name, encode(entry));
-  return {source.diagnostics(), source.clamped_radiance()};
 }
 
 }  // namespace welkin::cache

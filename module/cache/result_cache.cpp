@@ -41,9 +41,9 @@ EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {
 }
 
 /// By way of the sums of faces, of which `found_faces` were there.
-template <class Store>
-Projection project_by_faces(Store& store, const CubemapView& cubemap, const std::array<ContentHash, 6>& hashes,
-                            const ProjectionOptions& options, std::size_t& found_faces, const Control& control) {
+Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubemap,
+                            const std::array<ContentHash, 6>& hashes, const ProjectionOptions& options,
+                            std::size_t& found_faces, const Control& control) {
   FaceHarmonics faces(cubemap.size, options);
   ProjectionOptions effective = options;
   effective.target_size = projection::effective_target(cubemap.size, options);
@@ -79,8 +79,8 @@ void check(const LightChange& change) {
     throw Error(ErrorCode::invalid_argument,
                 "exposure is " + std::to_string(change.exposure) + "; it must be a finite factor of at least 0");
   }
-  // Refuses what is no rotation.
-  static_cast<void>(rotate(SphericalHarmonics(1), change.rotation));
+  // Refuses what is no turn.
+  static_cast<void>(turned(SphericalHarmonics(1), change.turn));
 }
 
 }  // namespace
@@ -95,9 +95,9 @@ Projection changed(const Projection& projection, const LightChange& change) {
     result.diagnostics.total_radiance_before_clamp *= change.exposure;
     result.diagnostics.passes.push_back({"exposure", PassAction::run, "a factor to the coefficients"});
   }
-  if (change.rotation != glm::dquat(1.0, 0.0, 0.0, 0.0)) {
-    result.radiance = rotate(result.radiance, change.rotation);
-    result.diagnostics.passes.push_back({"rotation", PassAction::run, "a transform of the coefficients"});
+  if (change.turn != dmat3(1.0)) {
+    result.radiance = turned(result.radiance, change.turn);
+    result.diagnostics.passes.push_back({"turn", PassAction::run, "of the coefficients"});
   }
   return result;
 }
@@ -127,7 +127,7 @@ Projection ResultCache::project_view(const View& view, const ProjectionOptions& 
     pixels = hash_pixels(view, hashing);
   }
   const EntryName name = projection_name(pixels, options);
-  if (auto found = store_->find_projection(name, options.bands)) {
+  if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
     return changed(*found, change);
   }
@@ -177,7 +177,7 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
                        cache::result_key("project file", {bytes, hash_bytes(ending.data(), ending.size()),
                                                           hash_bytes(&limit, sizeof limit), hash_options(read_options),
                                                           hash_options(options)})};
-  if (auto found = store_->find_projection(name, options.bands)) {
+  if (auto found = cache::find_projection(*store_, name, options.bands)) {
     finished(control);
     return std::move(*found);
   }
@@ -190,20 +190,18 @@ template <class View>
 PrefilteredSpecular ResultCache::prefilter_view(const View& view, const PrefilterOptions& options,
                                                 const Control& control) {
   const ContentHash pixels = hash_pixels(view, jobs::part_of(control, 0.0, kHashing));
-  cache::StoredChain chain(pixels, options);
-  chain.find(*store_);
+  cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
+  const std::optional<reflections::PrefilterPlan> missing = chain.missing();
   const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
   auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
   std::uint64_t sanitized_bytes = 0;
-  if (!sanitized || !chain.complete()) {
+  if (!sanitized || missing) {
     const projection::SanitizedSource source(view, options.pixels, {control.stop, {}});
     sanitized_bytes = source.bytes();
     sanitized = cache::store_sanitized(*store_, sanitized_entry, source);
-    if (!chain.complete()) {
-      PrefilterOptions missing = chain.missing();
-      missing.pixels = {};
-      const View& pixels_read = projection::view_of(source, view);
-      chain.add(*store_, welkin::prefilter_specular(pixels_read, missing, jobs::part_of(control, kHashing, 1.0)));
+    if (missing) {
+      chain.add(reflections::prefilter(projection::view_of(source, view), *missing, {}, {},
+                                       jobs::part_of(control, kHashing, 1.0)));
     }
   }
   PrefilteredSpecular specular = chain.take();

@@ -13,7 +13,7 @@
 #include "cache/recipe.h"
 #include "welkin/result_cache.h"
 
-namespace welkin {
+namespace welkin::cache {
 
 /// A result and where it was.
 template <class Result>
@@ -23,23 +23,23 @@ struct FoundResult {
   double milliseconds = 0.0;
 };
 
-class ResultCache::Store {
+class ResultStore {
  public:
-  explicit Store(const CacheOptions& options) : memory_(options.memory_bytes) {
+  explicit ResultStore(const CacheOptions& options) : memory_(options.memory_bytes) {
     if (!options.folder.empty()) folder_.emplace(options.folder, options.disk_bytes);
   }
 
   /// What `decode` makes of the entry; an entry that it makes nothing of is removed.
   template <class Decode>
-  auto find(const cache::EntryName& name, const Decode& decode)
-      -> std::optional<FoundResult<typename decltype(decode(cache::ByteSpan{}))::value_type>> {
-    using Found = FoundResult<typename decltype(decode(cache::ByteSpan{}))::value_type>;
+  auto find(const EntryName& name, const Decode& decode)
+      -> std::optional<FoundResult<typename decltype(decode(ByteSpan{}))::value_type>> {
+    using Found = FoundResult<typename decltype(decode(ByteSpan{}))::value_type>;
     const auto start = std::chrono::steady_clock::now();
     const char* where = "in memory";
-    cache::Payload payload = memory_.find(name);
+    Payload payload = memory_.find(name);
     if (!payload && folder_) {
       where = "on disk";
-      if (auto bytes = folder_->find(name)) payload = std::make_shared<const cache::Bytes>(std::move(*bytes));
+      if (auto bytes = folder_->find(name)) payload = std::make_shared<const Bytes>(std::move(*bytes));
     }
     auto result = payload ? decode(*payload) : std::nullopt;
     if (!result) {
@@ -54,11 +54,8 @@ class ResultCache::Store {
     return Found{std::move(*result), where, took.count()};
   }
 
-  /// One whose passes say that it was found.
-  std::optional<Projection> find_projection(const cache::EntryName& name, int bands);
-
-  void store(const cache::EntryName& name, cache::Bytes bytes) {
-    const auto payload = std::make_shared<const cache::Bytes>(std::move(bytes));
+  void store(const EntryName& name, Bytes bytes) {
+    const auto payload = std::make_shared<const Bytes>(std::move(bytes));
     if (folder_) folder_->store(name, *payload);
     memory_.store(name, payload);
   }
@@ -66,7 +63,7 @@ class ResultCache::Store {
   [[nodiscard]] CacheStatistics statistics() const {
     CacheStatistics statistics{memory_hits_, disk_hits_, misses_, 0, 0, {}, memory_.bytes()};
     if (!folder_) return statistics;
-    const cache::EntryFolder::Counts counts = folder_->counts();
+    const EntryFolder::Counts counts = folder_->counts();
     statistics.damaged = counts.damaged;
     statistics.write_failures = counts.write_failures;
     statistics.last_failure = counts.last_failure;
@@ -74,19 +71,17 @@ class ResultCache::Store {
   }
 
  private:
-  void remove(const cache::EntryName& name) {
+  void remove(const EntryName& name) {
     memory_.remove(name);
     if (folder_) folder_->remove_damaged(name);
   }
 
-  cache::EntryMemory memory_;
-  std::optional<cache::EntryFolder> folder_;
+  EntryMemory memory_;
+  std::optional<EntryFolder> folder_;
   std::atomic<std::uint64_t> memory_hits_{0};
   std::atomic<std::uint64_t> disk_hits_{0};
   std::atomic<std::uint64_t> misses_{0};
 };
-
-namespace cache {
 
 /// Passes of a result that was found: what had been run is reused.
 inline void mark_reused(std::vector<PassRecord>& passes, const char* where, double milliseconds) {
@@ -102,13 +97,51 @@ inline void mark_reused(std::vector<PassRecord>& passes, const char* where, doub
   return {EntryKind::projection, result_key("project", {pixels, hash_options(options)})};
 }
 
-}  // namespace cache
-
-inline std::optional<Projection> ResultCache::Store::find_projection(const cache::EntryName& name, int bands) {
-  auto found = find(name, [bands](cache::ByteSpan bytes) { return cache::decode_projection(bytes, bands); });
+/// One whose passes say that it was found.
+inline std::optional<Projection> find_projection(ResultStore& store, const EntryName& name, int bands) {
+  auto found = store.find(name, [bands](ByteSpan bytes) { return decode_projection(bytes, bands); });
   if (!found) return std::nullopt;
-  cache::mark_reused(found->value.diagnostics.passes, found->where, found->milliseconds);
+  mark_reused(found->value.diagnostics.passes, found->where, found->milliseconds);
   return std::move(found->value);
 }
+
+// What sanitizing a picture's pixels came to, kept so that what was made of them can be described without them.
+
+struct SanitizedPixels {
+  ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
+  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
+};
+
+[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
+  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
+}
+
+/// The entry is a projection's, whose total radiance before clamping is what the clamp
+/// took away.
+[[nodiscard]] inline std::optional<SanitizedPixels> find_sanitized(ResultStore& store, const EntryName& name) {
+  constexpr int bands = 1;
+  auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
+  if (!found) return std::nullopt;
+  SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
+  std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
+  return sanitized;
+}
+
+inline SanitizedPixels store_sanitized(ResultStore& store, const EntryName& name,
+                                       const projection::SanitizedSource& source) {
+  Projection entry{SphericalHarmonics(1), source.diagnostics()};
+  entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
+  store.store(name, encode(entry));
+  return {source.diagnostics(), source.clamped_radiance()};
+}
+
+}  // namespace welkin::cache
+
+namespace welkin {
+
+class ResultCache::Store : public cache::ResultStore {
+ public:
+  using ResultStore::ResultStore;
+};
 
 }  // namespace welkin

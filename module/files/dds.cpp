@@ -86,7 +86,7 @@ TextureLayout read_dds_layout(platform::ByteFile& file) {
   check_cubemap_sizes(file, fields[kWidth], fields[kHeight], levels);
 
   TextureLayout layout;
-  layout.container = "DDS";
+  layout.container = FileFormat::dds;
   layout.kind = *kind_of_dxgi_format(fields[kFormat]);
   layout.size = static_cast<int>(fields[kWidth]);
   layout.levels.resize(levels);

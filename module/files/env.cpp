@@ -140,7 +140,7 @@ BabylonEnvironment to_babylon(const CubemapChain& specular, const SphericalHarmo
   const platform::FloatingPointScope floating_point;
   BabylonEnvironment environment;
   environment.specular = mirrored_x(specular);
-  environment.polynomial = babylon_polynomial(transform(radiance, convention(Engine::babylon).from_welkin));
+  environment.polynomial = babylon_polynomial(turned(radiance, convention(Engine::babylon).from_welkin));
   environment.irradiance = mirrored_x(irradiance_over_pi);
   return environment;
 }
@@ -209,21 +209,21 @@ std::string name_of_env_picture(std::size_t index) {
 
 }  // namespace files
 
-BabylonEnvironment read_babylon_environment(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
+BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_t memory_limit_bytes,
                                             const Control& control) {
   const platform::FloatingPointScope floating_point;
-  platform::ByteFile file(path);
+  platform::ByteFile file = files::open_file(input);
   const files::EnvManifest manifest = files::read_env_manifest(file);
   const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * manifest.width * manifest.width);
   const std::size_t workers = jobs::worker_count(placement);
-  files::check_memory(path, manifest, workers, memory_limit_bytes);
+  files::check_memory(input.path(), manifest, workers, memory_limit_bytes);
 
   BabylonEnvironment environment;
   environment.version = manifest.version;
   environment.polynomial = manifest.polynomial;
   environment.lod_generation_scale = manifest.lod_generation_scale;
   environment.dominant_direction = manifest.dominant_direction;
-  environment.specular = CubemapChain(manifest.width, manifest.levels());
+  environment.specular = CubemapChain(manifest.width, manifest.levels(), control.memory);
   environment.irradiance.size = manifest.irradiance_size;
   const std::size_t face_values = 3 * files::texels_of(manifest.irradiance_size);
   environment.irradiance.pixels.resize(6 * face_values);
@@ -233,7 +233,7 @@ BabylonEnvironment read_babylon_environment(const std::filesystem::path& path, s
   jobs::run_tiles(
       specular + manifest.irradiance.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
         auto& reader = readers[worker];
-        if (!reader) reader = std::make_unique<files::EnvReader>(path, control.stop);
+        if (!reader) reader = std::make_unique<files::EnvReader>(input, control.stop);
         if (tile < specular) {
           reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_env_picture(tile),
                        environment.specular.face(static_cast<int>(tile / 6), static_cast<int>(tile % 6)));
@@ -255,8 +255,8 @@ const glm::dmat3 kMirrorX(-1, 0, 0, 0, 1, 0, 0, 0, 1);
 
 class EnvRowReader final : public RowReader {
  public:
-  EnvRowReader(const std::filesystem::path& path, const EnvManifest& manifest, int level, int size)
-      : reader_(path), manifest_(manifest), level_(level), size_(size) {}
+  EnvRowReader(const FileInput& input, const EnvManifest& manifest, int level, int size)
+      : reader_(input), manifest_(manifest), level_(level), size_(size) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size_);
@@ -286,8 +286,8 @@ class EnvRowReader final : public RowReader {
 
 class EnvSource final : public RowSource {
  public:
-  EnvSource(EnvironmentInfo info, EnvManifest manifest, int level)
-      : RowSource(std::move(info)), manifest_(std::move(manifest)), level_(level) {}
+  EnvSource(EnvironmentInfo info, FileInput input, EnvManifest manifest, int level)
+      : RowSource(std::move(info), std::move(input)), manifest_(std::move(manifest)), level_(level) {}
 
   [[nodiscard]] int natural_rows() const override { return info().width; }
   [[nodiscard]] int section_rows() const override { return info().width; }
@@ -299,11 +299,11 @@ class EnvSource final : public RowSource {
   }
   [[nodiscard]] const char* smaller_reader() const override { return "make it anew with smaller faces"; }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<EnvRowReader>(info().path, manifest_, level_, info().width);
+    return std::make_unique<EnvRowReader>(input(), manifest_, level_, info().width);
   }
   [[nodiscard]] std::optional<SphericalHarmonics> stored_radiance() const override {
     if (!manifest_.polynomial || level_ != 0) return std::nullopt;
-    return transform(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
+    return turned(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
   }
 
  private:
@@ -317,16 +317,16 @@ std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions&
   EnvManifest manifest = read_env_manifest(file);
   EnvironmentInfo info;
   info.path = file.path();
-  info.format = "Babylon.js .env";
+  info.format = FileFormat::babylon;
   info.compression = manifest.image_type == "image/webp" ? "webp" : "deflate";
   info.storage = "version " + std::to_string(manifest.version);
-  for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, "rgbd"});
+  for (const char* channel : {"R", "G", "B"}) info.channels.push_back({channel, ChannelType::rgbd});
   settle_cube(info, manifest.width, manifest.levels(), options);
   info.notes.emplace_back("x is mirrored on the way in: Babylon.js's axes are left-handed");
   info.notes.emplace_back("RGBD ends at 255: what was brighter was clipped when the file was made");
   if (manifest.polynomial) info.notes.emplace_back("it stores a polynomial of its diffuse light");
   info.notes.emplace_back("its levels are prefiltered for reflections: level 0 is the sharp one");
-  return std::make_unique<EnvSource>(std::move(info), std::move(manifest), options.level);
+  return std::make_unique<EnvSource>(std::move(info), input_of(file), std::move(manifest), options.level);
 }
 
 }  // namespace welkin::files
@@ -440,12 +440,12 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
 }  // namespace
 }  // namespace files
 
-WriteReport write_babylon_environment(const std::filesystem::path& path, const BabylonEnvironment& environment,
+WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnvironment& environment,
                                       const Control& control) {
   const platform::FloatingPointScope floating_point;
   files::check(environment);
-  files::require_codec(files::Codec::png, path, "write a texture (.ktx2, .dds)");
-  platform::WholeFile file(path);
+  files::require_codec(files::Codec::png, output.path(), "write a texture (.ktx2, .dds)");
+  platform::WholeFile file(output.path(), output.bytes());
   std::vector<files::Picture> pictures = files::pictures_of(environment);
   const files::RgbdEncoder encoder;
   const auto size = std::int64_t{environment.specular.size()};

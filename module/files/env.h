@@ -54,8 +54,8 @@ class RgbdDecoder {
 class EnvReader {
  public:
   /// `stop` is looked at while a picture is decoded.
-  explicit EnvReader(const std::filesystem::path& path, std::stop_token stop = {})
-      : file_(path), stop_(std::move(stop)) {}
+  explicit EnvReader(const FileInput& input, std::stop_token stop = {})
+      : file_(open_file(input)), stop_(std::move(stop)) {}
 
   /// A picture of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
   /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.

@@ -25,6 +25,12 @@ namespace {
 
 }  // namespace
 
+std::string EnvironmentInfo::format_words() const {
+  std::string words = name(format);
+  for (const FileFormat other : other_formats) words += std::string(", ") + name(other);
+  return words;
+}
+
 int Environment::face_size() const noexcept { return files::face_size(info.layout, info.width, info.height); }
 
 LatLongView Environment::lat_long() const {
@@ -108,14 +114,14 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
 
 }  // namespace files
 
-EnvironmentInfo inspect_environment(const std::filesystem::path& path, const ReadOptions& options) {
+EnvironmentInfo inspect_environment(const FileInput& input, const ReadOptions& options) {
   const platform::FloatingPointScope floating_point;
-  return files::open_row_source(path, options)->info();
+  return files::open_row_source(input, options)->info();
 }
 
-Environment read_environment(const std::filesystem::path& path, const ReadOptions& options, const Control& control) {
+Environment read_environment(const FileInput& input, const ReadOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return files::read_whole(*files::open_row_source(path, options), options, control);
+  return files::read_whole(*files::open_row_source(input, options), options, control);
 }
 
 namespace files {
@@ -269,10 +275,9 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
 }  // namespace
 }  // namespace files
 
-EnvironmentStatistics measure_environment(const std::filesystem::path& path, const ReadOptions& options,
-                                          const Control& control) {
+EnvironmentStatistics measure_environment(const FileInput& input, const ReadOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const auto source = files::open_row_source(path, options);
+  const auto source = files::open_row_source(input, options);
   const EnvironmentInfo& info = source->info();
   const auto width = static_cast<std::size_t>(info.width);
   const files::Geometry geometry(*source);

@@ -118,6 +118,7 @@ inline constexpr std::uint64_t kMaximumUnitBytes = std::uint64_t{512} << 20U;
 /// stored is data_width x data_height, and usually the same rectangle.
 struct ExrPicture {
   EnvironmentInfo info;  ///< complete, layout included
+  FileInput input;       ///< what readers open
   int part = 0;
   bool tiled = false;
   int level = 0;  ///< (level, level) of a mip or rip map

@@ -152,7 +152,8 @@ ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options) {
     const ExrParts parts = read_exr_parts(file);
     ExrPicture picture;
     picture.info.path = file.path();
-    picture.info.format = "OpenEXR";
+    picture.info.format = FileFormat::openexr;
+    picture.input = input_of(file);
     name_parts(picture.info, parts);
     const std::size_t index = choose_exr_part(parts, file.path(), options.part, options.layer);
     const ExrPart& part = parts.parts[index];
@@ -192,13 +193,12 @@ struct Layer {
   throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
 }
 
-// "half", "float" or "uint"
-const char* type_name(Imf::PixelType type) {
+ChannelType type_of(Imf::PixelType type) {
   switch (type) {
-    case Imf::UINT: return "uint";
-    case Imf::HALF: return "half";
-    case Imf::FLOAT: return "float";
-    default: return "unknown";
+    case Imf::UINT: return ChannelType::uint32;
+    case Imf::HALF: return ChannelType::half;
+    case Imf::FLOAT: return ChannelType::float32;
+    default: return ChannelType::unknown;
   }
 }
 
@@ -320,7 +320,7 @@ bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, b
 
 ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& channels, const std::string& layer) {
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    info.channels.push_back({platform::printable(channel.name()), type_name(channel.channel().type)});
+    info.channels.push_back({platform::printable(channel.name()), type_of(channel.channel().type)});
   }
   const std::vector<Layer> layers = find_pictures(channels);
   for (const Layer& found : layers) {

@@ -54,7 +54,8 @@ bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& f
 }  // namespace
 
 // Every reader opens the file anew. If it is another one by now, its rows may not fit where they would go.
-ExrFile::ExrFile(const ExrPicture& picture) : bytes(picture.info.path), stream(bytes), file(stream, kLibraryThreads) {
+ExrFile::ExrFile(const ExrPicture& picture)
+    : bytes(open_file(picture.input)), stream(bytes), file(stream, kLibraryThreads) {
   if (!is_same_picture(picture, file)) {
     throw platform::file_error(ErrorCode::file_access, picture.info.path,
                                "has changed while it was read; read it again");
@@ -211,7 +212,7 @@ class FramedReader final : public RowReader {
 
 class ExrSource final : public RowSource {
  public:
-  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info), picture_(picture) {}
+  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info, picture.input), picture_(picture) {}
 
   [[nodiscard]] int natural_rows() const override {
     const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)

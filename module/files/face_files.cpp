@@ -244,10 +244,10 @@ std::string shape(const EnvironmentInfo& info) {
 }
 
 // Opened as what no shape contradicts: a face alone has no layout.
-std::unique_ptr<RowSource> open_face(const std::filesystem::path& path, const ReadOptions& options) {
+std::unique_ptr<RowSource> open_face(const FileInput& input, const ReadOptions& options) {
   ReadOptions of_face = options;
   of_face.layout = Layout::lat_long;
-  return open_picture(path, of_face);
+  return open_picture(input, of_face);
 }
 
 void require_fitting_faces(const Faces& faces) {
@@ -274,7 +274,7 @@ void require_fitting_faces(const Faces& faces) {
   }
 }
 
-// "OpenEXR", or "OpenEXR, PNG" where the files differ.
+// "zip", or "zip, deflate" where the files differ.
 std::string joined(const Faces& faces, std::string EnvironmentInfo::*text) {
   std::vector<std::string> different;
   for (const auto& face : faces) {
@@ -302,10 +302,21 @@ std::vector<LevelInfo> common_levels(const Faces& faces) {
   return levels;
 }
 
+// Formats other than the first face's, each once.
+std::vector<FileFormat> other_formats(const Faces& faces) {
+  const FileFormat first = faces.front()->info().format;
+  std::vector<FileFormat> others;
+  for (const auto& face : faces) {
+    const FileFormat its = face->info().format;
+    if (its != first && std::find(others.begin(), others.end(), its) == others.end()) others.push_back(its);
+  }
+  return others;
+}
+
 EnvironmentInfo describe(const std::filesystem::path& path, const Faces& faces, const std::string& reason) {
   EnvironmentInfo info = faces.front()->info();
   info.path = path;
-  info.format = joined(faces, &EnvironmentInfo::format);
+  info.other_formats = other_formats(faces);
   info.compression = joined(faces, &EnvironmentInfo::compression);
   info.storage = joined(faces, &EnvironmentInfo::storage);
   info.layout = Layout::six_files;
@@ -352,8 +363,8 @@ class SixFilesReader final : public RowReader {
 
 class SixFilesSource final : public RowSource {
  public:
-  SixFilesSource(const std::filesystem::path& path, Faces faces, const std::string& reason)
-      : RowSource(describe(path, faces, reason)), faces_(std::move(faces)) {}
+  SixFilesSource(const FileInput& input, Faces faces, const std::string& reason)
+      : RowSource(describe(input.path(), faces, reason), input), faces_(std::move(faces)) {}
 
   [[nodiscard]] int natural_rows() const override {
     int rows = 1;
@@ -379,13 +390,23 @@ class SixFilesSource final : public RowSource {
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_six_files(const std::filesystem::path& path, const ReadOptions& options,
-                                          const std::string& reason) {
-  const std::array<std::filesystem::path, 6> paths = face_files(path);
+std::vector<FileInput> six_inputs(const FileInput& input) {
+  if (!input.faces().empty()) return std::vector<FileInput>(input.faces().begin(), input.faces().end());
+  if (input.bytes()) {
+    throw platform::file_error(ErrorCode::invalid_argument, input.path(),
+                               "is in memory, where nothing says which are the other faces; pass all six "
+                               "(FileInput::six_faces)");
+  }
+  const std::array<std::filesystem::path, 6> paths = face_files(input.path());
+  return std::vector<FileInput>(paths.begin(), paths.end());
+}
+
+std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
+                                          const ReadOptions& options, const std::string& reason) {
   Faces faces;
-  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = open_face(paths[face], options);
+  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = open_face(inputs[face], options);
   require_fitting_faces(faces);
-  return std::make_unique<SixFilesSource>(path, std::move(faces), reason);
+  return std::make_unique<SixFilesSource>(input, std::move(faces), reason);
 }
 
 }  // namespace welkin::files

@@ -16,18 +16,29 @@ LatLongSource::LatLongSource(Environment environment) : view_(environment.lat_lo
   owner_ = std::shared_ptr<const float[]>(std::move(environment.pixels));
 }
 
-Projection ProjectFile::operator()(const Control& control) const {
-  return project_file(path, read_options, options, control);
+namespace {
+
+template <class Request>
+FileInput input_of(const Request& request) {
+  return request.memory ? FileInput(*request.memory, request.path.string()) : FileInput(request.path);
 }
 
-Environment ReadFile::operator()(const Control& control) const { return read_environment(path, read_options, control); }
+}  // namespace
+
+Projection ProjectFile::operator()(const Control& control) const {
+  return project_file(input_of(*this), read_options, options, control);
+}
+
+Environment ReadFile::operator()(const Control& control) const {
+  return read_environment(input_of(*this), read_options, control);
+}
 
 EnvironmentStatistics MeasureFile::operator()(const Control& control) const {
-  return measure_environment(path, read_options, control);
+  return measure_environment(input_of(*this), read_options, control);
 }
 
 std::shared_ptr<const BakeResult> BakeFile::operator()(const Control& control) const {
-  return std::make_shared<const BakeResult>(bake_file(path, read_options, options, control));
+  return std::make_shared<const BakeResult>(bake_file(input_of(*this), read_options, options, control));
 }
 
 }  // namespace welkin

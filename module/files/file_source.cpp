@@ -5,8 +5,8 @@
 #include <cstring>
 #include <utility>
 
-#include "bake/needs.h"
 #include "files/env_manifest.h"
+#include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "welkin/bake_file.h"
@@ -15,10 +15,6 @@
 #include "welkin/texture_file.h"
 
 namespace welkin::files {
-
-FileSource::FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {
-  baking::require_same_source(plan, file.words());
-}
 
 baking::StoredKinds FileSource::stored() const {
   baking::StoredKinds kinds;
@@ -35,25 +31,31 @@ void FileSource::read(const Control& control) {
   if (plan_.streams) return;
   const std::uint64_t limit = file_.read.memory_limit_bytes;
   if (!plan_.take_specular && !plan_.take_levels) {
-    environment_ = read_environment(file_.path, file_.read, control);
-  } else if (file_.info.format == "Babylon.js .env") {
-    chain_ = mirrored_x(read_babylon_environment(file_.path, limit, control).specular);
+    environment_ = read_environment(file_.input, file_.read, control);
+  } else if (file_.info.format == FileFormat::babylon) {
+    chain_ = mirrored_x(read_babylon_environment(file_.input, limit, control).specular);
   } else {
-    chain_ = read_texture(file_.path, limit, control).cubemap;
+    chain_ = read_texture(file_.input, limit, control).cubemap;
   }
 }
 
+baking::PixelsView FileSource::pixels() const {
+  if (chain_.levels() > 0) return chain_.view(0);
+  if (file_.shape.cubemap) return environment_.cubemap();
+  return environment_.lat_long();
+}
+
 Projection FileSource::project(const ProjectionOptions& options, const Control& control) {
-  return project_file(file_.path, file_.read, options, control);
+  return project_file(file_.input, file_.read, options, control);
 }
 
 SphericalHarmonics FileSource::take_radiance(const Control& control) {
-  return project_file(file_.path, file_.read, {}, {control.stop, {}}).radiance;
+  return project_file(file_.input, file_.read, {}, {control.stop, {}}).radiance;
 }
 
-PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
+PrefilteredSpecular FileSource::take_specular(const Control& control) {
   PrefilteredSpecular part;
-  part.cubemap = CubemapChain(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips);
+  part.cubemap = CubemapChain(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips, control.memory);
   for (int level = 0; level < plan_.stored_mips; ++level) {
     const int mip = plan_.first_stored_mip + level;
     const auto edge = static_cast<std::size_t>(part.cubemap.level_size(level));
@@ -61,9 +63,9 @@ PrefilteredSpecular FileSource::take_specular(const Control& /*control*/) {
     MipRecord record;
     record.size = part.cubemap.level_size(level);
     record.roughness = file_.roughness[static_cast<std::size_t>(mip)];
-    record.method = "stored";
-    record.mean = average_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
-    part.mips.push_back(std::move(record));
+    record.method = MipMethod::stored;
+    record.mean = mean_radiance(welkin::project(part.cubemap.view(level), {.bands = 1}).radiance);
+    part.mips.push_back(record);
   }
   return part;
 }
@@ -73,7 +75,7 @@ namespace {
 /// As it stands in the manifest.
 std::optional<BabylonPolynomial> stored_polynomial(const StoredEnvironment& file) {
   if (!file.has_polynomial) return std::nullopt;
-  platform::ByteFile bytes(file.path);
+  platform::ByteFile bytes = open_file(file.input);
   return read_env_manifest(bytes).polynomial;
 }
 
@@ -84,11 +86,11 @@ BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, bak
   FileSource source(file, plan);
   BakeResult result;
   try {
-    baking::run_bake(result, source, {plan.options, plan.passes, store}, control);
+    result = baking::run_bake(source, plan, store, control);
   } catch (const Error& failure) {
     // What is said of a rejected pixel names face, row and column; whoever reads it wants the file as well.
     if (failure.code() != ErrorCode::rejected_pixel) throw;
-    throw platform::file_error(failure.code(), file.path, failure.what());
+    throw platform::file_error(failure.code(), file.input.path(), failure.what());
   }
   result.stored_polynomial = stored_polynomial(file);
   return result;
@@ -103,10 +105,10 @@ BakeResult bake(const StoredEnvironment& file, const Plan& plan, const Control& 
   return files::bake_file_source(file, plan, nullptr, control);
 }
 
-BakeResult bake_file(const std::filesystem::path& path, const ReadOptions& read_options, const BakeOptions& options,
+BakeResult bake_file(const FileInput& input, const ReadOptions& read_options, const BakeOptions& options,
                      const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const StoredEnvironment file = probe_environment(path, read_options);
+  const StoredEnvironment file = probe_environment(input, read_options);
   return bake(file, files::plan_whole(file, options), control);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "bake/artefacts.h"
 #include "welkin/bake_file.h"
@@ -15,19 +16,16 @@ namespace welkin::files {
 /// must outlive it.
 class FileSource final : public baking::Source {
  public:
-  /// Throws `Error` (invalid_argument) if the plan is of another file.
-  FileSource(const StoredEnvironment& file, const Plan& plan);
+  FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {}
 
   [[nodiscard]] SourceShape shape() const override { return file_.shape; }
+  [[nodiscard]] std::string words() const override { return file_.words(); }
   [[nodiscard]] baking::StoredKinds stored() const override;
   [[nodiscard]] std::optional<PlannedPass> reading() const override { return plan_.pass("read"); }
   [[nodiscard]] bool holds_pixels() const override { return !plan_.streams; }
   void read(const Control& control) override;
 
-  [[nodiscard]] LatLongView lat_long() const override { return environment_.lat_long(); }
-  [[nodiscard]] CubemapView cubemap() const override {
-    return chain_.levels() > 0 ? chain_.view(0) : environment_.cubemap();
-  }
+  [[nodiscard]] baking::PixelsView pixels() const override;
   /// While it is read.
   [[nodiscard]] Projection project(const ProjectionOptions& options, const Control& control) override;
 

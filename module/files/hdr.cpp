@@ -19,11 +19,11 @@ namespace {
 // Decodes scanlines where they lie; the index says where that is when rows are asked for out of turn.
 class ScanlineReader final : public RowReader {
  public:
-  ScanlineReader(const EnvironmentInfo& info, const HdrHeader& header, const HdrTexels& texels, HdrScanlineIndex& index)
+  ScanlineReader(const FileInput& input, const HdrHeader& header, const HdrTexels& texels, HdrScanlineIndex& index)
       : header_(header),
         texels_(texels),
         index_(index),
-        scanlines_(info.path, header.width, header.height),
+        scanlines_(input, header.width, header.height),
         planes_(std::size_t{4} * static_cast<std::size_t>(header.width)) {
     scanlines_.seek(0, header.first_byte);
   }
@@ -69,13 +69,14 @@ class ColumnReader final : public RowReader {
 
 class HdrSource final : public RowSource {
  public:
-  HdrSource(EnvironmentInfo info, const HdrHeader& header, const HdrTexels& texels, std::uint64_t memory_limit_bytes)
-      : RowSource(std::move(info)),
+  HdrSource(EnvironmentInfo info, const FileInput& input, const HdrHeader& header, const HdrTexels& texels,
+            std::uint64_t memory_limit_bytes)
+      : RowSource(std::move(info), input),
         header_(header),
         texels_(texels),
         memory_limit_bytes_(memory_limit_bytes),
-        index_(this->info().path, header.scanline_length(), header.scanlines(), header.first_byte),
-        columns_(this->info().path, header) {}
+        index_(input, header.scanline_length(), header.scanlines(), header.first_byte),
+        columns_(input, header) {}
 
   [[nodiscard]] int natural_rows() const override { return 1; }
 
@@ -93,7 +94,7 @@ class HdrSource final : public RowSource {
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
     if (!header_.columns) {
-      return std::make_unique<ScanlineReader>(info(), header_, texels_, index_);
+      return std::make_unique<ScanlineReader>(input(), header_, texels_, index_);
     }
     if (reader_bytes() > memory_limit_bytes_) {
       throw platform::file_error(ErrorCode::limit_exceeded, info().path,
@@ -115,7 +116,7 @@ class HdrSource final : public RowSource {
 
 // Told from the first scanline, as each says for itself. Fails if not even that is there.
 const char* compression_of(const platform::ByteFile& file, const HdrHeader& header) {
-  HdrScanlines scanlines(file.path(), header.scanline_length(), header.scanlines());
+  HdrScanlines scanlines(input_of(file), header.scanline_length(), header.scanlines());
   scanlines.seek(0, header.first_byte);
   switch (scanlines.skip()) {
     case HdrCoding::flat: return "none";
@@ -155,7 +156,7 @@ std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions&
 
   EnvironmentInfo info;
   info.path = file.path();
-  info.format = "Radiance";
+  info.format = FileFormat::radiance;
   info.compression = compression_of(file, header);
   info.storage = header.columns ? "columns" : "scanline";
   info.width = header.width;
@@ -163,11 +164,11 @@ std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions&
   info.notes = header.notes;
   const std::vector<const char*> names = header.xyz ? std::vector{"X", "Y", "Z"} : std::vector{"R", "G", "B"};
   for (const char* name : names) {
-    info.channels.push_back({name, header.xyz ? "xyze" : "rgbe"});
+    info.channels.push_back({name, header.xyz ? ChannelType::xyze : ChannelType::rgbe});
   }
   const HdrTexels texels(header.divisor, matrix_of(header, options.primaries, info));
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<HdrSource>(std::move(info), header, texels, options.memory_limit_bytes);
+  return std::make_unique<HdrSource>(std::move(info), input_of(file), header, texels, options.memory_limit_bytes);
 }
 
 namespace {

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -64,7 +63,7 @@ enum class HdrCoding { flat, old_rle, new_rle };
 class HdrScanlines {
  public:
   /// Of a file with `count` scanlines of `length` texels.
-  HdrScanlines(const std::filesystem::path& path, int length, int count);
+  HdrScanlines(const FileInput& input, int length, int count);
 
   /// Makes `scanline`, whose code starts at `position` in the file, the next one.
   void seek(int scanline, std::uint64_t position);
@@ -111,7 +110,7 @@ class HdrScanlines {
 /// waiting for it.
 class HdrScanlineIndex {
  public:
-  HdrScanlineIndex(const std::filesystem::path& path, int length, int count, std::uint64_t first_byte);
+  HdrScanlineIndex(const FileInput& input, int length, int count, std::uint64_t first_byte);
 
   /// Throws `Error` (corrupt_file, file_access) for the first scanline before `scanline` that cannot be passed over.
   [[nodiscard]] std::uint64_t position_of(int scanline);
@@ -135,7 +134,7 @@ class HdrScanlineIndex {
 /// For any number of threads at once.
 class HdrColumns {
  public:
-  HdrColumns(std::filesystem::path path, HdrHeader header);
+  HdrColumns(FileInput input, HdrHeader header);
 
   /// Row `row` of the upright picture: four planes of `width` bytes. Throws as `HdrScanlines::decode`.
   [[nodiscard]] const std::uint8_t* row(int row);
@@ -146,7 +145,7 @@ class HdrColumns {
  private:
   void decode();
 
-  std::filesystem::path path_;
+  FileInput input_;
   HdrHeader header_;
   std::mutex mutex_;
   std::unique_ptr<std::uint8_t[]> planes_;  // guarded until it is there

@@ -24,8 +24,8 @@ bool is_repeat(const std::uint8_t* texel) { return texel[0] == 1 && texel[1] == 
 
 }  // namespace
 
-HdrScanlines::HdrScanlines(const std::filesystem::path& path, int length, int count)
-    : file_(path), length_(length), count_(count), buffer_(kBufferBytes) {}
+HdrScanlines::HdrScanlines(const FileInput& input, int length, int count)
+    : file_(open_file(input)), length_(length), count_(count), buffer_(kBufferBytes) {}
 
 std::uint64_t HdrScanlines::memory_bytes() noexcept {
   constexpr std::uint64_t kOfStream = std::uint64_t{16} << 10U;
@@ -155,8 +155,8 @@ constexpr std::size_t kBatch = 32;
 
 }  // namespace
 
-HdrScanlineIndex::HdrScanlineIndex(const std::filesystem::path& path, int length, int count, std::uint64_t first_byte)
-    : count_(count), positions_{first_byte}, scanner_(path, length, count) {
+HdrScanlineIndex::HdrScanlineIndex(const FileInput& input, int length, int count, std::uint64_t first_byte)
+    : count_(count), positions_{first_byte}, scanner_(input, length, count) {
   scanner_.seek(0, first_byte);
 }
 
@@ -210,8 +210,7 @@ std::uint64_t coded_bytes(std::uint64_t texels) { return 4 * texels; }
 
 }  // namespace
 
-HdrColumns::HdrColumns(std::filesystem::path path, HdrHeader header)
-    : path_(std::move(path)), header_(std::move(header)) {}
+HdrColumns::HdrColumns(FileInput input, HdrHeader header) : input_(std::move(input)), header_(std::move(header)) {}
 
 std::uint64_t HdrColumns::memory_bytes(const HdrHeader& header) noexcept {
   const auto height = static_cast<std::uint64_t>(header.height);
@@ -233,7 +232,7 @@ void HdrColumns::decode() {
   // Not cleared: memory that nothing was decoded to is not touched, whatever the header claims.
   auto planes = std::make_unique_for_overwrite<std::uint8_t[]>(coded_bytes(width * height));
   std::vector<std::uint8_t> columns(coded_bytes(kTogether * height));
-  HdrScanlines scanlines(path_, header_.height, header_.width);
+  HdrScanlines scanlines(input_, header_.height, header_.width);
   scanlines.seek(0, header_.first_byte);
   for (std::size_t first = 0; first < width; first += kTogether) {
     const std::size_t count = std::min<std::size_t>(kTogether, width - first);

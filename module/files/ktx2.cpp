@@ -280,7 +280,7 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file) {
   check_cubemap_sizes(file, header.width, header.height, levels);
 
   TextureLayout layout;
-  layout.container = "KTX2";
+  layout.container = FileFormat::ktx2;
   layout.kind = *kind_of_vulkan_format(header.format);
   layout.supercompression = *supercompression_of_ktx2(header.scheme);
   layout.size = static_cast<int>(header.width);

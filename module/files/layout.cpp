@@ -42,17 +42,6 @@ void settle(EnvironmentInfo& info, Layout layout, const std::string& reason) {
   throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
 }
 
-// A square is one of six files, if anything. Why it is not is in the message: a missing face above all.
-void settle_by_name(EnvironmentInfo& info) {
-  try {
-    static_cast<void>(face_files(info.path));
-  } catch (const Error& failure) {
-    refuse(info, shape(info) + " is square, so it would be a face among six files, but " + failure.what() +
-                     ". If it is something else, pass --layout to say what: " + kAllLayouts);
-  }
-  settle(info, Layout::six_files, shape(info) + " is square, and its name and five others are those of six faces");
-}
-
 void settle_by_shape(EnvironmentInfo& info) {
   if (info.width == 2 * info.height) {
     settle(info, Layout::lat_long, shape(info) + " is 2:1");
@@ -65,7 +54,7 @@ void settle_by_shape(EnvironmentInfo& info) {
     }
   }
   if (info.width == info.height) {
-    settle_by_name(info);
+    settle(info, Layout::six_files, shape(info) + " is square, and its name and five others are those of six faces");
     return;
   }
   refuse(info, shape(info) +
@@ -102,6 +91,11 @@ void require_fitting_shape(const EnvironmentInfo& info) {
 
 }  // namespace
 
+void refuse_square(const EnvironmentInfo& info, const std::string& reason) {
+  refuse(info, shape(info) + " is square, so it would be a face among six files, but " + reason +
+                   ". If it is something else, pass --layout to say what: " + kAllLayouts);
+}
+
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header) {
   if (asked_for != Layout::automatic) {
     settle(info, asked_for, std::string(name(asked_for)) + " was asked for");
@@ -134,6 +128,40 @@ const char* name(Layout layout) noexcept {
     case Layout::horizontal_cross: return "horizontal-cross";
     case Layout::vertical_cross: return "vertical-cross";
     case Layout::six_files: return "six-files";
+  }
+  return "unknown";
+}
+
+const char* name(FileFormat format) noexcept {
+  switch (format) {
+    case FileFormat::openexr: return "OpenEXR";
+    case FileFormat::radiance: return "Radiance";
+    case FileFormat::pfm: return "PFM";
+    case FileFormat::png: return "PNG";
+    case FileFormat::ktx2: return "KTX2";
+    case FileFormat::dds: return "DDS";
+    case FileFormat::babylon: return "Babylon.js .env";
+  }
+  return "unknown";
+}
+
+const char* name(ChannelType type) noexcept {
+  switch (type) {
+    case ChannelType::unknown: return "unknown";
+    case ChannelType::half: return "half";
+    case ChannelType::float32: return "float";
+    case ChannelType::uint32: return "uint";
+    case ChannelType::rgbe: return "rgbe";
+    case ChannelType::xyze: return "xyze";
+    case ChannelType::rgbd: return "rgbd";
+    case ChannelType::uint1: return "uint1";
+    case ChannelType::uint2: return "uint2";
+    case ChannelType::uint4: return "uint4";
+    case ChannelType::uint8: return "uint8";
+    case ChannelType::uint16: return "uint16";
+    case ChannelType::ufloat10: return "ufloat10";
+    case ChannelType::ufloat11: return "ufloat11";
+    case ChannelType::shared_exponent: return "shared exponent";
   }
   return "unknown";
 }
@@ -204,7 +232,8 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options) {
   if (options.layout != Layout::automatic && options.layout != Layout::vertical_strip) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                               std::string("was asked for as a ") + name(options.layout) + ", and " + info.format +
+                               std::string("was asked for as a ") + name(options.layout) + ", and " +
+                                   name(info.format) +
                                    " holds six faces, read as a vertical strip; leave --layout out");
   }
   if (options.level < 0 || options.level >= levels) {
@@ -219,7 +248,7 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
     info.levels.push_back({edge, 6 * edge});
   }
   info.layout = Layout::vertical_strip;
-  info.layout_reason = info.format + " holds six faces";
+  info.layout_reason = std::string(name(info.format)) + " holds six faces";
   info.width = info.levels[static_cast<std::size_t>(options.level)].width;
   info.height = 6 * info.width;
 }

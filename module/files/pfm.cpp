@@ -113,8 +113,11 @@ void swap_bytes(float* values, std::size_t count) {
 
 class PfmReader final : public RowReader {
  public:
-  PfmReader(const PfmPicture& picture, const EnvironmentInfo& info)
-      : picture_(picture), width_(static_cast<std::size_t>(info.width)), height_(info.height), file_(info.path) {}
+  PfmReader(const FileInput& input, const PfmPicture& picture, const EnvironmentInfo& info)
+      : picture_(picture),
+        width_(static_cast<std::size_t>(info.width)),
+        height_(info.height),
+        file_(open_file(input)) {}
 
   // Rows lie in the file from bottom to top: the last one that is asked for comes first.
   void read(int first_row, int row_count, float* rgb) override {
@@ -148,12 +151,13 @@ class PfmReader final : public RowReader {
 
 class PfmSource final : public RowSource {
  public:
-  PfmSource(EnvironmentInfo info, const PfmPicture& picture) : RowSource(std::move(info)), picture_(picture) {}
+  PfmSource(EnvironmentInfo info, FileInput input, const PfmPicture& picture)
+      : RowSource(std::move(info), std::move(input)), picture_(picture) {}
 
   [[nodiscard]] int natural_rows() const override { return 1; }
   [[nodiscard]] std::uint64_t reader_bytes() const override { return std::uint64_t{64} << 10U; }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<PfmReader>(picture_, info());
+    return std::make_unique<PfmReader>(input(), picture_, info());
   }
 
  private:
@@ -174,7 +178,7 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
 
   EnvironmentInfo info;
   info.path = file.path();
-  info.format = "PFM";
+  info.format = FileFormat::pfm;
   info.compression = "none";
   info.storage = "scanline";
   info.width = read_extent(file, "width", kMaximumWidth);
@@ -185,7 +189,7 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
   picture.first_byte = file.position();
   const std::vector<const char*> names = picture.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
   for (const char* name : names) {
-    info.channels.push_back({name, "float"});
+    info.channels.push_back({name, ChannelType::float32});
   }
 
   if (wanted > file.remaining()) {
@@ -195,7 +199,7 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
                                    std::to_string(file.remaining()) + " follow the header; fetch or export it again");
   }
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PfmSource>(std::move(info), picture);
+  return std::make_unique<PfmSource>(std::move(info), input_of(file), picture);
 }
 
 static_assert(std::endian::native == std::endian::little, "rows are written as they lie in memory");

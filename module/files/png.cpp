@@ -31,8 +31,8 @@ constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
 class PngReader final : public RowReader {
  public:
-  PngReader(std::filesystem::path path, const PngHeader& header, const PngSamples& samples)
-      : path_(std::move(path)), header_(header), samples_(samples) {
+  PngReader(const FileInput& input, const PngHeader& header, const PngSamples& samples)
+      : input_(input), header_(header), samples_(samples) {
     open();
     const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
     coded_ = std::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
@@ -59,12 +59,12 @@ class PngReader final : public RowReader {
  private:
   // If the file is another one by now, its rows may not fit where they would go.
   void open() {
-    decoder_ = std::make_unique<PngDecoder>(path_);
+    decoder_ = std::make_unique<PngDecoder>(input_);
     next_row_ = 0;
     const PngHeader& found = decoder_->header();
     if (found.width != header_.width || found.height != header_.height || found.bits != header_.bits ||
         found.interlaced != header_.interlaced) {
-      throw platform::file_error(ErrorCode::file_access, path_, "has changed while it was read; read it again");
+      throw platform::file_error(ErrorCode::file_access, input_.path(), "has changed while it was read; read it again");
     }
   }
 
@@ -82,7 +82,7 @@ class PngReader final : public RowReader {
     ++next_row_;
   }
 
-  std::filesystem::path path_;
+  const FileInput& input_;  // the source's
   const PngHeader& header_;
   const PngSamples& samples_;
   std::unique_ptr<PngDecoder> decoder_;
@@ -92,8 +92,9 @@ class PngReader final : public RowReader {
 
 class PngSource final : public RowSource {
  public:
-  PngSource(EnvironmentInfo info, const PngHeader& header, PngSamples samples, std::uint64_t memory_limit_bytes)
-      : RowSource(std::move(info)),
+  PngSource(EnvironmentInfo info, FileInput input, const PngHeader& header, PngSamples samples,
+            std::uint64_t memory_limit_bytes)
+      : RowSource(std::move(info), std::move(input)),
         header_(header),
         samples_(std::move(samples)),
         memory_limit_bytes_(memory_limit_bytes) {}
@@ -120,7 +121,7 @@ class PngSource final : public RowSource {
                                      std::to_string(memory_limit_bytes_) +
                                      "; raise the limit, or save it without interlacing");
     }
-    return std::make_unique<PngReader>(info().path, header_, samples_);
+    return std::make_unique<PngReader>(input(), header_, samples_);
   }
 
  private:
@@ -129,8 +130,19 @@ class PngSource final : public RowSource {
   std::uint64_t memory_limit_bytes_;
 };
 
+ChannelType type_of_samples(const PngHeader& header) {
+  if (header.palette) return ChannelType::uint8;
+  switch (header.bits) {
+    case 1: return ChannelType::uint1;
+    case 2: return ChannelType::uint2;
+    case 4: return ChannelType::uint4;
+    case 16: return ChannelType::uint16;
+    default: return ChannelType::uint8;
+  }
+}
+
 void list_channels(EnvironmentInfo& info, const PngHeader& header) {
-  const std::string type = "uint" + std::to_string(header.palette ? 8 : header.bits);
+  const ChannelType type = type_of_samples(header);
   const std::vector<const char*> names = header.grey ? std::vector{"Y"} : std::vector{"R", "G", "B"};
   for (const char* name : names) {
     info.channels.push_back({name, type});
@@ -195,12 +207,12 @@ void require_plausible_size(const platform::ByteFile& file, const PngHeader& hea
 }  // namespace
 
 std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions& options) {
-  const PngHeader header = PngDecoder(file.path()).header();
+  const PngHeader header = PngDecoder(input_of(file)).header();
   require_plausible_size(file, header);
 
   EnvironmentInfo info;
   info.path = file.path();
-  info.format = "PNG";
+  info.format = FileFormat::png;
   info.compression = "deflate";
   info.storage = header.interlaced ? "interlaced" : "scanline";
   info.width = header.width;
@@ -212,8 +224,8 @@ std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions&
           ? rec709_from_stated(*header.primaries, "the cHRM chunk", options.primaries, info)
           : std::nullopt;
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PngSource>(std::move(info), header, PngSamples(header.bits == 16, transfer, matrix),
-                                     options.memory_limit_bytes);
+  return std::make_unique<PngSource>(std::move(info), input_of(file), header,
+                                     PngSamples(header.bits == 16, transfer, matrix), options.memory_limit_bytes);
 }
 
 namespace {

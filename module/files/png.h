@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
-#include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "files/row_source.h"
 #include "platform/file.h"
 #include "welkin/environment_file.h"
 
@@ -24,7 +24,7 @@ namespace welkin::files {
 /// (PNG specification, third edition, 5.3.)
 class PngStream {
  public:
-  explicit PngStream(const std::filesystem::path& path) : file_(path) {}
+  explicit PngStream(const FileInput& input) : file_(open_file(input)) {}
 
   /// The next `count` bytes. Throws as `ByteFile::read`.
   void read(void* bytes, std::size_t count);
@@ -73,7 +73,7 @@ struct PngHeader {
 class PngDecoder {
  public:
   /// Reads up to the pixels. Throws `Error`: file_access, corrupt_file, unsupported_file.
-  explicit PngDecoder(const std::filesystem::path& path);
+  explicit PngDecoder(const FileInput& input);
 
   PngDecoder(const PngDecoder&) = delete;  // libspng knows where this is
   PngDecoder& operator=(const PngDecoder&) = delete;

@@ -13,7 +13,7 @@
 
 namespace welkin::files {
 
-PngDecoder::PngDecoder(const std::filesystem::path& path) : stream_(path), context_(spng_ctx_new(0)) {
+PngDecoder::PngDecoder(const FileInput& input) : stream_(input), context_(spng_ctx_new(0)) {
   if (context_ == nullptr) {
     throw std::bad_alloc();
   }

@@ -27,7 +27,9 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
-std::string kind_of(const EnvironmentInfo& info) { return info.format + ", " + info.storage + ", " + info.compression; }
+std::string kind_of(const EnvironmentInfo& info) {
+  return info.format_words() + ", " + info.storage + ", " + info.compression;
+}
 
 // What the projection has to say comes behind what the file's side did.
 void put_first(Projection& projection, std::vector<PassRecord> passes) {
@@ -118,12 +120,12 @@ double level_error(const Projection& projection, const EnvironmentInfo& level, c
                                     {options.quadrature == Quadrature::midpoint ? size : 0.0, size});
 }
 
-Projection project_level(const std::filesystem::path& path, const EnvironmentInfo& full, int level,
-                         ReadOptions read_options, ProjectionOptions options, const Control& control) {
+Projection project_level(const FileInput& input, const EnvironmentInfo& full, int level, ReadOptions read_options,
+                         ProjectionOptions options, const Control& control) {
   read_options.level = level;
   read_options.layout = full.layout;  // a small level's shape may tell something else
   options.target_size.reset();
-  const auto source = open_row_source(path, read_options);
+  const auto source = open_row_source(input, read_options);
   const EnvironmentInfo& info = source->info();
   Projection projection = project_source(*source, read_options, options, control);
   if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info, options);
@@ -192,17 +194,17 @@ Projection project_source(const RowSource& source, const ReadOptions& read_optio
 
 }  // namespace files
 
-Projection project_file(const std::filesystem::path& path, const ReadOptions& read_options,
-                        const ProjectionOptions& options, const Control& control) {
+Projection project_file(const FileInput& input, const ReadOptions& read_options, const ProjectionOptions& options,
+                        const Control& control) {
   const platform::FloatingPointScope floating_point;
   projection::check_options(options);
-  const auto source = files::open_row_source(path, read_options);
+  const auto source = files::open_row_source(input, read_options);
   if (std::optional<SphericalHarmonics> radiance = files::reusable_radiance(*source, options)) {
     return files::reused(*source, *std::move(radiance), options, control);
   }
   if (read_options.level == 0 && !source->has_prefiltered_levels()) {
     if (const std::optional<int> level = files::level_for_target(source->info(), options)) {
-      return files::project_level(path, source->info(), *level, read_options, options, control);
+      return files::project_level(input, source->info(), *level, read_options, options, control);
     }
   }
   return files::project_source(*source, read_options, options, control);

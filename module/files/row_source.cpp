@@ -13,6 +13,7 @@
 #include "files/env.h"
 #include "files/env_manifest.h"
 #include "files/hdr.h"
+#include "files/layout.h"
 #include "files/pfm.h"
 #include "files/textures.h"
 #include "jobs/tiles.h"
@@ -56,8 +57,22 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const ReadOptions& options) {
-  platform::ByteFile file(path);
+platform::ByteFile open_file(const FileInput& input) {
+  if (!input.faces().empty()) {
+    throw platform::file_error(
+        ErrorCode::invalid_argument, input.path(),
+        "was given with five others as the faces of a cubemap, and one file is wanted here; read "
+        "them with read_environment");
+  }
+  return platform::ByteFile(input.path(), input.bytes());
+}
+
+FileInput input_of(const platform::ByteFile& file) {
+  return file.memory() ? FileInput(*file.memory(), file.path().string()) : FileInput(file.path());
+}
+
+std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options) {
+  platform::ByteFile file = open_file(input);
   std::array<char, 8> buffer{};
   const std::string_view start = first_bytes(file, buffer);
   if (start.starts_with("\x76\x2f\x31\x01"sv)) {
@@ -78,22 +93,37 @@ std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const
   if (is_env(file)) {
     return open_env(file, options);
   }
-  refuse(path, start);
+  refuse(input.path(), start);
 }
 
-std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options) {
+std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options) {
+  if (!input.faces().empty()) {
+    if (options.layout != Layout::automatic && options.layout != Layout::six_files) {
+      throw platform::file_error(
+          ErrorCode::invalid_argument, input.path(),
+          std::string("was given with five others as the faces of a cubemap, and asked for as a ") +
+              name(options.layout) + "; leave the layout out");
+    }
+    return open_six_files(input, six_inputs(input), options, "six faces were given");
+  }
   if (options.layout == Layout::six_files) {
-    return open_six_files(path, options, "six-files was asked for");
+    return open_six_files(input, six_inputs(input), options, "six-files was asked for");
   }
   std::error_code ignored;
-  if (options.layout == Layout::automatic && std::filesystem::is_directory(path, ignored)) {
-    return open_six_files(path, options, "the directory holds the six faces of one cube");
+  if (options.layout == Layout::automatic && !input.bytes() && std::filesystem::is_directory(input.path(), ignored)) {
+    return open_six_files(input, six_inputs(input), options, "the directory holds the six faces of one cube");
   }
-  std::unique_ptr<RowSource> picture = open_picture(path, options);
+  std::unique_ptr<RowSource> picture = open_picture(input, options);
   if (picture->info().layout != Layout::six_files) {
     return picture;
   }
-  return open_six_files(path, options, picture->info().layout_reason);
+  std::vector<FileInput> faces;
+  try {
+    faces = six_inputs(input);
+  } catch (const Error& failure) {
+    refuse_square(picture->info(), failure.what());
+  }
+  return open_six_files(input, faces, options, picture->info().layout_reason);
 }
 
 namespace {

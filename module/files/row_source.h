@@ -1,8 +1,8 @@
 // A picture in a file, as rows of RGB floats.
 //
 // Opening a source reads and checks the header and decodes nothing. Readers are independent of one another,
-// each with its own handle on the file, so that blocks of rows decode side by side, one reader a thread,
-// without a lock.
+// each with its own handle on the file or its own place in the bytes in memory, so that blocks of rows decode side by
+// side, one reader a thread, without a lock.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "platform/file.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/spherical_harmonics.h"
@@ -23,6 +25,13 @@ namespace welkin::files {
 /// The largest picture that any layout can hold; what claims to be larger is refused by its header.
 inline constexpr int kMaximumWidth = 65536;
 inline constexpr int kMaximumHeight = 6 * 16384;
+
+/// A file's bytes from the first one on. Throws `Error`: file_access, invalid_argument for six faces, which are no
+/// file.
+[[nodiscard]] platform::ByteFile open_file(const FileInput& input);
+
+/// What `file` reads, to open it once more.
+[[nodiscard]] FileInput input_of(const platform::ByteFile& file);
 
 class RowReader {
  public:
@@ -73,25 +82,34 @@ class RowSource {
   [[nodiscard]] virtual std::unique_ptr<RowReader> open_reader() const = 0;
 
  protected:
-  explicit RowSource(EnvironmentInfo info) : info_(std::move(info)) {}
+  RowSource(EnvironmentInfo info, FileInput input) : info_(std::move(info)), input_(std::move(input)) {}
+
+  /// What readers open.
+  [[nodiscard]] const FileInput& input() const noexcept { return input_; }
 
  private:
   EnvironmentInfo info_;
+  FileInput input_;
 };
 
 /// Opens one picture file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
 /// one face of them. Throws as `inspect_environment`.
-[[nodiscard]] std::unique_ptr<RowSource> open_picture(const std::filesystem::path& path, const ReadOptions& options);
+[[nodiscard]] std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options);
 
-/// Opens an environment: a picture file, or the six files of a cubemap by any of them or their directory.
+/// Opens an environment: a picture file, or the six files of a cubemap, given as they are or by the path of any of them
+/// or of their directory.
 /// Throws as `inspect_environment`.
-[[nodiscard]] std::unique_ptr<RowSource> open_row_source(const std::filesystem::path& path, const ReadOptions& options);
+[[nodiscard]] std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options);
 
-/// A strip N x 6N, layout six_files, whose rows come from the six square pictures of `face_files(path)`, each a
-/// section of its own. Throws as `inspect_environment`; unsupported_file naming the file that is not square or not
-/// of the first one's size.
-[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const std::filesystem::path& path, const ReadOptions& options,
-                                                        const std::string& reason);
+/// The six faces that an input has, or those that `face_files` finds by its path. Throws `Error` as `face_files`, and
+/// invalid_argument for one face in memory.
+[[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);
+
+/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: `faces`, as
+/// `six_inputs` finds them for `input`. Throws as `inspect_environment`; unsupported_file naming the file that is not
+/// square or not of the first one's size.
+[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& faces,
+                                                        const ReadOptions& options, const std::string& reason);
 
 /// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.
 [[nodiscard]] constexpr std::uint64_t rgb_bytes(int width, int rows) noexcept {

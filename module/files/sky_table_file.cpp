@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "files/crc32.h"
+#include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
 #include "sky/table_sizes.h"
@@ -139,8 +140,8 @@ void parameters(Archive&& each, Tables& tables) {
   auto& options = tables.options;
   each(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles, options.transmittance_heights,
        options.transmittance_zeniths, options.irradiance_heights, options.irradiance_sun_zeniths,
-       options.lowest_sun_degrees, options.orders, options.until_change, options.memory_limit_bytes, tables.orders,
-       tables.last_change);
+       options.minimum_sun_elevation_degrees, options.orders, options.until_change, options.memory_limit_bytes,
+       tables.orders, tables.last_change);
 }
 
 std::vector<std::uint8_t> write_parameters(const SkyTables& tables) {
@@ -202,7 +203,7 @@ bool sound(const std::vector<float>& values) {
 
 }  // namespace
 
-void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path) {
+void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
   const platform::FloatingPointScope floating_point;
   check(tables.atmosphere);
   sky::check_options(tables.options);
@@ -227,7 +228,7 @@ void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path)
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
     sum = crc32(sum, values.data(), values.size() * sizeof(float));
   });
-  platform::WholeFile file(path);
+  platform::WholeFile file(output.path(), output.bytes());
   Writer start;
   start.put(kVersion);
   start.put(sum);
@@ -242,9 +243,10 @@ void save_sky_tables(const SkyTables& tables, const std::filesystem::path& path)
   file.commit();
 }
 
-SkyTables load_sky_tables(const std::filesystem::path& path, std::uint64_t memory_limit_bytes) {
+SkyTables load_sky_tables(const FileInput& input, std::uint64_t memory_limit_bytes) {
   const platform::FloatingPointScope floating_point;
-  ByteFile file(path);
+  ByteFile file = files::open_file(input);
+  const std::filesystem::path& path = file.path();
   std::array<std::uint8_t, kHeaderBytes + sizeof(std::uint32_t)> start{};
   if (file.size() < kMagic.size()) throw file_error(ErrorCode::corrupt_file, path, "is too short for sky tables");
   file.read(start.data(), std::min<std::uint64_t>(start.size(), file.size()));

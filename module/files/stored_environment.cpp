@@ -29,7 +29,7 @@ std::vector<double> babylon_roughness(int levels, int size, double scale) {
 }
 
 void look_into_env(StoredEnvironment& stored) {
-  platform::ByteFile file(stored.path);
+  platform::ByteFile file = files::open_file(stored.input);
   const files::EnvManifest manifest = files::read_env_manifest(file);
   stored.has_polynomial = manifest.polynomial.has_value();
   stored.levels = manifest.levels();
@@ -53,7 +53,7 @@ std::vector<double> roughness_in(const std::string& text, int levels) {
 }
 
 void look_into_texture(StoredEnvironment& stored) {
-  platform::ByteFile file(stored.path);
+  platform::ByteFile file = files::open_file(stored.input);
   const files::TextureLayout layout = files::read_texture_layout(file);
   stored.levels = static_cast<int>(layout.levels.size());
   stored.compressed = layout.supercompression != Supercompression::none;
@@ -70,7 +70,7 @@ void look_into_texture(StoredEnvironment& stored) {
 
 std::string StoredEnvironment::words() const {
   const platform::FloatingPointScope floating_point;
-  std::string text = path.filename().string() + ": " + info.format + ", " + shape.words();
+  std::string text = input.path().filename().string() + ": " + info.format_words() + ", " + shape.words();
   if (levels > 1) {
     text += ", " + std::to_string(levels) +
             (content == LevelContent::reflections ? " prefiltered mips"
@@ -80,21 +80,21 @@ std::string StoredEnvironment::words() const {
   return has_polynomial ? text + ", polynomial" : text;
 }
 
-StoredEnvironment probe_environment(const std::filesystem::path& path, const ReadOptions& read, LevelContent content) {
+StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& read, LevelContent content) {
   const platform::FloatingPointScope floating_point;
   StoredEnvironment stored;
-  stored.path = path;
+  stored.input = input;
   stored.read = read;
-  stored.info = inspect_environment(path, read);
+  stored.info = inspect_environment(input, read);
   const EnvironmentInfo& info = stored.info;
   Environment shapes;
   shapes.info = info;
   const int face = shapes.face_size();
   stored.shape = face > 0 ? SourceShape{true, face, 6 * face, PixelFormat::rgb32f}
                           : SourceShape{false, info.width, info.height, PixelFormat::rgb32f};
-  stored.compressed = info.format != "PFM" && info.compression != "none";
-  if (info.format == "Babylon.js .env") look_into_env(stored);
-  if (info.format == "KTX2" || info.format == "DDS") look_into_texture(stored);
+  stored.compressed = info.format != FileFormat::pfm && info.compression != "none";
+  if (info.format == FileFormat::babylon) look_into_env(stored);
+  if (info.format == FileFormat::ktx2 || info.format == FileFormat::dds) look_into_texture(stored);
   if (content != LevelContent::automatic && stored.levels > 1) stored.content = content;
   if (read.level != 0) {  // one of the levels alone
     stored.levels = 1;
@@ -123,7 +123,7 @@ bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
          options.pixels.infinity == NonFinitePolicy::reject;
 }
 
-baking::UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
+UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
   return baking::unused_mips(file.roughness, *needs.glossy);
 }
 
@@ -139,7 +139,7 @@ baking::StoredKinds stored_kinds(const StoredEnvironment& file, const SceneNeeds
   if (file.has_polynomial) kinds.harmonics_bands = 3;
   if (file.content == LevelContent::radiance) kinds.background_levels = file.levels;
   if (!takes_specular(file, needs, options)) return kinds;
-  const baking::UnusedMips unused = unused_of(file, needs);
+  const UnusedMips unused = unused_of(file, needs);
   kinds.specular_mips = file.levels - unused.sharp - unused.rough;
   kinds.specular_size = std::max(1, file.shape.columns >> unused.sharp);
   return kinds;
@@ -168,12 +168,6 @@ PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan, const Cos
   return {kRead, PassAction::run, file.words(), cost, bytes};
 }
 
-}  // namespace
-}  // namespace files
-
-namespace files {
-namespace {
-
 /// `kinds`: what is taken of the file.
 Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds,
                const CostModel& costs) {
@@ -189,7 +183,7 @@ Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& neede
 Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
   baking::StoredKinds kinds;
   if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;
-  return plan_with(file, {options, {}}, kinds, {});
+  return plan_with(file, {options}, kinds, {});
 }
 
 }  // namespace files

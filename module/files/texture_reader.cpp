@@ -185,7 +185,7 @@ void check_memory(const std::filesystem::path& path, const TextureLayout& layout
 }
 
 std::string words_for(const TextureLayout& layout) {
-  std::string words = layout.container + " " + name(layout.kind);
+  std::string words = std::string(name(layout.container)) + " " + name(layout.kind);
   if (layout.supercompression != Supercompression::none) words += std::string(" ") + name(layout.supercompression);
   return words;
 }
@@ -238,22 +238,21 @@ void TextureReader::read(int level, int face, int first_row, int rows, float* rg
 
 }  // namespace files
 
-CubemapTexture read_texture(const std::filesystem::path& path, std::uint64_t memory_limit_bytes,
-                            const Control& control) {
+CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_bytes, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  platform::ByteFile file(path);
+  platform::ByteFile file = files::open_file(input);
   const files::TextureLayout layout = files::read_texture_layout(file);
   const files::Tiles tiles(layout);
   const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * layout.size * layout.size);
   const std::size_t workers = jobs::worker_count(placement);
-  files::check_memory(path, layout, memory_limit_bytes, workers);
+  files::check_memory(input.path(), layout, memory_limit_bytes, workers);
 
-  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size())), files::words_for(layout),
-                         layout.metadata};
+  CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
+                         files::words_for(layout), layout.metadata};
   std::vector<std::unique_ptr<files::TextureReader>> readers(workers);
   jobs::run_tiles(tiles.count, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     auto& reader = readers[worker];
-    if (!reader) reader = std::make_unique<files::TextureReader>(path, layout, control.stop);
+    if (!reader) reader = std::make_unique<files::TextureReader>(input, layout, control.stop);
     const std::size_t first = tile * tiles.faces;
     for (std::size_t face = first; face < first + tiles.faces; ++face) {
       files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), control.stop);
@@ -271,8 +270,8 @@ constexpr int kStreamedRows = 16;
 
 class TextureRowReader final : public RowReader {
  public:
-  TextureRowReader(const std::filesystem::path& path, const TextureLayout& layout, int level)
-      : reader_(path, layout), level_(level), size_(layout.level_size(level)) {}
+  TextureRowReader(const FileInput& input, const TextureLayout& layout, int level)
+      : reader_(input, layout), level_(level), size_(layout.level_size(level)) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const int end = first_row + row_count;
@@ -293,8 +292,8 @@ class TextureRowReader final : public RowReader {
 
 class TextureSource final : public RowSource {
  public:
-  TextureSource(EnvironmentInfo info, TextureLayout layout, int level)
-      : RowSource(std::move(info)), layout_(std::move(layout)), level_(level) {}
+  TextureSource(EnvironmentInfo info, FileInput input, TextureLayout layout, int level)
+      : RowSource(std::move(info), std::move(input)), layout_(std::move(layout)), level_(level) {}
 
   [[nodiscard]] int natural_rows() const override { return is_packed() ? info().height : 1; }
   [[nodiscard]] bool has_prefiltered_levels() const override {
@@ -310,7 +309,7 @@ class TextureSource final : public RowSource {
                        : RowSource::smaller_reader();
   }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<TextureRowReader>(info().path, layout_, level_);
+    return std::make_unique<TextureRowReader>(input(), layout_, level_);
   }
 
  private:
@@ -320,16 +319,16 @@ class TextureSource final : public RowSource {
   int level_;
 };
 
-const char* channel_type(TexelKind kind, std::size_t channel) {
+ChannelType channel_type(TexelKind kind, std::size_t channel) {
   switch (kind) {
-    case TexelKind::rgba16f: return "half";
-    case TexelKind::rgba32f: return "float";
-    case TexelKind::b10g11r11: return channel == 2 ? "ufloat10" : "ufloat11";
-    case TexelKind::e5b9g9r9: return "shared exponent";
+    case TexelKind::rgba16f: return ChannelType::half;
+    case TexelKind::rgba32f: return ChannelType::float32;
+    case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;
+    case TexelKind::e5b9g9r9: return ChannelType::shared_exponent;
     case TexelKind::rgba8:
-    case TexelKind::rgba8_srgb: return "uint8";
+    case TexelKind::rgba8_srgb: return ChannelType::uint8;
   }
-  return "";
+  return ChannelType::unknown;
 }
 
 void list_channels(EnvironmentInfo& info, TexelKind kind) {
@@ -369,7 +368,7 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
                          "\" is not applied: rows are taken from the top");
   }
-  auto source = std::make_unique<TextureSource>(std::move(info), std::move(layout), options.level);
+  auto source = std::make_unique<TextureSource>(std::move(info), input_of(file), std::move(layout), options.level);
   return source;
 }
 

@@ -161,13 +161,13 @@ void write_picture(const PictureJob& job, TexelEncoder& encoder) {
 
 }  // namespace files
 
-WriteReport write_texture(const std::filesystem::path& path, std::span<const CubemapView> mips,
-                          const TextureOptions& options, const Control& control) {
+WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips, const TextureOptions& options,
+                          const Control& control) {
   const platform::FloatingPointScope floating_point;
   files::check_mips(mips);
-  const files::Container& container = files::container_of(path);
-  files::check_options(path, container, options);
-  platform::WholeFile file(path);
+  const files::Container& container = files::container_of(output.path());
+  files::check_options(output.path(), container, options);
+  platform::WholeFile file(output.path(), output.bytes());
   WriteReport report;
   report.values_clamped = container.write({file, mips, options, control});
   file.finish();
@@ -177,7 +177,7 @@ WriteReport write_texture(const std::filesystem::path& path, std::span<const Cub
   return report;
 }
 
-WriteReport write_texture_2d(const std::filesystem::path& path, int width, int height, const float* rgb,
+WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
                              const TextureOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb32f};
@@ -187,13 +187,13 @@ WriteReport write_texture_2d(const std::filesystem::path& path, int width, int h
                                                  " texels" + (rgb == nullptr ? " and no pixels" : "") +
                                                  " cannot be written; pass 1 to " + std::to_string(largest));
   }
-  const files::Container& container = files::container_of(path);
+  const files::Container& container = files::container_of(output.path());
   if (container.write_picture == nullptr) {
-    throw platform::file_error(ErrorCode::unsupported_file, path,
+    throw platform::file_error(ErrorCode::unsupported_file, output.path(),
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
-  files::check_options(path, container, options);
-  platform::WholeFile file(path);
+  files::check_options(output.path(), container, options);
+  platform::WholeFile file(output.path(), output.bytes());
   WriteReport report;
   report.values_clamped = container.write_picture({file, picture, options, control});
   file.finish();

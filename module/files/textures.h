@@ -130,7 +130,7 @@ struct TextureLayout {
     std::uint64_t packed_bytes = 0;
   };
 
-  std::string container;  ///< "KTX2", "DDS"
+  FileFormat container = FileFormat::ktx2;  ///< or dds
   TexelKind kind = TexelKind::rgba16f;
   Supercompression supercompression = Supercompression::none;
   int size = 0;               ///< texels along an edge of level 0
@@ -163,8 +163,8 @@ void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, st
 class TextureReader {
  public:
   /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
-  TextureReader(const std::filesystem::path& path, const TextureLayout& layout, std::stop_token stop = {})
-      : file_(path), layout_(layout), stop_(std::move(stop)) {}
+  TextureReader(const FileInput& input, const TextureLayout& layout, std::stop_token stop = {})
+      : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
 
   /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
   void read(int level, int face, int first_row, int rows, float* rgb);

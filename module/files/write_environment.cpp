@@ -77,16 +77,16 @@ SampleType type_for(const Format& format, SampleType asked_for, const std::files
 }
 
 /// Files that appear together, once all of them are whole.
-class Output {
+class OutputFiles {
  public:
-  Output(const Format& format, SampleType type, const Control& control)
+  OutputFiles(const Format& format, SampleType type, const Control& control)
       : format_(format), type_(type), control_(control) {}
 
   enum class Header { plain, openexr_lat_long, openexr_cube };
 
   /// `from` to `to`: the part of the progress.
-  void add(const std::filesystem::path& path, const OutputPicture& picture, Header header, double from, double to) {
-    files_.push_back(std::make_unique<WholeFile>(path));
+  void add(const FileOutput& output, const OutputPicture& picture, Header header, double from, double to) {
+    files_.push_back(std::make_unique<WholeFile>(output.path(), output.bytes()));
     const Control part = jobs::part_of(control_, from, to);
     const files::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
                               part};
@@ -121,8 +121,9 @@ std::filesystem::path face_path(const std::filesystem::path& path, int face) {
 
 }  // namespace
 
-void check_write_options(const std::filesystem::path& path, const WriteOptions& options, bool is_cubemap) {
+void check_write_options(const FileOutput& output, const WriteOptions& options, bool is_cubemap) {
   const platform::FloatingPointScope floating_point;
+  const std::filesystem::path& path = output.path();
   (void)type_for(format_of(path), options.type, path);
   if (!is_cubemap && options.layout != Layout::automatic && options.layout != Layout::lat_long) {
     throw file_error(ErrorCode::invalid_argument, path,
@@ -133,6 +134,13 @@ void check_write_options(const std::filesystem::path& path, const WriteOptions& 
     throw file_error(ErrorCode::invalid_argument, path,
                      "a cubemap cannot be written as a lat-long; make one of it first (to_lat_long)");
   }
+  if (output.bytes() != nullptr) {
+    if (options.layout == Layout::six_files) {
+      throw file_error(ErrorCode::invalid_argument, path,
+                       "six files cannot be written to one vector of bytes; write a strip or a cross, or to a path");
+    }
+    return;
+  }
   std::error_code failure;
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, failure)) {
@@ -140,22 +148,23 @@ void check_write_options(const std::filesystem::path& path, const WriteOptions& 
   }
 }
 
-WriteReport write_environment(const std::filesystem::path& path, const LatLongView& picture,
-                              const WriteOptions& options, const Control& control) {
+WriteReport write_environment(const FileOutput& output, const LatLongView& picture, const WriteOptions& options,
+                              const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(picture);
-  check_write_options(path, options, false);
-  const Format& format = format_of(path);
-  Output output(format, type_for(format, options.type, path), control);
-  output.add(path, OutputPicture(picture), Output::Header::openexr_lat_long, 0.0, 1.0);
-  return output.commit();
+  check_write_options(output, options, false);
+  const Format& format = format_of(output.path());
+  OutputFiles written(format, type_for(format, options.type, output.path()), control);
+  written.add(output, OutputPicture(picture), OutputFiles::Header::openexr_lat_long, 0.0, 1.0);
+  return written.commit();
 }
 
-WriteReport write_environment(const std::filesystem::path& path, const CubemapView& picture,
-                              const WriteOptions& options, const Control& control) {
+WriteReport write_environment(const FileOutput& output, const CubemapView& picture, const WriteOptions& options,
+                              const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(picture);
-  check_write_options(path, options, true);
+  check_write_options(output, options, true);
+  const std::filesystem::path& path = output.path();
   const Format& format = format_of(path);
   const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
   if (layout == Layout::horizontal_strip && 6 * picture.size > files::kMaximumWidth) {
@@ -164,18 +173,19 @@ WriteReport write_environment(const std::filesystem::path& path, const CubemapVi
                          std::to_string(files::kMaximumWidth) +
                          " that are read; write a vertical strip, a cross or six files");
   }
-  Output output(format, type_for(format, options.type, path), control);
+  OutputFiles written(format, type_for(format, options.type, path), control);
   if (layout == Layout::six_files) {
     for (int face = 0; face < 6; ++face) {
-      output.add(face_path(path, face), OutputPicture(picture, face), Output::Header::plain, face / 6.0,
-                 (face + 1) / 6.0);
+      written.add(face_path(path, face), OutputPicture(picture, face), OutputFiles::Header::plain, face / 6.0,
+                  (face + 1) / 6.0);
     }
   } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
-    output.add(path, OutputPicture(picture, files::openexr_cube_placement()), Output::Header::openexr_cube, 0.0, 1.0);
+    written.add(output, OutputPicture(picture, files::openexr_cube_placement()), OutputFiles::Header::openexr_cube, 0.0,
+                1.0);
   } else {
-    output.add(path, OutputPicture(picture, files::cube_placement(layout)), Output::Header::plain, 0.0, 1.0);
+    written.add(output, OutputPicture(picture, files::cube_placement(layout)), OutputFiles::Header::plain, 0.0, 1.0);
   }
-  return output.commit();
+  return written.commit();
 }
 
 }  // namespace welkin

@@ -290,7 +290,7 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
 
 EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine) {
   const platform::FloatingPointScope floating_point;
-  return engine_light_in_place(transform(radiance, convention(engine).from_welkin), engine);
+  return engine_light_in_place(turned(radiance, convention(engine).from_welkin), engine);
 }
 
 }  // namespace welkin

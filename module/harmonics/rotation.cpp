@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kOrthogonalWithin = 1e-6;
 
-SphericalHarmonics turned(const SphericalHarmonics& harmonics, const glm::dmat3& map) {
+SphericalHarmonics turned_by(const glm::dmat3& map, const SphericalHarmonics& harmonics) {
   SphericalHarmonics result(harmonics.bands());
   result.at(0, 0) = harmonics.at(0, 0);
   harmonics::BandRotation matrix(map);
@@ -33,7 +33,7 @@ SphericalHarmonics turned(const SphericalHarmonics& harmonics, const glm::dmat3&
 }
 
 /// Of unit length. Divided by the largest component first: no square overflows or vanishes.
-glm::dquat normalised(const glm::dquat& q) {
+glm::dquat normalised(const Quaternion& q) {
   const double largest = std::max({std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
   const double sum = std::abs(q.w) + std::abs(q.x) + std::abs(q.y) + std::abs(q.z);  // NaN if any of them is
   if (!(largest > 0.0) || !std::isfinite(largest) || std::isnan(sum)) {
@@ -65,14 +65,14 @@ double distance_from_orthogonal(const glm::dmat3& matrix) {
 
 }  // namespace
 
-SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const glm::dquat& rotation) {
+SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& rotation) {
   const platform::FloatingPointScope floating_point;
-  return turned(harmonics, glm::mat3_cast(normalised(rotation)));
+  return turned_by(glm::mat3_cast(normalised(rotation)), harmonics);
 }
 
-SphericalHarmonics transform(const SphericalHarmonics& harmonics, const glm::dmat3& orthogonal) {
+SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn) {
   const platform::FloatingPointScope floating_point;
-  const double off = distance_from_orthogonal(orthogonal);
+  const double off = distance_from_orthogonal(turn);
   if (!(off <= kOrthogonalWithin)) {
     throw Error(ErrorCode::invalid_argument,
                 "the matrix is not orthogonal: its columns' products are off those of unit axes by up to " +
@@ -80,9 +80,9 @@ SphericalHarmonics transform(const SphericalHarmonics& harmonics, const glm::dma
   }
   // What is off would grow with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
   // (Bjorck and Bowie 1971); twice is enough from 1e-6, and an exact matrix stays as it is.
-  glm::dmat3 map = orthogonal;
+  glm::dmat3 map = turn;
   for (int step = 0; step < 2; ++step) map = 0.5 * (map * (glm::dmat3(3.0) - glm::transpose(map) * map));
-  return turned(harmonics, map);
+  return turned_by(map, harmonics);
 }
 
 }  // namespace welkin

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "math/basis.h"
@@ -19,6 +20,10 @@ namespace welkin {
 namespace {
 
 static_assert(kMaximumBands == math::kRecurrenceBands);
+
+// The library is built without GLM's macros, where the interface's types are GLM's usual ones.
+static_assert(std::is_same_v<vec3, glm::vec3> && std::is_same_v<dvec3, glm::dvec3>);
+static_assert(std::is_same_v<dvec4, glm::dvec4> && std::is_same_v<dmat3, glm::dmat3>);
 
 constexpr std::size_t kMaximumCoefficients = static_cast<std::size_t>(kMaximumBands) * kMaximumBands;
 
@@ -95,7 +100,7 @@ SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int bands) {
   return harmonics;
 }
 
-glm::dvec3 average_radiance(const SphericalHarmonics& radiance) {
+glm::dvec3 mean_radiance(const SphericalHarmonics& radiance) {
   const platform::FloatingPointScope floating_point;
   return radiance.at(0, 0) / band_zero_of_one();
 }

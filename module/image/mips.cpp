@@ -185,15 +185,17 @@ void fill_mips(CubemapChain& chain, MipFilter filter, const Control& control) {
   if (chain.levels() == 1 && control.progress) control.progress(1.0);
 }
 
-CubemapChain build_mips(const CubemapView& source, MipFilter filter, int levels, const Control& control) {
+CubemapChain build_mips(const CubemapView& source, MipFilter filter, std::optional<int> levels,
+                        const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::check_view(source);
-  if (levels < 0 || levels > full_chain_levels(source.size)) {
-    throw Error(ErrorCode::invalid_argument, "levels is " + std::to_string(levels) + "; a cubemap of " +
+  const int most = full_chain_levels(source.size);
+  if (levels && (*levels < 1 || *levels > most)) {
+    throw Error(ErrorCode::invalid_argument, "levels is " + std::to_string(*levels) + "; a cubemap of " +
                                                  std::to_string(source.size) + " texels has 1 to " +
-                                                 std::to_string(full_chain_levels(source.size)) + ", 0 for all");
+                                                 std::to_string(most));
   }
-  CubemapChain chain(source.size, levels == 0 ? full_chain_levels(source.size) : levels);
+  CubemapChain chain(source.size, levels.value_or(most), control.memory);
   constexpr double kShareOfCopy = 0.5;
   copy_source(source, chain, jobs::part_of(control, 0.0, kShareOfCopy));
   fill_mips(chain, filter, jobs::part_of(control, kShareOfCopy, 1.0));

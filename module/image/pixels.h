@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
+#include <span>
 
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -42,6 +44,10 @@ std::uint64_t encode_texels(const float* values, int channels, std::size_t count
 /// Texels from packed RGB floats, alpha 1. Returns how many channel values the format could not hold: what is above its
 /// largest value becomes that, NaN becomes 0, and negatives 0 in the unsigned formats. Floats are kept as they are.
 std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t count, std::uint8_t* texels) noexcept;
+
+/// Throws `Error` (invalid_argument) unless there is a target that fits for each of the `levels` of a chain whose level
+/// 0 has `size` texels along an edge. `what`: the chain, for the message.
+void check_chain_targets(const char* what, int size, int levels, std::span<const CubemapTarget> targets);
 
 // Floats of few bits, as graphics APIs define them, each rounded to the nearest value that there is.
 

@@ -135,24 +135,24 @@ std::uint64_t rounded_up(std::uint64_t value, std::uint64_t alignment) {
   return (value + alignment - 1) / alignment * alignment;
 }
 
-void check(const CubemapView& from, const CubemapTarget& to) {
-  image::check_view(from);
+/// `size`: of the cubemap that goes there.
+void check(int size, const CubemapTarget& to) {
   const std::uint64_t texel = bytes_of_texel(to.format);
   if (texel == 0) {
     throw Error(ErrorCode::invalid_argument,
                 "the texel format " + std::to_string(static_cast<int>(to.format)) + " is not one that Welkin knows");
   }
-  if (to.size != from.size) {
+  if (to.size != size) {
     throw Error(ErrorCode::invalid_argument, "the target's faces have " + std::to_string(to.size) +
                                                  " texels along an edge, and the cubemap's have " +
-                                                 std::to_string(from.size));
+                                                 std::to_string(size));
   }
   for (std::size_t face = 0; face < to.faces.size(); ++face) {
     if (to.faces[face] == nullptr)
       throw Error(ErrorCode::invalid_argument, "face " + std::to_string(face) + " of the target is a null pointer");
   }
   const std::uint64_t row = texel * static_cast<std::uint64_t>(to.size);
-  const auto pitch = static_cast<std::uint64_t>(to.row_pitch_bytes < 0 ? -to.row_pitch_bytes : to.row_pitch_bytes);
+  const auto pitch = static_cast<std::uint64_t>(to.row_stride_bytes < 0 ? -to.row_stride_bytes : to.row_stride_bytes);
   if (pitch != 0 && pitch < row) {
     throw Error(ErrorCode::invalid_argument, "the target's rows are " + std::to_string(pitch) +
                                                  " bytes apart, and a row takes " + std::to_string(row));
@@ -174,7 +174,7 @@ class RowStore {
     const auto* const source = static_cast<const std::uint8_t*>(from_.faces[face]) +
                                line * (from_.row_stride_bytes != 0 ? from_.row_stride_bytes : packed_from);
     auto* const target = static_cast<std::uint8_t*>(to_.faces[face]) +
-                         line * (to_.row_pitch_bytes != 0 ? to_.row_pitch_bytes : packed_to);
+                         line * (to_.row_stride_bytes != 0 ? to_.row_stride_bytes : packed_to);
     image::decode_texels(from_.format, source, from_.size, rgb_);
     clamped_ += image::encode_texels(to_.format, rgb_, static_cast<std::size_t>(from_.size), target);
   }
@@ -191,7 +191,8 @@ class RowStore {
 
 /// Some 16 000 texels a tile.
 std::uint64_t store_level(const CubemapView& from, const CubemapTarget& to, const Control& control) {
-  check(from, to);
+  image::check_view(from);
+  check(from.size, to);
   constexpr int kTileTexels = 16'384;
   const int rows = 6 * from.size;
   const int tile_rows = std::max(1, kTileTexels / from.size);
@@ -247,6 +248,19 @@ std::uint64_t lay_out(const UploadLayout& layout, const Place& place) {
 
 }  // namespace
 
+namespace image {
+
+void check_chain_targets(const char* what, int size, int levels, std::span<const CubemapTarget> targets) {
+  if (static_cast<std::size_t>(levels) != targets.size()) {
+    throw Error(ErrorCode::invalid_argument, "the " + std::string(what) + " has " + std::to_string(levels) +
+                                                 (levels == 1 ? " level" : " levels") + ", and there are " +
+                                                 std::to_string(targets.size()) + " targets");
+  }
+  for (std::size_t level = 0; level < targets.size(); ++level) check(std::max(1, size >> level), targets[level]);
+}
+
+}  // namespace image
+
 std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, const Control& control) {
   const platform::FloatingPointScope floating_point;
   return store_level(from, to, control);
@@ -254,11 +268,7 @@ std::uint64_t store_texels(const CubemapView& from, const CubemapTarget& to, con
 
 std::uint64_t store_texels(const CubemapChain& from, std::span<const CubemapTarget> to, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  if (static_cast<std::size_t>(from.levels()) != to.size()) {
-    throw Error(ErrorCode::invalid_argument, "the chain has " + std::to_string(from.levels()) +
-                                                 " levels, and there are " + std::to_string(to.size()) + " targets");
-  }
-  for (int level = 0; level < from.levels(); ++level) check(from.view(level), to[static_cast<std::size_t>(level)]);
+  image::check_chain_targets("chain", from.size(), from.levels(), to);
   std::uint64_t clamped = 0;
   double done = 0.0;
   const auto whole = static_cast<double>(from.bytes());
@@ -291,7 +301,7 @@ std::vector<CubemapTarget> upload_targets(const UploadLayout& layout, std::span<
     CubemapTarget& target = targets[static_cast<std::size_t>(level)];
     target.faces[static_cast<std::size_t>(face)] = memory.data() + placement.offset;
     target.size = std::max(1, layout.size >> level);
-    target.row_pitch_bytes = static_cast<std::ptrdiff_t>(placement.pitch);
+    target.row_stride_bytes = static_cast<std::ptrdiff_t>(placement.pitch);
     target.format = layout.format;
   });
   return targets;

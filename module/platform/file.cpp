@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <exception>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -36,7 +37,12 @@ void require_regular_file(const std::filesystem::path& path) {
 
 }  // namespace
 
-ByteFile::ByteFile(const std::filesystem::path& path) : path_(path) {
+ByteFile::ByteFile(const std::filesystem::path& path, std::optional<std::span<const std::byte>> memory)
+    : path_(path), memory_(memory) {
+  if (memory_) {
+    size_ = memory_->size();
+    return;
+  }
   require_regular_file(path);
   errno = 0;
   stream_.open(path, std::ios::binary);
@@ -57,6 +63,15 @@ void ByteFile::read(void* bytes, std::size_t count) {
                      "ends too early: " + std::to_string(count) + " bytes are wanted at " + std::to_string(position_) +
                          ", the file has " + std::to_string(size_) + " in all; fetch or export it again");
   }
+  if (!memory_) {
+    read_stream(bytes, count);
+  } else if (count > 0) {  // no bytes may be at no address, which memcpy may not be given
+    std::memcpy(bytes, memory_->data() + position_, count);
+  }
+  position_ += count;
+}
+
+void ByteFile::read_stream(void* bytes, std::size_t count) {
   if (position_ != stream_position_) {
     stream_.seekg(static_cast<std::streamoff>(position_));
   }
@@ -65,8 +80,7 @@ void ByteFile::read(void* bytes, std::size_t count) {
     throw file_error(ErrorCode::file_access, path_,
                      "could not be read at byte " + std::to_string(position_) + "; is it being written or moved?");
   }
-  position_ += count;
-  stream_position_ = position_;
+  stream_position_ = position_ + count;
 }
 
 Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message) {
@@ -141,7 +155,9 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 
 }  // namespace
 
-WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)) {
+WholeFile::WholeFile(std::filesystem::path path, std::vector<std::byte>* memory)
+    : path_(std::move(path)), memory_(memory) {
+  if (memory_ != nullptr) return;
   const std::filesystem::file_status replaced = require_replaceable(path_);
   place_ = behind_links(path_);
   int handle = -1;
@@ -180,15 +196,28 @@ void WholeFile::write(const void* bytes, std::size_t count) {
     return;  // an empty vector's bytes may be at no address, which fwrite may not be given
   }
   errno = 0;
-  if (std::fwrite(bytes, 1, count, stream_) != count) {
+  if (memory_ != nullptr) {
+    write_to_memory(bytes, count);
+  } else if (std::fwrite(bytes, 1, count, stream_) != count) {
     fail("could not be written");
   }
   position_ += count;
 }
 
+void WholeFile::write_to_memory(const void* bytes, std::size_t count) {
+  const std::uint64_t end = position_ + count;
+  try {
+    if (end > gathered_.size()) gathered_.resize(end);
+  } catch (const std::exception&) {  // bad_alloc, or longer than any vector may be
+    errno = ENOMEM;
+    fail("could not be written");
+  }
+  std::memcpy(gathered_.data() + position_, bytes, count);
+}
+
 void WholeFile::seek(std::uint64_t position) {
   errno = 0;
-  if (fseeko(stream_, static_cast<off_t>(position), SEEK_SET) != 0) {
+  if (memory_ == nullptr && fseeko(stream_, static_cast<off_t>(position), SEEK_SET) != 0) {
     fail("could not be written");
   }
   position_ = position;
@@ -196,12 +225,16 @@ void WholeFile::seek(std::uint64_t position) {
 
 void WholeFile::finish() {
   errno = failure_;
-  if (failed_ || std::fclose(std::exchange(stream_, nullptr)) != 0) {
+  if (failed_ || (memory_ == nullptr && std::fclose(std::exchange(stream_, nullptr)) != 0)) {
     fail("could not be written");
   }
 }
 
 void WholeFile::commit() {
+  if (memory_ != nullptr) {
+    *memory_ = std::move(gathered_);
+    return;
+  }
   std::error_code failure;
   std::filesystem::rename(beside_, place_, failure);
   if (failure) {
@@ -216,8 +249,9 @@ void WholeFile::fail(const char* what) {
   failure_ = failed_ ? failure_ : reason;
   failed_ = true;
   const std::string why = reason != 0 ? std::generic_category().message(reason) : "the system does not say why";
-  throw file_error(ErrorCode::file_access, path_,
-                   std::string(what) + ": " + why + "; nothing was left there, try another directory or disk");
+  const char* const remedy = memory_ != nullptr ? "; the caller's bytes are as they were, write it to a file"
+                                                : "; nothing was left there, try another directory or disk";
+  throw file_error(ErrorCode::file_access, path_, std::string(what) + ": " + why + remedy);
 }
 
 }  // namespace welkin::platform

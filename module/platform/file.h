@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,17 @@
 
 namespace welkin::platform {
 
-/// A regular file, opened for reading. Not for use from two threads at once: each opens its own.
+/// The bytes of a file and a place in them: a regular file that is opened for reading, or bytes in memory that have a
+/// name. Not for use from two threads at once: each opens its own.
 class ByteFile {
  public:
+  /// `memory`: the bytes, which must outlive this; `path` is then their name. Without it the file is opened.
   /// Throws `Error` (file_access) naming the file and why it cannot be opened.
-  explicit ByteFile(const std::filesystem::path& path);
+  explicit ByteFile(const std::filesystem::path& path, std::optional<std::span<const std::byte>> memory = std::nullopt);
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  /// Nothing if the file was opened by its path.
+  [[nodiscard]] const std::optional<std::span<const std::byte>>& memory() const noexcept { return memory_; }
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
   [[nodiscard]] std::uint64_t remaining() const noexcept { return position_ < size_ ? size_ - position_ : 0; }
@@ -36,8 +41,11 @@ class ByteFile {
   void read(void* bytes, std::size_t count);
 
  private:
+  void read_stream(void* bytes, std::size_t count);
+
   std::filesystem::path path_;
-  std::ifstream stream_;
+  std::optional<std::span<const std::byte>> memory_;
+  std::ifstream stream_;  // not open where the bytes are in memory
   std::uint64_t size_ = 0;
   std::uint64_t position_ = 0;         // where the next read starts
   std::uint64_t stream_position_ = 0;  // where the stream stands; it is moved only when a read needs it
@@ -79,9 +87,12 @@ class SharedFile {
 /// Written beside its place under a name of its own, and put in place by `commit`. Whoever destroys it before that
 /// leaves nothing behind. What it replaces hands on its permissions; a symbolic link stays one, and the file that it
 /// leads to is replaced. All throw `Error` (file_access) naming the file, the system's reason and a remedy.
+///
+/// In memory the bytes are gathered in a vector of its own, which becomes the caller's by `commit`.
 class WholeFile {
  public:
-  explicit WholeFile(std::filesystem::path path);
+  /// `memory`: where the bytes go, if not to a file; it must outlive this, and `path` is then their name.
+  explicit WholeFile(std::filesystem::path path, std::vector<std::byte>* memory = nullptr);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
@@ -100,10 +111,13 @@ class WholeFile {
   void commit();
 
  private:
+  void write_to_memory(const void* bytes, std::size_t count);
   [[noreturn]] void fail(const char* what);
 
-  std::filesystem::path path_;   // as it was asked for, for messages
-  std::filesystem::path place_;  // where it goes: behind all links
+  std::filesystem::path path_;                // as it was asked for, for messages
+  std::vector<std::byte>* memory_ = nullptr;  // the caller's
+  std::vector<std::byte> gathered_;           // of what goes to memory
+  std::filesystem::path place_;               // where it goes: behind all links
   std::filesystem::path beside_;
   std::FILE* stream_ = nullptr;
   std::uint64_t position_ = 0;

@@ -217,12 +217,12 @@ std::vector<glm::dvec3> direct_irradiance(const LatLongView& lat_long, std::span
   return integrate({*texels, false, decode}, unit_normals(normals), pixels, control);
 }
 
-glm::dvec3 reference_irradiance(const CubemapView& cubemap, const glm::dvec3& normal) {
+glm::dvec3 direct_irradiance(const CubemapView& cubemap, const glm::dvec3& normal) {
   const platform::FloatingPointScope floating_point;
   return direct_irradiance(cubemap, {&normal, 1}).front();
 }
 
-glm::dvec3 reference_irradiance(const LatLongView& lat_long, const glm::dvec3& normal) {
+glm::dvec3 direct_irradiance(const LatLongView& lat_long, const glm::dvec3& normal) {
   const platform::FloatingPointScope floating_point;
   return direct_irradiance(lat_long, {&normal, 1}).front();
 }

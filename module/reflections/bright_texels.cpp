@@ -211,18 +211,6 @@ std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int w
   return lights;
 }
 
-void add_harmonics(const std::vector<BrightTexel>& texels, int width, int height, SphericalHarmonics& harmonics) {
-  std::vector<double> basis(harmonics.coefficients().size());
-  for (const BrightTexel& texel : texels) {
-    const glm::dvec3 excess(texel.excess[0], texel.excess[1], texel.excess[2]);
-    for (const Point& point : points_of(texel, width, height, 3, 3)) {
-      evaluate_basis(point.direction, harmonics.bands(), basis);
-      for (std::size_t k = 0; k < basis.size(); ++k)
-        harmonics.coefficients()[k] += basis[k] * point.steradians * excess;
-    }
-  }
-}
-
 namespace {
 
 constexpr std::int64_t kTileWork = 1 << 16;  ///< texels times lights: some 50 microseconds

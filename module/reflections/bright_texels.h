@@ -9,7 +9,6 @@
 #include "projection/sanitized_pixels.h"
 #include "reflections/lobe_kernels.h"
 #include "welkin/core.h"
-#include "welkin/spherical_harmonics.h"
 
 namespace welkin::reflections {
 
@@ -29,9 +28,6 @@ struct BrightTexel {
 /// Them as lights without extent for one mip's `add_lobes`: as many a texel as it takes to stand for its area.
 [[nodiscard]] std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height,
                                                  double alpha);
-
-/// Adds what was taken out to an environment's coefficients.
-void add_harmonics(const std::vector<BrightTexel>& texels, int width, int height, SphericalHarmonics& harmonics);
 
 // Lights without extent, blurred by a lobe, added to the faces of a cubemap.
 

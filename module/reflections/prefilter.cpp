@@ -20,8 +20,8 @@
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
-#include "reflections/prefilter_plan.h"
 #include "reflections/sampled.h"
+#include "transform/spectrum.h"
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
@@ -100,10 +100,10 @@ CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView
   return {source.columns(), scaled_pixels(source, scale)};
 }
 
-void undo_scale(Prefiltered& result, float scale) {
+void undo_scale(PrefilteredSpecular& result, float scale) {
   static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
   const double back = 1.0 / static_cast<double>(scale);
-  CubemapChain& chain = result.specular.cubemap;
+  CubemapChain& chain = result.cubemap;
   for (int level = 0; level < chain.levels(); ++level) {
     const auto edge = static_cast<std::size_t>(chain.level_size(level));
     float* const values = chain.face(level, 0);
@@ -111,9 +111,16 @@ void undo_scale(Prefiltered& result, float scale) {
       return static_cast<float>(std::clamp(back * static_cast<double>(value), -most, most));
     });
   }
-  for (MipRecord& mip : result.specular.mips) mip.mean *= back;
-  if (!result.harmonics) return;
-  for (glm::dvec3& coefficient : result.harmonics->coefficients()) coefficient *= back;
+  for (MipRecord& mip : result.mips) mip.mean *= back;
+}
+
+void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control) {
+  image::fill_cubemap(source, chain.level_size(level), image::faces_of(chain, level), ResampleFilter::area, control);
+}
+
+void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control) {
+  const CubemapImage image = to_cubemap(source, chain.level_size(level), glm::dmat3(1.0), control);
+  std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
 }
 
 namespace {
@@ -155,36 +162,27 @@ class Memory {
   std::uint64_t peak_ = 0;
 };
 
-void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control) {
-  image::fill_cubemap(source, chain.level_size(level), image::faces_of(chain, level), ResampleFilter::area, control);
-}
-
-void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control) {
-  const CubemapImage image = to_cubemap(source, chain.level_size(level), glm::dmat3(1.0), control);
-  std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
-}
-
 /// One call's work. View: LatLongView or CubemapView, sanitized.
 template <class View>
 class Prefilter {
  public:
-  Prefilter(const View& view, const projection::SanitizedSource& source, const PrefilterOptions& options,
-            PrefilterPlan plan, CubemapChain room)
-      : view_(view), source_(source), options_(options), plan_(std::move(plan)) {
+  Prefilter(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan, CubemapChain room,
+            std::pmr::memory_resource* memory)
+      : view_(projection::view_of(source, view)), source_(source), plan_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
-    result_.specular.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels);
-    result_.specular.mips.resize(plan_.mips.size());
+    result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
+    result_.mips.resize(plan_.mips.size());
     memory_.take(source.bytes());
   }
 
-  Prefiltered run(int bands, const Control& control) {
+  PrefilteredSpecular run(const Control& control) {
     jobs::TaskGraph graph;
-    if (plan_.bands > 0) graph.add(2.0, [&](const Control& part) { run_spectral(bands, part); });
-    if (plan_.sampled) graph.add(100.0, [&](const Control& part) { run_sampled(part); });
+    if (plan_.bands > 0) graph.add(2.0, [this](const Control& part) { run_spectral(part); });
+    if (plan_.uses(MipMethod::sampled)) graph.add(100.0, [this](const Control& part) { run_sampled(part); });
     for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-      const MipPlan& mip = plan_.mips[level];
-      if (mip.copy) graph.add(1.0, [this, level](const Control& part) { copy_mip(level, part); });
-      if (!mip.copy && mip.method == PrefilterMethod::reference)
+      const MipMethod method = plan_.mips[level].method;
+      if (method == MipMethod::copy) graph.add(1.0, [this, level](const Control& part) { copy_mip(level, part); });
+      if (method == MipMethod::reference)
         graph.add(1000.0, [this, level](const Control& part) { integrate_mip(level, part); });
     }
     graph.run(control);
@@ -193,27 +191,26 @@ class Prefilter {
   }
 
  private:
-  [[nodiscard]] MipRecord& record(std::size_t level) { return result_.specular.mips[level]; }
+  [[nodiscard]] MipRecord& record(std::size_t level) { return result_.mips[level]; }
 
   void note(const std::string& name, const std::string& reason, double milliseconds) {
     const std::scoped_lock lock(mutex_);
     passes_.push_back({name, PassAction::run, reason, milliseconds});
   }
 
-  void run_spectral(int bands, const Control& control);
+  void run_spectral(const Control& control);
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
                     const Control& control);
   void run_sampled(const Control& control);
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
-  void end_mip(std::size_t level, const char* method, const Stopwatch& watch, const Control& control);
+  void end_mip(std::size_t level, const Stopwatch& watch, const Control& control);
   void finish();
 
   View view_;
   const projection::SanitizedSource& source_;
-  const PrefilterOptions& options_;
-  PrefilterPlan plan_;
-  Prefiltered result_;
+  const PrefilterPlan& plan_;
+  PrefilteredSpecular result_;
   std::vector<BrightTexel> bright_;
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
@@ -221,13 +218,13 @@ class Prefilter {
 };
 
 template <class View>
-void Prefilter<View>::end_mip(std::size_t level, const char* method, const Stopwatch& watch, const Control& control) {
+void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const Control& control) {
   MipRecord& mip = record(level);
   mip.size = plan_.mips[level].size;
   mip.roughness = plan_.mips[level].roughness;
-  mip.method = method;
-  const CubemapView whole = result_.specular.cubemap.view(static_cast<int>(level));
-  mip.mean = average_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
+  mip.method = plan_.mips[level].method;
+  const CubemapView whole = result_.cubemap.view(static_cast<int>(level));
+  mip.mean = mean_radiance(project(whole, {.bands = 1}, {control.stop, {}}).radiance);
   mip.milliseconds = watch.milliseconds();
 }
 
@@ -269,7 +266,7 @@ void take_out(const std::vector<BrightTexel>& texels, const projection::Sanitize
 }
 
 template <class View>
-void Prefilter<View>::run_spectral(int bands, const Control& control) {
+void Prefilter<View>::run_spectral(const Control& control) {
   const Stopwatch watch;
   Rings rings;
   const projection::SanitizedSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
@@ -285,10 +282,6 @@ void Prefilter<View>::run_spectral(int bands, const Control& control) {
   const LatLongView shape = rings.view;
   memory_.give_back(rings.bytes());
   rings = {};
-  if (bands > 0) {
-    result_.harmonics = spectrum.harmonics(bands);
-    add_harmonics(bright_, shape.width, shape.height, *result_.harmonics);
-  }
 
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
@@ -306,12 +299,12 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
                                    const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
-  const Faces faces = image::faces_of(result_.specular.cubemap, static_cast<int>(level));
+  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
   const transforms::GridSize grid_size = transforms::grid_for_bands(mip.bands.bands());
   image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
   memory_.take(grid.bytes());
   transforms::synthesise(spectrum, mip.bands.zonal, grid, jobs::part_of(control, 0.0, 0.5));
-  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(options_.leave_out_sharp));
+  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   note(name + ": synthesise", std::to_string(grid.rings()) + " rings", watch.milliseconds());
   const Stopwatch sampling;
   image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
@@ -325,13 +318,13 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(bright_.size());
   record(level).error_estimate = kRoundingError + 2.0 * mip.bands.loss_at_peak;
-  end_mip(level, "spectral", watch, control);
+  end_mip(level, watch, control);
 }
 
 template <class View>
 void Prefilter<View>::run_sampled(const Control& control) {
   const Stopwatch watch;
-  CubemapChain base(options_.size, full_chain_levels(options_.size));
+  CubemapChain base(plan_.size, full_chain_levels(plan_.size));
   fill_level(view_, base, 0, {control.stop, {}});
   fill_mips(base, MipFilter::solid_angle, {control.stop, {}});
   const PaddedCube cube(base);
@@ -340,14 +333,14 @@ void Prefilter<View>::run_sampled(const Control& control) {
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
-    if (mip.copy || mip.method != PrefilterMethod::sampled) continue;
+    if (mip.method != MipMethod::sampled) continue;
     const auto work = [this, level, &cube, &base](const Control& part) {
       const Stopwatch mip_watch;
       const MipPlan& plan = plan_.mips[level];
-      const std::vector<Tap> taps = make_taps(plan.alpha, options_.samples, base.size(), base.levels());
-      sample_mip(cube, taps, plan.size, image::faces_of(result_.specular.cubemap, static_cast<int>(level)), part);
+      const std::vector<Tap> taps = make_taps(plan.alpha, plan_.samples, base.size(), base.levels());
+      sample_mip(cube, taps, plan.size, image::faces_of(result_.cubemap, static_cast<int>(level)), part);
       record(level).samples = static_cast<int>(taps.size());
-      end_mip(level, "sampled", mip_watch, part);
+      end_mip(level, mip_watch, part);
     };
     graph.add(static_cast<double>(mip.size) * mip.size, work);
   }
@@ -358,8 +351,8 @@ void Prefilter<View>::run_sampled(const Control& control) {
 template <class View>
 void Prefilter<View>::copy_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
-  fill_level(view_, result_.specular.cubemap, static_cast<int>(level), control);
-  end_mip(level, "copy", watch, control);
+  fill_level(view_, result_.cubemap, static_cast<int>(level), control);
+  end_mip(level, watch, control);
 }
 
 template <class View>
@@ -374,40 +367,35 @@ void Prefilter<View>::integrate_mip(std::size_t level, const Control& control) {
     }
   }
   const std::vector<glm::dvec3> values = integrate_lobes(source_, plan_.mips[level].alpha, directions, control);
-  float* const rgb = result_.specular.cubemap.face(static_cast<int>(level), 0);
+  float* const rgb = result_.cubemap.face(static_cast<int>(level), 0);
   for (std::size_t k = 0; k < values.size(); ++k) {
     for (int c = 0; c < 3; ++c) rgb[3 * k + static_cast<std::size_t>(c)] = static_cast<float>(values[k][c]);
   }
   record(level).error_estimate = kReferenceError;
-  end_mip(level, "reference", watch, control);
+  end_mip(level, watch, control);
 }
 
 template <class View>
 void Prefilter<View>::finish() {
-  result_.specular.pixels.passes = std::move(passes_);
-  result_.specular.peak_bytes = memory_.peak();
+  result_.pixels.passes = std::move(passes_);
+  result_.peak_bytes = memory_.peak();
 }
 
 template <class View>
-Prefiltered run(const View& view, const PrefilterOptions& options, int bands, CubemapChain room,
-                const Control& control) {
-  image::check_view(view);
-  PrefilterPlan plan = plan_prefilter(options);
-  const projection::SanitizedSource source(view, options.pixels, jobs::part_of(control, 0.0, 0.05));
+PrefilteredSpecular run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels, CubemapChain room,
+                        const Control& control) {
+  const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
   const Control rest = jobs::part_of(control, 0.05, 1.0);
-  Prefiltered result;
+  PrefilteredSpecular result;
   if (const float scale = safe_scale(source); scale != 1.0F) {
-    const auto pixels = scaled(source, view, scale);
-    const projection::SanitizedSource scaled_source(pixels.view(), {}, {control.stop, {}});
-    result = Prefilter<View>(projection::view_of(scaled_source, view), scaled_source, options, std::move(plan),
-                             std::move(room))
-                 .run(bands, rest);
+    const auto scaled_pixels = scaled(source, view, scale);
+    const projection::SanitizedSource scaled_source(scaled_pixels.view(), {}, {control.stop, {}});
+    result = Prefilter<View>(scaled_source, view, plan, std::move(room), rest.memory).run(rest);
     undo_scale(result, scale);
   } else {
-    result = Prefilter<View>(projection::view_of(source, view), source, options, std::move(plan), std::move(room))
-                 .run(bands, rest);
+    result = Prefilter<View>(source, view, plan, std::move(room), rest.memory).run(rest);
   }
-  describe_pixels(source.diagnostics(), source.clamped_radiance(), result.specular);
+  describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;
 }
 
@@ -422,14 +410,14 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
   specular.pixels.total_radiance_before_clamp = specular.pixels.total_radiance + clamped_radiance;
 }
 
-Prefiltered prefilter(const LatLongView& source, const PrefilterOptions& options, int bands, CubemapChain room,
-                      const Control& control) {
-  return run(source, options, bands, std::move(room), control);
+PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                              CubemapChain room, const Control& control) {
+  return run(source, plan, pixels, std::move(room), control);
 }
 
-Prefiltered prefilter(const CubemapView& source, const PrefilterOptions& options, int bands, CubemapChain room,
-                      const Control& control) {
-  return run(source, options, bands, std::move(room), control);
+PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                              CubemapChain room, const Control& control) {
+  return run(source, plan, pixels, std::move(room), control);
 }
 
 }  // namespace welkin::reflections
@@ -446,16 +434,29 @@ const char* name(PrefilterMethod method) noexcept {
   return "automatic";
 }
 
+const char* name(MipMethod method) noexcept {
+  switch (method) {
+    case MipMethod::copy: return "copy";
+    case MipMethod::spectral: return "spectral";
+    case MipMethod::sampled: return "sampled";
+    case MipMethod::reference: return "reference";
+    case MipMethod::stored: return "stored";
+  }
+  return "copy";
+}
+
 PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options,
                                        const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return reflections::prefilter(source, options, 0, {}, control).specular;
+  image::check_view(source);
+  return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
 }
 
 PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options,
                                        const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return reflections::prefilter(source, options, 0, {}, control).specular;
+  image::check_view(source);
+  return reflections::prefilter(source, reflections::plan_prefilter(options), options.pixels, {}, control);
 }
 
 }  // namespace welkin

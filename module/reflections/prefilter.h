@@ -1,30 +1,23 @@
 // The prefilter from the inside: what it leaves for whoever bakes more than reflections.
 #pragma once
 
-#include <optional>
-
 #include "projection/sanitized_pixels.h"
-#include "transform/spectrum.h"
+#include "reflections/prefilter_plan.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/reflections.h"
 
 namespace welkin::reflections {
 
-struct Prefiltered {
-  PrefilteredSpecular specular;
+/// As `prefilter_specular`, of a plan. The result is put into `room` if that has its shape.
+[[nodiscard]] PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan,
+                                            const PixelPolicy& pixels, CubemapChain room, const Control& control);
+[[nodiscard]] PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan,
+                                            const PixelPolicy& pixels, CubemapChain room, const Control& control);
 
-  /// The first bands of the environment's harmonics, all of its light included, if they were asked for and a mip was
-  /// made by harmonics: they fall out of the same transform.
-  std::optional<SphericalHarmonics> harmonics;
-};
-
-/// As `prefilter_specular`; `bands` of harmonics beside it, 0 to kMaximumBands. The result is put into `room` if that
-/// has its shape.
-[[nodiscard]] Prefiltered prefilter(const LatLongView& source, const PrefilterOptions& options, int bands,
-                                    CubemapChain room, const Control& control);
-[[nodiscard]] Prefiltered prefilter(const CubemapView& source, const PrefilterOptions& options, int bands,
-                                    CubemapChain room, const Control& control);
+/// Resamples RGB floats by area into a level of `chain`: a copy of a cubemap of the same size.
+void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control);
+void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control);
 
 /// Fills in `pixels`, but for its passes: what was read, as sanitizing found it. The total radiance is that of the mip
 /// with the most texels: centres stand for texels there.
@@ -49,6 +42,6 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 [[nodiscard]] CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView& view, float scale);
 
 /// What was made of such a picture over the same scale. No value rounds beyond the floats.
-void undo_scale(Prefiltered& result, float scale);
+void undo_scale(PrefilteredSpecular& result, float scale);
 
 }  // namespace welkin::reflections

@@ -51,35 +51,42 @@ std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
 
 int mips_of(const PrefilterOptions& options) {
   const int whole = full_chain_levels(options.size);
-  const int mips = options.mips != 0           ? options.mips
-                   : options.roughness.empty() ? whole
-                                               : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  const int named =
+      options.roughness.empty() ? whole : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  const int mips = options.mips.value_or(named);
   if (mips >= 1 && mips <= whole) return mips;
   refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips; a cubemap of " + std::to_string(options.size) +
                                           " texels along an edge has 1 to " + std::to_string(whole));
 }
 
-void choose_method(const PrefilterOptions& options, double reach, MipPlan& mip) {
-  if (mip.copy) return;
-  mip.method = options.method == PrefilterMethod::automatic ? PrefilterMethod::spectral : options.method;
-  if (mip.method != PrefilterMethod::spectral) return;
+MipMethod method_for(const PrefilterOptions& options, double reach, const MipPlan& mip) {
+  if (mip.alpha < kLeastAlpha) return MipMethod::copy;
+  if (options.method == PrefilterMethod::sampled) return MipMethod::sampled;
+  if (options.method == PrefilterMethod::reference) return MipMethod::reference;
   const int bands = bands_for(mip.alpha, reach);
-  if (bands <= transforms::kMaximumSpectrumBands) return;
-  if (options.method == PrefilterMethod::automatic) {
-    mip.method = PrefilterMethod::sampled;
-  } else {
-    refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
-                                          " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
-                                          " are possible; take another method, or automatic");
-  }
-}
-
-void check_left_out(const PrefilterOptions& options, int mips) {
-  image::require_range("leave_out_sharp", options.leave_out_sharp, 0, mips - 1);
-  image::require_range("leave_out_rough", options.leave_out_rough, 0, mips - 1 - options.leave_out_sharp);
+  if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
+  if (options.method == PrefilterMethod::automatic) return MipMethod::sampled;
+  refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
+                                        " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
+                                        " are possible; take another method, or automatic");
 }
 
 }  // namespace
+
+PrefilterPlan PrefilterPlan::without(int sharp, int rough) const {
+  const auto count = static_cast<int>(mips.size());
+  image::require_range("the number of sharp mips that are left out", sharp, 0, count - 1);
+  image::require_range("the number of rough mips that are left out", rough, 0, count - 1 - sharp);
+  PrefilterPlan rest = *this;
+  rest.first_mip += sharp;
+  rest.mips.assign(mips.begin() + sharp, mips.end() - rough);
+  if (!rest.uses(MipMethod::spectral)) rest.bands = 0;
+  return rest;
+}
+
+bool PrefilterPlan::uses(MipMethod method) const noexcept {
+  return std::ranges::find(mips, method, &MipPlan::method) != mips.end();
+}
 
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
   const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha), 64.0, 2048.0);
@@ -103,7 +110,6 @@ std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
 
 PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
-  if (options.mips < 0) image::require_range("mips", options.mips, 0, full_chain_levels(options.size));
   if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
     refuse(ErrorCode::invalid_argument,
            "the method " + std::to_string(static_cast<int>(options.method)) + " is not one that Welkin knows");
@@ -114,30 +120,24 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   projection::check_policy(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
-  check_left_out(options, mips);
   PrefilterPlan plan;
   plan.size = options.size;
+  plan.chain_mips = mips;
+  plan.samples = options.samples;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
-  int bands_of_chain = 0;
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);
     mip.roughness = roughness[static_cast<std::size_t>(level)];
     mip.alpha = mip.roughness * mip.roughness;
-    mip.copy = mip.alpha < kLeastAlpha;
-    choose_method(options, plan.reach, mip);
-    const bool spectral = !mip.copy && mip.method == PrefilterMethod::spectral;
-    if (spectral) {
+    mip.method = method_for(options, plan.reach, mip);
+    if (mip.method == MipMethod::spectral) {
       plan.least_alpha = std::min(plan.least_alpha, mip.alpha);
       mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
-      bands_of_chain = std::max(bands_of_chain, mip.bands.bands());
+      plan.bands = std::max(plan.bands, mip.bands.bands());
     }
-    if (level < options.leave_out_sharp || level >= mips - options.leave_out_rough) continue;
-    plan.bands = std::max(plan.bands, mip.bands.bands());
-    plan.sampled = plan.sampled || (!mip.copy && mip.method == PrefilterMethod::sampled);
     plan.mips.push_back(std::move(mip));
   }
-  if (plan.bands > 0) plan.bands = bands_of_chain;
   return plan;
 }
 

@@ -13,25 +13,33 @@ struct MipPlan {
   int size = 0;
   double roughness = 0.0;
   double alpha = 0.0;
-  bool copy = false;                                    ///< roughness 0: no blur
-  PrefilterMethod method = PrefilterMethod::reference;  ///< never automatic; nothing where `copy` is set
-  BandChoice bands;                                     ///< spectral
+  MipMethod method = MipMethod::copy;  ///< never `stored`
+  BandChoice bands;                    ///< spectral
 };
 
 struct PrefilterPlan {
   int size = 0;               ///< of the whole chain
+  int chain_mips = 0;         ///< of the whole chain
   std::vector<MipPlan> mips;  ///< that are made
+  int first_mip = 0;          ///< the first of them, counted in the whole chain
+  int samples = 0;            ///< of the sampled method
   double reach = 0.0;         ///< see `choose_bands`
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
   /// fewer.
   int bands = 0;
-  bool sampled = false;  ///< whether a mip is
 
   /// Alpha of the spectral mip with the narrowest lobe, 1 if there is none; of the whole chain, as it decides which
   /// texels are taken out: a mip must not change where others are left out.
   double least_alpha = 1.0;
+
+  /// The plan without so many mips at either end. The others keep their bits: all that they depend on stays that of the
+  /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
+  [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
+
+  /// Whether a mip is made by this method.
+  [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
   /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: a multiple of 2
   /// face_size (of 4 face_size up to 512), no higher than 0.3 of the narrowest lobe's alpha, if some 2048 rows do.

@@ -64,7 +64,7 @@ class Precomputation {
       : options_(options),
         air_(atmosphere),
         mapping_(atmosphere.bottom_radius_m, atmosphere.top_radius_m,
-                 math::sine_cosine_of_turns(options.lowest_sun_degrees / 360.0).sine),
+                 math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);

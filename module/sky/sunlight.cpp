@@ -123,7 +123,7 @@ constexpr double kDark = 1e-30;
 }  // namespace
 
 double lowest_sun_sine(const SkyTables& tables) noexcept {
-  return math::sine_cosine_of_turns(tables.options.lowest_sun_degrees / 360.0).sine;
+  return math::sine_cosine_of_turns(tables.options.minimum_sun_elevation_degrees / 360.0).sine;
 }
 
 TableMapping mapping_of(const SkyTables& tables) noexcept {

@@ -50,7 +50,7 @@ void check_options(const SkyTableOptions& options) {
   require("transmittance_zeniths", options.transmittance_zeniths, 2, 2048);
   require("irradiance_heights", options.irradiance_heights, 2, 1024);
   require("irradiance_sun_zeniths", options.irradiance_sun_zeniths, 2, 1024);
-  require("lowest_sun_degrees", options.lowest_sun_degrees, -90.0, 0.0);
+  require("minimum_sun_elevation_degrees", options.minimum_sun_elevation_degrees, -90.0, 0.0);
   require("orders", options.orders, 1, 64);
   require("until_change", options.until_change, 0.0, 1e300);
 }

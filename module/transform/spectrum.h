@@ -9,7 +9,6 @@
 #include "platform/memory.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/spherical_harmonics.h"
 
 namespace welkin::transforms {
 
@@ -29,9 +28,6 @@ class Spectrum {
   [[nodiscard]] int bands() const noexcept { return bands_; }
   [[nodiscard]] std::complex<double> value(int l, int m, int channel) const noexcept;
   [[nodiscard]] std::size_t bytes() const noexcept { return values_.bytes(); }
-
-  /// The first bands (at most `bands()` and kMaximumBands) in Welkin's canonical real form.
-  [[nodiscard]] SphericalHarmonics harmonics(int bands) const;
 
   /// Coefficients of order m: [bands - m][kHarmonicFloats], red, green and blue, each real and imaginary, and two
   /// that mean nothing; index i is l = m + i.

@@ -11,12 +11,6 @@
 namespace welkin {
 namespace {
 
-/// `View` of an owner that is kept with it.
-template <class Owner>
-std::shared_ptr<const Owner> kept(Owner&& owner) {
-  return std::make_shared<const Owner>(std::forward<Owner>(owner));
-}
-
 /// That rows take, one before the other.
 std::uint64_t bytes_of_rows(std::uint64_t rows, int width, std::ptrdiff_t stride, PixelFormat format) noexcept {
   const std::uint64_t packed = static_cast<std::uint64_t>(width > 0 ? width : 0) * bytes_per_texel(format);
@@ -27,17 +21,21 @@ std::uint64_t bytes_of_rows(std::uint64_t rows, int width, std::ptrdiff_t stride
 
 std::uint64_t positive(int value) noexcept { return value > 0 ? static_cast<std::uint64_t>(value) : 0; }
 
-template <class Image>
-const Image& there(const std::shared_ptr<const Image>& image) {
-  if (!image) throw Error(ErrorCode::invalid_argument, "a source is a null pointer to an image");
-  return *image;
+const char* const kNoImage = "a source is a null pointer to an image";
+const char* const kNoTables = "a sky's tables are a null pointer; precompute_sky makes some";
+
+template <class Type>
+const std::shared_ptr<const Type>& checked(const std::shared_ptr<const Type>& pointer, const char* if_null) {
+  if (!pointer) throw Error(ErrorCode::invalid_argument, if_null);
+  return pointer;
 }
 
 }  // namespace
 
-CubemapSource::CubemapSource(CubemapImage image) : CubemapSource(kept(std::move(image))) {}
+CubemapSource::CubemapSource(CubemapImage image)
+    : CubemapSource(std::make_shared<const CubemapImage>(std::move(image))) {}
 CubemapSource::CubemapSource(std::shared_ptr<const CubemapImage> image)
-    : mips_{there(image).view()}, owner_(std::move(image)) {}
+    : mips_{checked(image, kNoImage)->view()}, owner_(std::move(image)) {}
 CubemapSource::CubemapSource(const CubemapView& view, std::shared_ptr<const void> owner)
     : mips_{view}, owner_(std::move(owner)) {}
 CubemapSource::CubemapSource(std::vector<CubemapView> mips, std::shared_ptr<const void> owner)
@@ -55,9 +53,10 @@ std::uint64_t CubemapSource::bytes() const noexcept {
 
 std::size_t CubemapSource::hash() const noexcept { return std::hash<const void*>()(view().faces[0]); }
 
-LatLongSource::LatLongSource(LatLongImage image) : LatLongSource(kept(std::move(image))) {}
+LatLongSource::LatLongSource(LatLongImage image)
+    : LatLongSource(std::make_shared<const LatLongImage>(std::move(image))) {}
 LatLongSource::LatLongSource(std::shared_ptr<const LatLongImage> image)
-    : view_(there(image).view()), owner_(std::move(image)) {}
+    : view_(checked(image, kNoImage)->view()), owner_(std::move(image)) {}
 LatLongSource::LatLongSource(const LatLongView& view, std::shared_ptr<const void> owner)
     : view_(view), owner_(std::move(owner)) {}
 
@@ -102,26 +101,17 @@ std::size_t Bake::hash() const noexcept {
   return cubemap != nullptr ? cubemap->hash() : std::get_if<LatLongSource>(&source)->hash();
 }
 
-namespace {
-
-const std::shared_ptr<const SkyTables>& there(const std::shared_ptr<const SkyTables>& tables) {
-  if (!tables) throw Error(ErrorCode::invalid_argument, "a sky's tables are a null pointer; precompute_sky makes some");
-  return tables;
-}
-
-}  // namespace
-
 std::shared_ptr<const SkyTables> PrecomputeSky::operator()(const Control& control) const {
   return std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
 }
 
 SkyCurve BakeSkyCurve::operator()(const Control& control) const {
-  return SkyCurve(SkyView(there(tables), altitude_m), options, control);
+  return SkyCurve(SkyView(checked(tables, kNoTables), altitude_m), options, control);
 }
 
 std::shared_ptr<const PrefilteredSpecular> SkySpecular::operator()(const Control& control) const {
   return std::make_shared<const PrefilteredSpecular>(
-      sky_specular(SkyView(there(tables), altitude_m), sun, options, {}, control));
+      sky_specular(SkyView(checked(tables, kNoTables), altitude_m), sun, options, {}, control));
 }
 
 }  // namespace welkin

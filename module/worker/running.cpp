@@ -5,6 +5,8 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
+#include <new>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -25,6 +27,21 @@ void look_briefly(const JobRecord& job) noexcept {
   while (!job.ready.load(std::memory_order_acquire) && Scheduler::Clock::now() < end) std::this_thread::yield();
 }
 
+/// Made by the thread that runs a computation, which also gives the memory back; empty if there is none.
+std::stop_source make_stop_source() noexcept {
+  try {
+    return {};
+  } catch (const std::bad_alloc&) {
+    return std::stop_source(std::nostopstate);
+  }
+}
+
+/// What an executor is given to call.
+struct LentTask : InJobMemory {
+  explicit LentTask(std::shared_ptr<Scheduler> its_scheduler) noexcept : scheduler(std::move(its_scheduler)) {}
+  std::shared_ptr<Scheduler> scheduler;
+};
+
 }  // namespace
 
 ThreadRole::ThreadRole(const Scheduler& scheduler, Kind kind, std::shared_ptr<Computation> running) noexcept
@@ -33,28 +50,30 @@ ThreadRole::ThreadRole(const Scheduler& scheduler, Kind kind, std::shared_ptr<Co
 }
 ThreadRole::~ThreadRole() { innermost_role = outer_; }
 
-bool ThreadRole::has_any(const Scheduler& scheduler) noexcept {
+template <class Wanted>
+const ThreadRole* ThreadRole::innermost(const Wanted& wanted) noexcept {
   const ThreadRole* role = innermost_role;
-  while (role != nullptr && role->scheduler_ != &scheduler) role = role->outer_;
-  return role != nullptr;
+  while (role != nullptr && !wanted(*role)) role = role->outer_;
+  return role;
+}
+
+bool ThreadRole::has_any(const Scheduler& scheduler) noexcept {
+  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler; }) != nullptr;
 }
 
 bool ThreadRole::is_worker(const Scheduler& scheduler) noexcept {
-  const ThreadRole* role = innermost_role;
-  while (role != nullptr && (role->scheduler_ != &scheduler || role->kind_ != worker)) role = role->outer_;
-  return role != nullptr;
+  return innermost([&](const ThreadRole& role) { return role.scheduler_ == &scheduler && role.kind_ == worker; }) !=
+         nullptr;
 }
 
 std::shared_ptr<Computation> ThreadRole::running(const Scheduler& scheduler) noexcept {
-  const ThreadRole* role = innermost_role;
-  while (role != nullptr && (role->scheduler_ != &scheduler || !role->running_)) role = role->outer_;
+  const ThreadRole* const role =
+      innermost([&](const ThreadRole& any) { return any.scheduler_ == &scheduler && any.running_; });
   return role != nullptr ? role->running_ : nullptr;
 }
 
 bool ThreadRole::is_inside(const Computation& computation) noexcept {
-  const ThreadRole* role = innermost_role;
-  while (role != nullptr && role->running_.get() != &computation) role = role->outer_;
-  return role != nullptr;
+  return innermost([&](const ThreadRole& role) { return role.running_.get() == &computation; }) != nullptr;
 }
 
 ComputationList& Scheduler::waiting(TaskPriority priority) noexcept {
@@ -148,7 +167,7 @@ void Scheduler::call_for_hands(DeferredWork& work) {
   if (tasks <= 0) return;
   try {
     for (; tasks > 0; --tasks) {
-      auto task = std::make_unique<std::shared_ptr<Scheduler>>(shared_from_this());
+      auto task = std::make_unique<LentTask>(shared_from_this());
       options_.executor->enqueue(run_task, task.get());
       static_cast<void>(task.release());
     }
@@ -169,8 +188,8 @@ void Scheduler::call_for_hands(DeferredWork& work) {
 }
 
 void Scheduler::run_task(void* task) {
-  const std::unique_ptr<std::shared_ptr<Scheduler>> lent(static_cast<std::shared_ptr<Scheduler>*>(task));
-  Scheduler& scheduler = **lent;
+  const std::unique_ptr<LentTask> lent(static_cast<LentTask*>(task));
+  Scheduler& scheduler = *lent->scheduler;
   {
     const ThreadRole role(scheduler);
     scheduler.run_next(true);
@@ -195,6 +214,7 @@ bool Scheduler::run_next(bool lent) {
 }
 
 void Scheduler::start_running(const std::shared_ptr<Computation>& computation) {
+  computation->stop = make_stop_source();
   running_.splice(running_.end(), *computation->list, computation->place);
   computation->list = &running_;
 }
@@ -203,8 +223,11 @@ void Scheduler::run(const std::shared_ptr<Computation>& computation) {
   const Control control{computation->stop.get_token(),
                         [running = computation.get()](double done) { running->report(done); }};
   std::exception_ptr error;
-  if (computation->failure && !computation->runs_after_errors) {
+  const bool must_run = computation->runs_after_errors;
+  if (computation->failure && !must_run) {
     error = computation->failure;
+  } else if (!computation->stop.stop_possible() && !must_run) {
+    error = std::make_exception_ptr(std::bad_alloc());
   } else {
     const ThreadRole role(*this, ThreadRole::worker, computation);
     try {
@@ -250,22 +273,19 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
     for (const std::shared_ptr<JobRecord>& job : jobs) hand_on(*job, books.work);
   }
   computation->release();
+  // Both go when the books are closed.
   ComputationList over;
+  std::stop_source stop(std::nostopstate);
   const Books books(*this);
   over = take_out(computation);
+  if (!computation->stopping) std::swap(stop, computation->stop);
 }
 
 // Waiting.
 
 void Scheduler::signal() {
-  // An exchange and not a load, so that it has a place in the order of the count's changes: who counts later sees what
-  // has come.
-  if (waiters_.fetch_add(0) == 0) return;
-  {
-    const Lock lock(signal_mutex_);
-    ++signals_;
-  }
-  signal_.notify_all();
+  ++signals_;
+  signals_.notify_all();
 }
 
 void Scheduler::wait(const JobRecord& job) {
@@ -303,10 +323,6 @@ void Scheduler::wait(const JobRecord& job) {
                                                  ", which cannot end before the request does: it waits for the "
                                                  "request's job itself, or for one that does");
   }
-}
-
-void Scheduler::wait_until(const JobRecord& job, Clock::time_point end) {
-  wait_for([&] { return job.ready.load(std::memory_order_acquire); }, end);
 }
 
 /// What must run first for the job, if no thread has started it.

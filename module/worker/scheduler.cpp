@@ -49,6 +49,7 @@ Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)) {
 
 Scheduler::~Scheduler() {
   for (Arrival* arrival = inbox_; arrival != nullptr;) delete std::exchange(arrival, arrival->next);
+  give_back_job_memory();
 }
 
 void Scheduler::start() {
@@ -151,8 +152,9 @@ Scheduler::Admission Scheduler::decide(Arrival& arrival, DeferredWork& work) {
   const std::shared_ptr<Computation> equal = find_equal(arrival);
   const auto newest = newest_.find(job->key);
   const std::shared_ptr<JobRecord> older = newest == newest_.end() || newest->second == job ? nullptr : newest->second;
-  while (!make_room(arrival, equal.get(), older.get(), work)) {
-    if (options_.overflow == OverflowPolicy::wait && !ThreadRole::has_any(*this)) {
+  if (!make_room(arrival, equal.get(), older.get(), work)) {
+    if (options_.overflow != OverflowPolicy::wait) return refused(ErrorCode::queue_full);
+    if (!ThreadRole::has_any(*this)) {
       // It is the newest of its key already.
       if (older) {
         newest->second = job;
@@ -162,10 +164,8 @@ Scheduler::Admission Scheduler::decide(Arrival& arrival, DeferredWork& work) {
       }
       return Admission::wait;
     }
-    if (options_.overflow != OverflowPolicy::wait) return refused(ErrorCode::queue_full);
     ++jobs_;
     bytes_ += bytes;
-    break;
   }
   admit(arrival, equal, work);
   return Admission::admitted;
@@ -231,7 +231,7 @@ void Scheduler::admit(Arrival& arrival, const std::shared_ptr<Computation>& equa
   }
   if (equal) {
     bytes_ -= std::exchange(posted->bytes, 0);
-    work.discarded.splice(work.discarded.end(), arrival.node);
+    work.ended.splice(work.ended.end(), arrival.node);
     job->computation = equal;
     job->progress = &equal->progress;
     if (job->priority > equal->priority) rank(equal, job->priority);
@@ -259,7 +259,7 @@ void Scheduler::refuse(Arrival& arrival, ErrorCode reason, DeferredWork& work) {
   arrival.job->withdrawn = reason;
   arrival.job->settled = true;
   work.losers.splice(work.losers.end(), arrival.job_node);
-  work.discarded.splice(work.discarded.end(), arrival.node);
+  work.ended.splice(work.ended.end(), arrival.node);
 }
 
 std::shared_ptr<Computation> Scheduler::find_equal(const Arrival& arrival) const {
@@ -270,7 +270,7 @@ std::shared_ptr<Computation> Scheduler::find_equal(const Arrival& arrival) const
     const std::shared_ptr<Computation>& candidate = place->second;
     if (candidate->kind != computation->kind) continue;
     // One that was told to stop gives no result.
-    if (candidate->jobs.front()->withdrawn) continue;
+    if (candidate->stopping) continue;
     if (candidate->list == &running_ && !computation->joinable_while_running) continue;
     try {
       if (candidate->equals(*computation)) return candidate;
@@ -324,7 +324,7 @@ void Scheduler::forget(const JobRecord& job) {
 
 WorkerLoad Scheduler::load() {
   const Books books(*this);
-  return {.waiting = waiting_[0].size() + waiting_[1].size() + waiting_[2].size(),
+  return {.waiting = waiting_count(),
           .running = running_.size(),
           .undrained = drained_.size(),
           .jobs = jobs_,
@@ -349,28 +349,19 @@ Worker::~Worker() {
   scheduler_->abandon_rest();
 }
 
-// What is called below may end with this worker gone: a callback or a request may destroy it.
+// What is called below may end with this worker gone, because a callback or a request may destroy it. So each call
+// holds the scheduler.
 
 void Worker::submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
                     detail::ComputationList follower) {
-  const auto scheduler = scheduler_;
-  scheduler->submit(job, options, bytes, std::move(follower));
+  std::shared_ptr(scheduler_)->submit(job, options, bytes, std::move(follower));
 }
 
-std::size_t Worker::drain(std::chrono::nanoseconds budget) {
-  const auto scheduler = scheduler_;
-  return scheduler->drain(budget);
-}
+std::size_t Worker::drain(std::chrono::nanoseconds budget) { return std::shared_ptr(scheduler_)->drain(budget); }
 
-void Worker::terminate() {
-  const auto scheduler = scheduler_;
-  scheduler->terminate();
-}
+void Worker::terminate() { std::shared_ptr(scheduler_)->terminate(); }
 
-void Worker::wait_until_idle() {
-  const auto scheduler = scheduler_;
-  scheduler->wait_until_idle();
-}
+void Worker::wait_until_idle() { std::shared_ptr(scheduler_)->wait_until_idle(); }
 
 WorkerLoad Worker::load() const { return scheduler_->load(); }
 

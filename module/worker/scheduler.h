@@ -16,15 +16,13 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "welkin/worker.h"
@@ -38,9 +36,8 @@ class ThreadExecutor;
 struct DeferredWork {
   JobList losers;                         ///< that end without a result; their errors are in them
   JobList done;                           ///< losers that have ended; kept for as long as the mutex is held
-  ComputationList discarded;              ///< whose memory is to come back
   ComputationList at_once;                ///< that are to run here
-  ComputationList ended;                  ///< that cannot start any more, as the worker has ended
+  ComputationList ended;                  ///< that will not start: given up, or the worker has ended
   std::shared_ptr<Computation> stopping;  ///< that run for nobody any more: the first, and `next_to_stop`
   int startable = 0;                      ///< how many have begun to wait for a thread
   int tasks = 0;                          ///< to be handed to the executor
@@ -48,10 +45,20 @@ struct DeferredWork {
   bool news = false;                      ///< for those who wait
 };
 
-using JobsByKey = std::map<std::string, std::shared_ptr<JobRecord>>;
+using JobsByKey = std::map<JobKey, std::shared_ptr<JobRecord>, std::less<>,
+                           JobAllocator<std::pair<const JobKey, std::shared_ptr<JobRecord>>>>;
+
+/// Of what a posting thread makes with `new` and a thread of the worker deletes.
+struct InJobMemory {
+  static void* operator new(std::size_t bytes) { return allocate_job_memory(bytes); }
+  static void operator delete(void* block, std::size_t bytes) noexcept { free_job_memory(block, bytes); }
+};
+
+/// Gives the system back what is kept for later posts.
+void give_back_job_memory() noexcept;
 
 /// What comes in, with the list nodes that it needs later: a posted job, or a computation that follows a job.
-struct Arrival {
+struct Arrival : InJobMemory {
   Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
           std::shared_ptr<JobRecord> its_parent);
 
@@ -86,8 +93,6 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
               const std::shared_ptr<JobRecord>& job);
   void wait(const JobRecord& job);
-  /// Only waits, at most until then.
-  void wait_until(const JobRecord& job, Clock::time_point end);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
   /// After `terminate`, when the worker goes: drops what was not drained, and lets go of threads that cannot be waited
@@ -98,8 +103,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] int threads() const noexcept { return threads_; }
 
   // What threads do that run computations.
-  /// Runs the first of those that wait; false if there is none.
-  bool run_next() { return run_next(false); }
+  /// Runs the first of those that wait; false if there is none. `lent`: as a task of the executor's.
+  bool run_next(bool lent = false);
   [[nodiscard]] bool has_waiting();
 
  private:
@@ -169,15 +174,14 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void complete(const std::shared_ptr<Computation>& computation, std::exception_ptr error);
 
   // Threads (running.cpp).
-  bool run_next(bool lent);
   void plan_calls(DeferredWork& work);
   void call_for_hands(DeferredWork& work);
   static void run_task(void* task);
   /// Tells those who wait for something that it may have come.
   void signal();
-  /// Waits until `done()`, at most until `end`.
+  /// Waits until `done()`.
   template <class Done>
-  void wait_for(const Done& done, std::optional<Clock::time_point> end = {});
+  void wait_for(const Done& done);
 
   WorkerOptions options_;
   std::unique_ptr<ThreadExecutor> own_threads_;  ///< null with an executor of the engine's
@@ -201,33 +205,16 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   bool abandoned_ = false;                 ///< nobody will drain any more
   bool news_ = false;                      ///< what somebody may wait for has happened: a job done, room, an end
 
-  std::mutex signal_mutex_;  ///< held by those who wait, and by those who signal to them if there are any
-  std::condition_variable signal_;
-  std::uint64_t signals_ = 0;
-  std::atomic<int> waiters_{0};
+  std::atomic<int> signals_{0};  ///< how often there was news. Not a condition variable: `post` signals too, and must
+                                 ///< not wait for a mutex that a thread of ours holds
 };
 
 template <class Done>
-void Scheduler::wait_for(const Done& done, std::optional<Clock::time_point> end) {
-  struct Waiter {
-    explicit Waiter(std::atomic<int>& count) : count_(count) { ++count_; }
-    ~Waiter() { --count_; }
-    std::atomic<int>& count_;
-  } const waiter(waiters_);
+void Scheduler::wait_for(const Done& done) {
   for (;;) {
-    std::uint64_t seen = 0;
-    {
-      const Lock lock(signal_mutex_);
-      seen = signals_;
-    }
+    const int seen = signals_;
     if (done()) return;
-    Lock lock(signal_mutex_);
-    const auto signalled = [&] { return signals_ != seen; };
-    if (!end) {
-      signal_.wait(lock, signalled);
-    } else if (!signal_.wait_until(lock, *end, signalled)) {
-      return;
-    }
+    signals_.wait(seen);
   }
 }
 
@@ -244,7 +231,7 @@ class ThreadRole {
   ThreadRole(const ThreadRole&) = delete;
   ThreadRole& operator=(const ThreadRole&) = delete;
 
-  /// Whether the thread is either, and so must not wait for the scheduler's work to end.
+  /// Whether the thread is either kind, and so must not wait for the scheduler's work to end.
   [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept;
   /// Whether the scheduler may run computations on it.
   [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept;
@@ -254,6 +241,9 @@ class ThreadRole {
   [[nodiscard]] static bool is_inside(const Computation& computation) noexcept;
 
  private:
+  template <class Wanted>
+  [[nodiscard]] static const ThreadRole* innermost(const Wanted& wanted) noexcept;
+
   const Scheduler* scheduler_;
   Kind kind_;
   std::shared_ptr<Computation> running_;

@@ -1,6 +1,13 @@
-// Giving jobs up, and what follows when they are done.
+// Giving jobs up, what follows when they are done, and where their memory goes.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstddef>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -28,7 +35,7 @@ const char* what_happened(ErrorCode reason) noexcept {
 std::exception_ptr error_of(const JobRecord& job) noexcept {
   if (!job.withdrawn) return job.error;
   try {
-    const std::string key = job.key.empty() ? "" : " (" + job.key + ")";
+    const std::string key = job.key.empty() ? "" : " (" + std::string(job.key) + ")";
     return std::make_exception_ptr(
         Error(*job.withdrawn, "job " + std::to_string(job.id) + key + ": " + what_happened(*job.withdrawn)));
   } catch (...) {
@@ -55,8 +62,7 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Defer
       next = computation->parent;
       settle(*job);
       work.losers.splice(work.losers.end(), computation->jobs);
-      ComputationList node = take_out(computation);
-      work.discarded.splice(work.discarded.end(), node);
+      work.ended.splice(work.ended.end(), take_out(computation));
     } else {
       news_ = true;  // it still waits in `submit`, which looks
     }
@@ -66,6 +72,7 @@ bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, Defer
 }
 
 void Scheduler::stop(const std::shared_ptr<Computation>& computation, DeferredWork& work) {
+  computation->stopping = true;
   computation->next_to_stop = std::move(work.stopping);
   work.stopping = computation;
 }
@@ -113,8 +120,7 @@ void Scheduler::end(const std::shared_ptr<Computation>& computation, std::except
     settle(*job);
   }
   work.losers.splice(work.losers.end(), computation->jobs);
-  ComputationList node = take_out(computation);
-  work.ended.splice(work.ended.end(), node);
+  work.ended.splice(work.ended.end(), take_out(computation));
 }
 
 /// One after the other, and not each inside the end of the one that it follows: a chain may be long.
@@ -154,7 +160,6 @@ void Scheduler::carry_out(DeferredWork& work) {
       go_on([&] { computation->run({}); });
     }
   }
-  for (const std::shared_ptr<Computation>& computation : work.discarded) computation->release();
   for (const std::shared_ptr<Computation>& computation : work.ended) computation->release();
   for (const std::shared_ptr<Computation>& computation : work.ended) go_on([&] { computation->abandon(); });
   work = {};
@@ -239,7 +244,7 @@ void Scheduler::terminate() {
       while (!list.empty()) end(std::shared_ptr<Computation>(list.front()), nullptr, books.work);
     }
     for (const std::shared_ptr<Computation>& computation : running_) {
-      if (computation->jobs.empty() || computation->jobs.front()->withdrawn) continue;  // it was told to stop before
+      if (computation->jobs.empty() || computation->stopping) continue;
       for (const std::shared_ptr<JobRecord>& job : computation->jobs) job->withdrawn = ErrorCode::stopped;
       stop(computation, books.work);
     }
@@ -305,7 +310,15 @@ bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Comp
 void wait(const std::shared_ptr<JobRecord>& job) { job->scheduler->wait(*job); }
 
 void wait_for(const std::shared_ptr<JobRecord>& job, std::chrono::nanoseconds time) {
-  job->scheduler->wait_until(*job, Scheduler::Clock::now() + time);
+  using std::chrono::nanoseconds;
+  constexpr std::chrono::microseconds kShortest{20};
+  constexpr std::chrono::milliseconds kLongest{1};
+  const auto start = Scheduler::Clock::now();
+  for (nanoseconds spent{0}; spent < time && !job->ready.load(std::memory_order_acquire);
+       spent = Scheduler::Clock::now() - start) {
+    const nanoseconds pause = std::clamp<nanoseconds>(spent / 8, kShortest, kLongest);
+    std::this_thread::sleep_for(std::min(pause, time - spent));
+  }
 }
 
 void throw_error_of(const JobRecord& job) {
@@ -314,6 +327,82 @@ void throw_error_of(const JobRecord& job) {
 
 void throw_taken() {
   throw Error(ErrorCode::invalid_argument, "the job's result was taken before, or there is no job");
+}
+
+// Memory of jobs.
+
+namespace {
+
+constexpr std::size_t kSmallestBlock = 64;
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::size_t kLargestBlock = 0;  // AddressSanitizer is to see what is used after its end
+#else
+constexpr std::size_t kLargestBlock = 4096;
+#endif
+
+struct FreeBlock {
+  FreeBlock* next;
+};
+
+/// A stack of blocks of one size that are not in use. No thread waits for another one here: whoever takes a block takes
+/// the whole stack and puts the rest back, and who finds nothing meanwhile asks the system.
+class FreeBlocks {
+ public:
+  void* take() noexcept {
+    FreeBlock* const first = top_.exchange(nullptr, std::memory_order_acquire);
+    if (first != nullptr && first->next != nullptr) put_back(first->next);
+    return first;
+  }
+
+  void put(FreeBlock* block) noexcept {
+    block->next = top_.load(std::memory_order_relaxed);
+    while (!top_.compare_exchange_weak(block->next, block, std::memory_order_release, std::memory_order_relaxed)) {
+    }
+  }
+
+  void give_back() noexcept {
+    FreeBlock* block = top_.exchange(nullptr, std::memory_order_acquire);
+    while (block != nullptr) ::operator delete(std::exchange(block, block->next));
+  }
+
+ private:
+  /// All the stack, which others have found empty since. What they have put there goes on top, as it is the shorter
+  /// list.
+  void put_back(FreeBlock* rest) noexcept {
+    for (FreeBlock* none = nullptr; !top_.compare_exchange_strong(none, rest); none = nullptr) {
+      FreeBlock* const newer = top_.exchange(nullptr);
+      if (newer == nullptr) continue;
+      FreeBlock* last = newer;
+      while (last->next != nullptr) last = last->next;
+      last->next = std::exchange(rest, newer);
+    }
+  }
+
+  std::atomic<FreeBlock*> top_{nullptr};
+};
+
+constexpr std::size_t size_class(std::size_t bytes) {
+  return bytes <= kSmallestBlock ? 0 : std::bit_width((bytes - 1) / kSmallestBlock);
+}
+
+constinit std::array<FreeBlocks, size_class(kLargestBlock) + 1> free_blocks;  ///< of 64 bytes, of 128, and so on
+
+}  // namespace
+
+void* allocate_job_memory(std::size_t bytes) {
+  if (bytes > kLargestBlock) return ::operator new(bytes);
+  const std::size_t index = size_class(bytes);
+  void* const block = free_blocks[index].take();
+  return block != nullptr ? block : ::operator new(kSmallestBlock << index);
+}
+
+void free_job_memory(void* block, std::size_t bytes) noexcept {
+  if (bytes > kLargestBlock) return ::operator delete(block);
+  free_blocks[size_class(bytes)].put(::new (block) FreeBlock{nullptr});
+}
+
+void give_back_job_memory() noexcept {
+  for (FreeBlocks& blocks : free_blocks) blocks.give_back();
 }
 
 }  // namespace detail

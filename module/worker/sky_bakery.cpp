@@ -1,35 +1,26 @@
 #include "worker/sky_bakery.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "welkin/core.h"
 
 namespace welkin::worker {
 
-/// Goes with a request: if the worker lets go of that without having run it, somebody must know.
-class SkyBakery::Ticket {
+/// If the worker lets go of it without having run it, the bakery must know.
+class SkyBakery::Request {
  public:
-  explicit Ticket(std::shared_ptr<SkyBakery> bakery) : bakery_(std::move(bakery)) {}
-  ~Ticket() {
-    if (!started_) bakery_->dropped();
+  explicit Request(std::shared_ptr<SkyBakery> bakery) : bakery_(std::move(bakery)) {}
+  ~Request() {
+    if (bakery_) bakery_->dropped();
   }
-  Ticket(const Ticket&) = delete;
-  Ticket& operator=(const Ticket&) = delete;
+  Request(Request&&) noexcept = default;
+  Request& operator=(Request&&) = delete;
 
-  void run(const Control& control) {
-    started_ = true;
-    bakery_->run(control);
-  }
+  void operator()(const Control& control) { std::exchange(bakery_, nullptr)->run(control); }
 
  private:
-  std::shared_ptr<SkyBakery> bakery_;
-  bool started_ = false;
-};
-
-struct SkyBakery::Request {
-  std::unique_ptr<Ticket> ticket;
-
-  void operator()(const Control& control) const { ticket->run(control); }
+  std::shared_ptr<SkyBakery> bakery_;  ///< null once it runs, and of what was moved from
 };
 
 SkyBakery::SkyBakery(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables)
@@ -45,14 +36,21 @@ SkyBakery::Step SkyBakery::next_step() const noexcept {
   return specular ? Step::specular : Step::none;
 }
 
+/// With the mutex held. True if a request is to be posted, by this thread then.
+bool SkyBakery::claim() noexcept {
+  if (running_ || next_step() == Step::none) return false;
+  running_ = true;
+  ++counts_.posts;
+  return true;
+}
+
 void SkyBakery::set(const SkyWish& wish, bool stop) {
   {
     const std::scoped_lock lock(mutex_);
     wish_ = wish;
     error_ = nullptr;
     if (stop) stop_.request_stop();
-    if (running_ || next_step() == Step::none) return;
-    running_ = true;
+    if (!claim()) return;
   }
   post();
 }
@@ -60,21 +58,13 @@ void SkyBakery::set(const SkyWish& wish, bool stop) {
 void SkyBakery::retry() {
   {
     const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock.owns_lock() || running_ || next_step() == Step::none) return;
-    running_ = true;
+    if (!lock.owns_lock() || !claim()) return;
   }
   post();
 }
 
-/// With `running_` set, and the mutex free: the worker may let go of the request at once.
-void SkyBakery::post() {
-  {
-    const std::scoped_lock lock(mutex_);
-    ++counts_.posts;
-  }
-  Request request{std::make_unique<Ticket>(shared_from_this())};
-  worker_.post(std::move(request), {.priority = options_.priority});
-}
+/// After `claim`, and with the mutex free: the worker may let go of the request at once.
+void SkyBakery::post() { worker_.post(Request(shared_from_this()), {.priority = options_.priority}); }
 
 void SkyBakery::dropped() noexcept {
   const std::scoped_lock lock(mutex_);
@@ -111,26 +101,32 @@ void SkyBakery::run(const Control& control) {
   garbage = {};
   if (step == Step::none) return;
   std::exception_ptr error;
+  bool stopped = false;
   try {
     const std::stop_callback link(control.stop, [&source] { source.request_stop(); });
     make(step, wish, {.stop = source.get_token(), .progress = control.progress});
+  } catch (const Error& thrown) {
+    stopped = thrown.code() == ErrorCode::cancelled;
+    error = std::current_exception();
   } catch (...) {
     error = std::current_exception();
   }
-  settle(step, wish, error);
   {
     const std::scoped_lock lock(mutex_);
-    const bool due = next_step() != Step::none;
-    const bool worker_stops = control.stop.stop_requested();
-    running_ = due && !worker_stops;
-    if (due && worker_stops) tell_of_the_worker();
-    if (!running_) return;
+    if (stopped) {
+      ++counts_.given_up;  // the step stays due
+    } else {
+      settle(step, wish.versions, std::move(error));
+    }
+    running_ = false;
+    if (next_step() != Step::none && control.stop.stop_requested()) return tell_of_the_worker();
+    if (!claim()) return;
   }
   try {
     post();
   } catch (...) {
     const std::scoped_lock lock(mutex_);
-    error_ = std::current_exception();  // no memory for a request; the ticket has told the rest
+    error_ = std::current_exception();  // no memory for a request; the request has told the rest
   }
 }
 
@@ -152,42 +148,28 @@ void SkyBakery::make(Step step, const SkyWish& wish, const Control& control) {
     case Step::curve: {
       auto curve = std::make_shared<const SkyCurve>(BakeSkyCurve{tables, wish.altitude_m, options_.curve}(control));
       const std::scoped_lock lock(mutex_);
-      arrivals_.curve.swap(curve);
-      arrivals_.sun_radius_degrees = tables->atmosphere.sun_angular_radius_degrees;
+      arrivals_.curve.curve.swap(curve);
+      arrivals_.curve.sun_radius_degrees = tables->atmosphere.sun_angular_radius_degrees;
       ++counts_.curves;
       return;
     }
     case Step::specular: {
       auto specular = SkySpecular{tables, wish.altitude_m, wish.sun, options_.specular}(control);
       const std::scoped_lock lock(mutex_);
-      arrivals_.specular.swap(specular);
-      arrivals_.specular_sun = wish.sun;
+      arrivals_.reflections.specular.swap(specular);
+      arrivals_.reflections.sun = wish.sun;
       ++counts_.speculars;
       return;
     }
   }
 }
 
-/// Marks a step as done, or as not to be tried again; one that was stopped stays due.
-void SkyBakery::settle(Step step, const SkyWish& wish, std::exception_ptr error) {
-  bool stopped = false;
-  if (error) {
-    try {
-      std::rethrow_exception(error);
-    } catch (const Error& thrown) {
-      stopped = thrown.code() == ErrorCode::cancelled;
-    } catch (...) {
-      stopped = false;
-    }
-  }
-  const std::scoped_lock lock(mutex_);
-  if (stopped) {
-    ++counts_.given_up;
-    return;
-  }
-  if (step == Step::tables) done_.tables = wish.versions.tables;
-  if (step == Step::curve || (error && step == Step::tables)) done_.curve = wish.versions.curve;
-  if (step == Step::specular || (error && step == Step::tables)) done_.specular = wish.versions.specular;
+/// With the mutex held. Marks a step as done, or as not to be tried again; without tables that goes for all steps.
+void SkyBakery::settle(Step step, const SkyVersions& wanted, std::exception_ptr error) {
+  const bool no_tables = error && step == Step::tables;
+  if (step == Step::tables) done_.tables = wanted.tables;
+  if (step == Step::curve || no_tables) done_.curve = wanted.curve;
+  if (step == Step::specular || no_tables) done_.specular = wanted.specular;
   if (!error) return;
   ++counts_.failures;
   error_ = std::move(error);
@@ -199,32 +181,19 @@ void SkyBakery::close() noexcept {
   stop_.request_stop();
 }
 
-bool SkyBakery::try_take(bool curve, bool specular, News& news) noexcept {
+std::optional<SkyArrivals> SkyBakery::try_take(bool curve, bool reflections,
+                                               std::span<std::shared_ptr<const void>> garbage) noexcept {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock.owns_lock()) return false;
-  if (curve) {
-    news.arrivals.curve = std::move(arrivals_.curve);
-    arrivals_.curve.reset();
-    news.arrivals.sun_radius_degrees = arrivals_.sun_radius_degrees;
+  if (!lock.owns_lock()) return std::nullopt;
+  for (std::shared_ptr<const void>& old : garbage) {
+    const auto place = std::find(retired_.begin(), retired_.end(), nullptr);
+    if (place != retired_.end()) place->swap(old);
   }
-  if (specular) {
-    news.arrivals.specular = std::move(arrivals_.specular);
-    arrivals_.specular.reset();
-    news.arrivals.specular_sun = arrivals_.specular_sun;
-  }
-  news.busy = running_ || next_step() != Step::none || arrivals_.curve || arrivals_.specular;
-  return true;
-}
-
-bool SkyBakery::retire(std::shared_ptr<const void>& old) noexcept {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock.owns_lock()) return false;
-  for (std::shared_ptr<const void>& place : retired_) {
-    if (place) continue;
-    place = std::move(old);
-    return true;
-  }
-  return false;
+  SkyArrivals taken;
+  if (curve) taken.curve = std::exchange(arrivals_.curve, {});
+  if (reflections) taken.reflections = std::exchange(arrivals_.reflections, {});
+  taken.more_to_come = running_ || next_step() != Step::none || arrivals_.curve.curve || arrivals_.reflections.specular;
+  return taken;
 }
 
 SkyBakeCounts SkyBakery::counts() const {

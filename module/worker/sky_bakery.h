@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 
 #include "welkin/requests.h"
@@ -31,12 +32,21 @@ struct SkyWish {
   glm::dvec3 sun{0.0, 1.0, 0.0};  ///< for reflections
 };
 
-/// What has been made and not been taken.
-struct SkyArrivals {
+struct BakedCurve {
   std::shared_ptr<const SkyCurve> curve;
   double sun_radius_degrees = 0.0;  ///< of the curve's atmosphere
+};
+
+struct BakedReflections {
   std::shared_ptr<const PrefilteredSpecular> specular;
-  glm::dvec3 specular_sun{0.0, 1.0, 0.0};
+  glm::dvec3 sun{0.0, 1.0, 0.0};
+};
+
+/// What has been made and not been taken.
+struct SkyArrivals {
+  BakedCurve curve;
+  BakedReflections reflections;
+  bool more_to_come = false;  ///< something is being made or waits to be made, or was not asked for
 };
 
 struct SkyBakeCounts {
@@ -59,31 +69,25 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   /// Stops what is being made; nothing is posted any more.
   void close() noexcept;
 
-  /// What the frame sees. False, and nothing is written, if the lock is held by somebody: it does not wait.
-  struct News {
-    SkyArrivals arrivals;
-    bool busy = false;
-  };
-  /// Takes a curve or reflections only where they are asked for.
-  bool try_take(bool curve, bool specular, News& news) noexcept;
-
-  /// Takes what the frame has no more use for, so that it is freed on the worker. False, and it is the caller's still,
-  /// if there is no room or the lock is held by somebody.
-  bool retire(std::shared_ptr<const void>& old) noexcept;
+  /// For the frame: what has been made, a curve or reflections only where they are asked for. In return it takes what
+  /// the frame has no more use for, as far as there is room, so that it is freed on the worker. Nothing happens if the
+  /// lock is held by somebody: it does not wait.
+  [[nodiscard]] std::optional<SkyArrivals> try_take(bool curve, bool reflections,
+                                                    std::span<std::shared_ptr<const void>> garbage) noexcept;
 
   [[nodiscard]] SkyBakeCounts counts() const;
   [[nodiscard]] std::exception_ptr error() const;
 
  private:
   enum class Step { none, tables, curve, specular };
-  class Ticket;
-  struct Request;
+  class Request;
 
   [[nodiscard]] Step next_step() const noexcept;
+  [[nodiscard]] bool claim() noexcept;
   void post();
   void run(const Control& control);
   void make(Step step, const SkyWish& wish, const Control& control);
-  void settle(Step step, const SkyWish& wish, std::exception_ptr error);
+  void settle(Step step, const SkyVersions& wanted, std::exception_ptr error);
   void dropped() noexcept;
   void tell_of_the_worker() noexcept;
 

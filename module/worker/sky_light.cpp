@@ -109,16 +109,6 @@ struct Blend {
   }
 };
 
-struct Curve {
-  std::shared_ptr<const SkyCurve> curve;
-  double sun_radius_degrees = 0.0;
-};
-
-struct Reflections {
-  std::shared_ptr<const PrefilteredSpecular> specular;
-  glm::dvec3 sun{0.0, 1.0, 0.0};
-};
-
 }  // namespace
 
 struct SkyLight::State {
@@ -131,42 +121,44 @@ struct SkyLight::State {
   double intensity = 1.0;
   double sun_gap;       ///< sin^2 of half the threshold
   double specular_gap;  ///< likewise
-  Blend<Curve> curves;
-  Blend<Reflections> reflections;
+  Blend<worker::BakedCurve> curves;
+  Blend<worker::BakedReflections> reflections;
   std::vector<glm::dvec3> older_light;
   std::array<std::shared_ptr<const void>, 4> garbage;  ///< to be freed on the worker
   bool dirty = true;
 
-  State(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options);
+  /// `tables` may be null: they are made first then.
+  State(Worker& worker, std::shared_ptr<const Atmosphere> atmosphere, std::shared_ptr<const SkyTables> tables,
+        const SkyLightOptions& its_options);
 
   void move_sun(const glm::dvec3& to);
+  void wish_for_light(bool stop);
   void take_news();
   [[nodiscard]] bool advance(double seconds);
   void compute_light();
   void place_reflections();
   [[nodiscard]] Sun sun_of(const glm::dvec3& irradiance, double radius_degrees) const;
   void let_go(std::shared_ptr<const void> old);
-  void retire();
 };
 
-SkyLight::State::State(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options)
+SkyLight::State::State(Worker& worker, std::shared_ptr<const Atmosphere> atmosphere,
+                       std::shared_ptr<const SkyTables> tables, const SkyLightOptions& its_options)
     : options(checked(its_options)),
-      bakery(std::make_shared<worker::SkyBakery>(worker, options, std::move(tables))),
+      bakery(std::make_shared<worker::SkyBakery>(worker, options, tables)),
       sun_gap(half_angle_square(options.sun_threshold_degrees)),
       specular_gap(half_angle_square(options.specular_threshold_degrees)),
       older_light(static_cast<std::size_t>(options.curve.bands) * static_cast<std::size_t>(options.curve.bands)) {
   frame.radiance = SphericalHarmonics(options.curve.bands);
-  wish.altitude_m = options.altitude_m;
-  wish.versions = {.tables = 0, .curve = 1, .specular = options.specular.size > 0 ? 1U : 0U};
+  wish = {.versions = {.tables = tables ? 0U : 1U, .curve = 1, .specular = options.specular.size > 0 ? 1U : 0U},
+          .atmosphere = std::move(atmosphere),
+          .altitude_m = options.altitude_m};
+  bakery->set(wish, false);
 }
 
 SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
   const platform::FloatingPointScope floating_point;
   check_tables(atmosphere, checked(options).tables);
-  state_ = std::make_unique<State>(worker, nullptr, options);
-  state_->wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
-  state_->wish.versions.tables = 1;
-  state_->bakery->set(state_->wish, false);
+  state_ = std::make_unique<State>(worker, std::make_shared<const Atmosphere>(atmosphere), nullptr, options);
 }
 
 SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, const SkyLightOptions& options) {
@@ -176,10 +168,8 @@ SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, cons
   SkyLightOptions with_tables = checked(options);
   with_tables.tables = tables->options;
   check_tables(tables->atmosphere, tables->options);
-  const auto atmosphere = std::shared_ptr<const Atmosphere>(tables, &tables->atmosphere);
-  state_ = std::make_unique<State>(worker, std::move(tables), with_tables);
-  state_->wish.atmosphere = atmosphere;
-  state_->bakery->set(state_->wish, false);
+  auto atmosphere = std::shared_ptr<const Atmosphere>(tables, &tables->atmosphere);
+  state_ = std::make_unique<State>(worker, std::move(atmosphere), std::move(tables), with_tables);
 }
 
 SkyLight::~SkyLight() { state_->bakery->close(); }
@@ -249,10 +239,7 @@ void SkyLight::set_altitude(double altitude_m) {
     return;
   }
   wish.altitude_m = altitude_m;
-  wish.sun = state_->sun;
-  ++wish.versions.curve;
-  if (state_->options.specular.size > 0) ++wish.versions.specular;
-  state_->bakery->set(wish, false);
+  state_->wish_for_light(false);
 }
 
 void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
@@ -262,50 +249,41 @@ void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
   state_->bakery->retry();
   if (same_but_for_name(*wish.atmosphere, atmosphere)) return;
   wish.atmosphere = std::make_shared<const Atmosphere>(atmosphere);
-  wish.sun = state_->sun;
   ++wish.versions.tables;
+  state_->wish_for_light(true);
+}
+
+/// A curve and reflections of what the wish has become.
+void SkyLight::State::wish_for_light(bool stop) {
+  wish.sun = sun;
   ++wish.versions.curve;
-  if (state_->options.specular.size > 0) ++wish.versions.specular;
-  state_->bakery->set(wish, true);
+  if (options.specular.size > 0) ++wish.versions.specular;
+  bakery->set(wish, stop);
 }
 
 /// What comes while something is being blended waits for the end of that: there are two places only.
 void SkyLight::State::take_news() {
-  worker::SkyBakery::News news;
-  if (!bakery->try_take(!curves.under_way(), !reflections.under_way(), news)) {
-    frame.settled = false;
-    return;
-  }
-  if (news.arrivals.curve) {
+  std::optional<worker::SkyArrivals> news = bakery->try_take(!curves.under_way(), !reflections.under_way(), garbage);
+  frame.settled = news && !news->more_to_come;
+  if (!news) return;
+  const bool blends = options.blend_seconds > 0.0;
+  if (news->curve.curve) {
     let_go(std::move(curves.older.curve));
-    curves.take({std::move(news.arrivals.curve), news.arrivals.sun_radius_degrees},
-                !frame.ready || options.blend_seconds == 0.0);
+    curves.take(std::move(news->curve), !frame.ready || !blends);
     frame.ready = true;
     dirty = true;
   }
-  if (news.arrivals.specular) {
+  if (news->reflections.specular) {
     let_go(std::move(reflections.older.specular));
     const bool first = !reflections.newer.specular;
-    reflections.take({std::move(news.arrivals.specular), news.arrivals.specular_sun},
-                     first || options.blend_seconds == 0.0);
+    reflections.take(std::move(news->reflections), first || !blends);
     dirty = true;
   }
-  frame.settled = !news.busy;
 }
 
 void SkyLight::State::let_go(std::shared_ptr<const void> old) {
-  if (!old) return;
-  for (std::shared_ptr<const void>& place : garbage) {
-    if (place) continue;
-    place = std::move(old);
-    return;
-  }
-}
-
-void SkyLight::State::retire() {
-  for (std::shared_ptr<const void>& old : garbage) {
-    if (old && !bakery->retire(old)) return;
-  }
+  const auto place = std::find(garbage.begin(), garbage.end(), nullptr);
+  if (place != garbage.end()) *place = std::move(old);
 }
 
 /// Whether anything moved.
@@ -353,11 +331,13 @@ void SkyLight::State::compute_light() {
 }
 
 void SkyLight::State::place_reflections() {
-  const auto place = [&](const Reflections& from, double weight) {
+  using worker::BakedReflections;
+  const auto place = [&](const BakedReflections& from, double weight) {
     return SkyReflections{from.specular, turn(from.sun, sun), from.specular ? weight * intensity : 0.0};
   };
   frame.reflections[0] = place(reflections.newer, reflections.part);
-  frame.reflections[1] = place(reflections.under_way() ? reflections.older : Reflections{}, 1.0 - reflections.part);
+  frame.reflections[1] =
+      place(reflections.under_way() ? reflections.older : BakedReflections{}, 1.0 - reflections.part);
 }
 
 const SkyLightFrame& SkyLight::update(double seconds) {
@@ -366,7 +346,6 @@ const SkyLightFrame& SkyLight::update(double seconds) {
   State& state = *state_;
   ++state.counters.frames;
   state.take_news();
-  state.retire();
   const bool moved = state.advance(seconds);
   if (state.curves.under_way() || state.reflections.under_way()) state.frame.settled = false;
   if (state.frame.ready && (state.dirty || moved)) {

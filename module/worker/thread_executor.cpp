@@ -50,8 +50,6 @@ ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
   arena_.initialize();
 }
 
-ThreadExecutor::~ThreadExecutor() = default;
-
 void ThreadExecutor::set_up_thread(int number) const noexcept {
   char suffix[8] = {};
   std::snprintf(suffix, sizeof suffix, "%d", number);

@@ -22,7 +22,7 @@ namespace welkin::detail {
 class ThreadExecutor {
  public:
   explicit ThreadExecutor(const WorkerOptions& options);
-  ~ThreadExecutor();
+  ~ThreadExecutor() = default;
   ThreadExecutor(const ThreadExecutor&) = delete;
   ThreadExecutor& operator=(const ThreadExecutor&) = delete;
 

@@ -93,7 +93,7 @@ class ChainTruth {
   }
 
   const glm::dvec3& mean() {
-    if (!mean_) mean_ = average_radiance(project(source_).radiance);
+    if (!mean_) mean_ = mean_radiance(project(source_).radiance);
     return *mean_;
   }
 

@@ -19,7 +19,7 @@ set(allowed_system_header "^(tools/terminal|perf/report/process)\\.cpp$")
 set(allowed_system_call "${allowed_system_header}")
 set(allowed_intrinsics "^module/(simd/[a-z_0-9]+\\.h|[a-z]+/[a-z_]*kernels\\.(h|cpp))$")
 set(allowed_assembly "^$")
-set(allowed_compiler "^include/welkin/(export|welkin)\\.h$")
+set(allowed_compiler "^include/welkin/(core|welkin)\\.h$")
 
 file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/module/*.h ${ROOT}/module/*.cpp ${ROOT}/include/*.h
      ${ROOT}/include/*.hpp ${ROOT}/tools/*.h ${ROOT}/tools/*.cpp ${ROOT}/perf/*.h ${ROOT}/perf/*.cpp)

@@ -74,7 +74,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   const Projection stored = project_file(directory.file("sky.env"));
   REQUIRE(found.radiance);
   CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), stored.radiance.coefficients()));
-  CHECK(same_bits(found.irradiance, irradiance_cubemap(irradiance_from_radiance(stored.radiance), 5)));
+  CHECK(same_bits(*found.irradiance, irradiance_cubemap(irradiance_from_radiance(stored.radiance), 5)));
   CHECK(same_bits(found.diagnostics.total_radiance, stored.diagnostics.total_radiance));
   CHECK(found.diagnostics.texels == 6 * 16 * 16);
 
@@ -147,7 +147,7 @@ CubemapChain odd_chain() {
 
 BakeOptions whole_bake() {
   BakeOptions options = small_bake(kSize);
-  options.background_size = kSize;
+  options.background->size = kSize;
   return options;
 }
 
@@ -179,8 +179,8 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
   CHECK(light.pass("project").action == PassAction::reuse);
   const BakeResult result = bake(file, light);
   REQUIRE(result.radiance);
-  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), project_file(file.path).radiance.coefficients()));
-  CHECK(same_bits(result.irradiance, bake_file(file.path, {}, whole_bake()).irradiance));
+  CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), project_file(file.input).radiance.coefficients()));
+  CHECK(same_bits(*result.irradiance, *bake_file(file.input, {}, whole_bake()).irradiance));
   REQUIRE(result.stored_polynomial);
   CHECK(result.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
 }
@@ -188,7 +188,7 @@ TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[pl
 TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][codec]") {
   const TemporaryDirectory directory;
   const StoredEnvironment file = probe_environment(write_env(directory));
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
   for (const RoughnessRange range : {RoughnessRange{0.0, 1.0}, RoughnessRange{0.6, 1.0}}) {
     const Plan planned = plan(file, {.glossy = range}, whole_bake());
     INFO(plan_text(planned));
@@ -205,7 +205,7 @@ TEST_CASE("The prefiltered chain of an .env is the specular cubemap", "[plan][co
     }
     CHECK(pass_named(result, "specular").action == PassAction::reuse);
     CHECK(pass_named(result, "project").action == PassAction::reuse);
-    CHECK(same_bytes(level_values(result.background, 0), level_values(stored, 0)));
+    CHECK(same_bytes(level_values(*result.background, 0), level_values(stored, 0)));
   }
 }
 
@@ -215,7 +215,7 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
   const Plan planned = plan(file, {.stored_results = false}, whole_bake());
   for (const char* pass : {"read", "specular", "project"}) CHECK(planned.pass(pass).action == PassAction::run);
   const BakeResult result = bake(file, planned);
-  const CubemapChain stored = mirrored_x(read_babylon_environment(file.path).specular);
+  const CubemapChain stored = mirrored_x(read_babylon_environment(file.input).specular);
   const BakeResult pixels = bake(stored.view(0), whole_bake());
   CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
   CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));
@@ -233,10 +233,10 @@ TEST_CASE("A KTX2's levels are the background's mips", "[plan][codec]") {
   const Plan planned = plan(file, needs, whole_bake());
   CHECK(planned.pass("background mips").action == PassAction::reuse);
   const BakeResult result = bake(file, planned);
-  CHECK(same_bits(result.background, odd_chain()));
+  CHECK(same_bits(*result.background, odd_chain()));
   CHECK(pass_named(result, "background mips").action == PassAction::reuse);
   BakeOptions smaller = whole_bake();
-  smaller.background_size = 8;
+  smaller.background->size = 8;
   CHECK(plan(file, needs, smaller).pass("background mips").action == PassAction::run);
 }
 
@@ -263,9 +263,9 @@ TEST_CASE("A cached bake of a file is the bake of the file, whatever was baked o
       const Plan planned = plan(file, {.stored_results = stored_results}, whole_bake());
       const BakeResult expected = bake(file, planned);
       const BakeResult found = cache.bake(file, planned);
-      CHECK(same_bits(found.background, expected.background));
+      CHECK(same_bits(*found.background, *expected.background));
       CHECK(same_bits(found.specular->cubemap, expected.specular->cubemap));
-      CHECK(same_bits(found.irradiance, expected.irradiance));
+      CHECK(same_bits(*found.irradiance, *expected.irradiance));
       CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), expected.radiance->coefficients()));
       CHECK(found.stored_polynomial.has_value() == expected.stored_polynomial.has_value());
       CHECK(found.diagnostics.passes.front().name == "read");
@@ -313,7 +313,7 @@ TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec
   write_environment(file, picture.view());
   const SceneNeeds needs{.glossy = std::nullopt, .background = false};
   BakeOptions options;
-  options.irradiance_size = 512;
+  options.irradiance->size = 512;
   options.memory_limit_bytes = 1'000'000;
   const StoredEnvironment stored = probe_environment(file);
   const Plan planned = plan(stored, needs, options);
@@ -336,8 +336,8 @@ TEST_CASE("A panorama whose light alone is used is projected while it is read", 
   BakeResult baked = bake(file, all);
   baked.diagnostics.passes.erase(baked.diagnostics.passes.begin());
   CHECK(same_bits(baked.specular->cubemap, whole.specular->cubemap));
-  CHECK(same_bits(baked.background, whole.background));
-  CHECK(same_bits(baked.irradiance, whole.irradiance));
+  CHECK(same_bits(*baked.background, *whole.background));
+  CHECK(same_bits(*baked.irradiance, *whole.irradiance));
   CHECK(thrown_by([&] { static_cast<void>(bake(file, plan(picture.view(), {}))); }).says("plan again"));
 }
 
@@ -441,7 +441,7 @@ TEST_CASE("A planned sky has the bits of the direct calls", "[plan][sky]") {
   for (int level = 0; level < 2; ++level) {
     CHECK(same_bytes(level_values(still.specular->cubemap, level), level_values(whole.specular->cubemap, 2 + level)));
   }
-  CHECK(same_bits(whole.background, still.background));
+  CHECK(same_bits(*whole.background, *still.background));
   CHECK(!still.brdf);
   CHECK(whole.sun.irradiance == still.sun.irradiance);
 }

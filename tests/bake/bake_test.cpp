@@ -47,15 +47,16 @@ void check_white_furnace(const View& view, const BakeOptions& options) {
   const std::array<double, 3> radiance{0.5, 1.0, 2.0};  // of Content::uniform
   const std::array<double, 3> irradiance{0.5 * std::numbers::pi, std::numbers::pi, 2.0 * std::numbers::pi};
   const BakeResult result = bake(view, options);
-  for (int level = 0; level < result.background.levels(); ++level) {
-    CHECK(off(level_values(result.background, level), radiance) < 1e-6);
+  REQUIRE(result.background);
+  for (int level = 0; level < result.background->levels(); ++level) {
+    CHECK(off(level_values(*result.background, level), radiance) < 1e-6);
   }
   REQUIRE(result.specular);
   for (int mip = 0; mip < result.specular->cubemap.levels(); ++mip) {
     INFO("mip " << mip);
     CHECK(off(level_values(result.specular->cubemap, mip), radiance) < 1e-5);
   }
-  CHECK(off(result.irradiance.pixels, irradiance) < 1e-5);
+  CHECK(off(result.irradiance->pixels, irradiance) < 1e-5);
   for (int c = 0; c < 3; ++c) CHECK(result.diagnostics.total_radiance[c] == Approx(4.0 * irradiance[c]).epsilon(1e-6));
 }
 
@@ -69,7 +70,7 @@ TEST_CASE("A uniform environment bakes to itself at any size", "[bake]") {
     const TestLatLong lat_long = make_lat_long(Content::uniform, 36, 18, 1);
     const TestCubemap cubemap = make_cubemap(Content::uniform, std::min(size, 33), 3, 1);
     BakeOptions options = small_bake(size);
-    options.irradiance_size = size;
+    options.irradiance->size = size;
     check_white_furnace(lat_long.view(), options);
     check_white_furnace(cubemap.view(), options);
   }
@@ -88,13 +89,13 @@ TEST_CASE("Sources of any size are baked", "[bake]") {
 TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::high_range, 80, 40, 3);
   BakeOptions options = small_bake();
-  options.background_size = 21;
+  options.background->size = 21;
   options.bands = 4;
   const BakeResult result = bake(picture.view(), options);
-  REQUIRE(result.background.size() == 21);
-  REQUIRE(result.background.levels() == 5);
-  CHECK(same_bytes(level_values(result.background, 0), span_of(to_cubemap(picture.view(), 21))));
-  CHECK(same_bits(result.background, build_mips(to_cubemap(picture.view(), 21).view())));
+  REQUIRE(result.background->size() == 21);
+  REQUIRE(result.background->levels() == 5);
+  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(picture.view(), 21))));
+  CHECK(same_bits(*result.background, build_mips(to_cubemap(picture.view(), 21).view())));
   REQUIRE(result.specular);
   CHECK(same_bits(result.specular->cubemap, prefilter_specular(picture.view(), *options.specular).cubemap));
   REQUIRE(result.radiance);
@@ -102,7 +103,7 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
   projecting.bands = 4;
   const Projection projection = project(picture.view(), projecting);
   CHECK(same_bytes(result.radiance->coefficients(), projection.radiance.coefficients()));
-  CHECK(same_bits(result.irradiance, irradiance_cubemap(irradiance_from_radiance(projection.radiance), 5)));
+  CHECK(same_bits(*result.irradiance, irradiance_cubemap(irradiance_from_radiance(projection.radiance), 5)));
   CHECK(result.brdf == brdf_table(*options.brdf));
   CHECK(same_bits(result.diagnostics.total_radiance, projection.diagnostics.total_radiance));
   CHECK(result.diagnostics.texels == 80 * 40);
@@ -113,28 +114,28 @@ TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
 TEST_CASE("A background as large as the specular cubemap is its mip 0", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::sun_disc, 120, 60, 4);
   const BakeResult result = bake(picture.view(), small_bake(32));
-  REQUIRE(result.background.size() == 32);
-  CHECK(same_bytes(level_values(result.background, 0), level_values(result.specular->cubemap, 0)));
-  CHECK(same_bytes(level_values(result.background, 0), span_of(to_cubemap(picture.view(), 32))));
+  REQUIRE(result.background->size() == 32);
+  CHECK(same_bytes(level_values(*result.background, 0), level_values(result.specular->cubemap, 0)));
+  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(picture.view(), 32))));
   BakeOptions rough = small_bake(32);
   rough.specular->roughness = {0.4, 0.8};
   const BakeResult other = bake(picture.view(), rough);
-  CHECK(same_bits(other.background, result.background));
-  CHECK(!same_bytes(level_values(other.background, 0), level_values(other.specular->cubemap, 0)));
+  CHECK(same_bits(*other.background, *result.background));
+  CHECK(!same_bytes(level_values(*other.background, 0), level_values(other.specular->cubemap, 0)));
 }
 
 TEST_CASE("What was not asked for is left out, and the records say why", "[bake]") {
   const TestCubemap source = make_cubemap(Content::smooth, 12, 3, 2);
   BakeOptions options;
-  options.background = false;
+  options.background.reset();
   options.specular.reset();
-  options.irradiance_size = 0;
+  options.irradiance.reset();
   options.bands = 0;
   options.brdf.reset();
   const BakeResult nothing = bake(source.view(), options);
-  CHECK(nothing.background.levels() == 0);
+  CHECK(!nothing.background);
   CHECK(!nothing.specular);
-  CHECK(nothing.irradiance.size == 0);
+  CHECK(!nothing.irradiance);
   CHECK(!nothing.radiance);
   CHECK(!nothing.brdf);
   CHECK(nothing.diagnostics.texels == 6 * 12 * 12);
@@ -146,12 +147,11 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
     CHECK(pass.milliseconds == 0.0);
   }
 
-  options.background = true;
-  options.background_mips = false;
+  options.background = BackgroundOptions{.mips = false};
   const BakeResult sharp = bake(source.view(), options);
-  CHECK(sharp.background.size() == 12);  // the source's own
-  CHECK(sharp.background.levels() == 1);
-  CHECK(same_bytes<float>(level_values(sharp.background, 0), source.pixels));
+  CHECK(sharp.background->size() == 12);  // the source's own
+  CHECK(sharp.background->levels() == 1);
+  CHECK(same_bytes<float>(level_values(*sharp.background, 0), source.pixels));
   CHECK(pass_named(sharp, "background").action == PassAction::run);
   CHECK(pass_named(sharp, "background mips").action == PassAction::skip);
 
@@ -168,26 +168,26 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
 TEST_CASE("Irradiance can be convolved directly", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::smooth, 24, 12, 5);
   BakeOptions options = small_bake();
-  options.irradiance_method = IrradianceMethod::direct;
+  options.irradiance->method = IrradianceMethod::direct;
   options.bands = 0;
   const BakeResult result = bake(picture.view(), options);
-  CHECK(same_bits(result.irradiance, direct_irradiance_cubemap(picture.view(), 5)));
+  CHECK(same_bits(*result.irradiance, direct_irradiance_cubemap(picture.view(), 5)));
 }
 
 TEST_CASE("An earlier result's memory is used again", "[bake]") {
   const TestLatLong first = make_lat_long(Content::smooth, 64, 32, 5);
   const TestLatLong second = make_lat_long(Content::random, 64, 32, 6);
   BakeResult result = bake(first.view(), small_bake());
-  const float* const background = result.background.face(0, 0);
+  const float* const background = result.background->face(0, 0);
   bake_into(result, second.view(), small_bake());
-  CHECK(result.background.face(0, 0) == background);
+  CHECK(result.background->face(0, 0) == background);
   CHECK(same_bits(result, bake(second.view(), small_bake())));
   bake_into(result, second.view(), small_bake(9));
   CHECK(same_bits(result, bake(second.view(), small_bake(9))));
   BakeOptions less = small_bake();
   less.specular.reset();
-  less.background = false;
-  less.irradiance_size = 0;
+  less.background.reset();
+  less.irradiance.reset();
   less.brdf.reset();
   bake_into(result, first.view(), less);
   CHECK(same_bits(result, bake(first.view(), less)));
@@ -210,11 +210,11 @@ TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
       value = std::clamp(value, 0.0F, 500.0F);
     }
     const BakeResult clean = cube ? bake(cubemap.view(), small_bake()) : bake(picture.view(), small_bake());
-    CHECK(same_bits(found.background, clean.background));
+    CHECK(same_bits(*found.background, *clean.background));
     CHECK(same_bits(found.specular->cubemap, clean.specular->cubemap));
-    REQUIRE(found.irradiance.pixels.size() == clean.irradiance.pixels.size());
-    for (std::size_t k = 0; k < clean.irradiance.pixels.size(); ++k) {
-      CHECK(found.irradiance.pixels[k] == Approx(clean.irradiance.pixels[k]).epsilon(1e-5));
+    REQUIRE(found.irradiance->pixels.size() == clean.irradiance->pixels.size());
+    for (std::size_t k = 0; k < clean.irradiance->pixels.size(); ++k) {
+      CHECK(found.irradiance->pixels[k] == Approx(clean.irradiance->pixels[k]).epsilon(1e-5));
     }
     CHECK(pass_named(found, "clean").action == PassAction::run);
   }
@@ -235,10 +235,10 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
       REQUIRE(value <= 65504.0F);
     }
   }
-  for (const float value : level_values(dark.background, 0)) REQUIRE(value == 0.0F);
-  for (const float value : dark.irradiance.pixels) REQUIRE(value == 0.0F);
+  for (const float value : level_values(*dark.background, 0)) REQUIRE(value == 0.0F);
+  for (const float value : dark.irradiance->pixels) REQUIRE(value == 0.0F);
   burning.pixels[3 * (5 * 32 + 7)] = 65504.0F;
-  CHECK(same_bits(bake(burning.view(), small_bake()).background, bright.background));
+  CHECK(same_bits(*bake(burning.view(), small_bake()).background, *bright.background));
 }
 
 // Promise: a bake has the same bits on any number of threads and instruction set, and in a worker.
@@ -266,7 +266,7 @@ TEST_CASE("Bakes of lat-longs and cubemaps have the same bits everywhere", "[bak
   options.bands = 5;
   check_bits(make_lat_long(Content::sun_disc, 400, 200, 5).view(), options);
   check_bits(make_cubemap(Content::special_values, 97, 4, 6).view(), options);
-  options.background_size = 31;
+  options.background->size = 31;
   check_bits(make_lat_long_half(Content::high_range, 101, 37, 7).view(), options);
 }
 
@@ -338,7 +338,7 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake]") {
   check_memory(make_lat_long_half(Content::high_range, 1024, 512, 3).view(), small_bake(64));
   check_memory(make_lat_long(Content::special_values, 1024, 512, 3).view(), small_bake(64));
   BakeOptions sharp = small_bake(64);
-  sharp.background_size = 512;
+  sharp.background->size = 512;
   check_memory(make_cubemap(Content::high_range, 300, 3, 3).view(), sharp);
 }
 
@@ -362,14 +362,17 @@ TEST_CASE("Options that no bake can have are refused", "[bake]") {
   using Catch::Matchers::Contains;
   constexpr int largest = std::numeric_limits<int>::max();
   for (const int wrong : {-1, 16385, largest, std::numeric_limits<int>::min()}) {
-    CHECK_THAT(refused([&](BakeOptions& o) { o.background_size = wrong; }), Contains("background_size"));
-    CHECK_THAT(refused([&](BakeOptions& o) { o.irradiance_size = wrong; }), Contains("irradiance_size"));
+    CHECK_THAT(refused([&](BakeOptions& o) { o.background->size = wrong; }), Contains("background.size"));
+    CHECK_THAT(refused([&](BakeOptions& o) { o.irradiance->size = wrong; }), Contains("irradiance.size"));
     CHECK_THAT(refused([&](BakeOptions& o) { o.bands = wrong; }), Contains("bands"));
     CHECK_THAT(refused([&](BakeOptions& o) { o.specular->size = wrong; }), Contains("size"));
     CHECK_THAT(refused([&](BakeOptions& o) { o.specular->mips = wrong; }), Contains("mips"));
     CHECK_THAT(refused([&](BakeOptions& o) { o.brdf->width = wrong; }), Contains("width"));
   }
-  CHECK_THAT(refused([&](BakeOptions& o) { o.bands = 0; }), Contains("irradiance_size = 0"));
+  CHECK_THAT(refused([&](BakeOptions& o) { o.bands = 0; }), Contains("leave irradiance out"));
+  CHECK_THAT(refused([&](BakeOptions& o) { o.background->size = 0; }), Contains("background.size"));
+  CHECK_THAT(refused([&](BakeOptions& o) { o.irradiance->size = 0; }), Contains("irradiance.size"));
+  CHECK_THAT(refused([&](BakeOptions& o) { o.specular->mips = 0; }), Contains("0 mips"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.specular->roughness = {0.0, 1.5}; }), Contains("roughness"));
   CHECK_THAT(refused([&](BakeOptions& o) { o.pixels.clamp = RadianceClamp{-1.0F}; }), Contains("clamp"));
   CHECK(thrown_by([&] {
@@ -395,12 +398,12 @@ TEST_CASE("A bake above its memory limit is refused before it begins", "[bake]")
   CHECK(error.says("memory_limit_bytes"));
   CHECK(!worked);
   options.memory_limit_bytes = needed;
-  CHECK(bake(picture.view(), options).background.size() == 64);
+  CHECK(bake(picture.view(), options).background->size() == 64);
   // The largest of everything does not overflow.
   BakeOptions huge;
-  huge.background_size = 16384;
+  huge.background->size = 16384;
   huge.specular = PrefilterOptions{.size = 8192};
-  huge.irradiance_size = 4096;
+  huge.irradiance->size = 4096;
   huge.brdf = BrdfTableOptions{4096, 4096};
   CHECK(bake_bytes(picture.view(), huge) > std::uint64_t{12} * 6 * 16384 * 16384);
   CHECK(thrown_by([&] { static_cast<void>(bake(picture.view(), huge)); }).code == ErrorCode::limit_exceeded);

@@ -43,8 +43,12 @@ inline bool same_bits(const BakeResult& a, const BakeResult& b) {
                  [](const PassRecord& p, const PassRecord& q) {
                    return p.name == q.name && (p.name == "brdf" || (p.action == q.action && p.reason == q.reason));
                  });
-  return same_bits(a.background, b.background) && same_specular() && same_bits(a.irradiance, b.irradiance) &&
-         same_radiance() && same_table() && same_diagnostics && same_polynomial();
+  const auto same = [](const auto& x_or_none, const auto& y_or_none) {
+    if (x_or_none.has_value() != y_or_none.has_value()) return false;
+    return !x_or_none || same_bits(*x_or_none, *y_or_none);
+  };
+  return same(a.background, b.background) && same_specular() && same(a.irradiance, b.irradiance) && same_radiance() &&
+         same_table() && same_diagnostics && same_polynomial();
 }
 
 inline const PassRecord& pass_named(const BakeResult& result, const std::string& name) {
@@ -58,7 +62,7 @@ inline const PassRecord& pass_named(const BakeResult& result, const std::string&
 inline BakeOptions small_bake(int size = 16) {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = size};
-  options.irradiance_size = 5;
+  options.irradiance->size = 5;
   options.brdf = BrdfTableOptions{.width = 9, .height = 7};
   return options;
 }

@@ -47,14 +47,14 @@ bool same_mips(const PrefilteredSpecular& part, const PrefilteredSpecular& whole
 
 /// Whatever both have.
 void check_same_where_both(const BakeResult& part, const BakeResult& whole, int first_mip) {
-  if (part.background.levels() > 0) {
-    CHECK(part.background.size() == whole.background.size());
-    for (int level = 0; level < part.background.levels(); ++level)
-      CHECK(same_bytes(level_values(part.background, level), level_values(whole.background, level)));
+  if (part.background) {
+    CHECK(part.background->size() == whole.background->size());
+    for (int level = 0; level < part.background->levels(); ++level)
+      CHECK(same_bytes(level_values(*part.background, level), level_values(*whole.background, level)));
   }
   if (part.specular) CHECK(same_mips(*part.specular, *whole.specular, first_mip));
-  if (part.irradiance.size > 0 && part.radiance->bands() == whole.radiance->bands())
-    CHECK(same_bits(part.irradiance, whole.irradiance));
+  if (part.irradiance && part.radiance->bands() == whole.radiance->bands())
+    CHECK(same_bits(*part.irradiance, *whole.irradiance));
   if (part.radiance) {
     const auto count = part.radiance->coefficients().size();
     CHECK(same_bytes<glm::dvec3>(part.radiance->coefficients(), whole.radiance->coefficients().first(count)));
@@ -143,31 +143,27 @@ TEST_CASE("A chain of its own is within the bounds of the whole one", "[plan]") 
 
 TEST_CASE("Mips that are left out stay within the chain", "[plan]") {
   const TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 3);
-  PrefilterOptions options{.size = 8, .roughness = {0.2, 0.5, 1.0}};
-  options.leave_out_sharp = 2;
-  CHECK(prefilter_specular(picture.view(), options).cubemap.size() == 2);
-  options.leave_out_rough = 1;
-  const auto refused = [&] {
-    return thrown_by([&] { static_cast<void>(prefilter_specular(picture.view(), options)); });
+  BakeOptions options = small_bake();
+  options.specular = PrefilterOptions{.size = 8, .roughness = {0.2, 0.5, 1.0}};
+  Plan planned = plan(picture.view(), {}, options);
+  planned.trim.mips = {.sharp = 2};
+  CHECK(bake(picture.view(), planned).specular->cubemap.size() == 2);
+  const auto refused = [&](const UnusedMips& mips) {
+    planned.trim.mips = mips;
+    return thrown_by([&] { static_cast<void>(bake(picture.view(), planned)); });
   };
-  CHECK(refused().says("leave_out_rough"));
-  options.leave_out_rough = 0;
-  options.leave_out_sharp = 3;
-  CHECK(refused().says("leave_out_sharp"));
+  CHECK(refused({.sharp = 2, .rough = 1}).says("rough mips that are left out is 1"));
+  CHECK(refused({.sharp = 3}).says("sharp mips that are left out is 3"));
+  CHECK(refused({.sharp = -1}).says("sharp mips that are left out is -1"));
 }
 
-TEST_CASE("What the caller left out already is not left out twice", "[plan]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 7);
-  BakeOptions options = small_bake();
-  options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}};
-  options.specular->leave_out_sharp = 1;
-  options.specular->leave_out_rough = 1;
-  for (const bool same_bits : {true, false}) {
-    const SceneNeeds needs{.glossy = RoughnessRange{0.4, 1.0}, .same_bits = same_bits};
-    const BakeResult part = bake(picture.view(), plan(picture.view(), needs, options));
-    REQUIRE(part.specular->mips.size() == 3);
-    CHECK(part.specular->mips.front().roughness == 0.4);
-    CHECK(part.specular->mips.back().roughness == 0.8);
+TEST_CASE("Bands that are projected beside those that are returned are within range", "[plan]") {
+  const TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 3);
+  Plan planned = plan(picture.view(), {.diffuse_bands = 1}, small_bake());
+  CHECK(planned.trim.projected_bands == 3);
+  for (const int wrong : {-1, kMaximumBands + 1}) {
+    planned.trim.projected_bands = wrong;
+    CHECK(thrown_by([&] { static_cast<void>(bake(picture.view(), planned)); }).says("projected_bands"));
   }
 }
 
@@ -197,8 +193,8 @@ TEST_CASE("An environment that was turned and scaled is not projected again", "[
       CHECK(std::abs(coefficients[k][c] - anew.radiance->coefficients()[k][c]) < 1e-6 * size);
     }
   }
-  for (std::size_t k = 0; k < result.irradiance.pixels.size(); ++k)
-    CHECK(result.irradiance.pixels[k] == Approx(anew.irradiance.pixels[k]).epsilon(1e-5));
+  for (std::size_t k = 0; k < result.irradiance->pixels.size(); ++k)
+    CHECK(result.irradiance->pixels[k] == Approx(anew.irradiance->pixels[k]).epsilon(1e-5));
   CHECK(result.diagnostics.total_radiance.x == Approx(anew.diagnostics.total_radiance.x));
   EnvironmentChange wrong;
   wrong.scale = glm::dvec3(-1.0);
@@ -244,8 +240,7 @@ TEST_CASE("A scene that needs everything leaves nothing out", "[plan]") {
     CHECK(!pass.reason.empty());
     CHECK(pass.predicted_milliseconds > 0.0);
   }
-  CHECK(all.options.specular->leave_out_sharp == 0);
-  CHECK(all.options.specular->leave_out_rough == 0);
+  CHECK(all.trim == PlanTrim());
   CHECK(all.milliseconds(2) == Approx(all.milliseconds() / 2.0));
 }
 
@@ -281,9 +276,9 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
                            Case{{0.0, 0.0}, 0, 5}, Case{{1.0, 1.0}, 5, 0}, Case{{0.05, 0.31}, 0, 2}}) {
     INFO(each.range.minimum << " to " << each.range.maximum);
     const Plan planned = plan(kPanorama, {.glossy = each.range}, six_mip_bake());
-    CHECK(planned.options.specular->leave_out_sharp == each.sharp);
-    CHECK(planned.options.specular->leave_out_rough == each.rough);
+    CHECK(planned.trim.mips == UnusedMips{each.sharp, each.rough});
     const Plan apart = plan(kPanorama, {.glossy = each.range, .same_bits = false}, six_mip_bake());
+    CHECK(apart.trim.mips == UnusedMips());
     CHECK(apart.options.specular->size == 64 >> each.sharp);
     CHECK(static_cast<int>(apart.options.specular->roughness.size()) == 6 - each.sharp - each.rough);
   }
@@ -291,9 +286,9 @@ TEST_CASE("Mips that no lookup touches are left out", "[plan]") {
 
 TEST_CASE("A background keeps its size when reflections lose theirs", "[plan]") {
   const Plan without = plan(kPanorama, {.glossy = std::nullopt}, six_mip_bake());
-  CHECK(without.options.background_size == 64);
+  CHECK(without.options.background->size == 64);
   const Plan rough = plan(kPanorama, {.glossy = RoughnessRange{0.4, 1.0}}, six_mip_bake());
-  CHECK(rough.options.background_size == 64);
+  CHECK(rough.options.background->size == 64);
   CHECK(rough.pass("background").action == PassAction::run);
   CHECK(plan(kPanorama, {}, six_mip_bake()).pass("background").action == PassAction::reuse);
 }
@@ -364,9 +359,9 @@ namespace {
 /// Fine bounds, many bands: a budget has something to spend.
 BakeOptions four_mip_bake() {
   BakeOptions options;
-  options.background = false;
+  options.background.reset();
   options.specular = PrefilterOptions{.size = 16, .roughness = {0.0, 0.3, 0.6, 1.0}, .rms_error = 3e-4};
-  options.irradiance_size = 8;
+  options.irradiance->size = 8;
   options.bands = 9;
   options.brdf.reset();
   return options;
@@ -411,12 +406,12 @@ void check_within(const Image& image, double budget, Picked& picked) {
   const Plan planned = plan(image.view(), {.diffuse_bands = 9, .error_budget = budget}, four_mip_bake());
   const BakeResult part = bake(image.view(), planned);
   BakeOptions exact = four_mip_bake();
-  exact.irradiance_method = IrradianceMethod::direct;
+  exact.irradiance->method = IrradianceMethod::direct;
   const BakeResult whole = bake(image.view(), exact);
   if (says(planned, "project", "picked")) {
     ++picked.bands;
     CHECK(part.radiance->bands() <= whole.radiance->bands());
-    CHECK(rms_difference(part.irradiance.pixels, whole.irradiance.pixels) <= budget);
+    CHECK(rms_difference(part.irradiance->pixels, whole.irradiance->pixels) <= budget);
   } else {
     CHECK(part.radiance->bands() == whole.radiance->bands());
   }
@@ -458,7 +453,7 @@ TEST_CASE("A budget picks what a smooth environment can do with, and says so", "
   const Plan planned = plan(image.view(), {.error_budget = 0.01}, four_mip_bake());
   const Plan exact = plan(image.view(), {}, four_mip_bake());
   CHECK(planned.options.bands == 1);
-  CHECK(planned.options.projected_bands == 0);
+  CHECK(planned.trim == PlanTrim());
   CHECK(planned.options.specular->rms_error == 0.1);
   CHECK(says(planned, "project", "1 band picked: estimated error of irradiance "));
   CHECK(says(planned, "project", ", budget 1 %"));

@@ -78,7 +78,7 @@ TEST_CASE("Light from everywhere needs one band and the smallest level", "[budge
   CHECK(full.tried.size() == 6);  // 1, 2, 4, 8, midpoint, exact
   const auto dark = choose_irradiance_bands(grey(3, 0.0F).view());
   CHECK(dark.met);
-  CHECK(dark.estimated_error == 0.0);
+  CHECK(dark.error_estimate == 0.0);
 }
 
 TEST_CASE("A budget that nothing meets names the best there is", "[budget]") {
@@ -87,7 +87,7 @@ TEST_CASE("A budget that nothing meets names the best there is", "[budget]") {
   const auto bands = choose_irradiance_bands(image.view(), {.relative = 1e-6});
   CHECK_FALSE(bands.met);
   CHECK(bands.setting == 15);
-  CHECK(bands.estimated_error > 1e-3);
+  CHECK(bands.error_estimate > 1e-3);
   CHECK(bands.tried.size() == 9);
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("A level of the mip chain is picked by what finer ones would change", 
     REQUIRE(choice.met);
     for (const auto& entry : choice.tried) {
       const double error = relative_difference(project(chain.views(), entry.setting).radiance, truth);
-      all.add(error, entry.estimated_error,
+      all.add(error, entry.error_estimate,
               random.description() + ", " + std::to_string(entry.setting.target_size.value_or(0)), kFloor);
     }
     picked.add(relative_difference(project(chain.views(), choice.setting).radiance, truth), budget.relative,
@@ -147,14 +147,14 @@ TEST_CASE("Stripes a texel wide leave no trace on the levels below", "[budget][p
   const auto choice = choose_projection(chain.views(), {}, {1e-4});
   const SphericalHarmonics truth = reference_projection(image.view());
   const double error = relative_difference(project(chain.views(), choice.setting).radiance, truth);
-  CAPTURE(choice.setting.target_size.value_or(0), choice.estimated_error, error);
-  CHECK(error > choice.estimated_error);
+  CAPTURE(choice.setting.target_size.value_or(0), choice.error_estimate, error);
+  CHECK(error > choice.error_estimate);
   CHECK(error < 1.0 / 64.0);
   // Where all texels are read, it is seen.
   const auto measured = choose_projection(image.view(), {}, {1e-4});
   for (const auto& entry : measured.tried) {
     const double off = relative_difference(project(image.view(), entry.setting).radiance, truth);
-    CHECK(off <= entry.estimated_error);
+    CHECK(off <= entry.error_estimate);
   }
 }
 
@@ -173,7 +173,7 @@ void compare(const Image& image, const std::string& what, const ErrorBudget& bud
   for (const auto& entry : choice.tried) {
     const IrradianceError& error = errors[static_cast<std::size_t>(entry.setting - 1)];
     const double truth = by_maximum ? error.maximum : error.rms;
-    all.add(truth - kTruthError, entry.estimated_error, what + ", bands " + std::to_string(entry.setting), kTruthError);
+    all.add(truth - kTruthError, entry.error_estimate, what + ", bands " + std::to_string(entry.setting), kTruthError);
     if (choice.met && entry.setting == choice.setting) picked.add(truth - kTruthError, budget.relative, what);
   }
 }
@@ -259,7 +259,7 @@ void compare(const Image& image, const std::string& what, double roughness, cons
   for (const auto& entry : choice.tried) {
     if (!every_setting && entry.setting != choice.setting) continue;
     const double error = probe.error(image.view(), entry.setting);
-    counts.all.add(error, entry.estimated_error, place + ", bound " + std::to_string(entry.setting.rms_error), 1e-5);
+    counts.all.add(error, entry.error_estimate, place + ", bound " + std::to_string(entry.setting.rms_error), 1e-5);
     if (choice.met && entry.setting == choice.setting) counts.picked.add(error, budget.relative, place);
   }
   const MipNeed& need = choice.mips[0];
@@ -312,7 +312,7 @@ TEST_CASE("An estimate does not depend on the exposure", "[budget][specular]") {
     INFO("times 2^" << exponent);
     const PrefilterChoice choice = choose_at(exponent);
     CHECK(choice.setting.rms_error == usual.setting.rms_error);
-    CHECK(choice.estimated_error == Approx(usual.estimated_error).epsilon(1e-3));
+    CHECK(choice.error_estimate == Approx(usual.error_estimate).epsilon(1e-3));
   }
   const LatLongImage black{16, 8, std::vector<float>(std::size_t{3} * 16 * 8)};
   CHECK(choose_prefilter(black.view(), options, {.relative = 1e-3}).met);
@@ -389,7 +389,7 @@ TEST_CASE("Directions of a sky's harmonics are picked by finer ones", "[budget][
               .project(sun[0]);
       for (const auto& entry : choice.tried) {
         const double error = budget::relative_difference(SkyProjector(view, entry.setting).project(sun[0]), truth);
-        all.add(error, entry.estimated_error, text(entry.setting), 1e-5);
+        all.add(error, entry.error_estimate, text(entry.setting), 1e-5);
         if (choice.met && entry.setting == choice.setting) picked.add(error, budget.relative, text(entry.setting));
       }
     }
@@ -424,7 +424,7 @@ TEST_CASE("Sizes of a sky's tables are picked by smaller ones", "[budget][sky]")
     for (const auto& entry : choice.tried) {
       const double error = budget::worst_difference(budget::light_of(precompute_sky(air, entry.setting), probe), truth);
       const std::string size = std::to_string(entry.setting.view_zeniths);
-      all.add(error, entry.estimated_error, size, 1e-5);
+      all.add(error, entry.error_estimate, size, 1e-5);
       if (choice.met && entry.setting == choice.setting) picked.add(error, budget.relative, size);
     }
   }
@@ -448,10 +448,10 @@ TEST_CASE("Orders of scattering are picked by how they fall", "[budget][sky]") {
     most.orders = 30;
     const Lights truth = budget::light_of(precompute_sky(air, most), probe);
     for (const auto& entry : choice.tried) {
-      if (!std::isfinite(entry.estimated_error)) continue;
+      if (!std::isfinite(entry.error_estimate)) continue;
       const double error = budget::worst_difference(budget::light_of(precompute_sky(air, entry.setting), probe), truth);
       const std::string orders = std::to_string(entry.setting.orders);
-      all.add(error, entry.estimated_error, orders, 1e-5);
+      all.add(error, entry.error_estimate, orders, 1e-5);
       if (choice.met && entry.setting == choice.setting) picked.add(error, budget.relative, orders);
     }
   }

@@ -255,8 +255,8 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
     (status == WELKIN_OK ? done : refused) += 1;
     welkin_bake_result_destroy(result);
 
-    Noisy<welkin_sky_table_options> tables(sound_tables, offsetof(welkin_sky_table_options, lowest_sun_degrees) / 4,
-                                           random);
+    Noisy<welkin_sky_table_options> tables(
+        sound_tables, offsetof(welkin_sky_table_options, minimum_sun_elevation_degrees) / 4, random);
     auto* made = reinterpret_cast<welkin_sky_tables*>(&sound_bake);
     const welkin_status sky = welkin_sky_tables_create(air, tables.get(), nullptr, &made);
     REQUIRE((sky == WELKIN_OK || sky == WELKIN_INVALID_ARGUMENT || sky == WELKIN_LIMIT_EXCEEDED));

@@ -60,7 +60,8 @@ TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c
   const auto picture = make_lat_long(Content::high_range, 64, 32, 4);
   write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
   const std::string path = directory.file("sky.pfm").string();
-  const BakeResult expected = bake_file(path, {}, {.specular = PrefilterOptions{.size = 16}, .irradiance_size = 8});
+  const BakeResult expected =
+      bake_file(path, {}, {.specular = PrefilterOptions{.size = 16}, .irradiance = IrradianceOptions{.size = 8}});
   auto specular = c_struct<welkin_prefilter_options>();
   specular.size = 16;
   auto options = c_struct<welkin_bake_options>();
@@ -76,10 +77,10 @@ TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c
       },
       welkin_job_get_bake);
   for (welkin_bake_result* const result : {at_once, posted}) {
-    require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), expected.background);
+    require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_BACKGROUND), *expected.background);
     require_same_chain(welkin_bake_result_chain(result, WELKIN_PART_SPECULAR), expected.specular->cubemap);
     REQUIRE(same_texels(texels_of(welkin_bake_result_chain(result, WELKIN_PART_IRRADIANCE), 0),
-                        expected.irradiance.pixels));
+                        expected.irradiance->pixels));
     auto light = c_struct<welkin_projection>();
     REQUIRE(welkin_bake_result_get_projection(result, &light) == WELKIN_OK);
     require_same_projection(light, {*expected.radiance, expected.diagnostics});

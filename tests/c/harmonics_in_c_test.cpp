@@ -26,15 +26,15 @@ TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_inter
     std::vector<double> made(radiance.size());
 
     const double quaternion[4] = {0.1, -0.2, 0.3, 0.9};
-    REQUIRE(welkin_rotate(bands, radiance.data(), quaternion, made.data()) == WELKIN_OK);
-    REQUIRE(same_doubles(made.data(), rotate(light, glm::dquat(0.9, 0.1, -0.2, 0.3))));
+    REQUIRE(welkin_turn_by_quaternion(bands, radiance.data(), quaternion, made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), turned(light, glm::dquat(0.9, 0.1, -0.2, 0.3))));
 
     const glm::dmat3& matrix = convention(Engine::unreal).from_welkin;
     std::array<double, 9> numbers{};
     for (int i = 0; i < 9; ++i) numbers.at(static_cast<std::size_t>(i)) = matrix[i / 3][i % 3];
     made = radiance;  // in place
-    REQUIRE(welkin_transform(bands, made.data(), numbers.data(), made.data()) == WELKIN_OK);
-    REQUIRE(same_doubles(made.data(), transform(light, matrix)));
+    REQUIRE(welkin_turn_by_matrix(bands, made.data(), numbers.data(), made.data()) == WELKIN_OK);
+    REQUIRE(same_doubles(made.data(), turned(light, matrix)));
 
     for (const auto window : {Window::none, Window::hanning, Window::lanczos, Window::min_laplacian}) {
       const Windowed expected = apply_window(light, window, 5.0);

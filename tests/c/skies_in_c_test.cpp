@@ -36,7 +36,7 @@ welkin_sky_table_options c_options(const SkyTableOptions& options) {
   values.irradiance_sun_zeniths = options.irradiance_sun_zeniths;
   values.orders = options.orders;
   values.colour = static_cast<welkin_sky_colour>(options.colour);
-  values.lowest_sun_degrees = options.lowest_sun_degrees;
+  values.minimum_sun_elevation_degrees = options.minimum_sun_elevation_degrees;
   values.until_change = options.until_change;
   values.memory_limit_bytes = options.memory_limit_bytes;
   return values;
@@ -182,7 +182,7 @@ TEST_CASE("C: a sky's tables have the C++ call's bits, at once and as a job", "[
   other.colour = SkyColour::linear_srgb;
   other.orders = 3;
   other.until_change = 0.02;
-  other.lowest_sun_degrees = -12.0;
+  other.minimum_sun_elevation_degrees = -12.0;
   const SkyTables expected = precompute_sky(mars(), other);
   CAtmosphere air;
   REQUIRE(welkin_atmosphere_create(WELKIN_PLANET_MARS, &air.handle) == WELKIN_OK);
@@ -392,7 +392,7 @@ void require_same(const welkin_sky_frame& frame, const SkyLightFrame& expected) 
   if (wanted.specular) require_same_chain(reflections.chain, wanted.specular->cubemap);
   REQUIRE(same_bits(reflections.weight, wanted.weight));
   for (int column = 0; column < 3; ++column) {
-    REQUIRE(same_triple(reflections.rotation + 3 * column, wanted.rotation[column]));
+    REQUIRE(same_triple(reflections.turn + 3 * column, wanted.turn[column]));
   }
 }
 

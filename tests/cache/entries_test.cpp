@@ -201,11 +201,12 @@ TEST_CASE("options: every field of a bake counts, but its limit and what is not 
   using Options = BakeOptions;
   check_changes<Options>(
       {},
-      {[](Options& o) { o.background_size = 4; }, [](Options& o) { o.background = false; },
-       [](Options& o) { o.background_mips = false; }, [](Options& o) { o.mip_filter = MipFilter::box; },
+      {[](Options& o) { o.background->size = 4; }, [](Options& o) { o.background.reset(); },
+       [](Options& o) { o.background->mips = false; }, [](Options& o) { o.background->mip_filter = MipFilter::box; },
        [](Options& o) { o.specular.reset(); }, [](Options& o) { o.specular->size = 4; },
-       [](Options& o) { o.irradiance_size = 4; }, [](Options& o) { o.irradiance_method = IrradianceMethod::direct; },
-       [](Options& o) { o.bands = 4; }, [](Options& o) { o.brdf.reset(); }, [](Options& o) { o.brdf->width = 4; },
+       [](Options& o) { o.irradiance->size = 4; }, [](Options& o) { o.irradiance.reset(); },
+       [](Options& o) { o.irradiance->method = IrradianceMethod::direct; }, [](Options& o) { o.bands = 4; },
+       [](Options& o) { o.brdf.reset(); }, [](Options& o) { o.brdf->width = 4; },
        [](Options& o) { o.brdf->height = 4; }, [](Options& o) { o.brdf->model = BrdfModel::multiple_scattering; },
        [](Options& o) { o.brdf->sheen = false; }, [](Options& o) { o.pixels.nan = NonFinitePolicy::reject; }});
   check_without_effect<Options>({}, [](Options& o) {
@@ -230,7 +231,7 @@ TEST_CASE("options: every field of sky tables counts, but their limit") {
            [](Options& o) { o.view_zeniths = 9; }, [](Options& o) { o.sun_zeniths = 9; },
            [](Options& o) { o.sun_angles = 9; }, [](Options& o) { o.transmittance_heights = 9; },
            [](Options& o) { o.transmittance_zeniths = 9; }, [](Options& o) { o.irradiance_heights = 9; },
-           [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.lowest_sun_degrees = -9.0; },
+           [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.minimum_sun_elevation_degrees = -9.0; },
            [](Options& o) { o.orders = 9; }, [](Options& o) { o.until_change = 0.5; },
            [](Options& o) { o.colour = SkyColour::linear_srgb; }});
   check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
@@ -333,7 +334,7 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   BakeOptions baking;
   baking.specular = PrefilterOptions{.size = 8, .mips = 2};
-  baking.irradiance_size = 4;
+  baking.irradiance->size = 4;
   baking.brdf.reset();
   const SkyTableOptions sky{.heights = 4,
                             .view_zeniths = 8,
@@ -348,10 +349,10 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
     ResultCache cache(options);
     const BakeResult found = cache.bake(picture.view(), baking);
     const BakeResult truth = bake(picture.view(), baking);
-    CHECK(same_bits(found.irradiance, truth.irradiance));
-    REQUIRE(found.background.size() == truth.background.size());
-    CHECK(same_bytes<float>({found.background.face(0, 0), found.background.bytes() / 4},
-                            {truth.background.face(0, 0), truth.background.bytes() / 4}));
+    CHECK(same_bits(*found.irradiance, *truth.irradiance));
+    REQUIRE(found.background->size() == truth.background->size());
+    CHECK(same_bytes<float>({found.background->face(0, 0), found.background->bytes() / 4},
+                            {truth.background->face(0, 0), truth.background->bytes() / 4}));
     CHECK(same_bytes(found.radiance->coefficients(), truth.radiance->coefficients()));
     const Projection light = cache.project(cubemap.view(), {}, {.keep_faces = true});
     CHECK(same_bytes<glm::dvec3>(light.radiance.coefficients(), project(cubemap.view()).radiance.coefficients()));

@@ -36,9 +36,12 @@ bool same_light(const Projection& a, const Projection& b) {
 }
 
 bool same_bake(const BakeResult& a, const BakeResult& b) {
-  return same_bits(a.background, b.background) && a.specular.has_value() == b.specular.has_value() &&
-         (!a.specular || same_bits(a.specular->cubemap, b.specular->cubemap)) &&
-         same_bits(a.irradiance, b.irradiance) && a.radiance.has_value() == b.radiance.has_value() &&
+  const auto same = [](const auto& x, const auto& y) {
+    return x.has_value() == y.has_value() && (!x || same_bits(*x, *y));
+  };
+  return same(a.background, b.background) && a.specular.has_value() == b.specular.has_value() &&
+         (!a.specular || same_bits(a.specular->cubemap, b.specular->cubemap)) && same(a.irradiance, b.irradiance) &&
+         a.radiance.has_value() == b.radiance.has_value() &&
          (!a.radiance || same_bytes(a.radiance->coefficients(), b.radiance->coefficients())) &&
          (a.brdf == nullptr) == (b.brdf == nullptr) && a.peak_bytes == b.peak_bytes &&
          same_light({SphericalHarmonics(), a.diagnostics}, {SphericalHarmonics(), b.diagnostics});
@@ -54,7 +57,7 @@ std::string action(const ProjectionDiagnostics& diagnostics, const std::string& 
 BakeOptions small_bake() {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 16, .mips = 3};
-  options.irradiance_size = 8;
+  options.irradiance->size = 8;
   options.brdf = BrdfTableOptions{8, 8};
   return options;
 }
@@ -97,17 +100,17 @@ TEST_CASE("cache: a changed face alone is projected again") {
   CHECK(cache.statistics().memory_hits == 5);
 }
 
-TEST_CASE("cache: exposure is a factor, rotation a transform, and no pixel is projected for them") {
+TEST_CASE("cache: exposure is a factor, a turn is one of the coefficients, and no pixel is projected for them") {
   ResultCache cache;
   const TestCubemap cubemap = make_cubemap(Content::high_range, 16, 3, 9);
   const Projection plain = cache.project(cubemap.view(), {.bands = 5});
-  const glm::dquat turn = glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0)));
-  const Projection light = cache.project(cubemap.view(), {.bands = 5}, {.exposure = 4.0, .rotation = turn});
+  const glm::dmat3 turn = glm::mat3_cast(glm::angleAxis(0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0))));
+  const Projection light = cache.project(cubemap.view(), {.bands = 5}, {.exposure = 4.0, .turn = turn});
   CHECK(cache.statistics().memory_hits == 1);
   CHECK(action(light.diagnostics, "project") == "reuse");
   CHECK(action(light.diagnostics, "exposure") == "run");
-  CHECK(action(light.diagnostics, "rotation") == "run");
-  const SphericalHarmonics expected = rotate(scale(plain.radiance, glm::dvec3(4.0)), turn);
+  CHECK(action(light.diagnostics, "turn") == "run");
+  const SphericalHarmonics expected = turned(scale(plain.radiance, glm::dvec3(4.0)), turn);
   CHECK(same_bytes(light.radiance.coefficients(), expected.coefficients()));
   // A power of two: what the exposed pixels themselves give, bit for bit.
   TestCubemap exposed = cubemap;
@@ -136,7 +139,7 @@ TEST_CASE("cache: a bake is what it is without, and only what is missing is bake
     CHECK(action(second.diagnostics, pass) == "reuse");
   }
   BakeOptions smoother = options;
-  smoother.irradiance_size = 4;
+  smoother.irradiance->size = 4;
   const BakeResult third = cache.bake(lat_long.view(), smoother);
   CHECK(same_bake(third, bake(lat_long.view(), smoother)));
   CHECK(action(third.diagnostics, "irradiance") == "run");
@@ -145,7 +148,7 @@ TEST_CASE("cache: a bake is what it is without, and only what is missing is bake
   CHECK(same_bake(cache.bake(lat_long.view(), smoother), bake(lat_long.view(), smoother)));
   smoother.specular.reset();
   smoother.bands = 0;
-  smoother.irradiance_size = 0;
+  smoother.irradiance.reset();
   CHECK(same_bake(cache.bake(lat_long.view(), smoother), bake(lat_long.view(), smoother)));
 }
 
@@ -153,23 +156,23 @@ TEST_CASE("cache: every option of a bake is part of some key") {
   ResultCache cache;
   const TestCubemap cubemap = make_cubemap(Content::special_values, 12, 3, 5);
   std::vector<BakeOptions> all(15, small_bake());
-  all[1].background_size = 10;
-  all[2].background = false;
-  all[3].background_mips = false;
-  all[4].mip_filter = MipFilter::box;
+  all[1].background->size = 10;
+  all[2].background.reset();
+  all[3].background->mips = false;
+  all[4].background->mip_filter = MipFilter::box;
   all[5].specular->roughness = {0.0, 0.5, 0.9};
-  all[6].irradiance_size = 6;
-  all[7].irradiance_method = IrradianceMethod::direct;
+  all[6].irradiance->size = 6;
+  all[7].irradiance->method = IrradianceMethod::direct;
   all[8].bands = 5;
   all[9].brdf.reset();
   all[10].pixels.clamp = RadianceClamp{2.0F};
   all[11].specular->size = 10;
   all[12].pixels.negative = NegativePolicy::replace;
-  all[13].bands = all[13].irradiance_size = 0;
-  all[13].total_radiance = false;
+  all[13].bands = 0;
+  all[13].irradiance.reset();
   all[14] = all[13];
   all[14].specular.reset();
-  all[14].background = false;
+  all[14].background.reset();
   for (const int round : {0, 1}) {
     for (std::size_t k = 0; k < all.size(); ++k) {
       INFO(round << ' ' << k);
@@ -184,10 +187,33 @@ TEST_CASE("cache: irradiance from the first of many bands is not taken for that 
   options.bands = 2;
   ResultCache cache;
   static_cast<void>(cache.bake(lat_long.view(), options));
-  options.projected_bands = 9;  // rounded otherwise: in double, so that floats seldom show it
+  // Of nine bands that are projected the first two are rounded otherwise: in double, so that floats seldom show it.
+  options.bands = 9;
+  const Plan two_of_nine = plan(lat_long.view(), {.diffuse_bands = 2}, options);
+  REQUIRE(two_of_nine.options.bands == 2);
   const std::uint64_t misses = cache.statistics().misses;
-  CHECK(same_bake(cache.bake(lat_long.view(), options), bake(lat_long.view(), options)));
+  CHECK(same_bake(cache.bake(lat_long.view(), two_of_nine), bake(lat_long.view(), two_of_nine)));
   CHECK(cache.statistics().misses == misses + 2);
+}
+
+TEST_CASE("cache: mips that a plan leaves out are found in the whole chain, and those that it made are kept for it") {
+  const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
+  BakeOptions options = small_bake();
+  options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.3, 0.5, 0.8}};
+  const Plan rest = plan(cubemap.view(), {.glossy = RoughnessRange{0.0, 0.5}}, options);
+  REQUIRE(rest.trim.mips == UnusedMips{.sharp = 0, .rough = 1});
+  ResultCache whole_first;
+  static_cast<void>(whole_first.bake(cubemap.view(), options));
+  const BakeResult found = whole_first.bake(cubemap.view(), rest);
+  CHECK(same_bake(found, bake(cubemap.view(), rest)));
+  CHECK(action(found.diagnostics, "specular") == "reuse");
+  ResultCache rest_first;
+  static_cast<void>(rest_first.bake(cubemap.view(), rest));
+  const BakeResult whole = rest_first.bake(cubemap.view(), options);
+  CHECK(same_bake(whole, bake(cubemap.view(), options)));
+  for (const PassRecord& pass : whole.diagnostics.passes) {
+    if (pass.name == "specular") CHECK(pass.reason == "3 of 4 mips found in memory, the others made");
+  }
 }
 
 TEST_CASE("cache: a prefilter and a file's projection are found again") {
@@ -265,7 +291,7 @@ TEST_CASE("cache: a file that a memory limit refuses is refused, whoever read it
 TEST_CASE("cache: a change that is none is refused before anything is computed") {
   const TestCubemap cubemap = make_cubemap(Content::high_range, 8, 3, 3);
   ResultCache cache;
-  for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.rotation = {0.0, 0.0, 0.0, 0.0}}}) {
+  for (const LightChange& change : {LightChange{.exposure = -1.0}, LightChange{.turn = glm::dmat3(0.0)}}) {
     CHECK_THROWS_AS(cache.project(cubemap.view(), {}, change), Error);
     CHECK(cache.statistics().misses == 0);
   }
@@ -286,15 +312,15 @@ TEST_CASE("cache: of huge and tiny radiance a background is the same, whatever w
   cubemap.pixels[77] = 3e38F;
   BakeOptions apart = small_bake();  // a background of another size than the chain's
   apart.specular->size = 8;
-  apart.background_size = 16;
+  apart.background->size = 16;
   const BakeResult truth = bake(cubemap.view(), small_bake());
-  CHECK(truth.background.face(0, 0)[1] == 1e-30F);
+  CHECK(truth.background->face(0, 0)[1] == 1e-30F);
   ResultCache cache;
-  CHECK(same_bits(cache.bake(cubemap.view(), small_bake()).background, truth.background));
-  CHECK(same_bits(cache.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
+  CHECK(same_bits(*cache.bake(cubemap.view(), small_bake()).background, *truth.background));
+  CHECK(same_bits(*cache.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
   ResultCache the_other_way;
-  CHECK(same_bits(the_other_way.bake(cubemap.view(), apart).background, bake(cubemap.view(), apart).background));
-  CHECK(same_bits(the_other_way.bake(cubemap.view(), small_bake()).background, truth.background));
+  CHECK(same_bits(*the_other_way.bake(cubemap.view(), apart).background, *bake(cubemap.view(), apart).background));
+  CHECK(same_bits(*the_other_way.bake(cubemap.view(), small_bake()).background, *truth.background));
 }
 
 TEST_CASE("cache: memory stays within its bound") {
@@ -386,9 +412,6 @@ std::vector<Change> changes() {
       {"the narrowest lobe changed", four, chain({0.0, 0.25, 0.5, 0.8}), 3},
       {"the narrowest lobe gone", four, chain({0.0, 0.0, 0.5, 0.8}), 3},
       {"a mip more at the sharp end, not the narrowest lobe", four, chain({0.0, 0.0, 0.3, 0.5, 0.8}, 64), 1},
-      {"ends left out", four, with([](PrefilterOptions& o) { o.leave_out_sharp = o.leave_out_rough = 1; }), 0},
-      {"ends no longer left out", with([](PrefilterOptions& o) { o.leave_out_sharp = o.leave_out_rough = 1; }), four,
-       2},
       {"another word for the method", four, with([](PrefilterOptions& o) { o.method = PrefilterMethod::spectral; }), 0},
       {"other samples, and none is sampled", four, with([](PrefilterOptions& o) { o.samples = 9; }), 0},
       {"other samples", sampled, more_samples, 3},
@@ -466,7 +489,7 @@ TEST_CASE("chains: a bake's mips are those of a prefilter, and the other way rou
   BakeOptions baking;
   baking.specular = chain({0.0, 0.3, 0.5, 0.8});
   baking.pixels.negative = NegativePolicy::replace;
-  baking.irradiance_size = 0;
+  baking.irradiance.reset();
   baking.brdf.reset();
   PrefilterOptions alone = *baking.specular;
   alone.pixels = baking.pixels;
@@ -486,7 +509,7 @@ TEST_CASE("chains: a bake with a mip more makes one mip, and says so") {
   const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
   BakeOptions options;
   options.specular = chain({0.0, 0.3, 0.5});
-  options.irradiance_size = 8;
+  options.irradiance->size = 8;
   options.brdf.reset();
   ResultCache cache;
   static_cast<void>(cache.bake(cubemap.view(), options));

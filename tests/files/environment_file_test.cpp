@@ -182,7 +182,7 @@ TEST_CASE("one picture in every Radiance form is the same picture", "[codec][hdr
   const auto read = [&](const std::string& name) {
     CAPTURE(name);
     Environment environment = read_environment(kVariants / (name + "_256x128.hdr"));
-    REQUIRE(environment.info.format == "Radiance");
+    REQUIRE(environment.info.format == FileFormat::radiance);
     REQUIRE(environment.info.width == 256);
     REQUIRE(environment.info.height == 128);
     return environment;

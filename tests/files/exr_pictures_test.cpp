@@ -72,10 +72,10 @@ TEST_CASE("R, G and B are found among other channels, whatever those are", "[cod
   const Environment read = read_environment(path);
   REQUIRE(read.info.channels.size() == 8);
   CHECK(read.info.channels[0].name == "A");
-  CHECK(read.info.channels[0].type == "half");
+  CHECK(read.info.channels[0].type == ChannelType::half);
   CHECK(read.info.channels[5].name == "half.size");
   CHECK(read.info.channels[6].name == "id");
-  CHECK(read.info.channels[6].type == "uint");
+  CHECK(read.info.channels[6].type == ChannelType::uint32);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     REQUIRE(read.pixels[i] == (i % 3 == 1 ? as_half(pixels[i]) : pixels[i]));
   }
@@ -168,7 +168,7 @@ TEST_CASE("integers are the numbers that they state", "[codec]") {
     recipe.channels = rgb_channels(Imf::UINT);
     write_exr(path, recipe, pixels);
     CHECK(reads(path, pixels));
-    CHECK(inspect_environment(path).channels[0].type == "uint");
+    CHECK(inspect_environment(path).channels[0].type == ChannelType::uint32);
   }
 }
 

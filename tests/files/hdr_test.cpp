@@ -229,14 +229,14 @@ TEST_CASE("what is in a Radiance file is told", "[codec][hdr]") {
   const Picture picture;
   const Environment read = picture.read({kRgbe});
   CHECK(unchanged(picture, read));
-  CHECK(read.info.format == "Radiance");
+  CHECK(read.info.format == FileFormat::radiance);
   CHECK(read.info.compression == "rle");
   CHECK(read.info.storage == "scanline");
   CHECK(read.info.layout == Layout::lat_long);
   CHECK(read.info.notes.empty());
   REQUIRE(read.info.channels.size() == 3);
   CHECK(read.info.channels[0].name == "R");
-  CHECK(read.info.channels[0].type == "rgbe");
+  CHECK(read.info.channels[0].type == ChannelType::rgbe);
 
   const auto compression = [&](HdrForm form, bool columns) {
     write_bytes(picture.path(), hdr_bytes({16, 8, form, columns}, picture.texels()));
@@ -304,7 +304,7 @@ TEST_CASE("XYZE becomes Rec. 709, or stays as stored", "[codec][hdr]") {
   const Environment as_stored = picture.read({"FORMAT=32-bit_rle_xyze"}, Primaries::as_stored);
   CHECK(unchanged(picture, as_stored));
   CHECK(as_stored.info.channels[0].name == "X");
-  CHECK(as_stored.info.channels[0].type == "xyze");
+  CHECK(as_stored.info.channels[0].type == ChannelType::xyze);
   const Environment read = picture.read({"FORMAT=32-bit_rle_xyze"});
   CHECK(notes_say(read, "XYZ"));
   // IEC 61966-2-1, with as many digits as it states.

@@ -126,23 +126,23 @@ TEST_CASE("what is in a PNG is told", "[codec][png]") {
     return inspect_environment(path);
   };
   const EnvironmentInfo colour = info_of({SPNG_COLOR_TYPE_TRUECOLOR, 16}, false);
-  CHECK(colour.format == "PNG");
+  CHECK(colour.format == FileFormat::png);
   CHECK(colour.compression == "deflate");
   CHECK(colour.storage == "scanline");
   CHECK(colour.layout == Layout::lat_long);
   REQUIRE(colour.channels.size() == 3);
   CHECK(colour.channels[0].name == "R");
-  CHECK(colour.channels[0].type == "uint16");
+  CHECK(colour.channels[0].type == ChannelType::uint16);
   const EnvironmentInfo grey = info_of({SPNG_COLOR_TYPE_GRAYSCALE_ALPHA, 8}, true);
   CHECK(grey.storage == "interlaced");
   REQUIRE(grey.channels.size() == 2);
   CHECK(grey.channels[0].name == "Y");
   CHECK(grey.channels[1].name == "A");
-  CHECK(grey.channels[1].type == "uint8");
+  CHECK(grey.channels[1].type == ChannelType::uint8);
   CHECK(notes_say(grey, "alpha is ignored: colours are taken as they are"));
-  CHECK(info_of({SPNG_COLOR_TYPE_GRAYSCALE, 4}, false).channels[0].type == "uint4");
+  CHECK(info_of({SPNG_COLOR_TYPE_GRAYSCALE, 4}, false).channels[0].type == ChannelType::uint4);
   CHECK(info_of({SPNG_COLOR_TYPE_INDEXED, 2}, false).channels.size() == 3);
-  CHECK(info_of({SPNG_COLOR_TYPE_INDEXED, 2}, false).channels[0].type == "uint8");
+  CHECK(info_of({SPNG_COLOR_TYPE_INDEXED, 2}, false).channels[0].type == ChannelType::uint8);
 }
 
 TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][png]") {
@@ -370,13 +370,13 @@ TEST_CASE("a colour PFM is read in both byte orders, whatever its scale's size",
     CAPTURE(scale);
     write_bytes(path, pfm_bytes(34, 17, false, scale, pixels));
     const Environment read = read_environment(path);
-    CHECK(read.info.format == "PFM");
+    CHECK(read.info.format == FileFormat::pfm);
     CHECK(read.info.compression == "none");
     CHECK(read.info.storage == "scanline");
     CHECK(read.info.layout == Layout::lat_long);
     REQUIRE(read.info.channels.size() == 3);
     CHECK(read.info.channels[2].name == "B");
-    CHECK(read.info.channels[2].type == "float");
+    CHECK(read.info.channels[2].type == ChannelType::float32);
     REQUIRE(read.info.width == 34);
     REQUIRE(read.info.height == 17);
     REQUIRE(std::equal(pixels.begin(), pixels.end(), read.pixels.get()));

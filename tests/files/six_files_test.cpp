@@ -185,7 +185,7 @@ TEST_CASE("six files are described as the strip that they make up", "[codec][lay
   CHECK(info.path == paths[2]);
   CHECK(info.layout == Layout::six_files);
   CHECK(info.layout_reason == "8 x 8 is square, and its name and five others are those of six faces");
-  CHECK(info.format == "PFM, OpenEXR");
+  CHECK(info.format_words() == "PFM, OpenEXR");
   CHECK(info.compression == "none, zip");
   CHECK(info.storage == "scanline");
   CHECK(info.width == 8);

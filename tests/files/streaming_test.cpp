@@ -107,7 +107,7 @@ EnvironmentInfo describe(const Kind& kind, Layout layout) {
 class FakeSource final : public files::RowSource {
  public:
   explicit FakeSource(const Kind& kind, Layout layout = Layout::lat_long)
-      : RowSource(describe(kind, layout)), kind_(kind) {}
+      : RowSource(describe(kind, layout), {}), kind_(kind) {}
 
   [[nodiscard]] int natural_rows() const override { return kind_.natural_rows; }
   [[nodiscard]] int section_rows() const override { return kind_.height / kind_.sections; }

@@ -89,7 +89,7 @@ TEST_CASE("a texture is an environment at each of its levels", "[codec][textures
   }
   CHECK(inspect_environment(directory.file("packed.ktx2")).compression == "zstd");
   CHECK(inspect_environment(directory.file("packed.ktx2")).storage == "e5b9g9r9");
-  CHECK(inspect_environment(directory.file("floats.dds")).format == "DDS");
+  CHECK(inspect_environment(directory.file("floats.dds")).format == FileFormat::dds);
 }
 
 TEST_CASE("8-bit textures are linear or sRGB as their format says, or as was asked for", "[codec][textures]") {
@@ -197,7 +197,7 @@ TEST_CASE("an .env is an environment in Welkin's axes, with the light that it st
   write_babylon_environment(path, bare);
   CHECK(same_bits(project_file(path).radiance, project(stored.view(0)).radiance));
   const EnvironmentInfo info = inspect_environment(path);
-  CHECK(info.format == "Babylon.js .env");
+  CHECK(info.format == FileFormat::babylon);
   bool says_so = false;
   for (const std::string& note : info.notes) says_so = says_so || note.find("RGBD ends at 255") != std::string::npos;
   CHECK(says_so);

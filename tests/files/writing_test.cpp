@@ -320,7 +320,7 @@ TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[wr
   for (const auto& [type, largest] : {std::pair{SampleType::uint8, 255.0}, {SampleType::uint16, 65535.0}}) {
     CHECK(write_environment(path, ramp.view(), {Layout::automatic, type}).values_clamped == 0);
     const Environment read = read_environment(path, {Layout::lat_long});
-    CHECK(read.info.channels.front().type == (largest > 255.0 ? "uint16" : "uint8"));
+    CHECK(read.info.channels.front().type == (largest > 255.0 ? ChannelType::uint16 : ChannelType::uint8));
     double worst = 0.0;
     for (std::size_t i = 0; i < ramp.pixels.size(); ++i) {
       const double code = srgb_from_linear(read.pixels[i]) * largest;  // whole, but for rounding

@@ -21,7 +21,7 @@ namespace {
 BakeOptions small_bake() {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
-  options.irradiance_size = 3;
+  options.irradiance->size = 3;
   options.brdf = BrdfTableOptions{.width = 5, .height = 3};
   return options;
 }
@@ -48,6 +48,8 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   const std::vector<PassRecord> records = records_of(of_wide.passes);
   calls.call("plan_text(Plan", [&] { return plan_text(of_wide, records); });
   calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
+  calls.call("bake_to(BakeTargets const&, LatLongView", [&] { return bake_to({}, wide.view(), small_bake()); });
+  calls.call("bake_to(BakeTargets const&, CubemapView", [&] { return bake_to({}, cube.view(), small_bake()); });
   calls.call("bake(LatLongView const&, Plan", [&] { return bake(wide.view(), of_wide); });
   calls.call("bake(CubemapView const&, Plan", [&] { return bake(cube.view(), of_cube); });
 
@@ -67,7 +69,7 @@ void call_cache(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   const CacheOptions cache_options{.folder = folder.file("cache")};
   calls.call("ResultCache::ResultCache(CacheOptions", [&] { return ResultCache(cache_options).statistics().misses; });
   ResultCache cache(cache_options);
-  const LightChange change{.exposure = 1.7, .rotation = glm::dquat(0.4, 0.2, -0.4, 0.8)};
+  const LightChange change{.exposure = 1.7, .turn = glm::mat3_cast(glm::dquat(0.4, 0.2, -0.4, 0.8))};
   const Projection projection = project(cube.view());
   calls.call("changed(", [&] { return changed(projection, change); });
   calls.call("ResultCache::project(CubemapView", [&] { return cache.project(cube.view(), {}, change); });

@@ -93,19 +93,19 @@ void add_bits(BitHash& hash, const std::reference_wrapper<Value>& value) {
 /// The settings that were tried, by their errors and costs; which of them was chosen, likewise.
 template <class Setting>
 void add_bits(BitHash& hash, const BudgetChoice<Setting>& choice) {
-  add_bits(hash, choice.estimated_error);
+  add_bits(hash, choice.error_estimate);
   add_bits(hash, choice.predicted_nanoseconds);
   add_bits(hash, choice.met);
   add_bits(hash, choice.relative_to);
   for (const EstimatedSetting<Setting>& tried : choice.tried) {
-    add_bits(hash, tried.estimated_error);
+    add_bits(hash, tried.error_estimate);
     add_bits(hash, tried.predicted_nanoseconds);
   }
 }
 inline void add_bits(BitHash& hash, const PrefilterChoice& choice) {
   add_bits(hash, static_cast<const BudgetChoice<PrefilterOptions>&>(choice));
   for (const MipNeed& mip : choice.mips) {
-    for (const double value : {mip.roughness, mip.estimated_error, mip.source_size_error}) add_bits(hash, value);
+    for (const double value : {mip.roughness, mip.error_estimate, mip.source_size_error}) add_bits(hash, value);
     add_bits(hash, mip.source_size);
   }
 }

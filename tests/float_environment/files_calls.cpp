@@ -19,7 +19,7 @@ namespace {
 BakeOptions small_bake() {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}};
-  options.irradiance_size = 3;
+  options.irradiance->size = 3;
   options.brdf.reset();
   return options;
 }
@@ -31,7 +31,7 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
   for (const char* const name : {"wide.pfm", "wide.hdr", "wide.exr", "wide.png", "dark.pfm"}) {
     const std::filesystem::path path = folder.file(name);
     const LatLongView view = name == std::string("dark.pfm") ? dark.view() : wide.view();
-    calls.call("write_environment(path const&, LatLongView", [&] {
+    calls.call("write_environment(FileOutput const&, LatLongView", [&] {
       write_environment(path, view);
       return read_bytes(path);
     });
@@ -41,7 +41,7 @@ void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
     calls.call("project_file(", [&] { return project_file(path, {}, {.target_size = 4}); });
   }
   const std::filesystem::path cross = folder.file("cube.exr");
-  calls.call("write_environment(path const&, CubemapView", [&] {
+  calls.call("write_environment(FileOutput const&, CubemapView", [&] {
     write_environment(cross, cube.view(), {.layout = Layout::horizontal_cross});
     return read_bytes(cross);
   });

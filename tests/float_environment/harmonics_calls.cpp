@@ -23,9 +23,10 @@ void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmo
   calls.call("evaluate(SphericalHarmonics", [&] { return evaluate(a, direction); });
   calls.call("irradiance_from_radiance(", [&] { return irradiance_from_radiance(a); });
   calls.call("lambertian_from_irradiance(", [&] { return lambertian_from_irradiance(a); });
-  calls.call("average_radiance(", [&] { return average_radiance(a); });
-  calls.call("rotate(", [&] { return rotate(a, rotation); });
-  calls.call("transform(", [&] { return transform(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });
+  calls.call("mean_radiance(", [&] { return mean_radiance(a); });
+  calls.call("turned(SphericalHarmonics const&, Quaternion", [&] { return turned(a, rotation); });
+  calls.call("turned(SphericalHarmonics const&, glm::mat",
+             [&] { return turned(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });
   calls.call("add(", [&] { return add(a, b); });
   calls.call("scale(", [&] { return scale(a, colour); });
   calls.call("lerp(", [&] { return lerp(a, b, 0.3); });
@@ -60,7 +61,7 @@ void call_harmonics(Calls& calls) {
   calls.call("constant_radiance(", [&] { return constant_radiance(colour, 3); });
   calls.call("babylon_constant_polynomial(", [&] { return babylon_constant_polynomial(colour); });
   calls.call("turn_about_y(", [] { return turn_about_y(33.3); });
-  calls.refused("transform(", [&] { static_cast<void>(transform(a, glm::dmat3(0.3))); });
+  calls.refused("turned(SphericalHarmonics const&, glm::mat", [&] { static_cast<void>(turned(a, glm::dmat3(0.3))); });
 
   calls.call("minimum(", [&] { return minimum(a); });
   SphericalHarmonics light = a;

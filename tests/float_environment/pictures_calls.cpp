@@ -74,10 +74,10 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
 
 void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   const std::vector<glm::dvec3> normals{{0.36, -0.48, 0.8}, {0.0, 1.0, 0.0}};
-  calls.call("direct_irradiance(CubemapView", [&] { return direct_irradiance(cube.view(), normals); });
-  calls.call("direct_irradiance(LatLongView", [&] { return direct_irradiance(wide.view(), normals); });
-  calls.call("reference_irradiance(CubemapView", [&] { return reference_irradiance(cube.view(), normals[0]); });
-  calls.call("reference_irradiance(LatLongView", [&] { return reference_irradiance(wide.view(), normals[0]); });
+  calls.call("direct_irradiance(CubemapView const&, span", [&] { return direct_irradiance(cube.view(), normals); });
+  calls.call("direct_irradiance(LatLongView const&, span", [&] { return direct_irradiance(wide.view(), normals); });
+  calls.call("direct_irradiance(CubemapView const&, dvec3", [&] { return direct_irradiance(cube.view(), normals[0]); });
+  calls.call("direct_irradiance(LatLongView const&, dvec3", [&] { return direct_irradiance(wide.view(), normals[0]); });
   const SphericalHarmonics radiance = project(cube.view()).radiance;
   calls.call("irradiance_errors(CubemapView", [&] { return irradiance_errors(cube.view(), radiance, 8); });
   calls.call("irradiance_errors(LatLongView", [&] { return irradiance_errors(wide.view(), radiance, 8); });

@@ -19,7 +19,7 @@ namespace {
 BakeOptions small_bake() {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = 8, .roughness = {0.3, 0.9}};
-  options.irradiance_size = 3;
+  options.irradiance->size = 3;
   options.brdf.reset();
   return options;
 }
@@ -79,7 +79,7 @@ Settled settle(SkyLight& sky, Worker& worker) {
   const SkyLightFrame& frame = sky.light();
   Settled light{frame.radiance, frame.sun, {}, {}};
   for (const SkyReflections& reflections : frame.reflections) {
-    light.rotations.push_back(reflections.rotation);
+    light.rotations.push_back(reflections.turn);
     light.weights.push_back(reflections.weight);
   }
   return light;

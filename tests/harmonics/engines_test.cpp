@@ -436,8 +436,8 @@ TEST_CASE("an engine's shader gets the irradiance of the light in the engine's a
     for (const int bands : {1, 2, 3, 5}) {
       INFO(convention(each.engine).name << ", " << bands << " bands");
       const SphericalHarmonics light = some_light(bands, 3U + static_cast<unsigned>(bands));
-      const SphericalHarmonics irradiance = irradiance_from_radiance(
-          with_bands(transform(light, convention(each.engine).from_welkin), std::min(bands, 3)));
+      const SphericalHarmonics irradiance =
+          irradiance_from_radiance(with_bands(turned(light, convention(each.engine).from_welkin), std::min(bands, 3)));
       const EngineLight form = engine_light(light, each.engine);
       for (const glm::dvec3& normal : normals()) {
         const glm::dvec3 expected = each.times * evaluate(irradiance, normal);
@@ -469,15 +469,14 @@ TEST_CASE("forms without the turn are those of light that is turned already", "[
   const SphericalHarmonics light = some_light(3, 5);
   for (const ShaderCase& each : kCases) {
     INFO(convention(each.engine).name);
-    const EngineLight turned = engine_light(light, each.engine);
-    const EngineLight in_place =
-        engine_light_in_place(transform(light, convention(each.engine).from_welkin), each.engine);
-    CHECK(turned.engine == each.engine);
-    CHECK(turned.form == in_place.form);
-    REQUIRE(turned.terms.size() == in_place.terms.size());
-    for (std::size_t i = 0; i < turned.terms.size(); ++i) CHECK(turned.terms[i].rgb == in_place.terms[i].rgb);
-    REQUIRE(turned.vectors.size() == in_place.vectors.size());
-    for (std::size_t i = 0; i < turned.vectors.size(); ++i) CHECK(turned.vectors[i].value == in_place.vectors[i].value);
+    const EngineLight made = engine_light(light, each.engine);
+    const EngineLight in_place = engine_light_in_place(turned(light, convention(each.engine).from_welkin), each.engine);
+    CHECK(made.engine == each.engine);
+    CHECK(made.form == in_place.form);
+    REQUIRE(made.terms.size() == in_place.terms.size());
+    for (std::size_t i = 0; i < made.terms.size(); ++i) CHECK(made.terms[i].rgb == in_place.terms[i].rgb);
+    REQUIRE(made.vectors.size() == in_place.vectors.size());
+    for (std::size_t i = 0; i < made.vectors.size(); ++i) CHECK(made.vectors[i].value == in_place.vectors[i].value);
   }
 }
 

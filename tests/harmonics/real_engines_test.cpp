@@ -136,8 +136,8 @@ TEST_CASE("a panorama that three.js loads gives its light probe what is made for
   CHECK(deviation(engine_light(light, Engine::three).terms, panorama.at("coefficients")) < 3e-4);
   // Mirrored or turned by a quarter it would be far off.
   for (const Engine other : {Engine::welkin, Engine::babylon, Engine::unity}) {
-    const SphericalHarmonics turned = transform(light, convention(other).from_welkin);
-    CHECK(deviation(engine_light_in_place(turned, Engine::three).terms, panorama.at("coefficients")) > 0.1);
+    const SphericalHarmonics wrong = turned(light, convention(other).from_welkin);
+    CHECK(deviation(engine_light_in_place(wrong, Engine::three).terms, panorama.at("coefficients")) > 0.1);
   }
 }
 
@@ -148,7 +148,7 @@ TEST_CASE("three.js's own generator reads a cube texture as the convention says"
   midpoint.quadrature = Quadrature::midpoint;
   const SphericalHarmonics faces = project(cubemap(texture.at("size").get<int>()).view(), midpoint).radiance;
   // From the faces' frames to three.js's world.
-  const SphericalHarmonics light = transform(faces, glm::transpose(*three.faces_from_engine));
+  const SphericalHarmonics light = turned(faces, glm::transpose(*three.faces_from_engine));
   CHECK(deviation(engine_light_in_place(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
 }
 
@@ -191,7 +191,7 @@ CubemapImage cubemap(const Case& of) {
 // As the command turns light: out of the frames of CubemapView in which the engine's faces lie, into its axes.
 EngineLight light_of_faces(const SphericalHarmonics& faces, Engine engine) {
   const Convention& of = convention(engine);
-  return engine_light(transform(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);
+  return engine_light(turned(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);
 }
 
 double deviation(const EngineLight& light, const std::vector<json>& expected) {
@@ -300,7 +300,7 @@ TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their ph
     // It goes through cube faces of 64 to 256 texels, each the nearest pixel's: up to 3 % off.
     CHECK(deviation(engine_light(light, Engine::babylon), stored.at(baked)) < 0.04);
     const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-    CHECK(deviation(engine_light(transform(light, mirror), Engine::babylon), stored.at(baked)) > 0.05);
+    CHECK(deviation(engine_light(turned(light, mirror), Engine::babylon), stored.at(baked)) > 0.05);
   }
 }
 

@@ -68,7 +68,7 @@ TEST_CASE("Turned coefficients are those of the turned function, in every number
       const SphericalHarmonics original = light.harmonics(bands);
       const glm::dquat turn = light.turn();
       CAPTURE(bands, k);
-      CHECK(worst_difference(rotate(original, turn), original, glm::mat3_cast(turn)) < 1e-12 * norm(original));
+      CHECK(worst_difference(turned(original, turn), original, glm::mat3_cast(turn)) < 1e-12 * norm(original));
     }
   }
 }
@@ -78,7 +78,7 @@ TEST_CASE("A light is where it was turned to, to 1e-13", "[sh][turn]") {
   for (int k = 0; k < 50; ++k) {
     const glm::dvec3 direction = light.direction();
     const glm::dquat turn = light.turn();
-    const SphericalHarmonics found = rotate(point_light(direction, {1, 2, 3}, kMaximumBands), turn);
+    const SphericalHarmonics found = turned(point_light(direction, {1, 2, 3}, kMaximumBands), turn);
     CHECK(relative_error(found, point_light(glm::normalize(turn * direction), {1, 2, 3}, kMaximumBands)) < 1e-13);
   }
 }
@@ -89,11 +89,11 @@ TEST_CASE("One turn after another is their product, and the inverse undoes", "[s
     const SphericalHarmonics original = light.harmonics(bands);
     const glm::dquat first = light.turn();
     const glm::dquat second = light.turn();
-    CHECK(relative_error(rotate(rotate(original, first), second), rotate(original, second * first)) < 1e-13);
-    CHECK(relative_error(rotate(rotate(original, first), glm::conjugate(first)), original) < 1e-13);
-    CHECK(relative_error(rotate(original, -first), rotate(original, first)) < 1e-15);
-    CHECK(same_bits(rotate(original, glm::dquat(1, 0, 0, 0)), rotate(original, glm::dquat(-3, 0, 0, 0))));
-    CHECK(relative_error(rotate(original, glm::dquat(1, 0, 0, 0)), original) < 1e-15);
+    CHECK(relative_error(turned(turned(original, first), second), turned(original, second * first)) < 1e-13);
+    CHECK(relative_error(turned(turned(original, first), glm::conjugate(first)), original) < 1e-13);
+    CHECK(relative_error(turned(original, -first), turned(original, first)) < 1e-15);
+    CHECK(same_bits(turned(original, glm::dquat(1, 0, 0, 0)), turned(original, glm::dquat(-3, 0, 0, 0))));
+    CHECK(relative_error(turned(original, glm::dquat(1, 0, 0, 0)), original) < 1e-15);
   }
 }
 
@@ -106,11 +106,11 @@ TEST_CASE("Ten thousand small steps end where one turn does, with all their powe
     for (int step = 0; step < 10000; ++step) {
       const glm::dvec3 axis = light.direction();
       const glm::dquat small = glm::angleAxis(0.01 * (1.5 + light.number()), axis);
-      walked = rotate(walked, small);
+      walked = turned(walked, small);
       total = glm::normalize(small * total);
     }
     CAPTURE(bands);
-    CHECK(relative_error(walked, rotate(original, total)) < 1e-11);
+    CHECK(relative_error(walked, turned(original, total)) < 1e-11);
     for (int l = 0; l < bands; ++l) {
       CHECK(band_power(walked, l) == Approx(band_power(original, l)).epsilon(1e-12));
     }
@@ -122,7 +122,7 @@ TEST_CASE("The same small step ten thousand times keeps power: no drift one way"
   const SphericalHarmonics original = light.harmonics(3);
   const glm::dquat step = glm::angleAxis(2.0 * 3.14159265358979323846 / 10000.0, light.direction());
   SphericalHarmonics walked = original;
-  for (int k = 0; k < 10000; ++k) walked = rotate(walked, step);
+  for (int k = 0; k < 10000; ++k) walked = turned(walked, step);
   CHECK(relative_error(walked, original) < 1e-10);
   for (int l = 0; l < 3; ++l) CHECK(band_power(walked, l) == Approx(band_power(original, l)).epsilon(1e-12));
 }
@@ -131,7 +131,7 @@ TEST_CASE("The 48 symmetries of the cube permute bands 0 and 1 with signs", "[sh
   RandomLight light(6);
   const SphericalHarmonics original = light.harmonics(kMaximumBands);
   for (const glm::dmat3& map : cube_symmetries()) {
-    const SphericalHarmonics found = transform(original, map);
+    const SphericalHarmonics found = turned(original, map);
     CHECK(found.at(0, 0) == original.at(0, 0));
     for (int c = 0; c < 3; ++c) {
       const glm::dvec3 before(original.at(1, 1)[c], original.at(1, -1)[c], original.at(1, 0)[c]);
@@ -160,7 +160,7 @@ TEST_CASE("A cube face's transform is the turn from its frame, for all bands", "
     for (std::size_t k = 0; k < count; ++k) {
       expected.coefficients()[k] = {canonical[k], canonical[count + k], canonical[2 * count + k]};
     }
-    CHECK(relative_error(transform(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
+    CHECK(relative_error(turned(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
   }
 }
 
@@ -169,8 +169,8 @@ TEST_CASE("A mirror is the turn by its negative with every odd band's sign chang
   for (const int bands : {2, 3, 8, 16}) {
     const SphericalHarmonics original = light.harmonics(bands);
     const glm::dmat3 map = glm::mat3_cast(light.turn());
-    const SphericalHarmonics mirrored = transform(original, -map);
-    SphericalHarmonics expected = transform(original, map);
+    const SphericalHarmonics mirrored = turned(original, -map);
+    SphericalHarmonics expected = turned(original, map);
     for (int l = 1; l < bands; l += 2) {
       for (int m = -l; m <= l; ++m) expected.at(l, m) = -expected.at(l, m);
     }
@@ -201,10 +201,10 @@ TEST_CASE("A quaternion's length does not matter, however small or large", "[sh]
   RandomLight light(11);
   const SphericalHarmonics original = light.harmonics(4);
   const glm::dquat turn = light.turn();
-  const SphericalHarmonics expected = rotate(original, turn);
+  const SphericalHarmonics expected = turned(original, turn);
   for (const double length : {0.5, 3.0, 1e-200, 1e-300, 1e200, 1e300}) {
     const glm::dquat stretched(turn.w * length, turn.x * length, turn.y * length, turn.z * length);
-    CHECK(relative_error(rotate(original, stretched), expected) < 1e-14);
+    CHECK(relative_error(turned(original, stretched), expected) < 1e-14);
   }
 }
 
@@ -212,11 +212,11 @@ TEST_CASE("Coefficients of any size turn alike", "[sh][turn]") {
   RandomLight light(12);
   const SphericalHarmonics original = light.harmonics(kMaximumBands);
   const glm::dquat turn = light.turn();
-  const SphericalHarmonics expected = rotate(original, turn);
+  const SphericalHarmonics expected = turned(original, turn);
   for (const double size : {0x1p100, 0x1p-100}) {
-    CHECK(same_bits(rotate(scale(original, glm::dvec3(size)), turn), scale(expected, glm::dvec3(size))));
+    CHECK(same_bits(turned(scale(original, glm::dvec3(size)), turn), scale(expected, glm::dvec3(size))));
   }
-  CHECK(norm(rotate(SphericalHarmonics(5), turn)) == 0.0);
+  CHECK(norm(turned(SphericalHarmonics(5), turn)) == 0.0);
 }
 
 TEST_CASE("A matrix slightly off is taken for the nearest turn; one far off is refused", "[sh][turn]") {
@@ -225,13 +225,13 @@ TEST_CASE("A matrix slightly off is taken for the nearest turn; one far off is r
   const glm::dmat3 map = glm::mat3_cast(light.turn());
   glm::dmat3 off = map;
   for (int k = 0; k < 3; ++k) off[k] += 2e-7 * light.colour();
-  const SphericalHarmonics found = transform(original, off);
+  const SphericalHarmonics found = turned(original, off);
   CHECK(norm(found) == Approx(norm(original)).epsilon(1e-12));
-  CHECK(relative_error(found, transform(original, map)) < 2e-5);
+  CHECK(relative_error(found, turned(original, map)) < 2e-5);
 
   for (const glm::dmat3& bad : {glm::dmat3(0.0), 1.001 * map, glm::dmat3(std::numeric_limits<double>::quiet_NaN()),
                                 glm::dmat3({1, 0, 0}, {0.01, 1, 0}, {0, 0, 1})}) {
-    const ThrownError error = thrown_by([&] { (void)transform(original, bad); });
+    const ThrownError error = thrown_by([&] { (void)turned(original, bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("not orthogonal"));
     CHECK(error.says("1e-6"));
@@ -243,7 +243,7 @@ TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const glm::dquat& bad : {glm::dquat(0, 0, 0, 0), glm::dquat(nan, 0, 0, 1), glm::dquat(1, 0, nan, 0),
                                 glm::dquat(infinity, 0, 0, 0), glm::dquat(1, 0, 0, -infinity)}) {
-    const ThrownError error = thrown_by([&] { (void)rotate(SphericalHarmonics(3), bad); });
+    const ThrownError error = thrown_by([&] { (void)turned(SphericalHarmonics(3), bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("quaternion"));
     CHECK(error.says("(1 0 0 0) turns nothing"));
@@ -297,7 +297,7 @@ TEST_CASE("The dominant light turns with its environment", "[sh][dominant]") {
     const SphericalHarmonics radiance = add(light.harmonics(4), constant_radiance({5, 5, 5}, 4));
     const glm::dquat turn = light.turn();
     const auto before = dominant_light(radiance);
-    const auto after = dominant_light(rotate(radiance, turn));
+    const auto after = dominant_light(turned(radiance, turn));
     REQUIRE(before);
     REQUIRE(after);
     CHECK(glm::length(after->direction - turn * before->direction) < 1e-13);
@@ -368,7 +368,7 @@ TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[s
     const glm::dvec3 direction = light.direction();
     const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // half a turn about it takes z there
     const glm::dquat turn(0.0, half.x, half.y, half.z);
-    CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), rotate(found, turn)) < 1e-13);
+    CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), turned(found, turn)) < 1e-13);
   }
 }
 
@@ -386,7 +386,7 @@ TEST_CASE("A sun's total radiance is its irradiance, and what it gives to a surf
   for (const double solid_angle : {6.8e-5, 0.5, 3.0}) {
     const Sun sun = sun_of({0, 1, 0}, solid_angle);
     const SphericalHarmonics radiance = sun_harmonics(sun, 16);
-    CHECK(glm::length(4.0 * kPi * average_radiance(radiance) - sun.irradiance) < 1e-13 * glm::length(sun.irradiance));
+    CHECK(glm::length(4.0 * kPi * mean_radiance(radiance) - sun.irradiance) < 1e-13 * glm::length(sun.irradiance));
     // Int of cos over a disc: pi sin^2 a L = irradiance (1 + cos a) / 2; 16 bands give it to one percent.
     const double c = 1.0 - solid_angle / (2.0 * kPi);
     const glm::dvec3 facing = evaluate(irradiance_from_radiance(radiance), sun.direction);

@@ -64,7 +64,7 @@ TEST_CASE("The minimum turns with the light and does not change", "[sh][minimum]
     const HarmonicMinimum before = minimum(harmonics);
     for (int k = 0; k < 5; ++k) {
       const glm::dquat turn = light.turn();
-      const HarmonicMinimum after = minimum(rotate(harmonics, turn));
+      const HarmonicMinimum after = minimum(turned(harmonics, turn));
       for (int c = 0; c < 3; ++c) {
         CHECK(std::abs(after.value[c] - before.value[c]) < 1e-12);
         CHECK(glm::length(after.direction[c] - turn * before.direction[c]) < 1e-6);
@@ -79,13 +79,13 @@ TEST_CASE("Minima known in closed form are found, on rings and at poles too", "[
     const glm::dquat turn = k == 0 ? glm::dquat(1, 0, 0, 0) : light.turn();
     SphericalHarmonics linear(2);
     linear.at(1, 0) = {1.0, -2.0, 0.0};
-    linear = rotate(linear, turn);
+    linear = turned(linear, turn);
     const double y1 = std::sqrt(3.0 / (4.0 * kPi));
     CHECK(glm::length(minimum(linear).value - glm::dvec3(-y1, -2.0 * y1, 0.0)) < 1e-14);
 
     SphericalHarmonics zonal(3);  // sqrt(5 / 16 pi) (3 z^2 - 1): a ring of minima, or two poles if negative
     zonal.at(2, 0) = {1.0, -1.0, 1e-30};
-    zonal = rotate(zonal, turn);
+    zonal = turned(zonal, turn);
     const double y2 = std::sqrt(5.0 / (16.0 * kPi));
     const glm::dvec3 found = minimum(zonal).value;
     CHECK(std::abs(found.x + y2) < 1e-14);
@@ -253,10 +253,10 @@ TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser on
           add(sunny(light.direction(), strength * glm::dvec3(1.0, 0.8, 0.6), bands),
               scale(point_light(light.direction(), glm::dvec3(0.3, 0.5, 0.4), bands), glm::dvec3(strength)));
       const Windowed found = apply_window(radiance, Window::min_laplacian);
-      const glm::dvec3 mean = kPi * average_radiance(radiance);
+      const glm::dvec3 mean = kPi * mean_radiance(radiance);
       CAPTURE(bands, strength, found.parameter);
       for (int c = 0; c < 3; ++c) CHECK(found.minimum_after[c] >= -1e-9 * mean[c]);
-      CHECK(average_radiance(found.radiance) == average_radiance(radiance));
+      CHECK(mean_radiance(found.radiance) == mean_radiance(radiance));
       if (smallest(found.minimum_before / mean) >= -1e-9) {
         CHECK(found.parameter == 0.0);
         CHECK(same_bits(found.radiance, radiance));
@@ -276,7 +276,7 @@ TEST_CASE("The minimum-Laplacian window is the same for the turned light", "[sh]
     const SphericalHarmonics radiance = sunny(light.direction(), {90, 80, 70}, bands);
     const double lambda = apply_window(radiance, Window::min_laplacian).parameter;
     for (int k = 0; k < 5; ++k) {
-      CHECK(apply_window(rotate(radiance, light.turn()), Window::min_laplacian).parameter ==
+      CHECK(apply_window(turned(radiance, light.turn()), Window::min_laplacian).parameter ==
             Approx(lambda).epsilon(1e-7));
     }
   }

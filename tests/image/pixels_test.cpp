@@ -317,7 +317,7 @@ TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
   std::stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] {
-          return build_mips(map.view(), MipFilter::box, 0, {stop.get_token(), {}});
+          return build_mips(map.view(), MipFilter::box, std::nullopt, {stop.get_token(), {}});
         }).code == ErrorCode::cancelled);
   for (const int levels : {1, 4}) {
     std::vector<double> shares;

@@ -60,13 +60,13 @@ TEST_CASE("upload: every texel is where the layout says, and nothing else is tou
           bool right = true;
           for (int level = 0; level < chain.levels(); ++level) {
             const CubemapTarget& target = targets[static_cast<std::size_t>(level)];
-            CHECK(target.row_pitch_bytes % static_cast<std::ptrdiff_t>(alignment) == 0);
+            CHECK(target.row_stride_bytes % static_cast<std::ptrdiff_t>(alignment) == 0);
             for (int face = 0; face < 6; ++face) {
               const auto* const first = static_cast<const std::byte*>(target.faces[static_cast<std::size_t>(face)]);
               CHECK((first - memory.data()) % static_cast<std::ptrdiff_t>(2 * alignment) == 0);
               for (int row = 0; row < target.size; ++row) {
                 const std::vector<std::uint8_t> expected = encoded_row(chain, level, face, row, format);
-                const std::byte* const texels = first + row * target.row_pitch_bytes;
+                const std::byte* const texels = first + row * target.row_stride_bytes;
                 right = right && std::memcmp(texels, expected.data(), expected.size()) == 0;
                 const auto begin = written.begin() + (texels - memory.data());
                 right = right && std::find(begin, begin + static_cast<std::ptrdiff_t>(expected.size()), true) ==
@@ -155,8 +155,8 @@ TEST_CASE("upload: what does not fit is refused before anything is written") {
   };
   refused([](auto& targets) { targets[1].faces[3] = nullptr; });
   refused([](auto& targets) { targets[1].size = 3; });
-  refused([](auto& targets) { targets[1].row_pitch_bytes = 31; });
-  refused([](auto& targets) { targets[1].row_pitch_bytes = -31; });
+  refused([](auto& targets) { targets[1].row_stride_bytes = 31; });
+  refused([](auto& targets) { targets[1].row_stride_bytes = -31; });
   refused([](auto& targets) { targets[1].format = static_cast<TexelFormat>(9); });
   refused([](auto& targets) { targets.pop_back(); });
   CHECK(thrown_by([&] {

@@ -79,7 +79,7 @@ void plan_and_worker() {
   const welkin::LatLongImage picture = even_picture();
   welkin::BakeOptions whole;
   whole.specular->size = kSize;
-  whole.irradiance_size = 4;
+  whole.irradiance->size = 4;
   const welkin::Plan plan = welkin::plan(picture.view(), {.background = false, .brdf_table = false}, whole);
   require(!plan.passes.empty(), "the plan has no passes");
   require(near(welkin::bake(picture.view(), plan).radiance->coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)),

@@ -222,7 +222,7 @@ TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy
   for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
   ProjectionOptions options;
   options.pixels.clamp = RadianceClamp{100.0F, true};
-  const glm::dvec3 average = average_radiance(project(cubemap.view(), options).radiance);
+  const glm::dvec3 average = mean_radiance(project(cubemap.view(), options).radiance);
   CHECK(average.x == Approx(100.0).epsilon(1e-6));
   CHECK(average.y == Approx(50.0).epsilon(1e-6));
   CHECK(average.z == Approx(25.0).epsilon(1e-6));
@@ -257,8 +257,8 @@ TEST_CASE("Denormal radiance survives, whatever the caller's thread flushes", "[
   for (float& value : cubemap.pixels) value = std::ldexp(std::floor(value * 64.0F), -140);
   const SphericalHarmonics found = project(cubemap.view()).radiance;
   // A product with a weight of 1e-4 is itself denormal: all that float leaves are its last few bits.
-  CHECK(average_radiance(found).x > std::ldexp(10.0, -140));
-  CHECK(average_radiance(found).x < std::ldexp(60.0, -140));
+  CHECK(mean_radiance(found).x > std::ldexp(10.0, -140));
+  CHECK(mean_radiance(found).x < std::ldexp(60.0, -140));
 }
 
 TEST_CASE("An environment of zeros has zero light and no NaN", "[sh][policy]") {

@@ -202,10 +202,10 @@ TEST_CASE("Clamp and gamma act before an exact average, so brightness does not d
   const TestCubemap cubemap = make_cubemap(Content::clamped, 128, 3, 1);
   ProjectionOptions options = with_target(std::nullopt);
   options.pixels.clamp = RadianceClamp{};
-  const glm::dvec3 whole = average_radiance(project(cubemap.view(), options).radiance);
+  const glm::dvec3 whole = mean_radiance(project(cubemap.view(), options).radiance);
   for (const int target : {8, 33}) {
     options.target_size = target;
-    CHECK(average_radiance(project(cubemap.view(), options).radiance).x == Approx(whole.x).epsilon(1e-6));
+    CHECK(mean_radiance(project(cubemap.view(), options).radiance).x == Approx(whole.x).epsilon(1e-6));
   }
 }
 

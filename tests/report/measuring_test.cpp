@@ -110,7 +110,7 @@ TEST_CASE("report: formats hold what they can", "[report]") {
     INFO(name(format));
     const bool bytes = bytes_per_texel(format) <= 4;
     const FormattedCubemap formatted(image, format);
-    const glm::dvec3 mean = average_radiance(project(formatted.view()).radiance);
+    const glm::dvec3 mean = mean_radiance(project(formatted.view()).radiance);
     CHECK(mean.r == Approx((bytes ? 1.0 + 2.5 : 2.0 + 2.5) / 6.0).epsilon(6e-3));
     CHECK(mean.g == Approx(0.5).epsilon(6e-3));
   }

@@ -372,7 +372,7 @@ TEST_CASE("Tables of random atmospheres are finite, not negative and hold no mor
         .transmittance_zeniths = atmospheres.whole(2, 16),
         .irradiance_heights = atmospheres.whole(2, 4),
         .irradiance_sun_zeniths = atmospheres.whole(2, 9),
-        .lowest_sun_degrees = atmospheres.between(-90.0, 0.0),
+        .minimum_sun_elevation_degrees = atmospheres.between(-90.0, 0.0),
         .orders = atmospheres.whole(1, 4),
         .colour = wavelengths > 3 ? SkyColour::linear_srgb : SkyColour::spectral,
     };

@@ -441,8 +441,8 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   refused("transmittance_zeniths", [](SkyTableOptions& o) { o.transmittance_zeniths = 1 << 30; });
   refused("irradiance_heights", [](SkyTableOptions& o) { o.irradiance_heights = 0; });
   refused("irradiance_sun_zeniths", [](SkyTableOptions& o) { o.irradiance_sun_zeniths = 1; });
-  refused("lowest_sun_degrees", [](SkyTableOptions& o) { o.lowest_sun_degrees = 1.0; });
-  refused("lowest_sun_degrees", [](SkyTableOptions& o) { o.lowest_sun_degrees = std::nan(""); });
+  refused("minimum_sun_elevation_degrees", [](SkyTableOptions& o) { o.minimum_sun_elevation_degrees = 1.0; });
+  refused("minimum_sun_elevation_degrees", [](SkyTableOptions& o) { o.minimum_sun_elevation_degrees = std::nan(""); });
   refused("orders", [](SkyTableOptions& o) { o.orders = 0; });
   refused("orders", [](SkyTableOptions& o) { o.orders = 65; });
   refused("until_change", [](SkyTableOptions& o) { o.until_change = -1.0; });

@@ -400,7 +400,9 @@ TEST_CASE("sky view: what cannot be looked up is refused", "[sky][view][errors]"
   CHECK(broken([](SkyTables& t) { t.transmittance.push_back(0.0F); }).says("transmittance"));
   CHECK(broken([](SkyTables& t) { t.irradiance.clear(); }).says("irradiance"));
   CHECK(broken([](SkyTables& t) { t.options.heights = 1 << 20; }).says("heights"));
-  CHECK(broken([](SkyTables& t) { t.options.lowest_sun_degrees = 5.0; }).says("lowest_sun_degrees"));
+  CHECK(broken([](SkyTables& t) {
+          t.options.minimum_sun_elevation_degrees = 5.0;
+        }).says("minimum_sun_elevation_degrees"));
   CHECK(broken([](SkyTables& t) { t.atmosphere.bottom_radius_m = -1.0; }).code == ErrorCode::invalid_argument);
   const SkyView view(small_view_tables(), 0.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -149,7 +149,7 @@ inline void add_bits(BitHash& hash, const Projection& projection) {
   add_bits(hash, projection.radiance);
   add_bits(hash, projection.diagnostics);
 }
-/// The method's name and times are left out.
+/// The method and times are left out.
 inline void add_bits(BitHash& hash, const MipRecord& mip) {
   for (const int number : {mip.size, mip.bands, mip.bright_texels, mip.samples}) add_bits(hash, number);
   add_bits(hash, mip.roughness);
@@ -208,10 +208,20 @@ void add_bits(BitHash& hash, const std::shared_ptr<Value>& value) {
   if (value) add_bits(hash, *value);
 }
 
+/// A result that was no optional when hashes were recorded: where it is not there it was empty.
+template <class Image>
+void add_bits_or_empty(BitHash& hash, const std::optional<Image>& image) {
+  if (image) {
+    add_bits(hash, *image);
+  } else {
+    add_bits(hash, Image());
+  }
+}
+
 inline void add_bits(BitHash& hash, const BakeResult& result) {
-  add_bits(hash, result.background);
+  add_bits_or_empty(hash, result.background);
   add_bits(hash, result.specular);
-  add_bits(hash, result.irradiance);
+  add_bits_or_empty(hash, result.irradiance);
   add_bits(hash, result.radiance);
   add_bits(hash, result.brdf);
   add_bits(hash, result.stored_polynomial);

@@ -1,5 +1,6 @@
 // Runs every test case in the floating-point environment that WELKIN_TEST_FLOAT_MODE names, as a caller would that has
 // set it: without the variable in the default one.
+#define CATCH_CONFIG_EXTERNAL_INTERFACES  // Catch2 2 shows listeners only so
 #include <cstdlib>
 
 #include "float_environment/modes.h"

@@ -3,8 +3,10 @@
 #include <dlfcn.h>
 #include <malloc.h>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -24,6 +26,14 @@ thread_local bool asked_for_failures = false;
 [[maybe_unused]] std::atomic<bool> watching{false};
 std::atomic<long> held_bytes{0};
 std::atomic<long> most_bytes{0};
+
+[[maybe_unused]] thread_local bool blocks_are_watched = false;  ///< those that this thread gets
+std::array<std::atomic<void*>, 16384> watched_blocks;
+std::atomic<long> foreign_frees{0};
+
+[[maybe_unused]] std::atomic<void*>& watched_place(void* block) noexcept {
+  return watched_blocks[reinterpret_cast<std::uintptr_t>(block) / 16 % watched_blocks.size()];
+}
 
 bool must_fail() noexcept {
   const Failing where = failing.load(std::memory_order_acquire);
@@ -65,6 +75,18 @@ HeapWatch::~HeapWatch() { watching = false; }
 
 long HeapWatch::peak_bytes() const noexcept { return most_bytes; }
 
+ForeignFrees::ForeignFrees() noexcept {
+  foreign_frees = 0;
+  blocks_are_watched = true;
+}
+
+ForeignFrees::~ForeignFrees() {
+  blocks_are_watched = false;
+  for (std::atomic<void*>& block : watched_blocks) block = nullptr;
+}
+
+long ForeignFrees::count() const noexcept { return foreign_frees; }
+
 }  // namespace welkin::test
 
 // The program's operators new take the place of the library's for every library in the process. What they do not refuse
@@ -104,6 +126,7 @@ void count() noexcept {
 }
 
 void* given(void* block) noexcept {
+  if (block != nullptr && blocks_are_watched) watched_place(block) = block;
   if (block == nullptr || !watching.load(std::memory_order_relaxed)) return block;
   const auto bytes = static_cast<long>(malloc_usable_size(block));
   const long held = held_bytes.fetch_add(bytes, std::memory_order_relaxed) + bytes;
@@ -114,6 +137,9 @@ void* given(void* block) noexcept {
 }
 
 void taken(void* block) noexcept {
+  void* watched = block;
+  const bool was_watched = block != nullptr && watched_place(block).compare_exchange_strong(watched, nullptr);
+  if (was_watched && !blocks_are_watched) ++foreign_frees;
   if (block == nullptr || !watching.load(std::memory_order_relaxed)) return;
   held_bytes.fetch_sub(static_cast<long>(malloc_usable_size(block)), std::memory_order_relaxed);
 }

@@ -43,4 +43,17 @@ class HeapWatch {
   [[nodiscard]] long peak_bytes() const noexcept;
 };
 
+/// While it lives, watches blocks that this thread gets from malloc meanwhile, and counts those of them that other
+/// threads free. One at a time. A block may be missed if another one takes its place in the table of those that are
+/// watched; none is counted that this thread did not get. Sanitizers bring a heap of their own: 0 under them.
+class ForeignFrees {
+ public:
+  ForeignFrees() noexcept;
+  ~ForeignFrees();
+  ForeignFrees(const ForeignFrees&) = delete;
+  ForeignFrees& operator=(const ForeignFrees&) = delete;
+
+  [[nodiscard]] long count() const noexcept;
+};
+
 }  // namespace welkin::test

@@ -460,12 +460,12 @@ std::vector<float> uneven_strip(int size) {
 
 TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools]") {
   const SphericalHarmonics plain = radiance_of(run_sh_json("--sky --bands 4"));
-  const SphericalHarmonics turned = radiance_of(run_sh_json("--sky --bands 4 --yaw 90"));
-  CHECK(glm::length(turned.at(1, 1) - plain.at(1, 0)) < 1e-12);
-  CHECK(glm::length(turned.at(1, -1) - plain.at(1, -1)) < 1e-12);
-  CHECK(distance(turned, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
+  const SphericalHarmonics made = radiance_of(run_sh_json("--sky --bands 4 --yaw 90"));
+  CHECK(glm::length(made.at(1, 1) - plain.at(1, 0)) < 1e-12);
+  CHECK(glm::length(made.at(1, -1) - plain.at(1, -1)) < 1e-12);
+  CHECK(distance(made, turned(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
   const std::string half = std::to_string(std::sqrt(0.5));
-  CHECK(distance(turned, radiance_of(run_sh_json("--sky --bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
+  CHECK(distance(made, radiance_of(run_sh_json("--sky --bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
   CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
                                                 "-0.9659258262890683"))) < 1e-12);
   CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 360"))) == 0.0);
@@ -489,7 +489,7 @@ TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun i
     INFO(engine.name);
     const nlohmann::json json = run_sh_json(std::string("--sky --for ") + engine.name);
     CHECK(json.at("axes").at("engine") == engine.name);
-    CHECK(distance(radiance_of(json), transform(plain, engine.from_welkin)) < 1e-12);
+    CHECK(distance(radiance_of(json), turned(plain, engine.from_welkin)) < 1e-12);
   }
 }
 
@@ -505,7 +505,7 @@ TEST_CASE("sh: a cubemap of an engine, for that engine, is taken as it is", "[to
 
   // three.js looks the other way along x into its cube textures.
   const nlohmann::json three = run_sh_json("--from three --for three " + quoted(path));
-  const SphericalHarmonics mirrored = transform(radiance_of(as_it_is), glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1));
+  const SphericalHarmonics mirrored = turned(radiance_of(as_it_is), glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1));
   CHECK(distance(radiance_of(three), mirrored) < 1e-12);
 }
 

@@ -128,11 +128,11 @@ TEST_CASE("sky: the sun's azimuth turns the light and nothing else", "[tools][sk
   const nlohmann::json front = sky_json("--sun-elevation 12");
   const SphericalHarmonics before = harmonics_of(front.at("radiance"), 3);
   for (const double azimuth : {90.0, -37.0, 180.0, 360.0}) {
-    const nlohmann::json turned = sky_json("--sun-elevation 12 --sun-azimuth " + std::to_string(azimuth));
-    CHECK(relative_difference(turned.at("radiance"), transform(before, turn_about_y(azimuth))) < 1e-6);
-    const glm::dvec3 sun = rgb_of(turned.at("sun").at("direction"));
+    const nlohmann::json aside = sky_json("--sun-elevation 12 --sun-azimuth " + std::to_string(azimuth));
+    CHECK(relative_difference(aside.at("radiance"), turned(before, turn_about_y(azimuth))) < 1e-6);
+    const glm::dvec3 sun = rgb_of(aside.at("sun").at("direction"));
     CHECK(glm::length(sun - sun_direction(12.0, azimuth)) < 1e-15);
-    CHECK(rgb_of(turned.at("sun").at("irradiance")) == rgb_of(front.at("sun").at("irradiance")));
+    CHECK(rgb_of(aside.at("sun").at("irradiance")) == rgb_of(front.at("sun").at("irradiance")));
   }
   CHECK(glm::length(rgb_of(sky_json("--sun-elevation 0 --sun-azimuth 90").at("sun").at("direction")) -
                     glm::dvec3(1, 0, 0)) < 1e-15);
@@ -145,7 +145,7 @@ TEST_CASE("sky: light and sun are given in the engine's axes", "[tools][sky]") {
     const nlohmann::json json = sky_json("--sun-elevation 12 --sun-azimuth 30 --for " + std::string(of.name));
     INFO(of.name);
     CHECK(json.at("axes").at("engine") == of.name);
-    const SphericalHarmonics expected = transform(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
+    const SphericalHarmonics expected = turned(harmonics_of(welkin_axes.at("radiance"), 3), of.from_welkin);
     CHECK(relative_difference(json.at("radiance"), expected) < 1e-12);
     CHECK(glm::length(rgb_of(json.at("sun").at("direction")) -
                       of.from_welkin * rgb_of(welkin_axes.at("sun").at("direction"))) < 1e-14);

@@ -106,10 +106,10 @@ TEST_CASE("a sun that only turns makes no work", "[dynamic_sky]") {
   CHECK(after.speculars_baked == before.speculars_baked);
   const double half = std::sqrt(0.5);
   CHECK(relative_difference(frame.radiance.coefficients(),
-                            rotate(ahead, glm::dquat(half, 0.0, half, 0.0)).coefficients()) < 1e-12);
+                            turned(ahead, glm::dquat(half, 0.0, half, 0.0)).coefficients()) < 1e-12);
   // What came from +z comes from +x now.
-  CHECK(glm::distance(frame.reflections[0].rotation * glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)) < 1e-12);
-  CHECK(glm::distance(frame.reflections[0].rotation * glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 0)) < 1e-15);
+  CHECK(glm::distance(frame.reflections[0].turn * glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)) < 1e-12);
+  CHECK(glm::distance(frame.reflections[0].turn * glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 0)) < 1e-15);
 }
 
 TEST_CASE("intensity is a factor, and what is below the threshold is nothing", "[dynamic_sky]") {

@@ -23,11 +23,13 @@
 #include "support/catch.h"
 #include "support/detached.h"
 #include "support/gate.h"
+#include "support/heap.h"
 #include "support/lent.h"
 #include "support/outcome.h"
 #include "support/process_threads.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
+#include "welkin/job_future.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -75,7 +77,48 @@ std::set<int> threads_at_work(Worker& worker, int count) {
   return threads;
 }
 
+struct Seven {
+  bool operator==(const Seven&) const = default;
+  int operator()(const Control&) const { return 7; }
+};
+
+Detached await_seven(Worker& worker, std::atomic<int>& sum) {
+  auto job = worker.post(Seven{});
+  sum += co_await std::move(job).drained();
+}
+
+/// Jobs of all kinds, of which nothing is kept. Posted from this thread, drained on it.
+void post_everything(Worker& worker, std::atomic<int>& sum) {
+  const std::string key = "a key that is too long to be kept inside a string";
+  worker.post([&](const Control&) { ++sum; });
+  worker.post([&](const Control&) { ++sum; }, {.key = key});  // replaces the one of the last round, if that waits
+  for (int equal = 0; equal < 2; ++equal) worker.post(Seven{}).on_drain([&](Job<int> job) { sum += job.get(); });
+  static_cast<void>(worker.post(Seven{}).then([&](int value) { sum += value; }));
+  worker.post(Seven{}).cancel();
+  await_seven(worker, sum);
+  worker.drain();
+}
+
 }  // namespace
+
+// Promise: an engine's allocations do not meet a thread of the worker inside the system's allocator, which may have
+// been put aside there: what a post allocates, no thread of the worker frees.
+TEST_CASE("no thread of a worker frees what a posting thread has allocated", "[jobs][worker]") {
+  tbb::task_arena arena(2);
+  WorkerOptions own;
+  own.threads = 2;
+  for (const WorkerOptions& options : {own, lent(arena)}) {
+    INFO((options.executor ? "an executor" : "threads of its own"));
+    std::atomic<int> sum{0};
+    Worker worker(options);
+    const ForeignFrees foreign;
+    for (int round = 0; round < 200; ++round) post_everything(worker, sum);
+    worker.wait_until_idle();
+    worker.drain();
+    CHECK(foreign.count() == 0);
+    CHECK(sum > 200 * 4);
+  }
+}
 
 TEST_CASE("a worker has as many threads as it was asked for, all at work at once", "[worker]") {
   for (const int count : {1, 2, 5}) {

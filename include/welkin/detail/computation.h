@@ -35,11 +35,52 @@ namespace detail {
 class WELKIN_HIDDEN Scheduler;
 class Computation;
 class JobRecord;
+
+/// Memory for what a post makes and a thread of the worker lets go of. The system's allocator is kept out of that: a
+/// thread of low rank that is put aside while it frees a block may hold a lock which the next allocation of the posting
+/// thread takes. Blocks that come back are kept for later posts, in lists without locks, until a worker is destroyed.
+/// Blocks of more than 4 KB are the system's at once. Throws std::bad_alloc.
+[[nodiscard]] void* allocate_job_memory(std::size_t bytes);
+void free_job_memory(void* block, std::size_t bytes) noexcept;
+
+template <class Type>
+struct JobAllocator {
+  using value_type = Type;
+
+  JobAllocator() = default;
+  template <class Other>
+  JobAllocator(const JobAllocator<Other>&) noexcept {}  // NOLINT(google-explicit-constructor): allocators convert
+
+  [[nodiscard]] Type* allocate(std::size_t count) {
+    if constexpr (kAligned) return std::allocator<Type>().allocate(count);
+    return static_cast<Type*>(allocate_job_memory(count * sizeof(Type)));
+  }
+  void deallocate(Type* block, std::size_t count) noexcept {
+    if constexpr (kAligned) return std::allocator<Type>().deallocate(block, count);
+    free_job_memory(block, count * sizeof(Type));
+  }
+
+  template <class Other>
+  bool operator==(const JobAllocator<Other>&) const noexcept {
+    return true;
+  }
+
+ private:
+  static constexpr bool kAligned = alignof(Type) > __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+};
+
+template <class Type, class... Arguments>
+[[nodiscard]] std::shared_ptr<Type> make_shared_in_job_memory(Arguments&&... arguments) {
+  return std::allocate_shared<Type>(JobAllocator<Type>(), std::forward<Arguments>(arguments)...);
+}
+
 // Lists whose nodes are made when a job is posted and then only change hands. So nothing is allocated when a job
-// starts, is given up or ends.
-using ComputationList = std::list<std::shared_ptr<Computation>>;
-using JobList = std::list<std::shared_ptr<JobRecord>>;
-using ComputationIndex = std::multimap<std::size_t, std::shared_ptr<Computation>>;
+// is given up or ends.
+using ComputationList = std::list<std::shared_ptr<Computation>, JobAllocator<std::shared_ptr<Computation>>>;
+using JobList = std::list<std::shared_ptr<JobRecord>, JobAllocator<std::shared_ptr<JobRecord>>>;
+using ComputationIndex = std::multimap<std::size_t, std::shared_ptr<Computation>, std::less<>,
+                                       JobAllocator<std::pair<const std::size_t, std::shared_ptr<Computation>>>>;
+using JobKey = std::basic_string<char, std::char_traits<char>, JobAllocator<char>>;
 
 /// A byte whose address stands for the type. It is not constant, because linkers may merge equal constants. Two shared
 /// libraries may each have one for the same type; the type then counts as two.
@@ -60,7 +101,7 @@ class JobRecord {
   // Constant once the job is posted.
   const void* result_type;  ///< the address of its `type_tag`
   std::uint64_t id = 0;
-  std::string key;
+  JobKey key;
   std::shared_ptr<Scheduler> scheduler;
   std::shared_ptr<Computation> posted;
 
@@ -131,7 +172,6 @@ class Computation {
   bool runs_after_errors = false;      ///< also if the job that it follows has failed
   Place where = Place::worker;
 
-  std::stop_source stop;
   std::atomic<double> progress{0.0};  ///< 0 to 1, never falling
   std::exception_ptr failure;         ///< the error of the job that it follows; set before it starts
 
@@ -140,12 +180,15 @@ class Computation {
   JobList jobs;                                  ///< that want the result
   std::shared_ptr<JobRecord> parent;             ///< the job that it follows, until that is done
   std::shared_ptr<Computation> waits_for;        ///< whose end its thread waits for
-  std::shared_ptr<Computation> next_to_stop;     ///< in a list of those that are being told to stop
-  std::uint64_t bytes = 0;                       ///< that count against the worker's limit
-  ComputationList* list = nullptr;   ///< of those that wait, of those that run, or of its parent's followers
-  ComputationList::iterator place;   ///< in that list
-  bool indexed = false;              ///< in the scheduler's index of what can be shared, and
-  ComputationIndex::iterator entry;  ///< where in there
+  /// Of its run. The thread that runs it makes it, and takes it back if nobody has told the run to stop.
+  std::stop_source stop{std::nostopstate};
+  bool stopping = false;                      ///< the run has been told to stop: it is for nobody
+  std::shared_ptr<Computation> next_to_stop;  ///< in a list of those that are being told
+  std::uint64_t bytes = 0;                    ///< that count against the worker's limit
+  ComputationList* list = nullptr;            ///< of those that wait, of those that run, or of its parent's followers
+  ComputationList::iterator place;            ///< in that list
+  bool indexed = false;                       ///< in the scheduler's index of what can be shared, and
+  ComputationIndex::iterator entry;           ///< where in there
 };
 
 /// What a request gives: the result of calling it with a `Control`.
@@ -242,7 +285,7 @@ bool attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Comp
 /// first what that follows. Throws `Error` (invalid_argument) if the wait would never end (docs/threading.md).
 void wait(const std::shared_ptr<JobRecord>& job);
 
-/// Waits until the job is ready, at most so long, and does not help.
+/// Waits until the job is ready, at most so long, and does not help. It looks once a millisecond, or more often.
 void wait_for(const std::shared_ptr<JobRecord>& job, std::chrono::nanoseconds time);
 
 /// Throws why the job has no result, if that is so. It is ready.

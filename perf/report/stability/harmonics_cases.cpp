@@ -57,7 +57,7 @@ double turned_light_error(double angle, int bands) {
   for (std::uint32_t k = 0; k < 6; ++k) {
     const glm::dvec3 from = direction(k);
     const glm::dvec3 axis = k == 0 ? glm::dvec3(0, 1, 0) : direction(k + 50);
-    worst = worse(worst, relative_error(rotate(point_light(from, bands), turn(axis, angle)),
+    worst = worse(worst, relative_error(turned(point_light(from, bands), turn(axis, angle)),
                                         point_light(turned(from, axis, angle), bands)));
   }
   return worst;
@@ -68,7 +68,7 @@ double tiny_change_error(double angle) {
   const glm::dvec3 from = direction(3);
   const glm::dvec3 axis = direction(60);
   const SphericalHarmonics light = point_light(from, 2);
-  const SphericalHarmonics after = rotate(light, turn(axis, angle));
+  const SphericalHarmonics after = turned(light, turn(axis, angle));
   const double scale = std::sqrt(3.0 / (4.0 * kPi));
   const glm::dvec3 velocity = glm::cross(axis, from);
   const glm::dvec3 found = glm::dvec3(after.at(1, 1).x - light.at(1, 1).x, after.at(1, -1).x - light.at(1, -1).x,
@@ -95,10 +95,10 @@ Walk walk(int bands, int steps, const std::function<glm::dquat(std::uint32_t)>& 
   glm::dquat total(1, 0, 0, 0);
   for (int k = 0; k < steps; ++k) {
     const glm::dquat small = step(static_cast<std::uint32_t>(k));
-    walked = rotate(walked, small);
+    walked = turned(walked, small);
     total = glm::normalize(small * total);
   }
-  Walk result{relative_error(walked, rotate(light, total)), 0.0};
+  Walk result{relative_error(walked, turned(light, total)), 0.0};
   for (int l = 0; l < bands; ++l) {
     result.power = worse(result.power, relative_error(band_power(walked, l), band_power(light, l)));
   }
@@ -111,13 +111,13 @@ glm::dquat same_step(std::uint32_t) { return turn(direction(5), 2.0 * kPi / 1000
 double stretched_error(double length) {
   const glm::dquat q = turn(direction(9), 1.1);
   const glm::dquat stretched(q.w * length, q.x * length, q.y * length, q.z * length);
-  return relative_error(rotate(random_light(4), stretched), rotate(random_light(4), q));
+  return relative_error(turned(random_light(4), stretched), turned(random_light(4), q));
 }
 
 double there_and_back(double angle) {
   const SphericalHarmonics light = random_light(16);
   const glm::dquat q = turn(direction(11), angle);
-  return relative_error(rotate(rotate(light, q), glm::conjugate(q)), light);
+  return relative_error(turned(turned(light, q), glm::conjugate(q)), light);
 }
 
 void add_angles(StabilityCases& cases) {
@@ -218,7 +218,7 @@ double gradient_lambda_error(double ratio) {
 /// How far below zero the irradiance still goes, over its mean, by looking in many directions.
 double left_below_zero(const SphericalHarmonics& light) {
   const SphericalHarmonics irradiance = irradiance_from_radiance(apply_window(light, Window::min_laplacian).radiance);
-  const double mean = average_radiance(irradiance).x;
+  const double mean = mean_radiance(irradiance).x;
   double least = 0.0;
   for (const glm::dvec3& d : spread_directions(2000)) least = std::min(least, evaluate(irradiance, d).x);
   return -least / mean;
@@ -282,7 +282,7 @@ double turned_lambda_error(int bands) {
   const SphericalHarmonics light = one_sided_light(bands);
   const double lambda = apply_window(light, Window::min_laplacian).parameter;
   const glm::dquat turn(0.3, 0.4, -0.2, 0.7);
-  return relative_error(apply_window(rotate(light, turn), Window::min_laplacian).parameter, lambda);
+  return relative_error(apply_window(turned(light, turn), Window::min_laplacian).parameter, lambda);
 }
 
 /// Factors 2^-300 to 2^300 on the light change nothing but its size.

@@ -239,12 +239,12 @@ double half_lit_irradiance(double degrees) {
 
 template <class Image>
 double cosine_error(const Image& map, double degrees) {
-  return std::abs(reference_irradiance(map.view(), from_nadir(degrees)).x - half_lit_irradiance(degrees)) / kPi;
+  return std::abs(direct_irradiance(map.view(), from_nadir(degrees)).x - half_lit_irradiance(degrees)) / kPi;
 }
 
 template <class Image>
 double cosine_relative_error(const Image& map, double degrees) {
-  return relative_error(reference_irradiance(map.view(), from_nadir(degrees)).x, half_lit_irradiance(degrees));
+  return relative_error(direct_irradiance(map.view(), from_nadir(degrees)).x, half_lit_irradiance(degrees));
 }
 
 /// What a lobe sees of a half-lit sphere, plus what its mirror image in the horizon sees: all of it.

@@ -102,7 +102,7 @@ SphericalHarmonics noise_truth(int size) {
   SphericalHarmonics sum(3);
   for (int face = 0; face < 6; ++face) {
     const image::Frame& frame = image::face_frame(face);
-    sum = add(sum, transform(local, glm::dmat3(frame.u, frame.v, frame.normal)));
+    sum = add(sum, turned(local, glm::dmat3(frame.u, frame.v, frame.normal)));
   }
   return sum;
 }
@@ -138,7 +138,7 @@ double growth(const std::function<double(int)>& error, const std::vector<int>& s
 
 /// Mean of the sphere on each mip against that of the first.
 double mips_drift(int size, const Control& control) {
-  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, 0, control);
+  const CubemapChain chain = build_mips(noise_cube(size, 9).view(), MipFilter::solid_angle, std::nullopt, control);
   const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
   double worst = 0.0;
   for (int level = 1; level < chain.levels(); ++level) {
@@ -269,7 +269,7 @@ double checkerboard_irradiance() {
   const CubemapImage minus = checkerboard_cube(33, -1.0F);
   double worst = 0.0;
   for (const glm::dvec3& normal : spread_directions(20)) {
-    const glm::dvec3 sum = reference_irradiance(plus.view(), normal) + reference_irradiance(minus.view(), normal);
+    const glm::dvec3 sum = direct_irradiance(plus.view(), normal) + direct_irradiance(minus.view(), normal);
     worst = worse(worst, std::abs(sum.x) / std::numbers::pi);
   }
   return worst;
