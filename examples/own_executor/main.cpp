@@ -2,7 +2,6 @@
 //
 // The program makes the light of a few cubemaps on the pool, polls for it as a frame loop would, and compares it with
 // what direct calls give. It ends with 0 if all is the same.
-#include <welkin/core.h>
 #include <welkin/worker.h>
 
 #include <algorithm>
@@ -13,30 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "pool_executor.h"
 #include "thread_pool.h"
 
 namespace {
-
-/// The whole bridge: two functions.
-class PoolExecutor final : public welkin::Executor {
- public:
-  /// The pool must live for as long as the worker, so it is made before it.
-  explicit PoolExecutor(own_executor::ThreadPool& pool) : pool_(pool) {}
-
-  [[nodiscard]] int concurrency() const noexcept override { return static_cast<int>(pool_.size()); }
-
-  void enqueue(void (*run)(void* job), void* job) override {
-    pool_.push([run, job] {
-      // Welkin spreads the tiles of a job over the TBB arena of the thread that it is called on. An arena of one thread
-      // keeps a job on this thread of the pool, so that oneTBB adds none of its own. Without it, call run(job) as it
-      // is.
-      welkin::run_with_threads(1, [run, job] { run(job); });
-    });
-  }
-
- private:
-  own_executor::ThreadPool& pool_;
-};
 
 /// A room with grey walls and a bright ceiling, each one of another brightness.
 welkin::CubemapImage room(int number) {
@@ -63,7 +42,7 @@ int main() {
 
   own_executor::ThreadPool pool(2);
   welkin::WorkerOptions options;
-  options.executor = std::make_shared<PoolExecutor>(pool);
+  options.executor = std::make_shared<own_executor::PoolExecutor>(pool);
   welkin::Worker worker(std::move(options));  // it has no threads of its own
 
   std::vector<welkin::Job<welkin::Projection>> jobs;
