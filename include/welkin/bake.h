@@ -78,8 +78,9 @@ struct BakeResult {
   std::optional<BabylonPolynomial> stored_polynomial;
 
   /// Pixels read, replaced and clamped; total radiance and error estimate as `project` has them; each pass ("clean",
-  /// "background", "background mips", "specular", "project", "irradiance", "brdf", of files "read" before them) with
-  /// its wall time: as passes overlap, times add up to more than the bake took.
+  /// "background", "background mips", "specular", "project", "irradiance", "brdf", of files "read" before them, of
+  /// `bake_to` "store background" and so on after them) with its wall time: as passes overlap, times add up to more
+  /// than the bake took.
   ProjectionDiagnostics diagnostics;
   std::uint64_t peak_bytes = 0;  ///< bound on results and working memory together: what `bake_bytes` says
 
@@ -107,17 +108,19 @@ struct BakeTargets {
 [[nodiscard]] BakeResult bake(const CubemapView& source, const BakeOptions& options = {}, const Control& control = {});
 
 /// The same into an older result, whose background and specular cubemap keep their memory where sizes are the same:
-/// fresh pages cost the system time. After an exception `result` can only be baked into again, or freed.
+/// fresh pages cost the system time. Memory that is kept stays that of the resource which
+/// it came from, whatever `control.memory` says. After an exception `result` can only be baked into again, or freed.
 void bake_into(BakeResult& result, const LatLongView& source, const BakeOptions& options = {},
                const Control& control = {});
 void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions& options = {},
                const Control& control = {});
 
 /// The same with cubemaps in memory of the caller's: each is written to its targets, in their formats, as soon as it is
-/// made, while other passes still run. The texels are those that `store_texels` writes. What went to targets is not in
-/// the result. Nothing is written where a target is refused. Throws `Error` as `bake`, and invalid_argument for targets
-/// of another size or number than the bake makes, or of a cubemap that the options leave out; after an exception
-/// targets may be written in part.
+/// made, while other passes still run. The texels are those that `store_texels` writes. A background or an irradiance
+/// cubemap that went to targets is absent from the result; `specular` then has its records and a chain without levels.
+/// Nothing is written where a target is refused. Throws `Error` as `bake`, and invalid_argument for targets of another
+/// size or number than the bake makes, or of a cubemap that the options leave out; after an exception targets may be
+/// written in part.
 [[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const LatLongView& source, const BakeOptions& options = {},
                                  const Control& control = {});
 [[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options = {},

@@ -114,7 +114,8 @@ enum class ThreadPriority {
   normal,  ///< as the thread that made the worker
 };
 
-/// Runs `work` in an arena of its own with `threads` threads (0: as many as the process may use).
+/// Runs `work` in an arena of its own with `threads` threads, the calling one among them (0: as many as the process may
+/// use; 1: on the calling thread alone).
 ///
 /// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
 /// arena keeps its thread budget without this function. It is for programs that have no arena.

@@ -104,7 +104,8 @@ struct EngineLight {
   std::vector<EngineTerm> terms;  ///< in the engine's order
 
   /// The same light as the engine packs it for its shader, a channel at a time: seven for Unity and for Unreal, in the
-  /// order in which they lie in memory; none for engines whose shaders read the terms.
+  /// order in which they lie in memory (SHA of red, green and blue, SHB of red, green and blue, SHC); none for engines
+  /// whose shaders read the terms.
   std::vector<EngineVector> vectors;
 };
 
@@ -113,8 +114,9 @@ struct EngineLight {
 
 /// The terms of an engine's form from radiance in Welkin's axes: turned to the engine's axes
 /// (`Convention::from_welkin`), then signs, order and scale. Bands above the third are left out, missing ones are
-/// zero. Throws `Error` (invalid_argument) for an engine that has no such form (openexr, blender), naming those that
-/// do.
+/// zero. Coefficients of faces that the engine rendered itself are not in Welkin's axes: see `engine_light_in_place`
+/// and `Convention::faces_from_engine`. Throws `Error` (invalid_argument) for an engine that has no such form (openexr,
+/// blender), naming those that do.
 [[nodiscard]] EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine);
 
 /// The same without the turn: `radiance` is in the engine's axes already.

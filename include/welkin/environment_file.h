@@ -1,7 +1,7 @@
 // Environments in files, on disk or in memory: what one is, what is in it, and its light.
 //
-// Read here: OpenEXR, Radiance .hdr, PFM and PNG; environment_file.h writes them. And cubemaps with their levels in
-// KTX2, DDS (texture_file.h) and Babylon.js .env files (texture_file.h; here in Welkin's axes).
+// Read and written here: OpenEXR, Radiance .hdr, PFM and PNG. Read here too: cubemaps with their levels in KTX2, DDS
+// and Babylon.js .env files (in Welkin's axes); texture_file.h reads them whole and writes them.
 #pragma once
 
 #include <array>

@@ -225,7 +225,7 @@ struct UploadLayout {
   int levels = 1;                                   ///< 1 to `full_chain_levels(size)`
   UploadOrder order = UploadOrder::level_by_level;  ///< whether levels or faces follow each other
   std::uint64_t row_alignment_bytes = 1;            ///< of the distance between rows; D3D12 wants 256
-  std::uint64_t level_alignment_bytes = 1;          ///< of the start of each face of each level; D3D12 wants 512
+  std::uint64_t level_alignment_bytes = 1;  ///< of each face of each level, from the start of the memory; D3D12: 512
 };
 
 /// Bytes of such a block. Throws `Error` (invalid_argument) for members out of range.

@@ -52,7 +52,8 @@ struct RadianceClamp {
   friend bool operator==(const RadianceClamp&, const RadianceClamp&) = default;
 };
 
-/// What becomes of pixel values before they count as radiance. Every call that reads pixels takes one.
+/// What becomes of pixel values before they count as radiance. Calls that project, prefilter, bake or integrate pixels
+/// take one. What takes none uses the values as they are, or the default policy.
 struct PixelPolicy {
   /// None by default. What a clamp takes away is reported in the diagnostics.
   std::optional<RadianceClamp> clamp{};

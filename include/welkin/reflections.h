@@ -118,8 +118,8 @@ enum class RoughnessSchedule {
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
 
 /// The mip, fractions too, at which a shader that interpolates between mips finds `roughness`: by linear interpolation
-/// in `table`, which must rise. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table or
-/// one that does not rise.
+/// in `table`, which must not fall. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table
+/// or one that falls.
 [[nodiscard]] double mip_of_roughness(const std::vector<double>& table, double roughness);
 
 // The other half of the split sum: how much of the light a GGX surface (or sheen) sends back, by angle and roughness.

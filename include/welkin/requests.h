@@ -31,7 +31,7 @@ struct Environment;  // environment_file.h
 // ---- Pixels of a request
 
 /// A cubemap for a request, together with what keeps its pixels alive. Copies share the pixels. Two are equal if they
-/// are the same pixels in memory: values are not compared.
+/// are the same pixels in memory with the same owner: values are not compared.
 class CubemapSource {
  public:
   /// The pixels are moved into the request, without a copy, and are freed when it is done.

@@ -1,4 +1,4 @@
-// Reflections of a computed sky.
+// Reflections of a computed sky, and plans for skies.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// All of Welkin's C++ interface.
+// All of Welkin's C++ interface but job_future.h, which brings the standard library's futures along.
 #pragma once
 
 #include "welkin/atmosphere.h"

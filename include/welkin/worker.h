@@ -98,7 +98,9 @@ struct PostOptions {
   TaskPriority priority = TaskPriority::normal;  ///< among the jobs that wait
 
   /// Latest wins: a job with the same key that waits or runs is given up for this one, and ends with an `Error`
-  /// (replaced). Empty: no key. Copied by `post`.
+  /// (replaced). If it ran, it reads its pixels until it is ready. Jobs that take longer than the time between two
+  /// posts of their key never end. A request that equals one in flight joins its run all the same. Empty: no key.
+  /// Copied by `post`.
   std::string_view key{};
 
   /// What the request counts against `WorkerOptions::max_bytes`; by default what its `bytes()` says, or 0.

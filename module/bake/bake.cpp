@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
-#include <memory_resource>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -52,7 +51,7 @@ class Baking {
 
   void run(const Control& control) {
     if (targets_ != nullptr) check_targets();
-    prepare_results(control.memory);
+    prepare_results();
     add_passes();
     if (targets_ != nullptr) add_stores();
     graph_.run(control);
@@ -68,14 +67,9 @@ class Baking {
     std::size_t pass = kSkipped;  ///< of the graph
   };
 
-  /// Makes room for the results, in what is there if it has the right size.
-  void prepare_results(std::pmr::memory_resource* memory) {
-    if (plan_.background_size == 0) {
-      result_.background.reset();
-    } else {
-      CubemapChain older = std::move(result_.background).value_or(CubemapChain());
-      result_.background = image::shaped(std::move(older), plan_.background_size, plan_.background_levels, memory);
-    }
+  /// What is there of an older bake stays only where its memory can be used again.
+  void prepare_results() {
+    if (plan_.background_size == 0) result_.background.reset();
     if (!options_.specular) result_.specular.reset();
     if (!options_.irradiance) result_.irradiance.reset();
     result_.radiance.reset();
@@ -190,7 +184,9 @@ class Baking {
       result_.background = std::move(found_.background->value);
       return found(found_.background->where, found_.background->milliseconds);
     }
-    CubemapChain& chain = *result_.background;
+    CubemapChain older = std::move(result_.background).value_or(CubemapChain());
+    CubemapChain& chain = result_.background.emplace(
+        image::shaped(std::move(older), plan_.background_size, plan_.background_levels, control.memory));
     // A chain of huge values went through a scale and back, which loses what is very dark.
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
@@ -254,7 +250,7 @@ class Baking {
       return done(BakePass::specular);
     }
     std::optional<PrefilteredSpecular> made;
-    if (found_.missing_specular) made = prefiltered(*found_.missing_specular, control);
+    if (found_.missing_specular) made = prefiltered(*found_.missing_specular, {control.stop, control.progress});
     result_.specular = store_->whole_specular(std::move(made));
     ProjectionDiagnostics clean;  // nothing to report: what was prefiltered has been sanitized before
     clean.texels = source_.shape().texels();

@@ -71,12 +71,9 @@ void StoredChain::add(PrefilteredSpecular made) {
     const std::size_t level = mip - first_missing_;
     store_.store(names_[mip], encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0)));
   }
-  if (made.mips.size() == mips_.size()) {
-    chain_ = std::move(made.cubemap);
-  } else {
-    const float* const first = made.cubemap.face(0, 0);
-    std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
-  }
+  const float* const first = made.cubemap.face(0, 0);
+  std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
+  made.cubemap = {};
   std::move(made.mips.begin(), made.mips.end(), mips_.begin() + static_cast<std::ptrdiff_t>(first_missing_));
   made_ = std::move(made);
 }

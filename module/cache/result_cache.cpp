@@ -200,8 +200,10 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
     sanitized_bytes = source.bytes();
     sanitized = cache::store_sanitized(*store_, sanitized_entry, source);
     if (missing) {
-      chain.add(reflections::prefilter(projection::view_of(source, view), *missing, {}, {},
-                                       jobs::part_of(control, kHashing, 1.0)));
+      // Only the whole chain is a result.
+      Control making = jobs::part_of(control, kHashing, 1.0);
+      making.memory = nullptr;
+      chain.add(reflections::prefilter(projection::view_of(source, view), *missing, {}, {}, making));
     }
   }
   PrefilteredSpecular specular = chain.take();

@@ -463,9 +463,9 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
     report.values_clamped += picture.clamped;
   }
   file.finish();
-  file.commit();
   report.files.push_back(file.path());
   if (control.progress) control.progress(1.0);
+  file.commit();  // last: whatever throws leaves what was there before
   return report;
 }
 

@@ -30,12 +30,13 @@ baking::StoredKinds FileSource::stored() const {
 void FileSource::read(const Control& control) {
   if (plan_.streams) return;
   const std::uint64_t limit = file_.read.memory_limit_bytes;
+  const Control reading{control.stop, control.progress};  // what is read here is no result
   if (!plan_.take_specular && !plan_.take_levels) {
-    environment_ = read_environment(file_.input, file_.read, control);
+    environment_ = read_environment(file_.input, file_.read, reading);
   } else if (file_.info.format == FileFormat::babylon) {
-    chain_ = mirrored_x(read_babylon_environment(file_.input, limit, control).specular);
+    chain_ = mirrored_x(read_babylon_environment(file_.input, limit, reading).specular);
   } else {
-    chain_ = read_texture(file_.input, limit, control).cubemap;
+    chain_ = read_texture(file_.input, limit, reading).cubemap;
   }
 }
 

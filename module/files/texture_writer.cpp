@@ -171,9 +171,9 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
   WriteReport report;
   report.values_clamped = container.write({file, mips, options, control});
   file.finish();
-  file.commit();
   report.files.push_back(file.path());
   if (control.progress) control.progress(1.0);
+  file.commit();  // last: whatever throws leaves what was there before
   return report;
 }
 
@@ -197,9 +197,9 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
   WriteReport report;
   report.values_clamped = container.write_picture({file, picture, options, control});
   file.finish();
-  file.commit();
   report.files.push_back(file.path());
   if (control.progress) control.progress(1.0);
+  file.commit();  // last: whatever throws leaves what was there before
   return report;
 }
 

@@ -95,11 +95,9 @@ class OutputFiles {
   }
 
   WriteReport commit() {
-    for (const auto& file : files_) {
-      file->commit();
-      report_.files.push_back(file->path());
-    }
+    for (const auto& file : files_) report_.files.push_back(file->path());
     if (control_.progress) control_.progress(1.0);
+    for (const auto& file : files_) file->commit();  // last: whatever throws leaves what was there before
     return std::move(report_);
   }
 

@@ -285,7 +285,8 @@ CubemapChain::CubemapChain(int size, int levels, std::pmr::memory_resource* memo
   }
   if (memory == nullptr) memory = std::pmr::get_default_resource();
   pixels_ = {static_cast<float*>(memory->allocate(bytes(), kCacheLine)), Free{memory, bytes()}};
-  platform::advise_huge_pages(pixels_.get(), bytes());
+  // What another resource gives belongs to a block of the caller's.
+  if (memory == std::pmr::new_delete_resource()) platform::advise_huge_pages(pixels_.get(), bytes());
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {

@@ -152,7 +152,8 @@ void check(int size, const CubemapTarget& to) {
       throw Error(ErrorCode::invalid_argument, "face " + std::to_string(face) + " of the target is a null pointer");
   }
   const std::uint64_t row = texel * static_cast<std::uint64_t>(to.size);
-  const auto pitch = static_cast<std::uint64_t>(to.row_stride_bytes < 0 ? -to.row_stride_bytes : to.row_stride_bytes);
+  const auto stride = static_cast<std::uint64_t>(to.row_stride_bytes);
+  const std::uint64_t pitch = to.row_stride_bytes < 0 ? 0 - stride : stride;
   if (pitch != 0 && pitch < row) {
     throw Error(ErrorCode::invalid_argument, "the target's rows are " + std::to_string(pitch) +
                                                  " bytes apart, and a row takes " + std::to_string(row));

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <memory_resource>
 #include <stop_token>
 #include <utility>
 
@@ -77,7 +78,8 @@ class TaskGraph::Run {
         progress_(control, divide_progress()),
         waits_for_(std::make_unique<std::atomic<std::size_t>[]>(passes.size())),
         failures_(passes.size() + 1),
-        group_(own_context_) {
+        group_(own_context_),
+        memory_(control.memory) {
     for (std::size_t pass = 0; pass < passes.size(); ++pass) waits_for_[pass] = passes[pass].waits_for;
   }
 
@@ -146,7 +148,7 @@ class TaskGraph::Run {
   void run_pass(std::size_t pass) {
     throw_if_cancelled(stop_.get_token());
     const auto begin = std::chrono::steady_clock::now();
-    Control control{stop_.get_token(), {}};
+    Control control{stop_.get_token(), {}, memory_};
     if (progress_.wanted()) {
       control.progress = [this, pass](double done) { pass_progress_[pass].report(done, progress_); };
     }
@@ -181,6 +183,7 @@ class TaskGraph::Run {
   /// Of our own: if the caller's group is cancelled, its tasks are dropped and ours are not.
   tbb::task_group_context own_context_{tbb::task_group_context::isolated};
   tbb::task_group group_;
+  std::pmr::memory_resource* memory_;  ///< the caller's, for chains that passes return
 };
 
 void TaskGraph::run(const Control& control) {

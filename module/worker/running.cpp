@@ -267,6 +267,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
     }
     job->ready.store(true, std::memory_order_release);
   }
+  if (!jobs.empty()) signal();  // who waits for a result does not wait for the books
   error = nullptr;
   {
     Books books(*this);

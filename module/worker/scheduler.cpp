@@ -231,6 +231,7 @@ void Scheduler::admit(Arrival& arrival, const std::shared_ptr<Computation>& equa
   }
   if (equal) {
     bytes_ -= std::exchange(posted->bytes, 0);
+    news_ = true;  // for posts that wait for room
     work.ended.splice(work.ended.end(), arrival.node);
     job->computation = equal;
     job->progress = &equal->progress;
@@ -303,6 +304,7 @@ bool Scheduler::reserve(std::uint64_t bytes, std::size_t freed_jobs, std::uint64
     const std::uint64_t rest = held - freed_bytes;
     if (rest > options_.max_bytes || bytes > options_.max_bytes - rest) {
       --jobs_;
+      signal();  // whoever saw the place taken looks again
       return false;
     }
   } while (!bytes_.compare_exchange_weak(held, held + bytes));

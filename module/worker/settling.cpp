@@ -334,7 +334,12 @@ void throw_taken() {
 namespace {
 
 constexpr std::size_t kSmallestBlock = 64;
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define WELKIN_SEES_ADDRESSES
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(WELKIN_SEES_ADDRESSES)
 constexpr std::size_t kLargestBlock = 0;  // AddressSanitizer is to see what is used after its end
 #else
 constexpr std::size_t kLargestBlock = 4096;
@@ -350,11 +355,21 @@ class FreeBlocks {
  public:
   void* take() noexcept {
     FreeBlock* const first = top_.exchange(nullptr, std::memory_order_acquire);
-    if (first != nullptr && first->next != nullptr) put_back(first->next);
+    if (first == nullptr) return nullptr;
+    kept_.fetch_sub(1, std::memory_order_relaxed);
+    FreeBlock* rest = first->next;
+    FreeBlock* surplus = nullptr;  // of takers that met each other, and each made a block
+    if (rest != nullptr && kept_.load(std::memory_order_relaxed) > kMostKept) {
+      surplus = std::exchange(rest, rest->next);
+      kept_.fetch_sub(1, std::memory_order_relaxed);
+    }
+    if (rest != nullptr) put_back(rest);
+    ::operator delete(surplus);
     return first;
   }
 
   void put(FreeBlock* block) noexcept {
+    kept_.fetch_add(1, std::memory_order_relaxed);
     block->next = top_.load(std::memory_order_relaxed);
     while (!top_.compare_exchange_weak(block->next, block, std::memory_order_release, std::memory_order_relaxed)) {
     }
@@ -362,10 +377,17 @@ class FreeBlocks {
 
   void give_back() noexcept {
     FreeBlock* block = top_.exchange(nullptr, std::memory_order_acquire);
-    while (block != nullptr) ::operator delete(std::exchange(block, block->next));
+    while (block != nullptr) {
+      ::operator delete(std::exchange(block, block->next));
+      kept_.fetch_sub(1, std::memory_order_relaxed);
+    }
   }
 
  private:
+  /// Twice as many as the jobs that a worker takes by default. What is above goes back to the system, block by block,
+  /// where one is taken: by threads that post, so that a worker's thread does not free what they allocated.
+  static constexpr std::ptrdiff_t kMostKept = 8192;
+
   /// All the stack, which others have found empty since. What they have put there goes on top, as it is the shorter
   /// list.
   void put_back(FreeBlock* rest) noexcept {
@@ -379,6 +401,7 @@ class FreeBlocks {
   }
 
   std::atomic<FreeBlock*> top_{nullptr};
+  std::atomic<std::ptrdiff_t> kept_{0};  ///< in the stack, and below that while blocks are on their way
 };
 
 constexpr std::size_t size_class(std::size_t bytes) {

@@ -1,4 +1,5 @@
 // Whose memory a bake's cubemaps are in: targets of the caller's, or what a memory resource of the caller's gives.
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory_resource>
@@ -13,6 +14,7 @@
 #include "welkin/core.h"
 #include "welkin/plan.h"
 #include "welkin/resampling.h"
+#include "welkin/result_cache.h"
 
 namespace welkin::test {
 namespace {
@@ -149,6 +151,21 @@ TEST_CASE("memory: chains of results are taken from the caller's resource, and g
   }
   CHECK(memory.taken() > 0);
   CHECK(memory.held() == 0);
+}
+
+TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bake][cache]") {
+  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
+  ResultCache cache({.memory_bytes = 1 << 20});
+  const BakeOptions options = small_bake();
+  BakeOptions others = options;
+  others.specular->roughness = {0.0, 0.3, 0.8};
+  for (const BakeOptions& each : {options, options, others}) {  // nothing is known, all, and two mips of three
+    CountingResource memory;
+    const BakeResult result = cache.bake(picture.view(), each, {.memory = &memory});
+    const std::size_t bytes = result.background->bytes() + result.specular->cubemap.bytes();
+    CHECK(memory.held() == bytes);
+    CHECK(memory.taken() == bytes);
+  }
 }
 
 TEST_CASE("memory: chains fit into one block of the caller's", "[bake]") {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -399,6 +400,30 @@ TEST_CASE("after an error the bytes that were to be written are as they were", "
   CHECK(bytes == before);
   // The folder of a name need not be there.
   check_write_options({bytes, "no such folder/sky.exr"}, {}, false);
+}
+
+TEST_CASE("what a callback throws at the end leaves the bytes, and the file, as they were", "[codec][memory]") {
+  const LatLongImage picture{64, 32, some_pixels(64, 32)};
+  const CubemapChain chain = noisy_chain(8, 1);
+  const Bytes before(5, std::byte{9});
+  const TemporaryDirectory directory;
+  const Control control{{}, [](double done) {
+                          if (done == 1.0) throw std::runtime_error("no");
+                        }};
+  const auto check = [&](const char* name, const auto& write) {
+    CAPTURE(name);
+    Bytes bytes = before;
+    CHECK_THROWS_AS(write(FileOutput(bytes, name)), std::runtime_error);
+    CHECK(bytes == before);
+    CHECK_THROWS_AS(write(FileOutput(directory.file(name))), std::runtime_error);
+    CHECK_FALSE(std::filesystem::exists(directory.file(name)));
+  };
+  for (const char* name : {"sky.exr", "sky.hdr", "sky.pfm", "sky.png"}) {
+    check(name, [&](const FileOutput& output) { write_environment(output, picture.view(), {}, control); });
+  }
+  for (const char* name : {"sky.ktx2", "sky.dds"}) {
+    check(name, [&](const FileOutput& output) { write_texture(output, chain.views(), {}, control); });
+  }
 }
 
 // Promises: a request to a worker owns its bytes; they count against the worker's limit.

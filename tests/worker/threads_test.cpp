@@ -31,6 +31,7 @@
 #include "support/test_environments.h"
 #include "welkin/job_future.h"
 #include "welkin/worker.h"
+#include "worker/scheduler.h"
 
 namespace welkin::test {
 
@@ -118,6 +119,27 @@ TEST_CASE("no thread of a worker frees what a posting thread has allocated", "[j
     CHECK(foreign.count() == 0);
     CHECK(sum > 200 * 4);
   }
+}
+
+TEST_CASE("the memory of jobs that is kept has a bound, however often threads meet", "[worker]") {
+  detail::give_back_job_memory();
+  const HeapWatch heap;
+  constexpr std::size_t kBytes = 64;
+  constexpr int kPairs = 1'000'000;
+  const auto take_and_put = [] {
+    for (int pair = 0; pair < kPairs; ++pair) {
+      void* const first = detail::allocate_job_memory(kBytes);
+      void* const second = detail::allocate_job_memory(kBytes);
+      detail::free_job_memory(first, kBytes);
+      detail::free_job_memory(second, kBytes);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (int thread = 0; thread < 4; ++thread) threads.emplace_back(take_and_put);
+  threads.clear();
+  constexpr long kMostKept = 8192;
+  constexpr long kWithMallocsOwn = 2 * kBytes;  // a block's, generously
+  CHECK(heap.peak_bytes() < (kMostKept + 1000) * kWithMallocsOwn);
 }
 
 TEST_CASE("a worker has as many threads as it was asked for, all at work at once", "[worker]") {
