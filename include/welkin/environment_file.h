@@ -37,8 +37,9 @@ class FileInput {
 
   /// The file at a path: whatever converts to `std::filesystem::path`. Nothing is opened yet.
   template <std::convertible_to<std::filesystem::path> Path>
-  FileInput(Path&& path)  // NOLINT(google-explicit-constructor): a path is an input as it is
-      : path_(std::forward<Path>(path)) {}
+  // A path is an input as it is, and no input is a path.
+  // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
+  FileInput(Path&& path) : path_(std::forward<Path>(path)) {}
 
   /// All bytes of a file. Messages call it by `name`, which tells nothing else: the kind of file is told by its bytes.
   /// A square picture, which a path would make one of six files, is refused unless a layout is asked for.
@@ -80,8 +81,9 @@ class FileOutput {
  public:
   /// The file at a path: whatever converts to `std::filesystem::path`.
   template <std::convertible_to<std::filesystem::path> Path>
-  FileOutput(Path&& path)  // NOLINT(google-explicit-constructor): a path is an output as it is
-      : path_(std::forward<Path>(path)) {}
+  // A path is an output as it is, and no output is a path.
+  // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
+  FileOutput(Path&& path) : path_(std::forward<Path>(path)) {}
 
   /// A vector, which must outlive the call. The extension of `name` chooses the format as that of a path does, and
   /// messages call the file by it.

@@ -55,7 +55,7 @@ StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const Pi
       end_missing_ = mip + 1;
       continue;
     }
-    mips_[mip] = std::move(found->value);
+    mips_[mip] = found->value;
     where_ = where_.empty() || where_ == found->where ? found->where : "in memory and on disk";
     milliseconds_ += found->milliseconds;
   }
@@ -88,7 +88,7 @@ std::string StoredChain::found_text() const {
 PrefilteredSpecular StoredChain::take() {
   PrefilteredSpecular whole;
   whole.cubemap = std::move(chain_);
-  for (std::optional<MipRecord>& mip : mips_) whole.mips.push_back(std::move(*mip));
+  for (const std::optional<MipRecord>& mip : mips_) whole.mips.push_back(*mip);
   whole.pixels.passes = std::move(made_.pixels.passes);
   if (const std::string found = found_text(); !found.empty()) {
     whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", PassAction::reuse, found, milliseconds_});

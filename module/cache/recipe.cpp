@@ -171,7 +171,7 @@ std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels) {
   const std::size_t values = mip_values(size);
   if (mip.size != size || loader.reader.remaining() != values * sizeof(float)) return std::nullopt;
   loader.reader.floats({texels, values});
-  return if_complete(loader, std::move(mip));
+  return if_complete(loader, mip);
 }
 
 Bytes encode(const projection::FaceSums& sums) {

@@ -105,10 +105,10 @@ class RowSource {
 /// invalid_argument for one face in memory.
 [[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);
 
-/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: `faces`, as
+/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: `inputs`, as
 /// `six_inputs` finds them for `input`. Throws as `inspect_environment`; unsupported_file naming the file that is not
 /// square or not of the first one's size.
-[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& faces,
+[[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
                                                         const ReadOptions& options, const std::string& reason);
 
 /// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.

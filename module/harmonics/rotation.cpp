@@ -65,9 +65,9 @@ double distance_from_orthogonal(const glm::dmat3& matrix) {
 
 }  // namespace
 
-SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& rotation) {
+SphericalHarmonics turned(const SphericalHarmonics& harmonics, const Quaternion& turn) {
   const platform::FloatingPointScope floating_point;
-  return turned_by(glm::mat3_cast(normalised(rotation)), harmonics);
+  return turned_by(glm::mat3_cast(normalised(turn)), harmonics);
 }
 
 SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn) {

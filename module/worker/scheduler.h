@@ -50,6 +50,7 @@ using JobsByKey = std::map<JobKey, std::shared_ptr<JobRecord>, std::less<>,
 
 /// Of what a posting thread makes with `new` and a thread of the worker deletes.
 struct InJobMemory {
+  // NOLINTNEXTLINE(misc-new-delete-overloads): the delete that is told the size is this one's
   static void* operator new(std::size_t bytes) { return allocate_job_memory(bytes); }
   static void operator delete(void* block, std::size_t bytes) noexcept { free_job_memory(block, bytes); }
 };
