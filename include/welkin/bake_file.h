@@ -87,6 +87,7 @@ struct ProjectFile {
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Projection operator()(const Control& control) const;
+  /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const ProjectFile&, const ProjectFile&) = default;
@@ -99,6 +100,7 @@ struct ReadFile {
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] Environment operator()(const Control& control) const;
+  /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
 };
 
@@ -111,6 +113,7 @@ struct MeasureFile {
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] EnvironmentStatistics operator()(const Control& control) const;
+  /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const MeasureFile&, const MeasureFile&) = default;
@@ -126,6 +129,7 @@ struct BakeFile {
   std::shared_ptr<const std::vector<std::byte>> memory{};  ///< the file's bytes, if they are not read from the path
 
   [[nodiscard]] std::shared_ptr<const BakeResult> operator()(const Control& control) const;
+  /// Those of the bytes in memory; 0 for a path.
   [[nodiscard]] std::uint64_t bytes() const noexcept { return memory ? memory->size() : 0; }
   [[nodiscard]] std::size_t hash() const noexcept { return std::filesystem::hash_value(path); }
   friend bool operator==(const BakeFile&, const BakeFile&) = default;
