@@ -27,25 +27,13 @@
 #include <utility>
 #include <vector>
 
+#include "cube_frames.h"
+
 namespace {
 
 constexpr int kSize = 128;    // texels along an edge of a face
 constexpr int kFrames = 120;  // two seconds
 constexpr std::chrono::microseconds kFrameTime{16'667};
-
-/// The direction that a texel's centre of a face lies in: the frames of `welkin::CubemapView`.
-welkin::dvec3 direction_of(int face, int column, int row) {
-  const double u = (2.0 * column + 1.0) / kSize - 1.0;
-  const double v = (2.0 * row + 1.0) / kSize - 1.0;
-  switch (face) {
-    case 0: return glm::normalize(welkin::dvec3(1.0, -v, -u));
-    case 1: return glm::normalize(welkin::dvec3(-1.0, -v, u));
-    case 2: return glm::normalize(welkin::dvec3(u, 1.0, v));
-    case 3: return glm::normalize(welkin::dvec3(u, -1.0, -v));
-    case 4: return glm::normalize(welkin::dvec3(u, -v, 1.0));
-    default: return glm::normalize(welkin::dvec3(-u, -v, -1.0));
-  }
-}
 
 // ---- What the engine has: faces that its renderer makes
 
@@ -60,7 +48,7 @@ Face render(int face, int frame) {
   pixels.reserve(std::size_t{kSize} * kSize);
   for (int row = 0; row < kSize; ++row) {
     for (int column = 0; column < kSize; ++column) {
-      const welkin::dvec3 direction = direction_of(face, column, row);
+      const welkin::dvec3 direction = cube_frames::direction_of(face, column, row, kSize);
       const welkin::dvec3 surroundings =
           direction.y > 0.0 ? welkin::dvec3(0.3, 0.5, 0.9) : welkin::dvec3(0.25, 0.2, 0.15);
       const double glow = 20.0 * std::exp(40.0 * (glm::dot(direction, lamp) - 1.0));
@@ -138,7 +126,7 @@ double shader_error(const ShaderLight& light, const welkin::SphericalHarmonics& 
   const welkin::dvec3 mean = welkin::mean_radiance(radiance);
   double largest = 0.0;
   for (int face = 0; face < 6; ++face) {
-    const welkin::dvec3 normal = direction_of(face, kSize / 3, kSize / 5);
+    const welkin::dvec3 normal = cube_frames::direction_of(face, kSize / 3, kSize / 5, kSize);
     const welkin::dvec3 expected = welkin::evaluate(shown, normal);
     for (int channel = 0; channel < 3; ++channel) {
       const double shaded = shade_sh9(light, static_cast<std::size_t>(channel), normal);

@@ -3,6 +3,7 @@
 // D3D12 wants of a buffer from which it copies textures.
 #include <own_executor/pool_executor.h>
 #include <own_executor/thread_pool.h>
+#include <probes/cube_frames.h>
 #include <welkin/bake.h>
 #include <welkin/core.h>
 #include <welkin/image.h>
@@ -57,20 +58,6 @@ welkin::LatLongImage panorama(int height) {
   return image;
 }
 
-/// The direction that a texel's centre of a face lies in: the frames of `welkin::CubemapView`.
-welkin::dvec3 direction_of(int face, int column, int row, int size) {
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  switch (face) {
-    case 0: return glm::normalize(welkin::dvec3(1.0, -v, -u));
-    case 1: return glm::normalize(welkin::dvec3(-1.0, -v, u));
-    case 2: return glm::normalize(welkin::dvec3(u, 1.0, v));
-    case 3: return glm::normalize(welkin::dvec3(u, -1.0, -v));
-    case 4: return glm::normalize(welkin::dvec3(u, -v, 1.0));
-    default: return glm::normalize(welkin::dvec3(-u, -v, -1.0));
-  }
-}
-
 // ---- What lies in the buffer afterwards
 
 constexpr std::byte kUntouched{0xCD};  // what the buffer is filled with before the bake
@@ -94,7 +81,7 @@ double error_of_mip_0(const welkin::CubemapTarget& target) {
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < target.size; ++row) {
       for (int column = 0; column < target.size; ++column) {
-        const welkin::dvec3 expected = radiance(direction_of(face, column, row, target.size));
+        const welkin::dvec3 expected = radiance(cube_frames::direction_of(face, column, row, target.size));
         const Texel texel = read_texel(target, face, column, row);
         for (int channel = 0; channel < 3; ++channel) {
           const double stored = glm::unpackHalf1x16(texel[static_cast<std::size_t>(channel)]);

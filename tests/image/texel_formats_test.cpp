@@ -1,0 +1,120 @@
+// Texels as graphics APIs hold them: halves, b10g11r11 and e5b9g9r9, value by value.
+#include <Imath/half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "image/pixels.h"
+#include "support/catch.h"
+
+namespace welkin::test {
+
+// Promises: halves, b10g11r11 and e5b9g9r9 take the value that is nearest, among all that there are; each of these goes
+// to itself.
+
+namespace {
+
+/// Values over the whole range, denormals and places halfway between two among them.
+std::vector<float> values_up_to(float largest, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<float> values{0.0F, largest, std::numeric_limits<float>::denorm_min(), 0x1p-24F, 0x1p-25F, 0x3p-26F};
+  while (values.size() < 20000) {
+    const int exponent = static_cast<int>(random() % 48) - 31;
+    const float bits = random() % 2 == 0 ? 4096.0F : 8388608.0F;  // few bits: halfway, often
+    const float value =
+        std::ldexp(1.0F + std::floor(static_cast<float>(random() % 65536U) / 65536.0F * bits) / bits, exponent);
+    if (value <= largest) values.push_back(value);
+  }
+  return values;
+}
+
+/// All values of an unsigned float with five bits of exponent (bias 15), rising, in double.
+std::vector<double> all_small_floats(int mantissa_bits) {
+  std::vector<double> values;
+  for (int exponent = 0; exponent < 31; ++exponent) {
+    for (int mantissa = 0; mantissa < 1 << mantissa_bits; ++mantissa) {
+      const double fraction = std::ldexp(mantissa, -mantissa_bits);
+      values.push_back(exponent == 0 ? std::ldexp(fraction, -14) : std::ldexp(1.0 + fraction, exponent - 15));
+    }
+  }
+  return values;
+}
+
+/// The index of the nearest; of two, the even one.
+std::size_t nearest(const std::vector<double>& values, double value) {
+  const auto above = std::lower_bound(values.begin(), values.end(), value);
+  if (above == values.end()) return values.size() - 1;
+  const auto index = static_cast<std::size_t>(above - values.begin());
+  if (index == 0) return 0;
+  const double to_above = *above - value;
+  const double to_below = value - values[index - 1];
+  return to_above < to_below || (to_above == to_below && index % 2 == 0) ? index : index - 1;
+}
+
+bool is_a_number(std::uint16_t half) { return (half & 0x7C00U) != 0x7C00U; }
+
+}  // namespace
+
+TEST_CASE("every half comes back from its float, and floats go where Imath has them", "[codec][texels]") {
+  bool all = true;
+  for (unsigned bits = 0; bits < 65536; ++bits) {
+    const auto half = static_cast<std::uint16_t>(bits);
+    Imath::half value;
+    value.setBits(half);
+    if (is_a_number(half)) all = all && image::half_from_float(value) == half;
+  }
+  CHECK(all);
+  for (const float value : values_up_to(image::kLargestHalf, 1)) {
+    if (image::half_from_float(value) != Imath::half(value).bits() ||
+        image::half_from_float(-value) != Imath::half(-value).bits()) {
+      FAIL(value << " becomes " << image::half_from_float(value));
+    }
+  }
+}
+
+TEST_CASE("b10g11r11 takes the nearest value in each channel", "[codec][texels]") {
+  const std::vector<double> eleven = all_small_floats(6);
+  const std::vector<double> ten = all_small_floats(5);
+  REQUIRE(eleven.back() == static_cast<double>(image::kLargestFloat11));
+  REQUIRE(ten.back() == static_cast<double>(image::kLargestFloat10));
+  for (const float value : values_up_to(image::kLargestFloat10, 2)) {
+    const std::uint32_t texel = image::pack_b10g11r11({value, 0.0F, value});
+    const auto wide = static_cast<double>(value);
+    if (texel != (nearest(eleven, wide) | nearest(ten, wide) << 22U)) FAIL(value << " becomes " << texel);
+    if (image::pack_b10g11r11({0.0F, value, 0.0F}) != nearest(eleven, wide) << 11U) FAIL(value << " in green");
+  }
+  for (std::uint32_t bits = 0; bits < eleven.size(); ++bits) {
+    const std::array<float, 3> rgb = image::unpack_b10g11r11(bits | bits << 11U);
+    if (static_cast<double>(rgb[0]) != eleven[bits] || static_cast<double>(rgb[1]) != eleven[bits]) FAIL(bits);
+  }
+  for (std::uint32_t bits = 0; bits < ten.size(); ++bits) {
+    if (static_cast<double>(image::unpack_b10g11r11(bits << 22U)[2]) != ten[bits]) FAIL(bits);
+  }
+}
+
+TEST_CASE("e5b9g9r9 has the least exponent that holds the largest channel, and rounds to its steps",
+          "[codec][texels]") {
+  const std::vector<float> values = values_up_to(image::kLargestSharedFloat, 3);
+  for (std::size_t i = 0; i + 2 < values.size(); ++i) {
+    const std::array<float, 3> rgb{values[i], values[i + 1], values[i + 2]};
+    const std::uint32_t texel = image::pack_e5b9g9r9(rgb);
+    const auto largest = static_cast<double>(std::max({rgb[0], rgb[1], rgb[2]}));
+    const int exponent = static_cast<int>(texel >> 27U);
+    const double step = std::ldexp(1.0, exponent - 24);
+    const std::array<float, 3> back = image::unpack_e5b9g9r9(texel);
+    bool right = largest < 511.5 * step && (exponent == 0 || largest >= 511.5 * step / 2);
+    for (std::size_t c = 0; c < 3; ++c) {
+      right = right && static_cast<double>(back[c]) == std::floor(static_cast<double>(rgb[c]) / step + 0.5) * step;
+    }
+    if (!right) FAIL(rgb[0] << ' ' << rgb[1] << ' ' << rgb[2] << " become " << texel);
+  }
+  CHECK(image::pack_e5b9g9r9({1.0F, 0.0F, 0.0F}) == (16U << 27U | 256U));
+  CHECK(image::pack_e5b9g9r9({0.0F, 0.0F, image::kLargestSharedFloat}) == (31U << 27U | 511U << 18U));
+}
+
+}  // namespace welkin::test
