@@ -260,7 +260,7 @@ class Scenes {
   }
 
   void skies() {
-    const SkyPlan everything = plan(earth(), {}, small_sky());
+    const SkyPlan everything = plan(earth_bruneton(), {}, small_sky());
     const auto whole = measured(1, [&] { return bake(everything, sun_direction(20.0, 30.0)); });
     explain("a sky, everything", plan_text(everything, whole.result.passes));
     const auto equal = [&](const SkyBake& part) {
@@ -274,12 +274,13 @@ class Scenes {
       return comparison.text();
     };
     add_sky("moving sky, no glossy materials",
-            plan(earth(), {.glossy = std::nullopt, .background = false}, small_sky()), everything, whole, equal);
-    add_sky("still sky, reflections", plan(earth(), {.background = false, .sun_moves = false}, small_sky()), everything,
-            whole, equal);
+            plan(earth_bruneton(), {.glossy = std::nullopt, .background = false}, small_sky()), everything, whole,
+            equal);
+    add_sky("still sky, reflections", plan(earth_bruneton(), {.background = false, .sun_moves = false}, small_sky()),
+            everything, whole, equal);
     SkyBakeOptions once = small_sky();
     once.tables.orders = 1;
-    Atmosphere bare = without_aerosol(earth());
+    Atmosphere bare = without_aerosol(earth_bruneton());
     bare.absorbers.clear();
     add_sky("a planet without aerosol and ozone, one order", plan(bare, {.glossy = std::nullopt}, once), everything,
             whole, [](const SkyBake&) { return std::string("another sky"); });

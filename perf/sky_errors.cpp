@@ -95,7 +95,7 @@ std::shared_ptr<const SkyTables> tables_of(const Atmosphere& air, SkyTableOption
 /// Singly scattered light of the whole upper hemisphere, table by table: the rms of what is wrong over the rms of the
 /// truth, and the largest error of a direction over it.
 std::string radiance_table(const Settings& settings) {
-  const Atmosphere air = earth();
+  const Atmosphere air = earth_bruneton();
   const std::vector<glm::dvec3> directions = sky_directions(settings.directions);
   std::vector<SkyView> views;
   std::ostringstream text;
@@ -187,7 +187,7 @@ Traced traced(const Atmosphere& air, const Settings& settings, const glm::dvec3&
 /// Orders 2 to 4 alone: tables of four orders less those of one. Black ground, so that an order is an order: what a
 /// ray sees of lit ground counts one more.
 std::string orders_table(const Settings& settings) {
-  const Atmosphere air = with_ground_albedo(earth(), 0.0);
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
   const SkyView single(tables_of(air, {}, 1), settings.altitude);
   const SkyView all(tables_of(air, {}, 4), settings.altitude);
   std::ostringstream text;

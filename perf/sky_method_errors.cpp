@@ -73,7 +73,7 @@ std::string lines_of_tabs(const std::vector<SkyMethod>& methods, const std::vect
 }  // namespace
 
 std::string sky_method_table(double altitude_m) {
-  const Atmosphere air = with_ground_albedo(earth(), 0.0);
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
   SkyTableOptions options;
   options.orders = 1;
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), altitude_m);

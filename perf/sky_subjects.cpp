@@ -6,7 +6,7 @@ std::shared_ptr<const SkyTables> earth_tables() {
   static const std::shared_ptr<const SkyTables> tables = [] {
     SkyTableOptions options;
     options.orders = 2;
-    return std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return tables;
 }

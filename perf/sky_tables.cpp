@@ -19,13 +19,13 @@ void add_sky_tables(const std::vector<int>& thread_counts) {
         const auto texels = static_cast<double>(sky::scattering_texels(options));
         add_benchmark("SkyTables", layout == ScatteringLayout::full ? "full" : "compact", std::to_string(orders),
                       threads, texels, 0.0, [=]() -> std::function<void()> {
-                        return [=] { benchmark::DoNotOptimize(precompute_sky(earth(), options)); };
+                        return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); };
                       });
       }
     }
     const SkyTableOptions least{.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1};
     add_benchmark("SkyTransmittance", "table", "64x256", threads, 64.0 * 256.0, 0.0, [=]() -> std::function<void()> {
-      return [=] { benchmark::DoNotOptimize(precompute_sky(earth(), least)); };
+      return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), least)); };
     });
   }
 }

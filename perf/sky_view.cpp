@@ -21,7 +21,7 @@ std::shared_ptr<const SkyTables> tables() {
   static const auto made = [] {
     SkyTableOptions options;
     options.orders = 2;
-    return std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return made;
 }

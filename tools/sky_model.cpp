@@ -1,6 +1,7 @@
 #include "tools/sky_model.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -144,24 +145,57 @@ std::vector<double> visible_spectrum() {
   return wavelengths;
 }
 
-bool is_earth(AtmospherePreset preset) {
-  return preset == AtmospherePreset::earth || preset == AtmospherePreset::no_aerosol;
+/// Earth's air by the kind of its aerosol, none: air without any.
+struct EarthPreset {
+  AtmospherePreset preset;
+  std::optional<AerosolKind> aerosol;
+};
+
+constexpr std::array<EarthPreset, 5> kEarthPresets{{{AtmospherePreset::earth, AerosolKind::clear},
+                                                    {AtmospherePreset::hazy, AerosolKind::hazy},
+                                                    {AtmospherePreset::dusty, AerosolKind::dusty},
+                                                    {AtmospherePreset::polluted, AerosolKind::polluted},
+                                                    {AtmospherePreset::no_aerosol, std::nullopt}}};
+
+const EarthPreset* earth_preset(AtmospherePreset preset) {
+  const auto found = std::ranges::find(kEarthPresets, preset, &EarthPreset::preset);
+  return found == kEarthPresets.end() ? nullptr : &*found;
 }
 
-Atmosphere earth_of(const AtmosphereChoice& choice, SkyColour colour) {
-  if (!choice.wavelengths_nm.empty()) return earth(choice.wavelengths_nm);
-  return colour == SkyColour::linear_srgb ? earth(visible_spectrum()) : earth();
+std::vector<double> wavelengths_of(const AtmosphereChoice& choice, SkyColour colour) {
+  if (!choice.wavelengths_nm.empty()) return choice.wavelengths_nm;
+  return colour == SkyColour::linear_srgb ? visible_spectrum() : Atmosphere{}.wavelengths_nm;
+}
+
+Atmosphere earth_of(const EarthPreset& preset, const AtmosphereChoice& choice, SkyColour colour) {
+  const std::vector<double> wavelengths = wavelengths_of(choice, colour);
+  if (!preset.aerosol) return without_aerosol(earth(wavelengths));
+  if (!choice.aerosol_depth) return earth(wavelengths, *preset.aerosol);
+  AerosolModel aerosol = aerosol_model(*preset.aerosol);
+  aerosol.optical_depth = *choice.aerosol_depth;
+  return with_aerosol(earth(wavelengths, *preset.aerosol), aerosol);
 }
 
 Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour colour) {
   if (choice.file) return read_atmosphere(*choice.file);
-  switch (choice.preset) {
-    case AtmospherePreset::earth_hillaire: return earth_hillaire();
-    case AtmospherePreset::mars: return mars();
-    case AtmospherePreset::no_aerosol: return without_aerosol(earth_of(choice, colour));
-    case AtmospherePreset::earth: break;
+  if (const EarthPreset* const preset = earth_preset(choice.preset)) return earth_of(*preset, choice, colour);
+  if (choice.preset == AtmospherePreset::earth_bruneton) return earth_bruneton(wavelengths_of(choice, colour));
+  return choice.preset == AtmospherePreset::mars ? mars() : earth_hillaire();
+}
+
+/// Throws if something is chosen that a preset or file does not offer.
+void check_choice(const AtmosphereChoice& choice) {
+  const EarthPreset* const earth = choice.file ? nullptr : earth_preset(choice.preset);
+  const bool any_wavelengths = earth != nullptr || (!choice.file && choice.preset == AtmospherePreset::earth_bruneton);
+  if (!choice.wavelengths_nm.empty() && !any_wavelengths) {
+    throw Error(ErrorCode::invalid_argument,
+                "--wavelengths is for the presets earth, hazy, dusty, polluted, no-aerosol and earth-bruneton; the "
+                "others and files have their own");
   }
-  return earth_of(choice, colour);
+  if (choice.aerosol_depth && (earth == nullptr || !earth->aerosol)) {
+    throw Error(ErrorCode::invalid_argument,
+                "--aerosol is for the presets earth, hazy, dusty and polluted; the others and files have their own");
+  }
 }
 
 }  // namespace
@@ -171,11 +205,25 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
   table.push_back(tool::choice<AtmospherePreset>(
       kPreset, choice.preset,
       {{"earth", AtmospherePreset::earth},
+       {"clear", AtmospherePreset::earth},
+       {"hazy", AtmospherePreset::hazy},
+       {"dusty", AtmospherePreset::dusty},
+       {"polluted", AtmospherePreset::polluted},
+       {"no-aerosol", AtmospherePreset::no_aerosol},
+       {"earth-bruneton", AtmospherePreset::earth_bruneton},
        {"earth-hillaire", AtmospherePreset::earth_hillaire},
-       {"mars", AtmospherePreset::mars},
-       {"no-aerosol", AtmospherePreset::no_aerosol}},
-      "Whose air: earth (default; the constants of Bruneton 2017), earth-hillaire (those of Hillaire 2020), mars, "
-      "no-aerosol (earth with nothing but gases)"));
+       {"mars", AtmospherePreset::mars}},
+      "Whose air: earth or clear (default; a clear day as measured), hazy, dusty, polluted, no-aerosol (nothing but "
+      "gases), earth-bruneton and earth-hillaire (the constants of Bruneton 2017 and Hillaire 2020: almost no "
+      "aerosol), "
+      "mars"));
+  table.push_back({.names = "--aerosol",
+                   .target = &choice.aerosol_depth,
+                   .text = "How much floats in the air of earth, hazy, dusty and polluted: the aerosol's vertical "
+                           "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
+                           "and more)",
+                   .type = "DEPTH",
+                   .bounds = finite_between(0.0, 100.0)});
   table.push_back({.names = "--atmosphere",
                    .target = &choice.file,
                    .text = "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
@@ -183,8 +231,9 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
                    .excludes = {kPreset}});
   table.push_back({.names = "--wavelengths",
                    .target = &choice.wavelengths_nm,
-                   .text = "For earth and no-aerosol: wavelengths in nm, separated by commas; three for r, g and b "
-                           "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
+                   .text =
+                       "For earths but earth-hillaire: wavelengths in nm, separated by commas; three for r, g and b "
+                       "(default 680,550,440), with --colour srgb 3 to 96 (default 400 to 680 by 20)",
                    .type = "LIST",
                    .list = List::commas});
   table.push_back(
@@ -196,10 +245,7 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
-  if (!choice.wavelengths_nm.empty() && (choice.file || !is_earth(choice.preset))) {
-    throw Error(ErrorCode::invalid_argument,
-                "--wavelengths is for the presets earth and no-aerosol; the others and files have their own");
-  }
+  check_choice(choice);
   Atmosphere atmosphere = atmosphere_before_changes(choice, colour);
   if (choice.ground_albedo) atmosphere = with_ground_albedo(std::move(atmosphere), *choice.ground_albedo);
   check(atmosphere);

@@ -21,22 +21,23 @@
 namespace welkin::tool {
 
 /// Which air: a preset, or a file; and what is changed of it.
-enum class AtmospherePreset { earth, earth_hillaire, mars, no_aerosol };
+enum class AtmospherePreset { earth, hazy, dusty, polluted, no_aerosol, earth_bruneton, earth_hillaire, mars };
 
 struct AtmosphereChoice {
   AtmospherePreset preset = AtmospherePreset::earth;
   std::optional<std::string> file;
-  std::vector<double> wavelengths_nm;  ///< none: the preset's; folded to colours, Earth's are a spectrum
+  std::vector<double> wavelengths_nm;   ///< none: the preset's; folded to colours, Earth's are a spectrum
+  std::optional<double> aerosol_depth;  ///< vertical, at 550 nm
   std::optional<double> ground_albedo;
 };
 
-/// --preset, --atmosphere, --wavelengths, --ground-albedo.
+/// --preset, --atmosphere, --wavelengths, --aerosol, --ground-albedo.
 void add_atmosphere_options(Options& table, AtmosphereChoice& choice);
 
 /// Of a file, what is missing is as in a default `Atmosphere`. Throws `Error`: file_access, limit_exceeded (more than a
 /// megabyte), corrupt_file for what is no JSON, for a member of another name or kind than those that `atmosphere_json`
-/// writes and for an atmosphere that cannot be computed; invalid_argument for wavelengths of an atmosphere that has but
-/// its own.
+/// writes and for an atmosphere that cannot be computed; invalid_argument for wavelengths or an aerosol's depth of an
+/// atmosphere that has but its own.
 [[nodiscard]] Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour);
 
 /// "spectral", "srgb".

@@ -652,10 +652,14 @@ typedef struct welkin_atmosphere welkin_atmosphere;
 /* Atmospheres to begin with. */
 typedef int32_t welkin_planet;
 enum {
-  WELKIN_PLANET_EARTH = 0,          /* Bruneton 2017's, at 680, 550 and 440 nm */
+  WELKIN_PLANET_EARTH = 0,          /* clear air as measured, at 680, 550 and 440 nm */
   WELKIN_PLANET_EARTH_HILLAIRE = 1, /* Hillaire 2020's */
   WELKIN_PLANET_MARS = 2,
-  WELKIN_PLANET_BARE = 3 /* of Earth's size, without air, light or colour, at 680, 550 and 440 nm */
+  WELKIN_PLANET_BARE = 3,           /* of Earth's size, without air, light or colour, at 680, 550 and 440 nm */
+  WELKIN_PLANET_EARTH_BRUNETON = 4, /* Bruneton 2017's, at 680, 550 and 440 nm: almost no aerosol */
+  WELKIN_PLANET_EARTH_HAZY = 5,     /* clear air's aerosol, three times as much */
+  WELKIN_PLANET_EARTH_DUSTY = 6,    /* desert dust */
+  WELKIN_PLANET_EARTH_POLLUTED = 7  /* continental air near cities */
 };
 
 /* Makes an atmosphere, which can then be changed. */
@@ -690,6 +694,12 @@ enum {
   WELKIN_MATTER_AEROSOL = 1,
   WELKIN_MATTER_ABSORBER = 2 /* ozone and the like, up to four: 2 to 5 */
 };
+
+/* Replaces the aerosol by one of this vertical optical depth at 550 nm (0 to 100), Angstrom exponent (-4 to 8), single
+ * scattering albedo (0 to 1) and asymmetry, of scale height 1200 m; atmosphere.h (`AerosolModel`) says more. */
+WELKIN_API welkin_status welkin_atmosphere_set_aerosol(welkin_atmosphere* atmosphere, double optical_depth,
+                                                       double angstrom_exponent, double single_scattering_albedo,
+                                                       double asymmetry);
 
 /* Null removes it. Absorbers are counted without gaps: the first one that is not there yet can be added. */
 WELKIN_API welkin_status welkin_atmosphere_set_matter(welkin_atmosphere* atmosphere, welkin_matter matter,

@@ -141,7 +141,7 @@ using Lights = std::vector<SphericalHarmonics>;
 
 constexpr std::array<double, 4> kScales{0.125, 0.25, 0.5, 1.0};
 constexpr double kSizeSafety = 2.0;
-constexpr double kOrderSafety = 1.5;
+constexpr double kOrderSafety = 2.0;
 constexpr double kMostRatio = 0.98;  ///< of an order's light to the one before it: above, no sum is worth a guess
 constexpr double kTexelNanoseconds =
     600.0;  ///< a texel of the scattering table and order, docs/sky.md: 2 s for 4 orders
@@ -179,11 +179,16 @@ double still_to_change(double last, double before) {
   return std::max(last, ratio * before) * ratio / (1.0 - ratio);
 }
 
-/// What the sum of all further orders adds to that of the last one, if they go on falling as the last three did.
+/// What the sum of all further orders adds to that of the last one. The ratio of one order to the one before it rises
+/// to a limit where much aerosol scatters forwards (0.41, 0.50, 0.53, 0.54 for haze): it is taken to rise once more as
+/// much as it last did, or by a third of the way to 1 where that is not known yet.
 double further(double last, double before, double before_that) {
-  const double ratio = std::max(before > 0.0 ? last / before : 0.0, before_that > 0.0 ? before / before_that : 0.0);
-  if (ratio >= kMostRatio) return std::numeric_limits<double>::infinity();
-  return last * ratio / (1.0 - ratio);
+  const double ratio = before > 0.0 ? last / before : 0.0;
+  const double earlier = before_that > 0.0 ? before / before_that : 0.0;
+  const double rise = before_that > 0.0 ? std::max(0.0, ratio - earlier) : (1.0 - ratio) / 3.0;
+  const double limit = std::max(ratio, earlier) + rise;
+  if (limit >= kMostRatio) return std::numeric_limits<double>::infinity();
+  return last * limit / (1.0 - limit);
 }
 
 }  // namespace

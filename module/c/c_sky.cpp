@@ -76,11 +76,16 @@ void set_absorber(Atmosphere& air, std::size_t number, bool there, Constituent m
 }
 
 Atmosphere planet_of(welkin_planet planet) {
-  require_enumerator("planet", planet, WELKIN_PLANET_BARE);
+  require_enumerator("planet", planet, WELKIN_PLANET_EARTH_POLLUTED);
+  const std::vector<double> wavelengths = Atmosphere{}.wavelengths_nm;
   switch (planet) {
     case WELKIN_PLANET_EARTH: return earth();
     case WELKIN_PLANET_EARTH_HILLAIRE: return earth_hillaire();
     case WELKIN_PLANET_MARS: return mars();
+    case WELKIN_PLANET_EARTH_BRUNETON: return earth_bruneton();
+    case WELKIN_PLANET_EARTH_HAZY: return earth(wavelengths, AerosolKind::hazy);
+    case WELKIN_PLANET_EARTH_DUSTY: return earth(wavelengths, AerosolKind::dusty);
+    case WELKIN_PLANET_EARTH_POLLUTED: return earth(wavelengths, AerosolKind::polluted);
     default: return {};
   }
 }
@@ -151,6 +156,19 @@ welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere,
     welkin::Atmosphere& air = air_of(atmosphere);
     air.aerosol_phase = enumerator("phase", phase, welkin::AerosolPhase::henyey_greenstein);
     air.aerosol_asymmetry = asymmetry;
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_atmosphere_set_aerosol(welkin_atmosphere* atmosphere, double optical_depth,
+                                            double angstrom_exponent, double single_scattering_albedo,
+                                            double asymmetry) {
+  return guarded([&] {
+    welkin::Atmosphere& air = air_of(atmosphere);
+    air = welkin::with_aerosol(air, {.optical_depth = optical_depth,
+                                     .angstrom_exponent = angstrom_exponent,
+                                     .single_scattering_albedo = single_scattering_albedo,
+                                     .asymmetry = asymmetry});
     return WELKIN_OK;
   });
 }

@@ -122,7 +122,7 @@ SkyTableOptions small_tables(int orders) {
 SkyTables tables_of(int orders, const Control& control) {
   SkyTables tables;
   std::vector<PassRecord> passes = fastest_passes([&] {
-    tables = precompute_sky(earth(), small_tables(orders), control);
+    tables = precompute_sky(earth_bruneton(), small_tables(orders), control);
     return tables.passes;
   });
   tables.passes = std::move(passes);

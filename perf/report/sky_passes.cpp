@@ -14,7 +14,7 @@ constexpr const char* kErrors =
     "|c - c*| / |c*| of the nine coefficients, the worst channel: root mean square over the sun's elevations, and the "
     "largest.";
 
-Atmosphere air() { return with_ground_albedo(earth(), 0.0); }
+Atmosphere air() { return with_ground_albedo(earth_bruneton(), 0.0); }
 
 std::vector<SphericalHarmonics> truths_of(const PassContext& context) {
   const Scale& scale = context.scale;

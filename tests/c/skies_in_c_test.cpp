@@ -119,17 +119,33 @@ std::array<double, 3> numbers(const glm::dvec3& vector) { return {vector.x, vect
 }  // namespace
 
 TEST_CASE("C: planets are the C++ calls'", "[c_interface]") {
-  const std::array expected{earth(), earth_hillaire(), mars(), Atmosphere{}};
+  const std::vector<double> rgb{680.0, 550.0, 440.0};
+  const std::array expected{earth(),
+                            earth_hillaire(),
+                            mars(),
+                            Atmosphere{},
+                            earth_bruneton(),
+                            earth(rgb, AerosolKind::hazy),
+                            earth(rgb, AerosolKind::dusty),
+                            earth(rgb, AerosolKind::polluted)};
   for (std::size_t planet = 0; planet < expected.size(); ++planet) {
     CAtmosphere air;
     REQUIRE(welkin_atmosphere_create(static_cast<welkin_planet>(planet), &air.handle) == WELKIN_OK);
     REQUIRE(air.handle->air == expected.at(planet));
-    REQUIRE(welkin_atmosphere_check(air.handle) == (planet < 3 ? WELKIN_OK : WELKIN_INVALID_ARGUMENT));
+    REQUIRE(welkin_atmosphere_check(air.handle) ==
+            (planet == WELKIN_PLANET_BARE ? WELKIN_INVALID_ARGUMENT : WELKIN_OK));
   }
   const std::vector<double> wavelengths{700.0, 600.0, 500.0, 400.0};
   CAtmosphere air;
   REQUIRE(welkin_atmosphere_create_earth(wavelengths.data(), 4, &air.handle) == WELKIN_OK);
   REQUIRE(air.handle->air == earth(wavelengths));
+
+  REQUIRE(welkin_atmosphere_set_aerosol(air.handle, 0.25, 1.1, 0.9, 0.65) == WELKIN_OK);
+  REQUIRE(air.handle->air ==
+          with_aerosol(
+              earth(wavelengths),
+              {.optical_depth = 0.25, .angstrom_exponent = 1.1, .single_scattering_albedo = 0.9, .asymmetry = 0.65}));
+  REQUIRE(welkin_atmosphere_set_aerosol(air.handle, -0.1, 1.1, 0.9, 0.65) == WELKIN_INVALID_ARGUMENT);
 }
 
 TEST_CASE("C: an atmosphere of the caller's own is what was set", "[c_interface]") {

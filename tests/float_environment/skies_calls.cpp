@@ -22,6 +22,9 @@ void call_atmospheres(Calls& calls) {
   calls.call("exponential_profile(", [] { return exponential_profile(7300.0); });
   calls.call("tent_profile(", [] { return tent_profile(24'700.0, 15'300.0); });
   const Atmosphere air = calls.call("earth(", [] { return earth({612.3, 549.1, 451.7}); });
+  calls.call("earth_bruneton(", [] { return earth_bruneton({612.3, 549.1, 451.7}); });
+  calls.call("aerosol_model(", [] { return with_aerosol(earth(), aerosol_model(AerosolKind::dusty)); });
+  calls.call("with_aerosol(", [] { return with_aerosol(earth(), {.optical_depth = 0.137, .angstrom_exponent = 1.1}); });
   calls.call("earth_hillaire(", [] { return earth_hillaire(); });
   calls.call("mars(", [] { return mars(); });
   calls.call("without_aerosol(", [&] { return without_aerosol(air); });

@@ -243,7 +243,7 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
   const auto wide = std::make_shared<const LatLongImage>(wide_picture());
   const auto cube = std::make_shared<const CubemapImage>(cube_picture());
   const SomeFiles files;
-  const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), tiny_tables()));
+  const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), tiny_tables()));
   const glm::dvec3 sun = sun_direction(25.0, 60.0);
   const SkyCurveOptions curve{.nodes = 9};
   const PrefilterOptions specular{.size = 8, .roughness = {0.0, 0.4, 1.0}};

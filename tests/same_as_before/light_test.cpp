@@ -297,7 +297,7 @@ TEST_CASE("Content hashes are the same as before", "[same_as_before]") {
           {"bake_options", [] { return hash_options(BakeOptions{}); }},
           {"read_options", [] { return hash_options(ReadOptions{}); }},
           {"sky_table_options", [] { return hash_options(SkyTableOptions{}); }},
-          {"atmosphere", [] { return hash_options(earth()); }},
+          {"atmosphere", [] { return hash_options(earth_bruneton()); }},
       });
 }
 

@@ -70,7 +70,7 @@ void must_be_refused(const Atmosphere& air, const std::string& words) {
 TEST_CASE("sky: every parameter of an atmosphere is refused by its name if it is no number or negative", "[sky][air]") {
   for (const Parameter& parameter : parameters()) {
     for (const double wrong : {kNan, kInfinity, -kInfinity, -0.25}) {
-      Atmosphere air = earth();
+      Atmosphere air = earth_bruneton();
       if (wrong == -0.25 && parameter.may_be_negative) {
         parameter.of(air) = wrong;
         CHECK_NOTHROW(check(air));
@@ -84,7 +84,7 @@ TEST_CASE("sky: every parameter of an atmosphere is refused by its name if it is
 
 TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
   const auto changed = [](const std::function<void(Atmosphere&)>& change) {
-    Atmosphere air = earth();
+    Atmosphere air = earth_bruneton();
     change(air);
     return air;
   };
@@ -114,8 +114,8 @@ TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
 }
 
 TEST_CASE("sky: presets and random atmospheres pass the check", "[sky][air]") {
-  for (const Atmosphere& air : {earth(), earth_hillaire(), mars(), without_aerosol(earth()),
-                                with_ground_albedo(mars(), 1.0), earth({360.0, 365.0, 830.0})}) {
+  for (const Atmosphere& air : {earth_bruneton(), earth_hillaire(), mars(), without_aerosol(earth_bruneton()),
+                                with_ground_albedo(mars(), 1.0), earth_bruneton({360.0, 365.0, 830.0})}) {
     INFO(air.name);
     CHECK_NOTHROW(check(air));
     CHECK_FALSE(air.name.empty());
@@ -128,7 +128,7 @@ TEST_CASE("sky: presets and random atmospheres pass the check", "[sky][air]") {
 }
 
 TEST_CASE("sky: the Earth has Bruneton's constants", "[sky][air]") {
-  const Atmosphere air = earth();
+  const Atmosphere air = earth_bruneton();
   // Of his web demo's shader, which has them folded for 680, 550 and 440 nm (Rayleigh, ozone: 1/km).
   CHECK(air.rayleigh.scattering_per_m[0] == Approx(5.802339e-6).epsilon(1e-6));
   CHECK(air.rayleigh.scattering_per_m[1] == Approx(1.3557762e-5).epsilon(1e-6));
@@ -137,11 +137,11 @@ TEST_CASE("sky: the Earth has Bruneton's constants", "[sky][air]") {
   CHECK(air.absorbers[0].absorption_per_m[0] == Approx(6.497166e-7).epsilon(1e-6));
   CHECK(air.absorbers[0].absorption_per_m[1] == Approx(1.8809e-6).epsilon(1e-4));
   CHECK(air.solar_irradiance == std::vector<double>{1.474, 1.8504, 1.91198});
-  const Atmosphere between = earth({365.0, 550.0, 830.0});
+  const Atmosphere between = earth_bruneton({365.0, 550.0, 830.0});
   CHECK(between.solar_irradiance[0] == Approx(0.5 * (1.11776 + 1.14259)).epsilon(1e-12));
   CHECK(between.solar_irradiance[2] == 1.04992);
-  CHECK(thrown_by([] { return earth({359.0, 550.0, 600.0}); }).says("359"));
-  CHECK(thrown_by([] { return earth({kNan, 550.0, 600.0}); }).says("360 to 830"));
+  CHECK(thrown_by([] { return earth_bruneton({359.0, 550.0, 600.0}); }).says("359"));
+  CHECK(thrown_by([] { return earth_bruneton({kNan, 550.0, 600.0}); }).says("360 to 830"));
 }
 
 TEST_CASE("sky: Mars has red dust, a paler sun and little air", "[sky][air]") {
@@ -150,7 +150,7 @@ TEST_CASE("sky: Mars has red dust, a paler sun and little air", "[sky][air]") {
     const auto at = static_cast<std::size_t>(i);
     CHECK((air.aerosol.scattering_per_m[at] + air.aerosol.absorption_per_m[at]) * 11'100.0 == Approx(0.5));
     CHECK(air.rayleigh.scattering_per_m[at] < 0.03 * air.aerosol.scattering_per_m[at]);
-    CHECK(air.solar_irradiance[at] == Approx(0.4307 * earth().solar_irradiance[at]).epsilon(1e-3));
+    CHECK(air.solar_irradiance[at] == Approx(0.4307 * earth_bruneton().solar_irradiance[at]).epsilon(1e-3));
   }
   CHECK(air.aerosol.absorption_per_m[2] > 3.0 * air.aerosol.absorption_per_m[0]);
   CHECK(air.rayleigh.scattering_per_m[1] == Approx(2.55e-7).epsilon(0.02));
@@ -161,9 +161,9 @@ TEST_CASE("sky: profiles and variants refuse what is no number", "[sky][air]") {
   CHECK(thrown_by([] { return exponential_profile(kNan); }).says("scale height"));
   CHECK(thrown_by([] { return tent_profile(-1.0, 1.0); }).says("centre"));
   CHECK(thrown_by([] { return tent_profile(1.0, kInfinity); }).says("half width"));
-  CHECK(thrown_by([] { return with_ground_albedo(earth(), 1.5); }).says("1.5"));
-  CHECK(without_aerosol(earth()).aerosol == Constituent{});
-  CHECK(with_ground_albedo(earth(), 0.25).ground_albedo == std::vector<double>(3, 0.25));
+  CHECK(thrown_by([] { return with_ground_albedo(earth_bruneton(), 1.5); }).says("1.5"));
+  CHECK(without_aerosol(earth_bruneton()).aerosol == Constituent{});
+  CHECK(with_ground_albedo(earth_bruneton(), 0.25).ground_albedo == std::vector<double>(3, 0.25));
 }
 
 TEST_CASE("sky: the sun stands where its angles say", "[sky][air]") {

@@ -63,13 +63,13 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   Atmosphere hazy = mars();
   hazy.aerosol_phase = AerosolPhase::cornette_shanks;
   hazy.aerosol_asymmetry = -0.4;
-  Atmosphere tiny = earth();
+  Atmosphere tiny = earth_bruneton();
   tiny.bottom_radius_m = 100.0;
   tiny.top_radius_m = 190.0;
   tiny.rayleigh = {exponential_profile(20.0), {0.01, 0.02, 0.05}, {}};
   tiny.aerosol = {tent_profile(30.0, 20.0), {0.02, 0.01, 0.005}, {0.0, 0.01, 0.02}};
   tiny.absorbers.clear();
-  for (const Atmosphere& air : {with_ground_albedo(earth(), 0.5), hazy, tiny}) {
+  for (const Atmosphere& air : {with_ground_albedo(earth_bruneton(), 0.5), hazy, tiny}) {
     for (const double elevation : {35.0, -2.0}) {
       INFO(air.name << ", sun at " << elevation);
       const glm::dvec3 sun = sun_direction(elevation, 30.0);
@@ -131,7 +131,7 @@ TEST_CASE("sky paths: air and ground that absorb nothing lose nothing", "[sky][a
 TEST_CASE("sky paths: orders add up, and higher ones are what is left", "[sky][air]") {
   const glm::dvec3 sun = sun_direction(25.0, 0.0);
   const auto light = [&](int lowest, int highest) {
-    return trace_sky_harmonics(earth(), 0.0, sun, 1,
+    return trace_sky_harmonics(earth_bruneton(), 0.0, sun, 1,
                                {.lowest_order = lowest, .highest_order = highest, .paths = 60'000});
   };
   const TracedHarmonics all = light(1, 5);
@@ -154,7 +154,7 @@ TEST_CASE("sky paths: standard errors are what repetitions show", "[sky][air]") 
   double claimed = 0.0;
   constexpr int repetitions = 60;
   for (int i = 0; i < repetitions; ++i) {
-    const TracedHarmonics traced = trace_sky_harmonics(earth(), 0.0, sun_direction(20.0, 0.0), 1,
+    const TracedHarmonics traced = trace_sky_harmonics(earth_bruneton(), 0.0, sun_direction(20.0, 0.0), 1,
                                                        {.paths = 4000, .seed = static_cast<std::uint64_t>(1000 + i)});
     values.push_back(traced.radiance[1][0]);
     claimed += traced.standard_error[1][0] * traced.standard_error[1][0] / repetitions;
@@ -214,7 +214,7 @@ TEST_CASE("sky paths: shells hold what they say, and their sums are the quadratu
 
 TEST_CASE("sky paths: a density that turns inside of its layer is bounded at its top", "[sky][air]") {
   // 0.05 + h / 200 m - 0.05 exp(h / 100 m): 0 on the ground, 0.70 at 230 m, 0.55 at 300 m.
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   air.top_radius_m = air.bottom_radius_m + 300.0;
   air.rayleigh.density = {
       {.exponential_term = -0.05, .exponential_scale_per_m = 0.01, .linear_term_per_m = 0.005, .constant_term = 0.05}};
@@ -288,7 +288,7 @@ TEST_CASE("sky paths: random atmospheres give finite light that is not negative"
 TEST_CASE("sky paths: what is asked for is checked, and the call stops and tells how far it is", "[sky][air]") {
   const glm::dvec3 up(0.0, 1.0, 0.0);
   const auto refused = [&](int bands, const PathTracingOptions& options, const std::string& words) {
-    const ThrownError error = thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, up, bands, options); });
+    const ThrownError error = thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, up, bands, options); });
     INFO(error.message);
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says(words));
@@ -299,8 +299,8 @@ TEST_CASE("sky paths: what is asked for is checked, and the call stops and tells
   refused(3, {.lowest_order = 3, .highest_order = 2}, "highest order is 2");
   refused(3, {.highest_order = 65}, "65");
   refused(3, {.paths = 1}, "paths is 1");
-  CHECK(thrown_by([&] { return trace_sky_harmonics(earth(), -1.0, up, 3); }).says("altitude"));
-  CHECK(thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, 3.0 * up, 3); }).says("sun"));
+  CHECK(thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), -1.0, up, 3); }).says("altitude"));
+  CHECK(thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, 3.0 * up, 3); }).says("sun"));
   std::stop_source stop;
   double told = 0.0;
   const Control control{.stop = stop.get_token(), .progress = [&](double share) {
@@ -308,7 +308,7 @@ TEST_CASE("sky paths: what is asked for is checked, and the call stops and tells
                           if (share > 0.05) stop.request_stop();
                         }};
   const ThrownError error =
-      thrown_by([&] { return trace_sky_harmonics(earth(), 0.0, up, 1, {.paths = 4'000'000}, control); });
+      thrown_by([&] { return trace_sky_harmonics(earth_bruneton(), 0.0, up, 1, {.paths = 4'000'000}, control); });
   CHECK(error.code == ErrorCode::cancelled);
   CHECK(told < 0.5);
 }
@@ -334,7 +334,7 @@ Atmosphere slab(double thickness, std::vector<double> scattering, std::vector<do
 }  // namespace
 
 TEST_CASE("sky reference: without air all is black but the ground and the sun", "[sky][air]") {
-  Atmosphere nothing = earth();
+  Atmosphere nothing = earth_bruneton();
   nothing.rayleigh = {};
   nothing.aerosol = {};
   nothing.absorbers.clear();
@@ -386,7 +386,7 @@ TEST_CASE("sky reference: a homogeneous slab is the integral of its exponentials
 
 TEST_CASE("sky reference: light goes both ways alike", "[sky][air]") {
   // Over flat ground, radiance over the sine of the sun's elevation is the same with eye and sun exchanged.
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   air.bottom_radius_m = 1e9;
   air.top_radius_m = 1e9 + 60.0;
   air.rayleigh.density = exponential_profile(8.0);
@@ -410,7 +410,7 @@ TEST_CASE("sky reference: light goes both ways alike", "[sky][air]") {
 TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
   // Exponential air over a ball of 20 scale heights, thick enough that its end does not count: along the horizon
   // R exp(x) K1(x), x = R / H (Chapman 1931); upwards H.
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   air.bottom_radius_m = 1000.0;
   air.top_radius_m = 11'000.0;
   constexpr double scale_height = 50.0;
@@ -439,7 +439,7 @@ TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
 }
 
 TEST_CASE("sky reference: a thin shell of scale height 10 m is not missed in ten radii of air", "[sky][air]") {
-  Atmosphere air = without_aerosol(earth());
+  Atmosphere air = without_aerosol(earth_bruneton());
   air.bottom_radius_m = 1e9;
   air.top_radius_m = 1.1e10;
   air.absorbers.clear();
@@ -455,7 +455,7 @@ TEST_CASE("sky reference: a thin shell of scale height 10 m is not missed in ten
 }
 
 TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air]") {
-  for (const Atmosphere& air : {earth(), mars()}) {
+  for (const Atmosphere& air : {earth_bruneton(), mars()}) {
     for (const double sun_elevation : {40.0, 1.0, -4.0}) {
       for (const double view_elevation : {90.0, 20.0, 2.0}) {
         INFO(air.name << ", sun " << sun_elevation << ", view " << view_elevation);
@@ -504,7 +504,7 @@ TEST_CASE("sky reference: it is what plain marching tends to", "[sky][air]") {
 }
 
 TEST_CASE("sky reference: refining changes it by no more than was asked", "[sky][air]") {
-  const Atmosphere air = earth();
+  const Atmosphere air = earth_bruneton();
   for (const double altitude : {0.0, 8000.0, 500'000.0}) {
     for (const double elevation : {-75.0, -8.0, -1.0, 0.0, 0.05, 30.0}) {
       for (const double sun : {60.0, 0.1, -3.0, -12.0}) {
@@ -522,7 +522,7 @@ TEST_CASE("sky reference: refining changes it by no more than was asked", "[sky]
 }
 
 TEST_CASE("sky reference: the sun sets softly, and at once if it is a point", "[sky][air]") {
-  const Atmosphere air = earth();
+  const Atmosphere air = earth_bruneton();
   const double radius = air.sun_angular_radius_degrees;
   const auto level = reference_transmittance(air, 0.0, 0.0);
   const auto light = [&](const Atmosphere& a, double elevation) {
@@ -544,19 +544,19 @@ TEST_CASE("sky reference: the sun sets softly, and at once if it is a point", "[
 
 TEST_CASE("sky reference: what is asked for is checked", "[sky][air]") {
   const glm::dvec3 up(0.0, 1.0, 0.0);
-  Atmosphere wrong = earth();
+  Atmosphere wrong = earth_bruneton();
   wrong.aerosol_asymmetry = 2.0;
   CHECK(thrown_by([&] { return reference_sky_radiance(wrong, 0.0, up, up); }).says("aerosol_asymmetry"));
   CHECK(thrown_by([&] { return reference_transmittance(wrong, 0.0, 1.0); }).says("aerosol_asymmetry"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), -1.0, up, up); }).says("altitude is -1"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), NAN, up, up); }).says("altitude"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), 0.0, 2.0 * up, up); }).says("direction"));
-  CHECK(thrown_by([&] { return reference_sky_radiance(earth(), 0.0, up, {NAN, 0, 0}); }).says("sun"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), -1.0, up, up); }).says("altitude is -1"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), NAN, up, up); }).says("altitude"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), 0.0, 2.0 * up, up); }).says("direction"));
+  CHECK(thrown_by([&] { return reference_sky_radiance(earth_bruneton(), 0.0, up, {NAN, 0, 0}); }).says("sun"));
   CHECK(thrown_by([&] {
-          return reference_sky_radiance(earth(), 0.0, up, up, {.relative_error = 0.0});
+          return reference_sky_radiance(earth_bruneton(), 0.0, up, up, {.relative_error = 0.0});
         }).says("relative error"));
-  CHECK(thrown_by([&] { return reference_transmittance(earth(), 0.0, 1.1); }).says("zenith cosine"));
-  CHECK(thrown_by([&] { return reference_sun_irradiance(earth(), 2e9, up); }).says("altitude"));
+  CHECK(thrown_by([&] { return reference_transmittance(earth_bruneton(), 0.0, 1.1); }).says("zenith cosine"));
+  CHECK(thrown_by([&] { return reference_sun_irradiance(earth_bruneton(), 2e9, up); }).says("altitude"));
 }
 
 TEST_CASE("sky reference: random atmospheres give finite light that is not negative", "[sky][air]") {

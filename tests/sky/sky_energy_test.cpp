@@ -170,7 +170,7 @@ TEST_CASE("No air and a black ground are black", "[sky][tables]") {
 }
 
 TEST_CASE("Four times the sun is four times the light", "[sky][tables]") {
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   const SkyTables once = precompute_sky(air, small_options(3));
   for (double& value : air.solar_irradiance) value *= 4.0;
   const SkyTables four = precompute_sky(air, small_options(3));
@@ -189,7 +189,7 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
   double before = 1e300;
   std::vector<float> last;
   for (int orders = 1; orders <= 5; ++orders) {
-    const SkyTables tables = precompute_sky(earth(), small_options(orders));
+    const SkyTables tables = precompute_sky(earth_bruneton(), small_options(orders));
     CHECK(tables.orders == orders);
     if (orders > 1) {
       CHECK(tables.last_change < before);

@@ -105,7 +105,7 @@ TEST_CASE("kernels give what the view's own calls give", "[sky][harmonics]") {
 }
 
 TEST_CASE("a lit ground under air that scatters nothing is a hemisphere in closed form", "[sky][harmonics]") {
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   air.rayleigh = {};
   air.aerosol = {};
   air.absorbers.clear();
@@ -271,7 +271,7 @@ SphericalHarmonics truth(const Atmosphere& air, const glm::dvec3& sun) {
 }  // namespace
 
 TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
-  const Atmosphere air = with_ground_albedo(earth(), 0.0);
+  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
   SkyTableOptions options;
   options.orders = 1;
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
@@ -303,14 +303,14 @@ ReferenceHarmonicsOptions coarse(int places = 4) {
 }  // namespace
 
 TEST_CASE("reference sky harmonics turn with the sun", "[sky]") {
-  const SphericalHarmonics ahead = reference_sky_harmonics(earth(), 0.0, sun_direction(20.0, 0.0), coarse());
-  const SphericalHarmonics aside = reference_sky_harmonics(earth(), 0.0, sun_direction(20.0, 75.0), coarse());
+  const SphericalHarmonics ahead = reference_sky_harmonics(earth_bruneton(), 0.0, sun_direction(20.0, 0.0), coarse());
+  const SphericalHarmonics aside = reference_sky_harmonics(earth_bruneton(), 0.0, sun_direction(20.0, 75.0), coarse());
   CHECK(relative_error(turned(ahead, turn_about_y(75.0)), aside) < 1e-9);
   CHECK(relative_error(ahead, aside) > 0.05);
 }
 
 TEST_CASE("reference sky harmonics are symmetric about the sun's plane", "[sky]") {
-  const SphericalHarmonics light = reference_sky_harmonics(earth(), 0.0, sun_direction(10.0, 0.0), coarse());
+  const SphericalHarmonics light = reference_sky_harmonics(earth_bruneton(), 0.0, sun_direction(10.0, 0.0), coarse());
   // x is across the plane: what is odd in it vanishes.
   for (const int index : {3, 4, 7})
     CHECK(glm::length(light.coefficients()[static_cast<std::size_t>(index)]) < 1e-12 * light.at(0, 0).r);
@@ -319,9 +319,9 @@ TEST_CASE("reference sky harmonics are symmetric about the sun's plane", "[sky]"
 
 TEST_CASE("reference sky harmonics converge", "[sky]") {
   const glm::dvec3 sun = sun_direction(30.0, 0.0);
-  const SphericalHarmonics fine = reference_sky_harmonics(earth(), 0.0, sun, coarse(12));
-  const double six = relative_error(reference_sky_harmonics(earth(), 0.0, sun, coarse(6)), fine);
-  const double four = relative_error(reference_sky_harmonics(earth(), 0.0, sun, coarse(4)), fine);
+  const SphericalHarmonics fine = reference_sky_harmonics(earth_bruneton(), 0.0, sun, coarse(12));
+  const double six = relative_error(reference_sky_harmonics(earth_bruneton(), 0.0, sun, coarse(6)), fine);
+  const double four = relative_error(reference_sky_harmonics(earth_bruneton(), 0.0, sun, coarse(4)), fine);
   CHECK(four < 0.1);
   CHECK(six < 0.03);
   CHECK(six < four);
@@ -331,12 +331,13 @@ TEST_CASE("reference sky harmonics: a sun in the zenith, and one seen from space
   // A sky that is the same all around: what is left is the azimuths' rule for a cosine.
   ReferenceHarmonicsOptions even = coarse();
   even.azimuths = 16;
-  const SphericalHarmonics zenith = reference_sky_harmonics(earth(), 0.0, {0.0, 1.0, 0.0}, even);
+  const SphericalHarmonics zenith = reference_sky_harmonics(earth_bruneton(), 0.0, {0.0, 1.0, 0.0}, even);
   CHECK(glm::length(zenith.at(1, 0)) < 1e-9 * zenith.at(0, 0).r);
   CHECK(zenith.at(1, -1).r < 0.0);  // red: the lit ground is brighter than the sky
   even.radiance.ground = false;
-  CHECK(reference_sky_harmonics(earth(), 0.0, {0.0, 1.0, 0.0}, even).at(1, -1).r > 0.0);  // light from above alone
-  const SphericalHarmonics space = reference_sky_harmonics(earth(), 4e5, sun_direction(40.0, 0.0), coarse());
+  CHECK(reference_sky_harmonics(earth_bruneton(), 0.0, {0.0, 1.0, 0.0}, even).at(1, -1).r >
+        0.0);  // light from above alone
+  const SphericalHarmonics space = reference_sky_harmonics(earth_bruneton(), 4e5, sun_direction(40.0, 0.0), coarse());
   CHECK(space.at(1, -1).r < 0.0);  // and from below
 }
 
@@ -347,16 +348,16 @@ TEST_CASE("reference sky harmonics refuse what cannot be", "[sky]") {
     return thrown_by([&] { (void)reference_sky_harmonics(air, altitude, towards, options); }).code ==
            ErrorCode::invalid_argument;
   };
-  CHECK(refused(earth({500.0, 600.0}), 0.0, sun, {}));
-  CHECK(refused(earth(), -1.0, sun, {}));
-  CHECK(refused(earth(), 0.0, {0.0, 2.0, 0.0}, {}));
-  CHECK(refused(earth(), 0.0, sun, {.zeniths = 1}));
-  CHECK(refused(earth(), 0.0, sun, {.azimuths = 1000}));
-  CHECK(refused(earth(), 0.0, sun, {.bands = 0}));
+  CHECK(refused(earth_bruneton({500.0, 600.0}), 0.0, sun, {}));
+  CHECK(refused(earth_bruneton(), -1.0, sun, {}));
+  CHECK(refused(earth_bruneton(), 0.0, {0.0, 2.0, 0.0}, {}));
+  CHECK(refused(earth_bruneton(), 0.0, sun, {.zeniths = 1}));
+  CHECK(refused(earth_bruneton(), 0.0, sun, {.azimuths = 1000}));
+  CHECK(refused(earth_bruneton(), 0.0, sun, {.bands = 0}));
   std::stop_source stop;
   stop.request_stop();
   CHECK(thrown_by([&] {
-          (void)reference_sky_harmonics(earth(), 0.0, sun, coarse(), {stop.get_token(), {}});
+          (void)reference_sky_harmonics(earth_bruneton(), 0.0, sun, coarse(), {stop.get_token(), {}});
         }).code == ErrorCode::cancelled);
 }
 

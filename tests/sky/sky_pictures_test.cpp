@@ -310,7 +310,7 @@ Values coefficients(const SphericalHarmonics& harmonics) {
 }  // namespace
 
 TEST_CASE("Skies are the same bits under any floating-point environment", "[sky][view][harmonics]") {
-  const Atmosphere air = earth();
+  const Atmosphere air = earth_bruneton();
   const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny_tables()));
   const glm::dvec3 sun = sun_direction(3.0, 40.0);
   const glm::dvec3 up = sun_direction(70.0, 10.0);

@@ -14,7 +14,7 @@ namespace welkin::test {
   static const auto tables = [] {
     SkyTableOptions options;
     options.orders = 1;
-    SkyTables made = precompute_sky(earth(), options);
+    SkyTables made = precompute_sky(earth_bruneton(), options);
     std::fill(made.irradiance.begin(), made.irradiance.end(), 0.0F);
     return std::make_shared<const SkyTables>(std::move(made));
   }();
@@ -22,7 +22,7 @@ namespace welkin::test {
 }
 
 /// Small ones with two orders.
-[[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth(),
+[[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth_bruneton(),
                                                                    ScatteringLayout layout = ScatteringLayout::full,
                                                                    SkyColour colour = SkyColour::spectral) {
   SkyTableOptions options;

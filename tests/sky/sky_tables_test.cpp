@@ -227,7 +227,7 @@ TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][
   const math::GaussNodes rule = math::gauss_nodes(128);
   for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
     for (const double g : {0.0, 0.3, 0.8, -0.6, 0.95, 0.999}) {
-      Atmosphere air = earth();
+      Atmosphere air = earth_bruneton();
       air.aerosol_phase = phase;
       air.aerosol_asymmetry = g;
       const auto spectrum = sky::aerosol_moments(air, kMaximumBands);
@@ -326,39 +326,39 @@ TEST_CASE("Sky tables are the same bits on any number of threads and instruction
   for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
     SkyTableOptions options = small_options();
     options.layout = layout;
-    const SkyTables wanted = precompute_sky(earth(), options);
+    const SkyTables wanted = precompute_sky(earth_bruneton(), options);
     for (const int threads : {1, 2, 3, 7}) {
       SkyTables found;
-      run_with_threads(threads, [&] { found = precompute_sky(earth(), options); });
+      run_with_threads(threads, [&] { found = precompute_sky(earth_bruneton(), options); });
       CHECK(same_tables(found, wanted));
     }
     const InstructionSet before = active_instruction_set();
     for (const InstructionSet set : available_instruction_sets()) {
       force_instruction_set(set);
       CAPTURE(name(set));
-      CHECK(same_tables(precompute_sky(earth(), options), wanted));
+      CHECK(same_tables(precompute_sky(earth_bruneton(), options), wanted));
     }
     force_instruction_set(before);
   }
 }
 
 TEST_CASE("A caller's own floating-point environment changes no bit of sky tables", "[sky][tables][same_bits]") {
-  const SkyTables wanted = precompute_sky(earth(), small_options());
+  const SkyTables wanted = precompute_sky(earth_bruneton(), small_options());
   const unsigned before = _mm_getcsr();
   _mm_setcsr(before | 0x8040U | 0x6000U);  // denormals are flushed, rounding is towards 0
-  const SkyTables found = precompute_sky(earth(), small_options());
+  const SkyTables found = precompute_sky(earth_bruneton(), small_options());
   _mm_setcsr(before);
   CHECK(same_tables(found, wanted));
 }
 
 TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
-  CHECK(hash(precompute_sky(earth(), small_options())) == 0x199a8baf7c97a704U);
+  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x199a8baf7c97a704U);
   CHECK(hash(precompute_sky(mars(), small_options())) == 0x26667325f6818f5cU);
 }
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {
   forget_allocations_in_tiles();
-  static_cast<void>(precompute_sky(earth(), small_options()));
+  static_cast<void>(precompute_sky(earth_bruneton(), small_options()));
   CHECK(allocations_in_tiles() == 0);
 }
 
@@ -372,7 +372,7 @@ TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any
     last = done;
     ++calls;
   };
-  static_cast<void>(precompute_sky(earth(), small_options(), control));
+  static_cast<void>(precompute_sky(earth_bruneton(), small_options(), control));
   CHECK(rising);
   CHECK(last == 1.0);
   CHECK(calls > 50);
@@ -383,7 +383,7 @@ TEST_CASE("Precomputing a sky tells its progress, and stops when asked to at any
       if (done >= when) source.request_stop();
     };
     if (when == 0.0) source.request_stop();
-    CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth(), small_options(), control)); }).code ==
+    CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), small_options(), control)); }).code ==
           ErrorCode::cancelled);
   }
 }
@@ -392,33 +392,34 @@ TEST_CASE("Orders stop when one changes too little", "[sky][tables]") {
   SkyTableOptions options = small_options();
   options.orders = 64;
   options.until_change = 0.02;
-  const SkyTables tables = precompute_sky(earth(), options);
+  const SkyTables tables = precompute_sky(earth_bruneton(), options);
   CHECK(tables.orders > 2);
   CHECK(tables.orders < 10);
   CHECK(tables.last_change < 0.02);
   options.orders = tables.orders;
   options.until_change = 0.0;
-  CHECK(precompute_sky(earth(), options).scattering == tables.scattering);
+  CHECK(precompute_sky(earth_bruneton(), options).scattering == tables.scattering);
 }
 
 TEST_CASE("Sky tables keep their memory limit and predict what they take", "[sky][tables]") {
   SkyTableOptions options = small_options();
   options.memory_limit_bytes = 1000;
-  const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); });
+  const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), options)); });
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.says("1000"));
   options = {.heights = 128, .view_zeniths = 1024, .sun_zeniths = 256, .sun_angles = 128};
-  CHECK(sky_table_bytes(earth(), options) > std::uint64_t{128} * 1024 * 256 * 128 * 32);
-  CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); }).code == ErrorCode::limit_exceeded);
+  CHECK(sky_table_bytes(earth_bruneton(), options) > std::uint64_t{128} * 1024 * 256 * 128 * 32);
+  CHECK(thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), options)); }).code ==
+        ErrorCode::limit_exceeded);
   for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
     SkyTableOptions usual;
     usual.layout = layout;
     usual.heights = 12;
     usual.orders = 2;
     const HeapWatch watch;
-    const SkyTables tables = precompute_sky(earth(), usual);
-    CHECK(watch.peak_bytes() <= static_cast<long>(sky_table_bytes(earth(), usual)));
-    CHECK(tables.bytes() < sky_table_bytes(earth(), usual));
+    const SkyTables tables = precompute_sky(earth_bruneton(), usual);
+    CHECK(watch.peak_bytes() <= static_cast<long>(sky_table_bytes(earth_bruneton(), usual)));
+    CHECK(tables.bytes() < sky_table_bytes(earth_bruneton(), usual));
   }
 }
 
@@ -426,7 +427,7 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   const auto refused = [](const char* what, auto change) {
     SkyTableOptions options = small_options();
     change(options);
-    const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth(), options)); });
+    const ThrownError error = thrown_by([&] { static_cast<void>(precompute_sky(earth_bruneton(), options)); });
     CAPTURE(what, error.message);
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says(what));
@@ -448,7 +449,7 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   refused("until_change", [](SkyTableOptions& o) { o.until_change = -1.0; });
   refused("until_change", [](SkyTableOptions& o) { o.until_change = std::numeric_limits<double>::infinity(); });
   const ThrownError error = thrown_by([] {
-    static_cast<void>(precompute_sky(earth({400.0, 500.0, 600.0, 700.0}), small_options()));
+    static_cast<void>(precompute_sky(earth_bruneton({400.0, 500.0, 600.0, 700.0}), small_options()));
   });
   CHECK(error.code == ErrorCode::invalid_argument);
   CHECK(error.says("linear_srgb"));

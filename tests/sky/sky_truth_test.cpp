@@ -75,7 +75,7 @@ double radiance(const SkyTables& tables, const Texel& t, std::size_t channel) {
 }  // namespace
 
 TEST_CASE("Transmittance tables match the truth to 1e-5 of the optical depth, grazing rays included", "[sky][tables]") {
-  for (const Atmosphere& air : {earth(), earth_hillaire(), mars(), without_aerosol(earth())}) {
+  for (const Atmosphere& air : {earth_bruneton(), earth_hillaire(), mars(), without_aerosol(earth_bruneton())}) {
     const SkyTables tables =
         precompute_sky(air, {.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1});
     const SkyTableOptions& o = tables.options;
@@ -106,7 +106,7 @@ TEST_CASE("Transmittance tables match the truth to 1e-5 of the optical depth, gr
 }
 
 TEST_CASE("Single scattering matches the truth at texels", "[sky][tables]") {
-  for (const Atmosphere& air : {earth(), mars()}) {
+  for (const Atmosphere& air : {earth_bruneton(), mars()}) {
     const SkyTables tables =
         precompute_sky(air, {.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 5, .orders = 1});
     const SkyTableOptions& o = tables.options;
@@ -288,7 +288,7 @@ void check_against_paths(const Atmosphere& air, std::int64_t paths, double error
 }  // namespace
 
 TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables]") {
-  check_against_paths(with_ground_albedo(earth(), 0.0), 200'000, 0.02);
+  check_against_paths(with_ground_albedo(earth_bruneton(), 0.0), 200'000, 0.02);
 }
 
 // Singly scattered skies against the dense truth in double precision.

@@ -480,7 +480,7 @@ TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][vi
 TEST_CASE("sky view: the compact table looks much like the full one", "[sky][view]") {
   const glm::dvec3 sun = sun_direction(30.0, 0.0);
   const SkyView full(small_view_tables(), 0.0);
-  const SkyView compact(small_tables(earth(), ScatteringLayout::compact), 0.0);
+  const SkyView compact(small_tables(earth_bruneton(), ScatteringLayout::compact), 0.0);
   for (const glm::dvec3& towards : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, 0.5, 0.3), glm::dvec3(-0.5, 0.2, 0.1)}) {
     const glm::dvec3 a = full.radiance(towards, sun);
     const glm::dvec3 b = compact.radiance(towards, sun);
@@ -489,7 +489,7 @@ TEST_CASE("sky view: the compact table looks much like the full one", "[sky][vie
 }
 
 TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
-  const Atmosphere air = earth({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
+  const Atmosphere air = earth_bruneton({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
   SkyTableOptions options;
   options.heights = 4;
   options.view_zeniths = 32;
@@ -522,7 +522,7 @@ TEST_CASE("sky view: the sun comes through the air as in the reference", "[sky][
     const SkyView view(single_tables(), altitude);
     for (const double elevation : {90.0, 30.0, 5.0, 1.0, -2.0, -12.0}) {
       const glm::dvec3 sun = sun_direction(elevation, 0.0);
-      const std::vector<double> truth = reference_sun_irradiance(earth(), altitude, sun);
+      const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
       for (int c = 0; c < 3; ++c) {
         CAPTURE(altitude, elevation, c);
         CHECK(view.sun(sun).irradiance[c] == Approx(truth[static_cast<std::size_t>(c)]).epsilon(0.003).margin(1e-6));

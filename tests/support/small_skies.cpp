@@ -24,7 +24,7 @@ std::shared_ptr<const SkyTables> small_earth() {
     SkyTableOptions options;
     options.heights = 8;
     options.orders = 2;
-    return std::make_shared<const SkyTables>(precompute_sky(earth(), options));
+    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return tables;
 }

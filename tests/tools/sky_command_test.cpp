@@ -167,6 +167,13 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky]") {
   check("--ground-albedo 0.7", with_ground_albedo(earth(), 0.7), small);
   check("--preset no-aerosol", without_aerosol(earth()), small);
   check("--preset earth-hillaire", earth_hillaire(), small);
+  const std::vector<double> rgb{680.0, 550.0, 440.0};
+  CHECK(sky_json("--sun-elevation 20 --preset clear").at("radiance") == plain.at("radiance"));
+  check("--preset hazy", earth(rgb, AerosolKind::hazy), small);
+  check("--preset dusty", earth(rgb, AerosolKind::dusty), small);
+  check("--preset polluted", earth(rgb, AerosolKind::polluted), small);
+  check("--preset earth-bruneton", earth_bruneton(), small);
+  check("--preset earth --aerosol 0.25", with_aerosol(earth(), {.optical_depth = 0.25}), small);
   check("--preset mars", mars(), small);
   check("--wavelengths 615,535,445", earth({615.0, 535.0, 445.0}), small);
   SkyTableOptions options = small;
@@ -248,6 +255,9 @@ TEST_CASE("sky: numbers out of range are refused by name", "[tools][sky]") {
                              "--quadrature monte-carlo",
                              "--directions 16",
                              "--preset venus",
+                             "--aerosol -0.1",
+                             "--aerosol 101",
+                             "--aerosol much",
                              "--bands 0",
                              "--bands 17",
                              "--window-width 0",
@@ -266,12 +276,14 @@ TEST_CASE("sky: what the library refuses is the command line's fault", "[tools][
   for (const char* option :
        {"--table-size 1,128,32,8", "--table-size 32,127,32,8", "--table-size 32,128,32,1", "--directions 1,17",
         "--directions 16,257", "--wavelengths 680,550", "--wavelengths 680,550,nan", "--wavelengths 100,200,300",
-        "--wavelengths 450,500,550,600", "--preset mars --wavelengths 680,550,440"}) {
+        "--wavelengths 450,500,550,600", "--preset mars --wavelengths 680,550,440", "--preset no-aerosol --aerosol 0.1",
+        "--preset earth-bruneton --aerosol 0.1"}) {
     INFO(option);
     CHECK_FALSE(sky_failure(option, 2).empty());
   }
   CHECK(contains(sky_failure("--wavelengths 450,500,550,600", 2), "--colour srgb"));
   CHECK(contains(sky_failure("--preset mars --wavelengths 680,550,440", 2), "--wavelengths"));
+  CHECK(contains(sky_failure("--preset mars --aerosol 0.1", 2), "--aerosol"));
   CHECK(contains(sky_failure("--memory-limit 1MB", 1), "limit"));
 }
 

@@ -226,7 +226,7 @@ nlohmann::json same_light(const nlohmann::json& document) {
 TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "air.json";
-  for (const char* preset : {"earth", "earth-hillaire", "mars", "no-aerosol"}) {
+  for (const char* preset : {"earth", "dusty", "earth-bruneton", "earth-hillaire", "mars", "no-aerosol"}) {
     INFO(preset);
     write(file, printed(std::string("--preset ") + preset).dump());
     CHECK(same_light(sky_json("--atmosphere " + quoted(file))) ==
@@ -243,12 +243,12 @@ TEST_CASE("sky: air from a file can be changed", "[tools][sky]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "air.json";
   nlohmann::json air = printed("");
-  air["aerosol_phase"] = "henyey-greenstein";
+  air["aerosol_phase"] = "cornette-shanks";
   air["name"] = "hazy \xc3\xa4";
   write(file, air.dump());
   const nlohmann::json json = sky_json("--ground-albedo 0.5 --atmosphere " + quoted(file));
   CHECK(json.at("sky").at("atmosphere") == "hazy \xc3\xa4");
-  CHECK(json.at("sky").at("parameters").at("aerosol_phase") == "henyey-greenstein");
+  CHECK(json.at("sky").at("parameters").at("aerosol_phase") == "cornette-shanks");
   CHECK(json.at("sky").at("parameters").at("ground_albedo") == nlohmann::json({0.5, 0.5, 0.5}));
   CHECK(json.at("radiance") != sky_json("--ground-albedo 0.5").at("radiance"));
 }

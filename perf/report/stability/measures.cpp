@@ -218,7 +218,7 @@ void add_rings(std::vector<glm::dvec3>& directions, double zenith_angle) {
 }  // namespace
 
 Atmosphere dense_earth(double factor) {
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   for (Constituent* const matter : {&air.rayleigh, &air.aerosol}) {
     multiply(matter->scattering_per_m, factor);
     multiply(matter->absorption_per_m, factor);
@@ -247,7 +247,7 @@ SkyTableOptions single_order() {
 }
 
 const std::shared_ptr<const SkyTables>& earth_tables() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), single_order()));
+  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), single_order()));
   return tables;
 }
 

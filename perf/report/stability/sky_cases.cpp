@@ -59,13 +59,13 @@ double depth_step_at_horizon(double cosine) {
 double sun_error(double elevation, double altitude) {
   const SkyView view(earth_tables(), altitude);
   const glm::dvec3 sun = sun_direction(elevation, 0.0);
-  const std::vector<double> truth = reference_sun_irradiance(earth(), altitude, sun);
+  const std::vector<double> truth = reference_sun_irradiance(earth_bruneton(), altitude, sun);
   return relative_error(view.sun(sun).irradiance, glm::dvec3(truth[0], truth[1], truth[2]));
 }
 
 /// Tables of as many heights as the default.
 const std::shared_ptr<const SkyTables>& usual_tables() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), {.orders = 1}));
+  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), {.orders = 1}));
   return tables;
 }
 
@@ -84,7 +84,7 @@ double horizon_error(const std::shared_ptr<const SkyTables>& tables, double alti
 double lanes_error(double altitude) {
   const SkyView view(earth_tables(), altitude);
   const glm::dvec3 sun = sun_direction(30.0, 0.0);
-  const std::vector<glm::dvec3> directions = hard_directions(earth(), altitude);
+  const std::vector<glm::dvec3> directions = hard_directions(earth_bruneton(), altitude);
   std::vector<glm::vec3> in_float(directions.begin(), directions.end());
   std::vector<glm::vec3> rgb(directions.size());
   view.radiance(in_float, sun, rgb);
@@ -154,7 +154,7 @@ namespace {
 
 double sky_radiance_error(double elevation) {
   static const SkyView view(earth_tables(), 0.0, {.ground = false});
-  return radiance_error(view, hard_directions(earth(), 0.0), elevation);
+  return radiance_error(view, hard_directions(earth_bruneton(), 0.0), elevation);
 }
 
 const SkyView& ground_view() {
@@ -183,7 +183,7 @@ double curve_error(double elevation) {
 
 /// By tables of the default sizes and orders.
 double default_curve_error(double elevation) {
-  static const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth())), 0.0);
+  static const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton())), 0.0);
   const glm::dvec3 sun = sun_direction(elevation, 40.0);
   return relative_error(SkyCurve(view).at(sun), SkyProjector(view, SkyCurveOptions{}.projection).project(sun));
 }
@@ -198,7 +198,7 @@ double unsound_nights() {
   double wrong = 0.0;
   for (const double elevation : {-18.0, -29.9, -30.0, -30.1, -45.0, -89.999, -90.0}) {
     const glm::dvec3 sun = sun_direction(elevation, 10.0);
-    for (const glm::dvec3& direction : hard_directions(earth(), 0.0)) {
+    for (const glm::dvec3& direction : hard_directions(earth_bruneton(), 0.0)) {
       const glm::dvec3 light = ground_view().radiance(direction, sun);
       for (int c = 0; c < 3; ++c) wrong += wrong_if(!(light[c] >= 0.0) || std::isinf(light[c]));
     }
@@ -276,7 +276,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Atmosphere with_lobe(double asymmetry) {
-  Atmosphere air = earth();
+  Atmosphere air = earth_bruneton();
   air.aerosol_phase = AerosolPhase::henyey_greenstein;
   air.aerosol_asymmetry = asymmetry;
   return air;
@@ -297,7 +297,7 @@ double vacuum_wrong() {
   const SkyView view(tables, 0.0, {.ground = false});
   double wrong = unsound_values(*tables);
   for (const float value : tables->scattering) wrong += wrong_if(value != 0.0F);
-  for (const glm::dvec3& direction : hard_directions(earth(), 0.0)) {
+  for (const glm::dvec3& direction : hard_directions(earth_bruneton(), 0.0)) {
     wrong += wrong_if(view.radiance(direction, sun_direction(30.0, 0.0)) != glm::dvec3(0.0));
   }
   return wrong;
@@ -336,7 +336,7 @@ double most_on_ground(double factor) {
 
 double refusals() {
   const auto refused = [](auto change) {
-    Atmosphere air = earth();
+    Atmosphere air = earth_bruneton();
     change(air);
     return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)precompute_sky(air, single_order()); }) +
            wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)reference_transmittance(air, 0.0, 1.0); });
@@ -431,7 +431,7 @@ double planet_error(double radius, double thickness, double altitude, const SkyT
 
 double earth_error(double altitude) {
   const SkyView view(earth_tables(), altitude, {.ground = false});
-  return radiance_error(view, hard_directions(earth(), altitude), 30.0);
+  return radiance_error(view, hard_directions(earth_bruneton(), altitude), 30.0);
 }
 
 /// A planet is the same sky at any scale: lengths times 1e6, coefficients over it.
@@ -451,7 +451,7 @@ double step_at_top() {
   const SkyView above(earth_tables(), top + 1e-3);
   std::vector<glm::dvec3> a;
   std::vector<glm::dvec3> b;
-  for (const glm::dvec3& d : hard_directions(earth(), top)) {
+  for (const glm::dvec3& d : hard_directions(earth_bruneton(), top)) {
     a.push_back(below.radiance(d, sun_direction(30.0, 0.0)));
     b.push_back(above.radiance(d, sun_direction(30.0, 0.0)));
   }
