@@ -27,7 +27,8 @@ using platform::ByteFile;
 using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
-constexpr std::uint32_t kVersion = 2;  // 1 had a table of single Mie scattering for air without aerosol too
+/// 1 had a table of single Mie scattering for air without aerosol too; 2 had other suns at its nodes.
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "math/elementary.h"
 #include "sky/sky_geometry.h"
@@ -69,8 +70,16 @@ ScatteringPanel scattering_of(const RayNode* nodes, const WavelengthGroup& group
 SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
   const double tangent = mapping.sun_tangent() / mapping.bottom_radius();
   const double shortest = mapping.sun_thickness() / mapping.bottom_radius();
-  return {static_cast<float>(tangent * tangent), static_cast<float>(shortest),
-          static_cast<float>(1.0 / (tangent - shortest)), static_cast<float>(1.0 / mapping.lowest_sun()), nodes};
+  const SunTerms& terms = mapping.smooth_sun_terms();
+  return {.reach = static_cast<float>(tangent * tangent),
+          .shortest = static_cast<float>(shortest),
+          .scale = static_cast<float>(1.0 / (tangent - shortest)),
+          .inverse_lowest = static_cast<float>(1.0 / mapping.lowest_sun()),
+          .bend = static_cast<float>(terms.bend),
+          .path = static_cast<float>(terms.path),
+          .level = static_cast<float>(terms.level),
+          .lowest = static_cast<float>(terms.lowest),
+          .nodes = nodes};
 }
 
 WavelengthGroup wavelength_group(const Air& air, std::size_t group) {
@@ -89,6 +98,18 @@ WavelengthGroup wavelength_group(const Air& air, std::size_t group) {
   return wavelengths;
 }
 
+void ScatteringSource::set_steps() {
+  const auto suns = static_cast<std::size_t>(shape.suns);
+  steps.assign(static_cast<std::size_t>(shape.heights) * shape.sun_steps(), 0.0F);
+  for (std::size_t h = 0; h < static_cast<std::size_t>(shape.heights); ++h) {
+    std::vector<double> nodes(brightness.begin() + static_cast<std::ptrdiff_t>(h * suns),
+                              brightness.begin() + static_cast<std::ptrdiff_t>((h + 1) * suns));
+    limit_falls(nodes);
+    const std::vector<float> fine = fine_steps(nodes);
+    std::copy(fine.begin(), fine.end(), steps.begin() + static_cast<std::ptrdiff_t>(h * shape.sun_steps()));
+  }
+}
+
 RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
     : count_(count),
       padded_(padded(count)),
@@ -98,7 +119,8 @@ RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
       row_(padded_),
       row_fraction_(padded_),
       sums_(8 * padded_),
-      scratch_(4 * std::max(shape.picture(), kMostSunNodes)) {
+      scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 4 * static_cast<std::size_t>(shape.suns),
+                        4 * kMostSunNodes)) {
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
 }
 
@@ -180,6 +202,10 @@ const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, c
         }
         ++sample.count;
       }
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      sample.steps[k] = source.steps.data() + (static_cast<std::size_t>(height.node) + k) * shape.sun_steps();
+      sample.step_weights[k] = static_cast<float>(k == 0 ? 1.0 - height.fraction : height.fraction);
     }
     kernels.add_source(sample, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
                        sums_.data());

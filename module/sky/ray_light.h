@@ -8,6 +8,7 @@
 #include "platform/memory.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
+#include "sky/sky_curve.h"
 #include "sky/sky_kernels.h"
 #include "sky/sunlight.h"
 #include "sky/table_mapping.h"
@@ -26,6 +27,10 @@ struct SourceShape {
   [[nodiscard]] std::size_t picture() const noexcept {
     return static_cast<std::size_t>(angles) * static_cast<std::size_t>(suns);
   }
+  /// Fine steps of suns, filled up to a multiple of 16.
+  [[nodiscard]] std::size_t sun_steps() const noexcept {
+    return (static_cast<std::size_t>((suns - 1) * kSunSteps + 1) + 15) / 16 * 16;
+  }
   [[nodiscard]] std::size_t size() const noexcept {
     return static_cast<std::size_t>(heights) * static_cast<std::size_t>(zeniths) * 4 * picture();
   }
@@ -38,8 +43,20 @@ struct ScatteringSource {
   std::vector<float> rayleigh;
   std::vector<float> aerosol;  ///< empty: nothing but molecules scatters
 
+  /// Mean over all directions and channels: [heights][suns].
+  std::vector<double> brightness;
+  /// The same between suns (`fine_steps`): [heights][sun_steps()]. What is read between suns is the source relative to
+  /// it, which changes little where light falls by decades.
+  std::vector<float> steps;
+
   explicit ScatteringSource(const SourceShape& nodes, bool with_aerosol)
-      : shape(nodes), rayleigh(nodes.size()), aerosol(with_aerosol ? nodes.size() : 0) {}
+      : shape(nodes),
+        rayleigh(nodes.size()),
+        aerosol(with_aerosol ? nodes.size() : 0),
+        brightness(static_cast<std::size_t>(nodes.heights) * static_cast<std::size_t>(nodes.suns)) {}
+
+  /// `steps` of the brightness.
+  void set_steps();
 };
 
 [[nodiscard]] SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept;

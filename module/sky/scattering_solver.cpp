@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
@@ -59,8 +60,7 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       total_(shape, with_aerosol_),
       scalar_(index(shape.heights) * 3 * index(shape.suns)),
       order_irradiance_(scalar_.size()),
-      irradiance_(scalar_.size()),
-      ground_before_(3 * index(shape.suns)) {
+      irradiance_(scalar_.size()) {
   set_rules();
 }
 
@@ -74,7 +74,7 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
 void SourceSolver::set_rules() {
   const int bands = spectrum_.bands;
   for (int k = 0; k < shape_.suns; ++k) {
-    sun_cosines_.push_back(mapping_.sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
+    sun_cosines_.push_back(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
   }
   legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
@@ -168,7 +168,10 @@ void SourceSolver::solve(const Options& options, const Control& control) {
       gather(jobs::part_of(control, (done - 1.0) / steps, done / steps));
       // What the ground reflects into the next order's source is the irradiance by the order before this one.
       direct_ground_ = false;
-      std::copy_n(order_irradiance_.begin(), ground_before_.size(), ground_before_.begin());
+      for (std::size_t c = 0; c < 3; ++c) {
+        ground_before_[c] =
+            fine_steps(std::span(order_irradiance_).subspan(c * index(shape_.suns), index(shape_.suns)));
+      }
     }
     march(order == 1, jobs::part_of(control, done / steps, (done + 1.0) / steps));
     measure();
@@ -176,6 +179,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     if (order > 1) {
       for (std::size_t i = 0; i < total_.rayleigh.size(); ++i) total_.rayleigh[i] += source_.rayleigh[i];
       for (std::size_t i = 0; i < total_.aerosol.size(); ++i) total_.aerosol[i] += source_.aerosol[i];
+      for (std::size_t i = 0; i < total_.brightness.size(); ++i) total_.brightness[i] += source_.brightness[i];
     }
     const double added = total_scattered();
     orders_ = order;
@@ -183,6 +187,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     all += added;
     if (order > 1 && last_change_ < options.until_change) break;
   }
+  total_.set_steps();
   if (control.progress) control.progress(1.0);
 }
 
@@ -247,6 +252,7 @@ void SourceSolver::gather(const Control& control) {
                     project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
                     fold(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
                   });
+  source_.set_steps();
 }
 
 void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
@@ -306,12 +312,13 @@ std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const
     for (std::size_t c = 0; c < 3; ++c) light[c] *= group_.solar[c] * std::max(0.0, sun_zenith_cosine);
     return light;
   }
-  const double position = mapping_.sun_coordinate(sun_zenith_cosine) * (shape_.suns - 1);
-  const int node = std::min(static_cast<int>(position), shape_.suns - 2);
+  const double position = mapping_.smooth_sun_coordinate(sun_zenith_cosine) * ((shape_.suns - 1) * kSunSteps);
+  const int step = std::min(static_cast<int>(position), (shape_.suns - 1) * kSunSteps - 1);
   std::array<double, 3> light{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const double* const row = ground_before_.data() + c * index(shape_.suns) + node;
-    light[c] = row[0] + (position - node) * (row[1] - row[0]);
+    const auto low = static_cast<double>(ground_before_[c][index(step)]);
+    const auto high = static_cast<double>(ground_before_[c][index(step + 1)]);
+    light[c] = low + (position - step) * (high - low);
   }
   return light;
 }
@@ -354,6 +361,12 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
     }
     kernels.fold_orders(worker.harmonics.data(), worker.values.data(), bands, used, by_order.data());
   };
+  // The mean of all directions is that of the harmonic that is the same everywhere, Y(0, 0) = 1 / sqrt(4 pi).
+  for (std::size_t s = 0; s < kSunBlock; ++s) {
+    double mean = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(worker.harmonics[c * kSunBlock + s]);
+    source_.brightness[height * index(shape_.suns) + first_sun + s] = std::max(0.0, mean / std::sqrt(36.0 * pi));
+  }
   for (int z = 0; z < shape_.zeniths; ++z) {
     fold_with(z, spectrum_.rayleigh, kRayleighBands, worker.rayleigh);
     if (with_aerosol_) fold_with(z, spectrum_.aerosol, bands, worker.aerosol);

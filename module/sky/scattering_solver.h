@@ -85,8 +85,9 @@ class SourceSolver {
   std::vector<double> scalar_;  ///< mean radiance of the last order: [heights][3][suns]
   std::vector<double> order_irradiance_;
   std::vector<double> irradiance_;
-  std::vector<double> ground_before_;  ///< irradiance of the ground by the order before the last: [3][suns]
-  bool direct_ground_ = true;          ///< ... or by the sun
+  std::array<std::vector<float>, 3>
+      ground_before_;          ///< irradiance of the ground by the order before the last, in steps
+  bool direct_ground_ = true;  ///< ... or by the sun
   int orders_ = 0;
   double last_change_ = 0.0;
 };

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "simd/dispatch.h"
+#include "sky/table_mapping.h"
 
 namespace welkin::sky {
 
@@ -45,13 +46,15 @@ struct SunlitSample {
 /// aerosol times it. slice: scratch, 4 `nodes` floats, nodes a multiple of 4.
 using AddSunlight = void (*)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
 
-/// How a sun's zenith cosine maps to its place among nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 + reach),
-/// a = (d - shortest) scale, x = max(1 - a inverse_lowest, 0) / (1 + a); H and T of the top that suns' paths go to.
+/// How a sun's zenith cosine maps to its place among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +
+/// reach), a = (d - shortest) scale, x = path max(1 - a inverse_lowest, 0) / (1 + bend a) + level max(mu - lowest, 0);
+/// H and T of the top that suns' paths go to.
 struct SunAxis {
   float reach;           ///< (H / R)^2
   float shortest;        ///< T / R
   float scale;           ///< R / (H - T)
   float inverse_lowest;  ///< 1 / A
+  float bend, path, level, lowest;
   int nodes;
 };
 
@@ -62,10 +65,14 @@ struct SourceSample {
   const float* pictures[8];
   float weights[8][4];  ///< of red, green, blue and nothing
   int count;            ///< of pictures
+  /// The source's brightness between suns at the two heights (ScatteringSource::steps), and their shares.
+  const float* steps[2];
+  float step_weights[2];
 };
 
-/// sums[count][4] += the source at each sun, linear in angles and suns. picture: scratch, 4 `size` floats; size: angles
-/// times suns, a multiple of 4; `next_row`: suns, or 0 if there is but one angle.
+/// sums[count][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles and
+/// suns. picture: scratch, 4 `size` floats, 4 `axis.nodes` and the steps; size: angles times suns, suns a multiple of
+/// 16; `next_row`: suns, or 0 if there is but one angle.
 using AddSource = void (*)(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
                            float* picture, float* sums);
 
@@ -112,6 +119,16 @@ struct CubicTaps {
   float weights[4];
 };
 
+/// The same over suns, between which light falls by decades: the cubic is of rows relative to the brightness of their
+/// suns, and the weights hold the ratio of the brightness there to that of each node's sun.
+struct SunTaps {
+  CubicTaps cubic;
+  float ratios[2];  ///< of the two nodes in the middle of which the position lies
+};
+
+/// Nodes darker than that take no part.
+inline constexpr float kMostRatio = 1e12F;
+
 /// One slice and one sun. Lengths in metres, all in double: planets have 1e9 of them, and altitudes of one.
 struct SkyRun {
   // The point from which the slice is seen: the viewer's, or, of one above the air, any point of the top.
@@ -137,7 +154,9 @@ struct SkyRun {
   double sun_scale;            ///< 1 / (H - T)
   double lowest_sun;           ///< a of the lowest
   double lowest_zenith;        ///< its mu_s
-  CubicTaps sun_taps;          ///< from inside
+  SunTerms sun_terms;
+  SunTaps sun_taps;         ///< from inside
+  const float* brightness;  ///< of suns, in steps between nodes (sky/sky_curve.h, fine_steps): [(suns - 1) steps + 1]
   float fade;
 
   int half;  ///< nodes of either half of the views: first those that end on the ground

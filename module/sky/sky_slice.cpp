@@ -9,6 +9,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
+#include "sky/sky_curve.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
 #include "sky/sunlight.h"
@@ -39,6 +40,7 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
   azimuths_ = shape.azimuths;
   suns_ = shape.suns;
   values_ = slice_rows(*tables_, mapping_, fold_, inside_);
+  set_brightness();
   ground_ = ground_radiances(*tables_, mapping_, fold_);
   if (options.ground) reach_ = ground_reach(*tables_, mapping_, fold_, inside_, views_ / 2);
 }
@@ -69,8 +71,31 @@ Taps SkySlice::azimuth_taps(double cosine) const noexcept {
   return taps_at(0.5 * (std::clamp(cosine, -1.0, 1.0) + 1.0) * (azimuths_ - 1), azimuths_);
 }
 
+void SkySlice::set_brightness() {
+  const auto suns = static_cast<std::size_t>(suns_);
+  std::vector<double> sums(suns);
+  for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSliceRow % suns] += static_cast<double>(values_[i]);
+  limit_falls(sums);
+  brightness_ = fine_steps(sums);
+}
+
 SunPlace SkySlice::sun_place(double mu_s) const noexcept {
-  return {taps_at(mapping_.sun_coordinate(mu_s) * (suns_ - 1), suns_), static_cast<float>(sun_fade(*tables_, mu_s))};
+  const double position = mapping_.sun_coordinate(mu_s) * (suns_ - 1);
+  SunPlace place{.taps = taps_at(position, suns_), .fade = static_cast<float>(sun_fade(*tables_, mu_s))};
+  place.between = std::clamp(static_cast<int>(position) - place.taps.first, 0, 2);
+  const int step = std::min(static_cast<int>(position * kSunSteps), (suns_ - 1) * kSunSteps - 1);
+  const float* const near = brightness_.data() + step;
+  const auto part = static_cast<float>(position * kSunSteps - step);
+  const float brightness = near[0] + part * (near[1] - near[0]);
+  float ratios[4];
+  for (int i = 0; i < 4; ++i) {
+    const float node = brightness_[static_cast<std::size_t>((place.taps.first + i) * kSunSteps)];
+    ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMostRatio);
+    place.taps.weights[i] *= ratios[i];
+  }
+  place.ratios[0] = ratios[place.between];
+  place.ratios[1] = ratios[place.between + 1];
+  return place;
 }
 
 double SkySlice::aerosol_phase(double nu) const noexcept {
@@ -130,11 +155,13 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.lowest_sun =
       std::max(0.0, distance_to_top(bottom, run.sun_thickness, 0.0, run.lowest_zenith) - run.sun_thickness) *
       run.sun_scale;
+  run.sun_terms = mapping_.sun_terms();
   const SunPlace place = sun_place(run.sun_zenith);
-  run.sun_taps.first = place.taps.first;
-  run.sun_taps.between =
-      std::clamp(static_cast<int>(mapping_.sun_coordinate(run.sun_zenith) * (suns_ - 1)) - place.taps.first, 0, 2);
-  std::copy_n(place.taps.weights, 4, run.sun_taps.weights);
+  run.sun_taps.cubic.first = place.taps.first;
+  run.sun_taps.cubic.between = place.between;
+  std::copy_n(place.taps.weights, 4, run.sun_taps.cubic.weights);
+  std::copy_n(place.ratios, 2, run.sun_taps.ratios);
+  run.brightness = brightness_.data();
   run.fade = place.fade;
   run.half = half;
   run.azimuths = azimuths_;

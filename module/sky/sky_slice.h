@@ -2,7 +2,8 @@
 //
 // Rows are eight floats: Rayleigh's and all higher orders' red, green, blue, 0; single Mie scattering's red, green,
 // blue, 0; all without phase functions. Between nodes values are cubics along each axis: taps are four rows one after
-// the other and their weights, the result is the plain weighted sum, not below 0. What is seen is
+// the other and their weights, the result is the plain weighted sum, not below 0. (Over suns light falls by decades:
+// there the cubic is of rows relative to their sun's brightness, the mean of all views.) What is seen is
 //   fade (max(row[0..2], 0) rayleigh_phase(nu) + max(row[4..6], 0) aerosol_phase(nu)).
 #pragma once
 
@@ -27,7 +28,9 @@ struct Taps {
 
 /// Where a sun stands.
 struct SunPlace {
-  Taps taps;          ///< of sun rows
+  Taps taps;          ///< of sun rows, weighted as SunTaps says
+  float ratios[2]{};  ///< likewise
+  int between = 0;
   float fade = 1.0F;  ///< below the tables' lowest sun
 };
 
@@ -81,11 +84,14 @@ class SkySlice {
   void view_rows(const Taps& view, float* rows) const noexcept;
 
  private:
+  void set_brightness();
+
   std::shared_ptr<const SkyTables> tables_;
   double altitude_ = 0.0;
   bool outside_ = false;
   int views_ = 0, azimuths_ = 0, suns_ = 0;
   std::vector<float> values_;
+  std::vector<float> brightness_;  ///< over suns, mean of all views and channels: fine_steps
 
   TableMapping mapping_;
   double inside_ = 0.0;  ///< altitude of the slice

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "jobs/tiles.h"
@@ -11,6 +12,7 @@
 #include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/scattering_solver.h"
+#include "sky/sky_curve.h"
 #include "sky/sky_geometry.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
@@ -64,10 +66,14 @@ class Precomputation {
       : options_(options),
         air_(atmosphere),
         mapping_(atmosphere.bottom_radius_m, atmosphere.top_radius_m,
-                 math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine),
+                 math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine,
+                 atmosphere.sun_angular_radius_degrees),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
+    for (std::size_t k = 0; k < index(options.sun_zeniths); ++k) {
+      suns_.push_back(mapping_.sun_zenith_cosine(coordinate(k, options.sun_zeniths)));
+    }
     result_.atmosphere = atmosphere;
     result_.options = options;
   }
@@ -120,6 +126,7 @@ class Precomputation {
   const Control& control_;
   std::size_t groups_;
   std::vector<glm::dvec3> weights_;  ///< empty: three wavelengths as they are
+  std::vector<double> suns_;         ///< zenith cosines of the table's
   std::unique_ptr<sky::SunPaths> paths_;
   std::vector<double> irradiance_;
   SkyTables result_;
@@ -202,7 +209,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
   const sky::ViewRay view =
       mapping_.view_ray(altitude, static_cast<double>(ray % index(options_.view_zeniths)), options_.view_zeniths);
   for (std::size_t k = 0; k < suns; ++k) {
-    const double sun = mapping_.sun_zenith_cosine(coordinate(k, options_.sun_zeniths));
+    const double sun = suns_[k];
     for (int a = 0; a < angles; ++a) {
       const double x = angles > 1 ? coordinate(index(a), angles) : 0.5;
       worker.set_sun(index(a) * suns + k, sun, TableMapping::angle_cosine(view.zenith_cosine, sun, x));
@@ -251,26 +258,36 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
   }
 }
 
-// Between the solver's nodes: linear.
+// Between the solver's heights: cubic; between its suns: as light falls.
 void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
   const sky::SourceShape shape = sky::source_shape(options_);
   const std::size_t suns = index(options_.irradiance_sun_zeniths);
+  const int steps = (shape.suns - 1) * sky::kSunSteps;
+  std::vector<std::vector<float>> curves;
+  for (std::size_t row = 0; row < 3 * index(shape.heights); ++row) {
+    curves.push_back(
+        sky::fine_steps(std::span(solver.irradiance()).subspan(row * index(shape.suns), index(shape.suns))));
+  }
+  std::vector<double> places;
+  for (std::size_t s = 0; s < suns; ++s) {
+    const double cosine = mapping_.sun_zenith_cosine(coordinate(s, options_.irradiance_sun_zeniths));
+    places.push_back(mapping_.smooth_sun_coordinate(cosine) * steps);
+  }
   for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
-    const double height = coordinate(h, options_.irradiance_heights) * (shape.heights - 1);
-    const std::size_t below = std::min(static_cast<std::size_t>(height), index(shape.heights - 2));
+    const sky::Cubic height =
+        sky::cubic_at(coordinate(h, options_.irradiance_heights) * (shape.heights - 1), shape.heights);
     for (std::size_t s = 0; s < suns; ++s) {
-      const double sun = coordinate(s, options_.irradiance_sun_zeniths) * (shape.suns - 1);
-      const std::size_t left = std::min(static_cast<std::size_t>(sun), index(shape.suns - 2));
-      const auto value = [&](std::size_t c, std::size_t at_height, std::size_t at_sun) {
-        return solver.irradiance()[(at_height * 3 + c) * index(shape.suns) + at_sun];
-      };
-      double irradiance[3];
+      const double sun = places[s];
+      const std::size_t left = std::min(static_cast<std::size_t>(sun), index(steps - 1));
+      double irradiance[3]{};
       for (std::size_t c = 0; c < 3; ++c) {
-        const double across = sun - static_cast<double>(left);
-        const double low = value(c, below, left) + across * (value(c, below, left + 1) - value(c, below, left));
-        const double high =
-            value(c, below + 1, left) + across * (value(c, below + 1, left + 1) - value(c, below + 1, left));
-        irradiance[c] = low + (height - static_cast<double>(below)) * (high - low);
+        for (std::size_t i = 0; i < 4; ++i) {
+          const std::vector<float>& curve = curves[(index(height.first) + i) * 3 + c];
+          const auto low = static_cast<double>(curve[left]);
+          const auto high = static_cast<double>(curve[left + 1]);
+          irradiance[c] += height.weights[i] * (low + (sun - static_cast<double>(left)) * (high - low));
+        }
+        irradiance[c] = std::max(0.0, irradiance[c]);
       }
       for (std::size_t c = 0; c < 3; ++c) {
         for (std::size_t k = 0; k < 3; ++k) {

@@ -1,5 +1,6 @@
 // Light carried along rays through the air (sky_kernels.h).
 #include "simd/vec.h"
+#include "sky/sky_curve.h"
 #include "sky/sky_kernels.h"
 
 namespace welkin::sky::WELKIN_ISA {
@@ -73,7 +74,9 @@ WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
   const Lanes longer = xsimd::sqrt(mu * mu + Lanes(axis.reach)) + xsimd::max(mu, Lanes(0.0F) - mu);
   const Lanes distance = xsimd::select(mu > Lanes(0.0F), Lanes(axis.reach) / longer, longer);
   const Lanes a = xsimd::max(distance - Lanes(axis.shortest), Lanes(0.0F)) * Lanes(axis.scale);
-  const Lanes x = xsimd::max(Lanes(1.0F) - a * Lanes(axis.inverse_lowest), Lanes(0.0F)) / (Lanes(1.0F) + a);
+  const Lanes path =
+      xsimd::max(Lanes(1.0F) - a * Lanes(axis.inverse_lowest), Lanes(0.0F)) / (Lanes(1.0F) + Lanes(axis.bend) * a);
+  const Lanes x = Lanes(axis.path) * path + Lanes(axis.level) * xsimd::max(mu - Lanes(axis.lowest), Lanes(0.0F));
   return place_among(x * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
 }
 
@@ -111,26 +114,52 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
   }
 }
 
+/// The brightness at the sample's height in steps, and at the nodes the inverse of it, four times each.
+WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inverse, float* steps) {
+  const Lanes low(sample.step_weights[0]);
+  const Lanes high(sample.step_weights[1]);
+  const int count = (nodes - 1) * kSunSteps + 1;
+  for (int i = 0; i < count; i += kWidth) {
+    (low * load(sample.steps[0] + i) + high * load(sample.steps[1] + i)).store_unaligned(steps + i);
+  }
+  for (int k = 0; k < nodes; ++k) {
+    const float brightness = steps[k * kSunSteps];
+    Quad(brightness > 0.0F ? 1.0F / brightness : 0.0F).store_unaligned(inverse + 4 * k);
+  }
+}
+
 void add_source(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
                 float* picture, float* sums) {
   Lanes weights[8];
   for (int k = 0; k < sample.count; ++k) weights[k] = Lanes::load_aligned(repeated(sample.weights[k], 1.0F).values);
-  for (int i = 0; i < 4 * size; i += kWidth) {
-    Lanes sum(0.0F);
-    for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.pictures[k] + i);
-    sum.store_unaligned(picture + i);
+  float* const inverse = picture + 4 * size;
+  float* const steps = inverse + 4 * axis.nodes;
+  mix_steps(sample, axis.nodes, inverse, steps);
+  for (int row = 0; row < 4 * size; row += 4 * axis.nodes) {
+    for (int i = 0; i < 4 * axis.nodes; i += kWidth) {
+      Lanes sum(0.0F);
+      for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.pictures[k] + row + i);
+      (sum * load(inverse + i)).store_unaligned(picture + row + i);
+    }
   }
   alignas(64) std::int32_t node[kWidth];
+  alignas(64) std::int32_t step[kWidth];
   alignas(64) float fraction[kWidth];
+  alignas(64) float part[kWidth];
   for (int i = 0; i < suns.count; i += kWidth) {
     const Place place = sun_place(axis, sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i));
     (Indices::load_unaligned(suns.row + i) + place.node).store_aligned(node);
     place.fraction.store_aligned(fraction);
+    const Lanes fine = place.fraction * Lanes(static_cast<float>(kSunSteps));
+    const Indices whole = xsimd::min(xsimd::to_int(fine), Indices(kSunSteps - 1));
+    (place.node * Indices(kSunSteps) + whole).store_aligned(step);
+    (fine - xsimd::to_float(whole)).store_aligned(part);
     for (int k = 0; k < kWidth; ++k) {
       const Quad along(fraction[k]);
       const Quad low = colour_at(picture, node[k], along);
       const Quad high = colour_at(picture, node[k] + next_row, along);
-      add_to(sums + 4 * (i + k), between(low, high, Quad(suns.row_fraction[i + k])));
+      const float brightness = steps[step[k]] + part[k] * (steps[step[k] + 1] - steps[step[k]]);
+      add_to(sums + 4 * (i + k), Quad(brightness) * between(low, high, Quad(suns.row_fraction[i + k])));
     }
   }
 }

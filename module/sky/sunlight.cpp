@@ -127,7 +127,8 @@ double lowest_sun_sine(const SkyTables& tables) noexcept {
 }
 
 TableMapping mapping_of(const SkyTables& tables) noexcept {
-  return {tables.atmosphere.bottom_radius_m, tables.atmosphere.top_radius_m, lowest_sun_sine(tables)};
+  return {tables.atmosphere.bottom_radius_m, tables.atmosphere.top_radius_m, lowest_sun_sine(tables),
+          tables.atmosphere.sun_angular_radius_degrees};
 }
 
 // Cubic in the optical depth, which is smooth where transmittance falls by decades.
@@ -185,21 +186,44 @@ glm::dvec3 sun_share(const SkyTables& tables, const TableMapping& mapping, doubl
   return visible * transmittance_to_top(tables, mapping, thickness, entry);
 }
 
+namespace {
+
+// Light falls by decades between suns: the cubic is of its logarithm where all four nodes have one, and leaves the
+// range of the two nearest by no more than a tenth.
+double between_suns(const double* nodes, const Cubic& cubic, int count, double position) {
+  double plain = 0.0;
+  double logarithm = 0.0;
+  bool positive = true;
+  for (int j = 0; j < count; ++j) {
+    positive = positive && nodes[j] > kDark;
+    plain += cubic.weights[j] * nodes[j];
+    if (positive) logarithm += cubic.weights[j] * math::logarithm(nodes[j]);
+  }
+  const int near = std::clamp(static_cast<int>(position), 0, count - 2);
+  const double low = std::min(nodes[near], nodes[near + 1]);
+  const double high = std::max(nodes[near], nodes[near + 1]);
+  return std::clamp(positive ? math::exponential(logarithm) : plain, 0.9 * low, 1.1 * high);
+}
+
+}  // namespace
+
 glm::dvec3 sky_irradiance(const SkyTables& tables, const TableMapping& mapping, double altitude,
                           double sun_zenith_cosine) noexcept {
   const int suns = tables.options.irradiance_sun_zeniths;
   const int heights = tables.options.irradiance_heights;
   const Cubic rows = cubic_at(mapping.height_coordinate(altitude) * (heights - 1), heights);
-  const Cubic columns = cubic_at(mapping.sun_coordinate(sun_zenith_cosine) * (suns - 1), suns);
+  const double position = mapping.sun_coordinate(sun_zenith_cosine) * (suns - 1);
+  const Cubic columns = cubic_at(position, suns);
   glm::dvec3 sum{};
   for (int i = 0; i < std::min(4, heights); ++i) {
-    for (int j = 0; j < std::min(4, suns); ++j) {
-      const std::size_t texel = static_cast<std::size_t>(rows.first + i) * static_cast<std::size_t>(suns) +
-                                static_cast<std::size_t>(columns.first + j);
-      for (int c = 0; c < 3; ++c) {
-        sum[c] += rows.weights[i] * columns.weights[j] *
-                  static_cast<double>(tables.irradiance[3 * texel + static_cast<std::size_t>(c)]);
+    const std::size_t first = static_cast<std::size_t>(rows.first + i) * static_cast<std::size_t>(suns) +
+                              static_cast<std::size_t>(columns.first);
+    for (int c = 0; c < 3; ++c) {
+      double nodes[4]{};
+      for (std::size_t j = 0; j < static_cast<std::size_t>(std::min(4, suns)); ++j) {
+        nodes[j] = static_cast<double>(tables.irradiance[3 * (first + j) + static_cast<std::size_t>(c)]);
       }
+      sum[c] += rows.weights[i] * between_suns(nodes, columns, std::min(4, suns), position - columns.first);
     }
   }
   const double fade = sun_fade(tables, sun_zenith_cosine);

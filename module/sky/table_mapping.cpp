@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sky/sky_geometry.h"
 
@@ -18,15 +19,49 @@ constexpr double kNoAzimuth = 1e-12;
 /// Of the top that suns' paths are measured to, in radii of the ground: somewhat less than that of Earth's air.
 constexpr double kThinnestForSuns = 0.008;
 
+// Of suns' coordinates (SunTerms). Found by trying: with these 48 nodes carry light scattered before to 0.4 % from 90
+// to -9 degrees and 2 % to -18 (against 192 nodes), and 64 nodes singly scattered light to 1e-4 by day and 1e-3 at
+// sunset.
+constexpr double kSunBend = 0.25;
+constexpr double kLevelShare = 0.2;
+constexpr double kSunsetShare = 0.15;
+constexpr double kSunsetRadii = 2.5;    ///< of the disc
+constexpr double kLeastSunset = 0.004;  ///< w of a sun that is a point, radians
+constexpr int kHalvings = 60;
+
+double sigmoid(double mu, double width) { return mu / std::sqrt(mu * mu + width * width); }
+
+SunTerms smooth_terms(double lowest) {
+  return {.bend = kSunBend,
+          .path = 1.0 - kLevelShare,
+          .level = kLevelShare / (1.0 - lowest),
+          .lowest = lowest,
+          .sunset = 0.0,
+          .width = 1.0,
+          .sunset_lowest = 0.0};
+}
+
+SunTerms sunset_terms(SunTerms terms, double sun_radius_degrees) {
+  terms.path *= 1.0 - kSunsetShare;
+  terms.level *= 1.0 - kSunsetShare;
+  terms.width = std::max(kLeastSunset, kSunsetRadii * sun_radius_degrees * std::numbers::pi / 180.0);
+  terms.sunset_lowest = sigmoid(terms.lowest, terms.width);
+  terms.sunset = kSunsetShare / (sigmoid(1.0, terms.width) - terms.sunset_lowest);
+  return terms;
+}
+
 }  // namespace
 
-TableMapping::TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine) noexcept
+TableMapping::TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine,
+                           double sun_radius_degrees) noexcept
     : bottom_(bottom_radius),
       thickness_(top_radius - bottom_radius),
       top_tangent_(tangent_distance(bottom_radius, top_radius - bottom_radius)),
       sun_thickness_(std::max(thickness_, kThinnestForSuns * bottom_radius)),
       sun_tangent_(tangent_distance(bottom_radius, sun_thickness_)),
-      lowest_(scaled_sun_distance(lowest_sun_sine)) {}
+      lowest_(scaled_sun_distance(lowest_sun_sine)),
+      smooth_sun_terms_(smooth_terms(lowest_sun_sine)),
+      sun_terms_(sunset_terms(smooth_sun_terms_, sun_radius_degrees)) {}
 
 double TableMapping::height_coordinate(double altitude) const noexcept {
   const double inside = std::min(thickness_, std::max(0.0, altitude));
@@ -100,19 +135,37 @@ double TableMapping::scaled_sun_distance(double sun_zenith_cosine) const noexcep
   return std::max(0.0, distance - sun_thickness_) / (sun_tangent_ - sun_thickness_);
 }
 
-double TableMapping::sun_coordinate(double sun_zenith_cosine) const noexcept {
-  const double a = scaled_sun_distance(sun_zenith_cosine);
-  return std::max(1.0 - a / lowest_, 0.0) / (1.0 + a);
+double TableMapping::coordinate_of_sun(const SunTerms& terms, double sun_zenith_cosine) const noexcept {
+  if (sun_zenith_cosine >= 1.0) return 1.0;
+  const double mu = std::max(sun_zenith_cosine, terms.lowest);
+  const double a = scaled_sun_distance(mu);
+  const double x = terms.path * std::max(1.0 - a / lowest_, 0.0) / (1.0 + terms.bend * a) +
+                   terms.level * (mu - terms.lowest) + terms.sunset * (sigmoid(mu, terms.width) - terms.sunset_lowest);
+  return unit(x);
 }
 
-double TableMapping::sun_zenith_cosine(double coordinate) const noexcept {
-  const double x = unit(coordinate);
-  const double a = lowest_ * (1.0 - x) / (1.0 + x * lowest_);
-  const double longer = a * (sun_tangent_ - sun_thickness_);
-  const double distance = sun_thickness_ + longer;
-  // H^2 - d^2 = 2 R T - l (2 T + l)
-  const double reached = longer * (2.0 * sun_thickness_ + longer);
-  return cosine((2.0 * bottom_ * sun_thickness_ - reached) / (2.0 * bottom_ * distance));
+double TableMapping::sun_at(const SunTerms& terms, double coordinate) const noexcept {
+  if (coordinate <= 0.0) return terms.lowest;
+  if (coordinate >= 1.0) return 1.0;
+  double low = terms.lowest;
+  double high = 1.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = low + 0.5 * (high - low);
+    (coordinate_of_sun(terms, middle) < coordinate ? low : high) = middle;
+  }
+  return low + 0.5 * (high - low);
+}
+
+double TableMapping::sun_coordinate(double sun_zenith_cosine) const noexcept {
+  return coordinate_of_sun(sun_terms_, sun_zenith_cosine);
+}
+double TableMapping::sun_zenith_cosine(double coordinate) const noexcept { return sun_at(sun_terms_, coordinate); }
+
+double TableMapping::smooth_sun_coordinate(double sun_zenith_cosine) const noexcept {
+  return coordinate_of_sun(smooth_sun_terms_, sun_zenith_cosine);
+}
+double TableMapping::smooth_sun_zenith_cosine(double coordinate) const noexcept {
+  return sun_at(smooth_sun_terms_, coordinate);
 }
 
 double TableMapping::angle_coordinate(double view_zenith, double sun_zenith, double nu) noexcept {

@@ -5,8 +5,12 @@
 //   heights (all tables)            x = rho / H
 //   view zeniths (scattering)       half the nodes for rays that end on the ground, the horizon in the middle
 //   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
-//   sun zeniths (scattering, irradiance)   x = max(1 - a / A, 0) / (1 + a), the top no lower than 0.008 R: under a
-//       thinner shell a day's paths are all so much shorter than the horizon's that they would share an interval
+//   sun zeniths (scattering, irradiance)   x = path max(1 - a / A, 0) / (1 + bend a) + level (mu_s - lowest) + sunset
+//       (s(mu_s) - s(lowest)), s(mu) = mu / sqrt(mu^2 + w^2), a the length of the sun's ray from the ground beyond T
+//       over H - T, A the lowest sun's, w 2.5 radii of the disc: while it sets, light in the shadow's direction goes
+//       out within half a degree, and a sixth of the nodes is there; `bend` spreads them over the twilight as evenly as
+//       light falls, `level` over the day. The top counts as no lower than 0.008 R: under a thinner shell a day's paths
+//       are all so much shorter than the horizon's that they would share an interval
 //   sun angles                      x = (1 + cos phi) / 2, phi the azimuth between view and sun
 // (Bruneton has the cosine nu between view and sun for the last. Most of its nodes are then angles that no azimuth
 // gives: they need filling, and interpolation across them has kinks; cos phi has none, and is as even about the sun's
@@ -22,10 +26,22 @@ struct ViewRay {
   double distance;  ///< to the ground or the top, metres
 };
 
+/// Coefficients of the suns' coordinate.
+struct SunTerms {
+  double bend;
+  double path;
+  double level;
+  double lowest;  ///< sine of the elevation
+  double sunset;
+  double width;          ///< w
+  double sunset_lowest;  ///< s(lowest)
+};
+
 class TableMapping {
  public:
-  /// Radii in metres; the sine of the lowest sun's elevation.
-  TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine) noexcept;
+  /// Radii in metres; the sine of the lowest sun's elevation; the angular radius of its disc (the Earth's sun's).
+  TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine,
+               double sun_radius_degrees = 0.2678) noexcept;
 
   [[nodiscard]] double bottom_radius() const noexcept { return bottom_; }
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
@@ -48,7 +64,14 @@ class TableMapping {
 
   /// Suns below the lowest count as the lowest.
   [[nodiscard]] double sun_coordinate(double sun_zenith_cosine) const noexcept;
+  /// By halving: some microseconds.
   [[nodiscard]] double sun_zenith_cosine(double coordinate) const noexcept;
+  [[nodiscard]] const SunTerms& sun_terms() const noexcept { return sun_terms_; }
+
+  /// The same without the nodes for the disc, whose setting does not show in light that was scattered before.
+  [[nodiscard]] double smooth_sun_coordinate(double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double smooth_sun_zenith_cosine(double coordinate) const noexcept;
+  [[nodiscard]] const SunTerms& smooth_sun_terms() const noexcept { return smooth_sun_terms_; }
 
   [[nodiscard]] double lowest_sun() const noexcept { return lowest_; }  ///< A
 
@@ -63,6 +86,8 @@ class TableMapping {
 
  private:
   [[nodiscard]] double scaled_sun_distance(double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double coordinate_of_sun(const SunTerms& terms, double sun_zenith_cosine) const noexcept;
+  [[nodiscard]] double sun_at(const SunTerms& terms, double coordinate) const noexcept;
   [[nodiscard]] double ground_coordinate(double altitude, double zenith_cosine) const noexcept;
   [[nodiscard]] ViewRay ground_ray(double altitude, double coordinate) const noexcept;
 
@@ -72,6 +97,8 @@ class TableMapping {
   double sun_thickness_;
   double sun_tangent_;
   double lowest_;  ///< a of the lowest sun
+  SunTerms smooth_sun_terms_;
+  SunTerms sun_terms_;
 };
 
 }  // namespace welkin::sky

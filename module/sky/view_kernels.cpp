@@ -2,6 +2,7 @@
 //
 // The formulas are those of sky/table_mapping.h and sky/sky_slice.h, where they are explained.
 #include "simd/vec.h"
+#include "sky/sky_curve.h"
 #include "sky/sky_kernels.h"
 
 namespace welkin::sky::WELKIN_ISA {
@@ -60,7 +61,14 @@ WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places
 WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places& places) {
   const DoubleLanes distance = to_top(constant(run.bottom) * mu_s, run.sun_tangent_squared);
   const DoubleLanes a = xsimd::max(distance - constant(run.sun_thickness), constant(0.0)) * constant(run.sun_scale);
-  const DoubleLanes x = xsimd::max(constant(1.0) - a / constant(run.lowest_sun), constant(0.0)) / (constant(1.0) + a);
+  const SunTerms& terms = run.sun_terms;
+  const DoubleLanes path = xsimd::max(constant(1.0) - a / constant(run.lowest_sun), constant(0.0)) /
+                           (constant(1.0) + constant(terms.bend) * a);
+  const DoubleLanes mu = xsimd::max(mu_s, constant(terms.lowest));
+  const DoubleLanes set = mu / xsimd::sqrt(mu * mu + constant(terms.width * terms.width));
+  const DoubleLanes x = between(constant(terms.path) * path + constant(terms.level) * (mu - constant(terms.lowest)) +
+                                    constant(terms.sunset) * (set - constant(terms.sunset_lowest)),
+                                0.0, 1.0);
   (x * constant(run.suns - 1)).store_aligned(places.sun + k);
   const DoubleLanes t = between((mu_s + constant(1.0)) / constant(run.lowest_zenith + 1.0 + kTiny), 0.0, 1.0);
   (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(places.fade + k);
@@ -179,22 +187,52 @@ WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {
   return limited(sum, rows[taps.between], rows[taps.between + 1]);
 }
 
-WELKIN_INLINE Row over_suns(const float* first, const CubicTaps& sun) {
+WELKIN_INLINE Row times(float factor, Row row) {
+  for (NarrowLanes& part : row.part) part = NarrowLanes(factor) * part;
+  return row;
+}
+
+WELKIN_INLINE Row over_suns(const float* first, const SunTaps& sun) {
   Row rows[4];
   for (int i = 0; i < 4; ++i) rows[i] = load_row(first + i * kSkyRow);
-  return cubic(rows, sun);
+  Row sum = nothing();
+  for (int i = 0; i < 4; ++i) sum = plus(sum, sun.cubic.weights[i], rows[i]);
+  return limited(sum, times(sun.ratios[0], rows[sun.cubic.between]), times(sun.ratios[1], rows[sun.cubic.between + 1]));
+}
+
+WELKIN_INLINE float ratio_to(float brightness, float node) {
+  const float ratio = node > 0.0F ? brightness / node : 1.0F;
+  return ratio < kMostRatio ? ratio : kMostRatio;
+}
+
+WELKIN_INLINE SunTaps sun_taps_at(const SkyRun& run, double position) {
+  SunTaps taps{taps_at(position, run.suns), {}};
+  const int limit = (run.suns - 1) * kSunSteps - 1;
+  const double fine = position * kSunSteps;
+  const int step = static_cast<int>(fine) < limit ? static_cast<int>(fine) : limit;
+  const auto part = static_cast<float>(fine - step);
+  const float brightness = run.brightness[step] + part * (run.brightness[step + 1] - run.brightness[step]);
+  float ratios[4];
+  for (int i = 0; i < 4; ++i) {
+    ratios[i] = ratio_to(brightness, run.brightness[(taps.cubic.first + i) * kSunSteps]);
+    taps.cubic.weights[i] = taps.cubic.weights[i] * ratios[i];
+  }
+  taps.ratios[0] = ratios[taps.cubic.between];
+  taps.ratios[1] = ratios[taps.cubic.between + 1];
+  return taps;
 }
 
 /// The interpolated row of one direction.
 WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps& view, const CubicTaps& azimuth,
-                               const CubicTaps& sun, float* row) {
+                               const SunTaps& sun, float* row) {
   Row views[4];
   for (int a = 0; a < 4; ++a) {
     const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(view_base + view.first + a) * run.azimuths + azimuth.first;
     Row azimuths[4];
     for (int b = 0; b < 4; ++b) {
-      azimuths[b] = run.of_sun != nullptr ? load_row(run.of_sun + (place + b) * kSkyRow)
-                                          : over_suns(run.rows + ((place + b) * run.suns + sun.first) * kSkyRow, sun);
+      azimuths[b] = run.of_sun != nullptr
+                        ? load_row(run.of_sun + (place + b) * kSkyRow)
+                        : over_suns(run.rows + ((place + b) * run.suns + sun.cubic.first) * kSkyRow, sun);
     }
     views[a] = cubic(azimuths, azimuth);
   }
@@ -225,7 +263,7 @@ WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float
   if (run.outside && !(places.hit[k] > 0.0)) return;
   const CubicTaps view = taps_at(places.view[k], run.half);
   const CubicTaps azimuth = taps_at(places.azimuth[k], run.azimuths);
-  const CubicTaps sun = run.outside ? taps_at(places.sun[k], run.suns) : run.sun_taps;
+  const SunTaps sun = run.outside ? sun_taps_at(run, places.sun[k]) : run.sun_taps;
   alignas(32) float row[kSkyRow];
   interpolate(run, ends ? 0 : run.half, view, azimuth, sun, row);
   const float rayleigh = static_cast<float>(places.rayleigh[k]) * kRayleigh;
@@ -239,7 +277,7 @@ WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float
 void reduce_sky(const SkyRun& run, float* of_sun) {
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(2) * run.half * run.azimuths;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const float* const from = run.rows + (i * run.suns + run.sun_taps.first) * kSkyRow;
+    const float* const from = run.rows + (i * run.suns + run.sun_taps.cubic.first) * kSkyRow;
     store_row(over_suns(from, run.sun_taps), of_sun + i * kSkyRow);
   }
 }

@@ -27,7 +27,9 @@ namespace {
 using glm::dvec3;
 using std::numbers::pi;
 
-sky::TableMapping mapping_of(const Atmosphere& air) { return {air.bottom_radius_m, air.top_radius_m, -0.5}; }
+sky::TableMapping mapping_of(const Atmosphere& air) {
+  return {air.bottom_radius_m, air.top_radius_m, -0.5, air.sun_angular_radius_degrees};
+}
 
 double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine))); }
 

@@ -1,0 +1,447 @@
+#include "reference/sky_monte_carlo.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "reference/path_sampling.h"
+#include "reference/path_shells.h"
+#include "reference/reference_air.h"
+#include "sky/air.h"
+#include "sky/sky_geometry.h"
+
+namespace welkin {
+namespace {
+
+using glm::dvec3;
+using sky::AirRay;
+using sky::PathRandom;
+using sky::PathShells;
+using sky::ReferenceAir;
+using std::numbers::pi;
+
+constexpr std::size_t kMostWavelengths = 16;
+using Spectrum = std::array<double, kMostWavelengths>;
+
+constexpr double kLongestPiece = 25e3;  ///< metres
+constexpr double kLeastShare = 1e-4;    ///< of what scatters, where the sun seems not to reach
+constexpr int kGuessHeights = 64;
+constexpr int kGuessSuns = 128;
+constexpr double kLowSun = 0.1;           ///< sine of an elevation below which directions are drawn towards the sun
+constexpr double kTowardsSun = 0.5;       ///< share of them
+constexpr double kSunsetAsymmetry = 0.7;  ///< of their lobe about the horizon below the sun
+
+/// A point and a direction in the air.
+struct Place {
+  double square;  ///< r^2 - R^2
+  dvec3 up;
+  dvec3 direction;
+};
+
+/// A ray cut into pieces, with how likely each is drawn.
+struct Piece {
+  std::size_t shell;
+  double from;
+  double to;
+  double scatters;                  ///< estimate of what it scatters to the ray's start, mean of the wavelengths
+  double lit;                       ///< likewise, of sunlight
+  sky::PathShells::Columns before;  ///< matter between the ray's start and `from`
+};
+
+class MonteCarlo {
+ public:
+  MonteCarlo(const ReferenceAir& air, const dvec3& sun, const PathTracingOptions& options)
+      : air_(air), shells_(air), sun_(sun), options_(options) {
+    const double level = std::sqrt(sun.x * sun.x + sun.z * sun.z);
+    if (sun.y < kLowSun && level > 0.0) sunset_ = dvec3(sun.x / level, 0.0, sun.z / level);
+    guess_sunlight();
+    for (const ReferenceAir::Matter& matter : air.matter()) {
+      if (std::any_of(matter.scattering.begin(), matter.scattering.end(), [](double b) { return b > 0.0; })) {
+        scatterers_.push_back(static_cast<std::size_t>(&matter - air.matter().data()));
+      }
+    }
+  }
+
+  /// Scratch of one path.
+  struct Scratch {
+    std::vector<Piece> pieces;
+  };
+
+  /// Light of all orders asked for that arrives from a direction, times `weight`.
+  void trace(Place place, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
+    Spectrum weights;
+    weights.fill(weight);
+    for (int order = 1; order <= options_.highest_order; ++order) {
+      const AirRay ray = ray_from(place);
+      cut(ray, place, scratch.pieces);
+      if (order >= options_.lowest_order) add_sunlight(ray, place, weights, random, scratch.pieces, radiance);
+      if (order == options_.highest_order) return;
+      if (!go_on(ray, place, weights, random, scratch.pieces)) return;
+      const double most = *std::max_element(weights.begin(), weights.begin() + count());
+      if (most < kLittle * weight) {
+        if (!(random.number() * kLittle * weight < most)) return;
+        for (double& value : weights) value *= kLittle * weight / most;
+      }
+    }
+  }
+
+  /// A direction drawn on the upper hemisphere of level ground by its cosine or towards the sun: cosine over density.
+  double draw_from_sky(dvec3& direction, PathRandom& random) const {
+    return draw_upwards({0.0, 1.0, 0.0}, direction, random) * pi;
+  }
+
+  [[nodiscard]] std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(air_.wavelengths()); }
+
+ private:
+  static constexpr double kLittle = 0.02;
+
+  [[nodiscard]] AirRay ray_from(const Place& place) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, place.direction);
+    const double below = slope * slope - place.square;
+    if (slope < 0.0 && below > 0.0) {
+      return {place.square, slope, place.square / (std::sqrt(below) - slope), true};
+    }
+    return air_.ray_to_top(place.square, slope);
+  }
+
+  [[nodiscard]] Place moved(const Place& place, const AirRay& ray, double s) const {
+    const double radius = std::sqrt(air_.radius() * air_.radius() + place.square);
+    return {std::max(0.0, ray.square + s * (2.0 * ray.slope + s)),
+            glm::normalize(radius * place.up + s * place.direction), place.direction};
+  }
+
+  [[nodiscard]] double sun_share(const Place& place) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, sun_);
+    return air_.visible_share(air_.sun_elevation(place.square, slope));
+  }
+
+  /// Sunlight at a place, zero where the sun is down.
+  void sunlight(const Place& place, Spectrum& light) const {
+    light.fill(0.0);
+    const double share = sun_share(place);
+    if (!(share > 0.0)) return;
+    const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, sun_);
+    const PathShells::Columns columns = shells_.columns(air_.sun_ray(place.square, slope));
+    for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      light[i] = share * air_.atmosphere().solar_irradiance[i] * math::exponential(-air_.optical_depth(columns, i));
+    }
+  }
+
+  // How much sunlight reaches a place, roughly: what pieces are drawn by, and nothing else, so that no error of it is
+  // in any estimate.
+
+  void guess_sunlight() {
+    for (int h = 0; h < kGuessHeights; ++h) {
+      const double square = guess_square(h / (kGuessHeights - 1.0));
+      const double radius = std::sqrt(air_.radius() * air_.radius() + square);
+      for (int k = 0; k < kGuessSuns; ++k) {
+        const double above = k / (kGuessSuns - 1.0);  // the horizon, squared
+        const double slope = radius * above * above - std::sqrt(square) * (1.0 - above * above);
+        const PathShells::Columns columns = shells_.columns(air_.sun_ray(square, slope));
+        double sum = 0.0;
+        for (std::size_t i = 0; i < air_.wavelengths(); ++i) sum += math::exponential(-air_.optical_depth(columns, i));
+        guess_.push_back(sum / static_cast<double>(air_.wavelengths()));
+      }
+    }
+  }
+
+  [[nodiscard]] double guess_square(double x) const { return air_.square_of(air_.thickness() * x * x); }
+
+  [[nodiscard]] double guess(const Place& place) const {
+    const double share = sun_share(place);
+    if (!(share > 0.0)) return 0.0;
+    const double radius = std::sqrt(air_.radius() * air_.radius() + place.square);
+    const double horizon = std::sqrt(place.square);
+    const double x = std::sqrt(std::clamp(air_.altitude_of(place.square) / air_.thickness(), 0.0, 1.0));
+    const double above =
+        std::sqrt(std::clamp((radius * glm::dot(place.up, sun_) + horizon) / (radius + horizon), 0.0, 1.0));
+    const auto h = static_cast<std::size_t>(x * (kGuessHeights - 1) + 0.5);
+    const auto k = static_cast<std::size_t>(above * (kGuessSuns - 1) + 0.5);
+    return share * guess_[h * kGuessSuns + k];
+  }
+
+  void cut(const AirRay& ray, const Place& place, std::vector<Piece>& pieces) const {
+    pieces.clear();
+    PathShells::Columns before{};
+    double from = 0.0;
+    double lit_here = guess(place);
+    for (sky::ShellWalk walk(shells_, ray);; walk.next()) {
+      const int parts = std::max(1, static_cast<int>(std::ceil((walk.end() - from) / kLongestPiece)));
+      const double step = (walk.end() - from) / parts;
+      for (int part = 0; part < parts && step > 0.0; ++part) {
+        const double low = from + part * step;
+        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, before}, lit_here, before, pieces);
+      }
+      from = walk.end();
+      if (walk.last()) return;
+    }
+  }
+
+  void add_piece(const AirRay& ray, const Place& place, Piece piece, double& lit_here, PathShells::Columns& before,
+                 std::vector<Piece>& pieces) const {
+    const double step = piece.to - piece.from;
+    const PathShells::Columns inside = shells_.columns(ray, piece.shell, piece.from, piece.to);
+    const double lit_before = lit_here;
+    lit_here = guess(moved(place, ray, piece.to));
+    const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(moved(place, ray, piece.from + 0.5 * step));
+    for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      double scatters = 0.0;
+      for (const std::size_t k : scatterers_) scatters += inside[k] * air_.matter()[k].scattering[i];
+      const double depth = air_.optical_depth(before, i) + 0.5 * air_.optical_depth(inside, i);
+      piece.scatters += scatters * math::exponential(-depth);
+    }
+    piece.lit = piece.scatters * (lit + kLeastShare);
+    for (std::size_t k = 0; k < air_.matter().size(); ++k) before[k] += inside[k];
+    pieces.push_back(piece);
+  }
+
+  /// A piece drawn by its share, and the chance that it was.
+  template <class Share>
+  static const Piece* draw_piece(const std::vector<Piece>& pieces, const Share& share, PathRandom& random,
+                                 double& chance) {
+    double all = 0.0;
+    for (const Piece& piece : pieces) all += share(piece);
+    if (!(all > 0.0)) return nullptr;
+    double left = random.number() * all;
+    const Piece* drawn = nullptr;
+    for (const Piece& piece : pieces) {
+      if (!(share(piece) > 0.0)) continue;
+      drawn = &piece;
+      left -= share(piece);
+      if (left < 0.0) break;
+    }
+    chance = share(*drawn) / all;
+    return drawn;
+  }
+
+  /// Transmittance to a place of a piece, and the densities there.
+  void reach(const AirRay& ray, const Piece& piece, double s, Spectrum& through, PathShells::Columns& densities) const {
+    PathShells::Columns columns = shells_.columns(ray, piece.shell, piece.from, s);
+    for (std::size_t k = 0; k < air_.matter().size(); ++k) columns[k] += piece.before[k];
+    for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      through[i] = math::exponential(-air_.optical_depth(columns, i));
+    }
+    shells_.densities(piece.shell, ray.square + s * (2.0 * ray.slope + s), densities);
+  }
+
+  void add_sunlight(const AirRay& ray, const Place& place, const Spectrum& weights, PathRandom& random,
+                    const std::vector<Piece>& pieces, Spectrum& radiance) const {
+    Spectrum light;
+    double chance = 0.0;
+    if (const Piece* const piece = draw_piece(
+            pieces, [](const Piece& p) { return p.lit; }, random, chance)) {
+      const double s = piece->from + random.number() * (piece->to - piece->from);
+      sunlight(moved(place, ray, s), light);
+      Spectrum through;
+      PathShells::Columns densities{};
+      reach(ray, *piece, s, through, densities);
+      const double cosine = std::clamp(glm::dot(place.direction, sun_), -1.0, 1.0);
+      for (const std::size_t k : scatterers_) {
+        const double part = densities[k] * air_.phase(air_.matter()[k], cosine) * (piece->to - piece->from) / chance;
+        for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+          radiance[i] += weights[i] * part * air_.matter()[k].scattering[i] * through[i] * light[i];
+        }
+      }
+    }
+    if (!ray.ground) return;
+    const Place end = moved(place, ray, ray.length);
+    const double level = glm::dot(end.up, sun_);
+    if (!(level > 0.0)) return;
+    sunlight({0.0, end.up, end.direction}, light);
+    const Spectrum through = ground_transmittance(ray, pieces);
+    for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      radiance[i] += weights[i] * through[i] * air_.atmosphere().ground_albedo[i] / pi * level * light[i];
+    }
+  }
+
+  [[nodiscard]] Spectrum ground_transmittance(const AirRay& ray, const std::vector<Piece>& pieces) const {
+    Spectrum through;
+    through.fill(1.0);
+    if (pieces.empty()) return through;
+    PathShells::Columns densities{};
+    reach(ray, pieces.back(), pieces.back().to, through, densities);
+    return through;
+  }
+
+  /// To where light of the next order comes from, and a direction to look for it; false if there is none.
+  bool go_on(const AirRay& ray, Place& place, Spectrum& weights, PathRandom& random,
+             const std::vector<Piece>& pieces) const {
+    double air = 0.0;
+    for (const Piece& piece : pieces) air += piece.scatters;
+    double ground = 0.0;
+    Spectrum through{};
+    if (ray.ground && !air_.atmosphere().ground_albedo.empty()) {
+      through = ground_transmittance(ray, pieces);
+      for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+        through[i] *= air_.atmosphere().ground_albedo[i];
+        ground += through[i];
+      }
+    }
+    if (!(air + ground > 0.0)) return false;
+    if (random.number() * (air + ground) < ground) {
+      place = moved(place, ray, ray.length);
+      place.square = 0.0;
+      const double up = draw_upwards(place.up, place.direction, random);
+      for (std::size_t i = 0; i < air_.wavelengths(); ++i) weights[i] *= through[i] * up * (air + ground) / ground;
+      return up > 0.0;
+    }
+    double chance = 0.0;
+    const Piece* const piece = draw_piece(
+        pieces, [](const Piece& p) { return p.scatters; }, random, chance);
+    if (piece == nullptr) return false;
+    const double s = piece->from + random.number() * (piece->to - piece->from);
+    PathShells::Columns densities{};
+    reach(ray, *piece, s, through, densities);
+    place = moved(place, ray, s);
+    chance *= air / (air + ground) / (piece->to - piece->from);
+    return scatter(densities, through, chance, place, weights, random);
+  }
+
+  /// The cosine over pi times the density of a direction that is drawn by the cosine or towards the sun.
+  double draw_upwards(const dvec3& up, dvec3& direction, PathRandom& random) const {
+    const bool low = sunset_ != dvec3(0.0);
+    const bool towards = low && random.number() < kTowardsSun;
+    direction = towards ? sky::turned(sunset_, sky::draw_henyey_greenstein(kSunsetAsymmetry, random), random)
+                        : sky::turned(up, std::sqrt(random.number()), random);
+    const double cosine = glm::dot(up, direction);
+    if (!(cosine > 0.0)) return 0.0;
+    if (!low) return 1.0;
+    const double density = (1.0 - kTowardsSun) * cosine / pi +
+                           kTowardsSun * sky::henyey_greenstein_phase(kSunsetAsymmetry, glm::dot(sunset_, direction));
+    return cosine / pi / density;
+  }
+
+  /// A new direction, drawn by the phase functions or towards the sun.
+  bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, Place& place,
+               Spectrum& weights, PathRandom& random) const {
+    std::array<double, ReferenceAir::kMostMatter> shares{};
+    double all = 0.0;
+    for (const std::size_t k : scatterers_) {
+      for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+        shares[k] += weights[i] * through[i] * densities[k] * air_.matter()[k].scattering[i];
+      }
+      all += shares[k];
+    }
+    if (!(all > 0.0)) return false;
+    const bool low = sunset_ != dvec3(0.0);
+    const dvec3 old = place.direction;
+    place.direction = low && random.number() < kTowardsSun
+                          ? sky::turned(sunset_, sky::draw_henyey_greenstein(kSunsetAsymmetry, random), random)
+                          : drawn_by_phase(shares, all, old, random);
+    const double cosine = std::clamp(glm::dot(old, place.direction), -1.0, 1.0);
+    double density = 0.0;
+    for (const std::size_t k : scatterers_) density += shares[k] / all * air_.phase(air_.matter()[k], cosine);
+    if (low) {
+      density = (1.0 - kTowardsSun) * density +
+                kTowardsSun * sky::henyey_greenstein_phase(kSunsetAsymmetry, glm::dot(sunset_, place.direction));
+    }
+    for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      double scattered = 0.0;
+      for (const std::size_t k : scatterers_) {
+        scattered += densities[k] * air_.phase(air_.matter()[k], cosine) * air_.matter()[k].scattering[i];
+      }
+      weights[i] *= through[i] * scattered / (density * chance);
+    }
+    return true;
+  }
+
+  dvec3 drawn_by_phase(const std::array<double, ReferenceAir::kMostMatter>& shares, double all, const dvec3& old,
+                       PathRandom& random) const {
+    double left = random.number() * all;
+    std::size_t kind = scatterers_.front();
+    for (const std::size_t k : scatterers_) {
+      kind = k;
+      left -= shares[k];
+      if (left < 0.0) break;
+    }
+    const Atmosphere& atmosphere = air_.atmosphere();
+    const double cosine = air_.matter()[kind].rayleigh
+                              ? sky::draw_rayleigh(random)
+                              : sky::draw_aerosol(atmosphere.aerosol_phase, atmosphere.aerosol_asymmetry, random);
+    return sky::turned(old, cosine, random);
+  }
+
+  const ReferenceAir& air_;
+  PathShells shells_;
+  dvec3 sun_;
+  dvec3 sunset_{0.0};
+  PathTracingOptions options_;
+  std::vector<std::size_t> scatterers_;
+  std::vector<double> guess_;
+};
+
+constexpr std::size_t kParts = 128;  ///< of the paths: errors are told from how they differ
+
+/// `start(random, weight)` is a path's first place.
+template <class Start>
+TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTracingOptions& options,
+                const Control& control, const Start& start) {
+  std::array<Spectrum, kParts> means{};
+  const std::int64_t paths = std::max<std::int64_t>(1, options.paths / static_cast<std::int64_t>(kParts));
+  const jobs::Placement placement = jobs::Placement::arena;
+  jobs::run_tiles(kParts, placement, jobs::worker_count(placement), control, [&](std::size_t part, std::size_t) {
+    MonteCarlo::Scratch scratch;
+    for (std::int64_t path = 0; path < paths; ++path) {
+      PathRandom random(options.seed,
+                        static_cast<std::uint64_t>(part) * 0x100000000U + static_cast<std::uint64_t>(path));
+      double weight = 1.0;
+      const Place place = start(random, weight);
+      if (weight > 0.0) tracer.trace(place, weight, random, scratch, means[part]);
+    }
+    for (double& value : means[part]) value /= static_cast<double>(paths);
+  });
+  TracedLight light;
+  for (std::size_t i = 0; i < wavelengths; ++i) {
+    double sum = 0.0;
+    double squares = 0.0;
+    for (const Spectrum& mean : means) sum += mean[i];
+    for (const Spectrum& mean : means) squares += (mean[i] - sum / kParts) * (mean[i] - sum / kParts);
+    light.value.push_back(sum / kParts);
+    light.standard_error.push_back(std::sqrt(squares / (kParts * (kParts - 1.0))));
+  }
+  return light;
+}
+
+void check_arguments(const ReferenceAir& air, double altitude, const dvec3& sun, const PathTracingOptions& options) {
+  sky::check_direction("the sun's direction", sun);
+  if (air.wavelengths() > kMostWavelengths || !(altitude >= 0.0 && altitude <= air.thickness()) ||
+      options.lowest_order < 1 || options.highest_order < options.lowest_order || options.paths < 2) {
+    throw Error(ErrorCode::invalid_argument,
+                "tracing light needs up to 16 wavelengths, an altitude within the air, rising orders and paths");
+  }
+}
+
+}  // namespace
+
+TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& direction,
+                               const glm::dvec3& sun, const PathTracingOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  const ReferenceAir air(atmosphere);
+  check_arguments(air, altitude_m, sun, options);
+  sky::check_direction("the direction", direction);
+  const MonteCarlo tracer(air, sun, options);
+  const Place place{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
+  return run(tracer, air.wavelengths(), options, control, [&](PathRandom&, double&) { return place; });
+}
+
+TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
+                                 const PathTracingOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  const ReferenceAir air(atmosphere);
+  check_arguments(air, altitude_m, sun, options);
+  const MonteCarlo tracer(air, sun, options);
+  return run(tracer, air.wavelengths(), options, control, [&](PathRandom& random, double& weight) {
+    Place place{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
+    weight = tracer.draw_from_sky(place.direction, random);
+    return place;
+  });
+}
+
+}  // namespace welkin

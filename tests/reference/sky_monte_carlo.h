@@ -1,0 +1,35 @@
+// The truth for scattered light of any order from one direction, or on the ground, also where the sun is down: a
+// backward Monte Carlo in spherical shells that looks for the sun along whole rays, with its noise.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "reference/path_tracer.h"
+#include "welkin/atmosphere.h"
+#include "welkin/core.h"
+
+namespace welkin {
+
+/// An estimate at each wavelength with its standard error, from how the means of 64 or more parts of the paths differ.
+struct TracedLight {
+  std::vector<double> value;
+  std::vector<double> standard_error;
+};
+
+/// Radiance that arrives at `altitude_m` (0 to the top) from a unit direction, of the orders that `options` asks for,
+/// in W/m2/sr/nm: 3 to 16 wavelengths. Unbiased (but for optical depths by quadrature, 1e-6 of them) and independent of
+/// every table; the same bits on any number of threads. Each ray of a path gives the sun one chance at a place drawn by
+/// where air scatters that the sun reaches, and goes on from another drawn by where air scatters; under a low sun half
+/// of the directions are drawn towards it. Some 10 microseconds an order and path, on one core; 100 000 paths of orders
+/// two to four give the Earth's zenith to 0.4 % at noon and 1 % at -6 degrees. Throws `Error`: invalid_argument,
+/// cancelled.
+[[nodiscard]] TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
+                                             const glm::dvec3& direction, const glm::dvec3& sun,
+                                             const PathTracingOptions& options = {}, const Control& control = {});
+
+/// Irradiance on a horizontal surface facing up, likewise, in W/m2/nm.
+[[nodiscard]] TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
+                                               const PathTracingOptions& options = {}, const Control& control = {});
+
+}  // namespace welkin
