@@ -26,7 +26,7 @@ using std::numbers::pi;
 
 /// Earth's four orders, the default sizes.
 const std::shared_ptr<const SkyTables>& four_orders() {
-  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth()));
+  static const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton()));
   return tables;
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("sky view: single directions are right to 1 % while the sun sets", "[s
     for (const double up : {0.2, 1.0, 3.0, 6.0, 12.0, 25.0, 45.0, 70.0, 90.0}) {
       for (const double azimuth : {0.0, 20.0, 60.0, 90.0, 120.0, 150.0, 180.0}) {
         const dvec3 direction = sun_direction(up, azimuth);
-        const std::vector<double> truth = reference_sky_radiance(earth(), 0.0, direction, sun, {1e-5, true});
+        const std::vector<double> truth = reference_sky_radiance(earth_bruneton(), 0.0, direction, sun, {1e-5, true});
         const dvec3 found = once.radiance(direction, sun);
         const dvec3 bright = view.radiance(direction, sun);
         for (int c = 0; c < 3; ++c) {
@@ -106,9 +106,9 @@ TEST_CASE("sky view: orders two to four at -6 degrees are those of paths", "[sky
   const dvec3 all = SkyView(four_orders(), 0.0).irradiance(sun);
   SkyTableOptions one;
   one.orders = 1;
-  const dvec3 single = SkyView(std::make_shared<const SkyTables>(precompute_sky(earth(), one)), 0.0).irradiance(sun);
+  const dvec3 single = SkyView(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), one)), 0.0).irradiance(sun);
   const TracedLight traced =
-      trace_sky_irradiance(earth(), 0.0, sun, {.lowest_order = 2, .highest_order = 4, .paths = 150'000});
+      trace_sky_irradiance(earth_bruneton(), 0.0, sun, {.lowest_order = 2, .highest_order = 4, .paths = 150'000});
   for (int c = 0; c < 3; ++c) {
     const auto k = static_cast<std::size_t>(c);
     CAPTURE(c, (all[c] - single[c]) / traced.value[k], traced.standard_error[k] / traced.value[k]);
@@ -123,8 +123,8 @@ TEST_CASE("sky Monte Carlo: its first order is the quadrature's", "[sky][twiligh
     const dvec3 sun = sun_direction(elevation, 0.0);
     const dvec3 direction = sun_direction(20.0, 30.0);
     const TracedLight traced =
-        trace_sky_radiance(earth(), 0.0, direction, sun, {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
-    const std::vector<double> truth = reference_sky_radiance(earth(), 0.0, direction, sun, {1e-5, true});
+        trace_sky_radiance(earth_bruneton(), 0.0, direction, sun, {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
+    const std::vector<double> truth = reference_sky_radiance(earth_bruneton(), 0.0, direction, sun, {1e-5, true});
     for (std::size_t c = 0; c < 3; ++c) {
       CAPTURE(elevation, c, traced.value[c] / truth[c], traced.standard_error[c] / truth[c]);
       CHECK(traced.standard_error[c] < 0.02 * truth[c]);
