@@ -10,8 +10,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
@@ -125,10 +127,11 @@ struct LightChange {
 /// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear, the
 /// default, and filament), as every roughness changes with it. By the babylon schedule or a list none does.
 ///
-/// Entries on disk are files of their own with a checksum: written beside and renamed. Any number of processes and
-/// threads may share a folder; a damaged, cut or foreign file is never believed. Nobody waits for the disk: a killed
-/// process leaves whole entries or none, and what a power failure cuts is found out. Above the limit the entries that
-/// were used least recently go. Nothing that happens to the folder makes a call fail.
+/// Entries on disk are files of their own with a checksum, which are on the disk before they get their name: a killed
+/// process and a power failure leave whole entries or none. Any number of processes and threads may share a folder; a
+/// damaged, cut or foreign file is never believed, no link is followed, and no memory is taken for more bytes than an
+/// entry of its kind can have. Above the limit the entries that were used least recently go. Nothing that happens to
+/// the folder makes a call fail, nor that there is no memory for an entry: it is not found then, or not kept.
 ///
 /// Thread-safe. Two threads that miss the same entry at the same time both compute it. A hit costs hashing the source
 /// (bounded by memory) and copying the result, from disk also reading and checking it: far less than a bake, a
@@ -179,6 +182,12 @@ class ResultCache {
   /// As `precompute_sky`.
   [[nodiscard]] SkyTables precompute_sky(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                          const Control& control = {});
+
+  /// What `keep_bytes` was given under that key: files that were made of results, say. Nothing if it is not there, or
+  /// longer than `most_bytes`. The caller's key must name all that decides the bytes, its own version among it.
+  [[nodiscard]] std::optional<std::vector<std::byte>> find_bytes(const ContentHash& key, std::uint64_t most_bytes);
+  /// Keeps them as any entry, for as long as there is room.
+  void keep_bytes(const ContentHash& key, std::span<const std::byte> bytes);
 
   /// Since the cache was opened.
   [[nodiscard]] CacheStatistics statistics() const;

@@ -1065,7 +1065,8 @@ WELKIN_API welkin_status welkin_post_sky_specular(welkin_worker* worker, const w
 /* A function of the caller's own, called as `run(run_user, control)` on one of the worker's threads, once or, if the
  * job is given up first, not at all. What it returns becomes the job's status: any value but WELKIN_NOT_READY, numbers
  * of your own too (from 1000 on they will never mean anything else). If it returns what a call in it failed with, the
- * job has that call's message. It should look at `welkin_control_stop_requested` every millisecond or so. */
+ * job has that call's message. It should look at `welkin_control_stop_requested` every millisecond or so.
+ * It must return: if it calls `pthread_exit`, its thread goes on and the job ends with WELKIN_INTERNAL. */
 WELKIN_API welkin_status welkin_post_function(welkin_worker* worker,
                                               welkin_status (*run)(void* run_user, const welkin_control* control),
                                               void* run_user, const welkin_post_options* post, welkin_job** job);

@@ -132,6 +132,10 @@ struct WorkerLoad {
 ///   same for equal ones) spares it most comparisons where many are in flight; a static member `kReadsFiles` keeps new
 ///   ones from joining a run that has started, as what it read may have changed since.
 ///
+/// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
+/// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
+/// leaves all as it is. A fork may make a worker of its own.
+///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.
 class Worker {

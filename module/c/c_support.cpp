@@ -168,6 +168,11 @@ bool flag(const char* what, std::int32_t value) {
   return value == 1;
 }
 
+void refuse_thread_exit(const char* function) {
+  throw StatusError(WELKIN_INTERNAL,
+                    std::string(function) + " called pthread_exit; it must return, as the thread is not its own");
+}
+
 Control control_of(const welkin_control* control) { return control == nullptr ? Control{} : control->control; }
 
 }  // namespace welkin::c_interface

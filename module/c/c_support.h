@@ -20,6 +20,7 @@
 
 #include "image/pixels.h"
 #include "platform/float_environment.h"
+#include "platform/thread.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
@@ -172,6 +173,17 @@ namespace welkin::c_interface {
 /// One that asks for nothing if it is null.
 [[nodiscard]] Control control_of(const welkin_control* control);
 
+// Functions of the caller's.
+
+/// Calls one that may not end the thread it is called on. False if it called `pthread_exit`; the thread goes on.
+template <class Call>
+[[nodiscard]] bool returns(Call call) {
+  return welkin::detail::returns_from([](void* argument) { (*static_cast<Call*>(argument))(); }, &call);
+}
+
+/// What a call ends with whose function called `pthread_exit`.
+[[noreturn]] void refuse_thread_exit(const char* function);
+
 // What a caller hands over together with the function that frees it.
 
 /// Calls `release(user)` when it goes: once, wherever it was moved to.
@@ -184,7 +196,7 @@ class HandedOver {
   ~HandedOver() {
     if (release_ == nullptr) return;
     try {
-      release_(user_);
+      static_cast<void>(returns([this] { release_(user_); }));
     } catch (...) {  // NOLINT(bugprone-empty-catch): it may not throw, and there is nobody who could be told
     }
   }

@@ -109,7 +109,8 @@ class FunctionRequest {
   void operator()(const welkin::Control& control) const {
     const welkin_control steering{control};
     clear_last_error();
-    const welkin_status status = run_(user_, &steering);
+    welkin_status status = WELKIN_OK;
+    if (!returns([&] { status = run_(user_, &steering); })) refuse_thread_exit("the function");
     if (status == WELKIN_OK) return;
     if (status == WELKIN_NOT_READY) {
       throw StatusError(WELKIN_INTERNAL, "the function returned WELKIN_NOT_READY, which no job can end with");
@@ -259,7 +260,10 @@ class FunctionExecutor final : public Executor {
       : enqueue_(function), user_(user), concurrency_(concurrency) {}
 
   [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
-  void enqueue(void (*run)(void* job), void* job) override { enqueue_(user_, run, job); }
+  void enqueue(void (*run)(void* job), void* job) override {
+    // Of a function that ends its thread nobody knows whether it took the task; that it did is what does no harm.
+    static_cast<void>(returns([&] { enqueue_(user_, run, job); }));
+  }
 
  private:
   decltype(welkin_worker_options::enqueue) enqueue_;

@@ -231,7 +231,9 @@ class CompletedCallback final : public detail::Computation {
     runs_after_errors = true;
   }
 
-  void run(const Control&) override { completed_(job_.get(), user_); }
+  void run(const Control&) override {
+    if (!returns([this] { completed_(job_.get(), user_); })) refuse_thread_exit("completed");
+  }
 
  private:
   JobReference job_;

@@ -47,7 +47,7 @@ StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const Pi
     const auto level = static_cast<int>(mip);
     const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
     names_.push_back({EntryKind::specular_mip, key});
-    auto found = store.find(names_[mip], [&](ByteSpan bytes) {
+    auto found = store.find(names_[mip], mip_bytes(chain_.level_size(level)), [&](ByteSpan bytes) {
       return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0));
     });
     if (!found) {
@@ -69,7 +69,8 @@ std::optional<reflections::PrefilterPlan> StoredChain::missing() const {
 void StoredChain::add(PrefilteredSpecular made) {
   for (std::size_t mip = first_missing_; mip < end_missing_; ++mip) {
     const std::size_t level = mip - first_missing_;
-    store_.store(names_[mip], encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0)));
+    store_.store(names_[mip],
+                 [&] { return encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0)); });
   }
   const float* const first = made.cubemap.face(0, 0);
   std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
@@ -127,8 +128,10 @@ class BakeEntries final : public baking::ArtefactStore {
     name_entries(pixels, options, plan, {control.stop, {}});
     baking::FoundArtefacts found;
     if (plan.runs(baking::BakePass::project) && !plan.stored_harmonics) {
-      found.projection = found_as(store_.find(
-          projection_, [&](cache::ByteSpan bytes) { return cache::decode_projection(bytes, plan.projecting.bands); }));
+      const int bands = plan.projecting.bands;
+      found.projection =
+          found_as(store_.find(projection_, cache::projection_bytes(bands),
+                               [bands](cache::ByteSpan bytes) { return cache::decode_projection(bytes, bands); }));
     } else if (plan.runs(baking::BakePass::sanitize)) {
       if (auto sanitized = cache::find_sanitized(store_, sanitized_)) found.sanitized = sanitized->diagnostics;
     }
@@ -153,12 +156,14 @@ class BakeEntries final : public baking::ArtefactStore {
   void keep(const projection::SanitizedSource& sanitized) override {
     static_cast<void>(cache::store_sanitized(store_, sanitized_, sanitized));
   }
-  void keep(const Projection& projection) override { store_.store(projection_, cache::encode(projection)); }
+  void keep(const Projection& projection) override {
+    store_.store(projection_, [&] { return cache::encode(projection); });
+  }
   void keep_background(const CubemapChain& background) override {
-    store_.store(background_, cache::encode(background));
+    store_.store(background_, [&] { return cache::encode(background); });
   }
   void keep_irradiance(const CubemapImage& irradiance) override {
-    store_.store(irradiance_, cache::encode(chain_of(irradiance)));
+    store_.store(irradiance_, [&] { return cache::encode(chain_of(irradiance)); });
   }
   [[nodiscard]] PrefilteredSpecular whole_specular(std::optional<PrefilteredSpecular> made) override {
     if (made) chain_->add(std::move(*made));
@@ -201,7 +206,8 @@ class BakeEntries final : public baking::ArtefactStore {
   [[nodiscard]] std::optional<cache::FoundResult<CubemapChain>> find_cubemap(const EntryName& name, int size,
                                                                              int levels,
                                                                              std::pmr::memory_resource* memory) {
-    return store_.find(name, [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
+    return store_.find(name, cache::cubemap_bytes(size, levels),
+                       [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
   }
 
   cache::ResultStore& store_;

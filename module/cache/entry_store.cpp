@@ -1,7 +1,6 @@
 #include "cache/entry_store.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <string_view>
 #include <system_error>
@@ -14,14 +13,14 @@ namespace welkin::cache {
 namespace {
 
 constexpr const char* kExtension = ".welkin-entry";
-/// Of what lies beside; a writer takes seconds.
-constexpr std::chrono::hours kLeftBehind{1};
 
-/// A regular file of the stated length with the right name inside and the right sum; what it holds.
-std::optional<std::vector<std::uint8_t>> sound_payload(platform::SharedFile& file, const EntryName& name) {
+/// A regular file of the stated length, which is possible, with the right name inside and the right sum; what it holds.
+std::optional<std::vector<std::uint8_t>> sound_payload(platform::SharedFile& file, const EntryName& name,
+                                                       std::uint64_t most_bytes) {
   const std::optional<std::uint64_t> size = file.size();
   EntryHeader header{};
-  if (!size || !file.read(header.data(), header.size())) return std::nullopt;
+  if (!size || *size < kEntryHeaderBytes || *size - kEntryHeaderBytes > most_bytes) return std::nullopt;
+  if (!file.read(header.data(), header.size())) return std::nullopt;
   const std::optional<EntryStatement> statement = read_entry_header(header);
   const std::uint64_t payload_bytes = *size - kEntryHeaderBytes;
   if (!statement || !(statement->name == name) || statement->payload_bytes != payload_bytes) return std::nullopt;
@@ -49,17 +48,7 @@ bool is_entry(const std::filesystem::path& path) {
          has_only(std::string_view(name).substr(hash_letters + 1), "0123456789");
 }
 
-bool is_left_behind(const std::filesystem::path& path, std::filesystem::file_time_type written) {
-  const std::string name = path.filename().string();
-  constexpr std::string_view start = ".welkin-";
-  constexpr std::string_view end = ".part";
-  return name.starts_with(start) && name.ends_with(end) && name.size() > start.size() + end.size() &&
-         has_only(std::string_view(name).substr(start.size(), name.size() - start.size() - end.size()),
-                  "0123456789-") &&
-         written + kLeftBehind < std::filesystem::file_time_type::clock::now();
-}
-
-/// All entries; what writers left behind is removed on the way.
+/// All entries. A link is none, wherever it leads.
 std::vector<Found> entries_in(const std::filesystem::path& folder) {
   std::vector<Found> entries;
   std::error_code failure;
@@ -67,10 +56,9 @@ std::vector<Found> entries_in(const std::filesystem::path& folder) {
   for (; !failure && at != std::filesystem::directory_iterator(); at.increment(failure)) {
     std::error_code gone;  // another process may have removed it
     const std::filesystem::path& path = at->path();
+    if (!is_entry(path) || !std::filesystem::is_regular_file(at->symlink_status(gone))) continue;
     const auto used = std::filesystem::last_write_time(path, gone);
     if (gone) continue;
-    if (is_left_behind(path, used)) std::filesystem::remove(path, gone);
-    if (!is_entry(path)) continue;
     const std::uint64_t bytes = std::filesystem::file_size(path, gone);
     if (!gone) entries.push_back({path, used, bytes});
   }
@@ -83,6 +71,7 @@ EntryFolder::EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes
     : folder_(std::move(folder)), bound_bytes_(bound_bytes) {
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
+  platform::remove_left_behind(folder_);
   if (failure) note_failure(folder_.string() + ": " + failure.message());
   tidy();
 }
@@ -92,10 +81,10 @@ std::filesystem::path EntryFolder::path_of(const EntryName& name) const {
          (name.key.text() + '-' + std::to_string(static_cast<std::uint32_t>(name.kind)) + std::string(kExtension));
 }
 
-std::optional<std::vector<std::uint8_t>> EntryFolder::find(const EntryName& name) {
+std::optional<std::vector<std::uint8_t>> EntryFolder::find(const EntryName& name, std::uint64_t most_bytes) {
   platform::SharedFile file(path_of(name));
   if (!file.is_open()) return std::nullopt;
-  std::optional<std::vector<std::uint8_t>> payload = sound_payload(file, name);
+  std::optional<std::vector<std::uint8_t>> payload = sound_payload(file, name, most_bytes);
   if (!payload) {
     remove_damaged(name);
     return std::nullopt;
@@ -107,11 +96,12 @@ std::optional<std::vector<std::uint8_t>> EntryFolder::find(const EntryName& name
 void EntryFolder::store(const EntryName& name, std::span<const std::uint8_t> payload) {
   if (payload.size() + kEntryHeaderBytes > bound_bytes_) return;
   try {
-    platform::WholeFile file(path_of(name));
+    platform::WholeFile file(path_of(name), nullptr, platform::WholeFile::Link::replaced);
     const EntryHeader header = entry_header(name, payload);
     file.write(header.data(), header.size());
     file.write(payload.data(), payload.size());
-    file.finish();
+    constexpr bool to_disk = true;
+    file.finish(to_disk);
     file.commit();
   } catch (const Error& error) {
     note_failure(error.what());

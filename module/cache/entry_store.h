@@ -21,7 +21,14 @@
 namespace welkin::cache {
 
 /// What a payload is. Numbers are on disks: they never change.
-enum class EntryKind : std::uint32_t { projection = 1, specular_mip = 2, cubemap = 3, face_sums = 4, sky_tables = 5 };
+enum class EntryKind : std::uint32_t {
+  projection = 1,
+  specular_mip = 2,
+  cubemap = 3,
+  face_sums = 4,
+  sky_tables = 5,
+  bytes = 6
+};
 
 struct EntryName {
   EntryKind kind{};
@@ -53,15 +60,22 @@ struct EntryStatement {
 /// left behind when they were killed. Thread-safe. Nothing here throws but std::bad_alloc: what fails is counted.
 class EntryFolder {
  public:
+  static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
+
   /// Makes the folder.
   EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes);
 
-  /// The payload, and the entry counts as used now. Nothing if there is none, or none that is sound; that is removed.
-  [[nodiscard]] std::optional<std::vector<std::uint8_t>> find(const EntryName& name);
+  /// The payload, and the entry counts as used now. Nothing if there is none, or none that is sound; that is removed. A
+  /// sound one has `most_bytes` at most: no memory is taken for more. A link is no entry, wherever it leads.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> find(const EntryName& name,
+                                                              std::uint64_t most_bytes = kAnySize);
 
-  /// Written beside and renamed. Then entries are removed, those used least recently first, until the folder is within
-  /// its bound. Nobody waits for the disk: what the power's failure leaves of an entry is found out by its sums.
+  /// Written without a name, on the disk before it gets one. Then entries are removed, those used least recently first,
+  /// until the folder is within its bound.
   void store(const EntryName& name, std::span<const std::uint8_t> payload);
+
+  /// Something was not kept, as `what` says.
+  void note_failure(const std::string& what);
 
   /// What was found is not what it should be.
   void remove_damaged(const EntryName& name);
@@ -76,7 +90,6 @@ class EntryFolder {
  private:
   [[nodiscard]] std::filesystem::path path_of(const EntryName& name) const;
   void tidy();
-  void note_failure(const std::string& what);
 
   std::filesystem::path folder_;
   std::uint64_t bound_bytes_;

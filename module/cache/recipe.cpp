@@ -82,6 +82,8 @@ class Loader {
   ByteReader reader;
 };
 
+std::uint64_t texels(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
+
 std::size_t mip_values(int size) {
   return std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
 }
@@ -123,6 +125,18 @@ std::optional<Result> if_complete(const Loader& loader, Result result) {
 }
 
 }  // namespace
+
+std::uint64_t projection_bytes(int bands) { return 24 * texels(bands) + kSmallPayload; }
+std::uint64_t mip_bytes(int size) { return 6 * 12 * texels(size) + kSmallPayload; }
+std::uint64_t cubemap_bytes(int size, int levels) {
+  std::uint64_t bytes = kSmallPayload;
+  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
+  return bytes;
+}
+std::uint64_t face_sums_bytes(int bands, std::size_t tiles) {
+  constexpr std::uint64_t record = 64;
+  return tiles * (24 * texels(bands) + record) + kSmallPayload;
+}
 
 Bytes encode(const Projection& projection) {
   Saver saver(24 * projection.radiance.coefficients().size());

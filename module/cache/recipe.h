@@ -151,6 +151,15 @@ class ByteReader {
 using Bytes = std::vector<std::uint8_t>;
 using ByteSpan = std::span<const std::uint8_t>;
 
+// What an entry's bytes can be at most: no more is read. Beside the numbers there are the words of passes.
+
+inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
+
+[[nodiscard]] std::uint64_t projection_bytes(int bands);
+[[nodiscard]] std::uint64_t mip_bytes(int size);
+[[nodiscard]] std::uint64_t cubemap_bytes(int size, int levels);
+[[nodiscard]] std::uint64_t face_sums_bytes(int bands, std::size_t tiles);
+
 [[nodiscard]] Bytes encode(const Projection& projection);
 [[nodiscard]] Bytes encode(const CubemapChain& chain);
 /// `texels`: the six faces, 18 times the square of `mip.size`.

@@ -51,7 +51,8 @@ Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubema
   const auto decode = [&](cache::ByteSpan bytes) { return cache::decode_face_sums(bytes, options.bands, tiles); };
   std::vector<int> missing;
   for (int face = 0; face < 6; ++face) {
-    if (auto found = store.find(face_name(hashes[static_cast<std::size_t>(face)], options), decode)) {
+    const EntryName name = face_name(hashes[static_cast<std::size_t>(face)], options);
+    if (auto found = store.find(name, cache::face_sums_bytes(options.bands, tiles), decode)) {
       faces.set_face(face, std::move(found->value));
     } else {
       missing.push_back(face);
@@ -59,7 +60,8 @@ Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubema
   }
   update_faces(faces, cubemap, missing, control);
   for (const int face : missing) {
-    store.store(face_name(hashes[static_cast<std::size_t>(face)], options), cache::encode(*faces.face(face)));
+    store.store(face_name(hashes[static_cast<std::size_t>(face)], options),
+                [&] { return cache::encode(*faces.face(face)); });
   }
   found_faces = 6 - missing.size();
   return total(faces);
@@ -140,7 +142,7 @@ Projection ResultCache::project_view(const View& view, const ProjectionOptions& 
   } else {
     projection = welkin::project(view, options, rest);
   }
-  store_->store(name, cache::encode(projection));
+  store_->store(name, [&] { return cache::encode(projection); });
   if (found_faces > 0) {
     std::vector<PassRecord>& passes = projection.diagnostics.passes;
     const std::string words = std::to_string(found_faces) + " of 6 faces were projected before";
@@ -182,7 +184,7 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
     return std::move(*found);
   }
   Projection projection = welkin::project_file(path, read_options, options, control);
-  if (is_still(path, bytes)) store_->store(name, cache::encode(projection));
+  if (is_still(path, bytes)) store_->store(name, [&] { return cache::encode(projection); });
   return projection;
 }
 
@@ -231,16 +233,34 @@ SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTab
   const EntryName name{EntryKind::sky_tables,
                        cache::result_key("sky tables", {hash_options(atmosphere), hash_options(options)})};
   // Checks the arguments; what is refused without a cache is refused here.
-  const bool within_limit = sky_table_bytes(atmosphere, options) <= options.memory_limit_bytes;
+  const std::uint64_t most_bytes = sky_table_bytes(atmosphere, options);
+  const bool within_limit = most_bytes <= options.memory_limit_bytes;
   const auto decode = [&](cache::ByteSpan entry) { return cache::decode_sky_tables(entry, atmosphere, options); };
-  if (auto found = within_limit ? store_->find(name, decode) : std::nullopt) {
+  if (auto found = within_limit ? store_->find(name, most_bytes + cache::kSmallPayload, decode) : std::nullopt) {
     cache::mark_reused(found->value.passes, found->where, found->milliseconds);
     finished(control);
     return std::move(found->value);
   }
   SkyTables tables = welkin::precompute_sky(atmosphere, options, control);
-  store_->store(name, cache::encode(tables));
+  store_->store(name, [&] { return cache::encode(tables); });
   return tables;
+}
+
+std::optional<std::vector<std::byte>> ResultCache::find_bytes(const ContentHash& key, std::uint64_t most_bytes) {
+  const auto copy = [](cache::ByteSpan bytes) {
+    const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
+    return std::optional(std::vector<std::byte>(first, first + bytes.size()));
+  };
+  auto found = store_->find({EntryKind::bytes, cache::result_key("bytes", {key})}, most_bytes, copy);
+  if (!found) return std::nullopt;
+  return std::move(found->value);
+}
+
+void ResultCache::keep_bytes(const ContentHash& key, std::span<const std::byte> bytes) {
+  store_->store({EntryKind::bytes, cache::result_key("bytes", {key})}, [bytes] {
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    return cache::Bytes(first, first + bytes.size());
+  });
 }
 
 }  // namespace welkin

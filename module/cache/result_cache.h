@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,21 +30,27 @@ class ResultStore {
     if (!options.folder.empty()) folder_.emplace(options.folder, options.disk_bytes);
   }
 
-  /// What `decode` makes of the entry; an entry that it makes nothing of is removed.
+  /// What `decode` makes of the entry, whose payload can have `most_bytes`; an entry that it makes nothing of is
+  /// removed. Where there is no memory for it, it is not found.
   template <class Decode>
-  auto find(const EntryName& name, const Decode& decode)
+  auto find(const EntryName& name, std::uint64_t most_bytes, const Decode& decode)
       -> std::optional<FoundResult<typename decltype(decode(ByteSpan{}))::value_type>> {
     using Found = FoundResult<typename decltype(decode(ByteSpan{}))::value_type>;
     const auto start = std::chrono::steady_clock::now();
     const char* where = "in memory";
     Payload payload = memory_.find(name);
-    if (!payload && folder_) {
-      where = "on disk";
-      if (auto bytes = folder_->find(name)) payload = std::make_shared<const Bytes>(std::move(*bytes));
+    decltype(decode(ByteSpan{})) result;
+    try {
+      if (!payload && folder_) {
+        where = "on disk";
+        if (auto bytes = folder_->find(name, most_bytes)) payload = std::make_shared<const Bytes>(std::move(*bytes));
+      }
+      if (payload) result = decode(*payload);
+      if (payload && !result) remove(name);
+    } catch (const std::bad_alloc&) {
+      result.reset();
     }
-    auto result = payload ? decode(*payload) : std::nullopt;
     if (!result) {
-      if (payload) remove(name);
       ++misses_;
       return std::nullopt;
     }
@@ -54,10 +61,16 @@ class ResultStore {
     return Found{std::move(*result), where, took.count()};
   }
 
-  void store(const EntryName& name, Bytes bytes) {
-    const auto payload = std::make_shared<const Bytes>(std::move(bytes));
-    if (folder_) folder_->store(name, *payload);
-    memory_.store(name, payload);
+  /// Keeps what `encode` gives, if there is memory for that.
+  template <class Encode>
+  void store(const EntryName& name, const Encode& encode) {
+    try {
+      const auto payload = std::make_shared<const Bytes>(encode());
+      if (folder_) folder_->store(name, *payload);
+      memory_.store(name, payload);
+    } catch (const std::bad_alloc&) {
+      if (folder_) folder_->note_failure("no memory for a result's bytes");
+    }
   }
 
   [[nodiscard]] CacheStatistics statistics() const {
@@ -99,7 +112,8 @@ inline void mark_reused(std::vector<PassRecord>& passes, const char* where, doub
 
 /// One whose passes say that it was found.
 inline std::optional<Projection> find_projection(ResultStore& store, const EntryName& name, int bands) {
-  auto found = store.find(name, [bands](ByteSpan bytes) { return decode_projection(bytes, bands); });
+  auto found =
+      store.find(name, projection_bytes(bands), [bands](ByteSpan bytes) { return decode_projection(bytes, bands); });
   if (!found) return std::nullopt;
   mark_reused(found->value.diagnostics.passes, found->where, found->milliseconds);
   return std::move(found->value);
@@ -120,7 +134,8 @@ struct SanitizedPixels {
 /// took away.
 [[nodiscard]] inline std::optional<SanitizedPixels> find_sanitized(ResultStore& store, const EntryName& name) {
   constexpr int bands = 1;
-  auto found = store.find(name, [](ByteSpan bytes) { return decode_projection(bytes, bands); });
+  auto found =
+      store.find(name, projection_bytes(bands), [](ByteSpan bytes) { return decode_projection(bytes, bands); });
   if (!found) return std::nullopt;
   SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
   std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
@@ -131,7 +146,7 @@ inline SanitizedPixels store_sanitized(ResultStore& store, const EntryName& name
                                        const projection::SanitizedSource& source) {
   Projection entry{SphericalHarmonics(1), source.diagnostics()};
   entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
-  store.store(name, encode(entry));
+  store.store(name, [&] { return encode(entry); });
   return {source.diagnostics(), source.clamped_radiance()};
 }
 

@@ -2,7 +2,6 @@
 #include "jobs/tiles.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -10,13 +9,17 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <fstream>
+#include <exception>
 #include <memory>
+#include <new>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "platform/float_environment.h"
+#include "platform/thread.h"
 #include "welkin/core.h"
 
 namespace welkin::jobs {
@@ -123,28 +126,77 @@ void run_tiles(std::size_t count, Placement placement, std::size_t workers, cons
 namespace welkin {
 namespace {
 
-constexpr int kMostThreads = 1024;  // oneTBB makes room for each, and has no bound of its own
+constexpr int kMostThreads = 1024;  // the arena makes room for each
 
-/// Processors that the control group's quota grants (cgroup v2: "QUOTA PERIOD" in microseconds, or "max"),
-/// or 0 where there is none. oneTBB counts processors by affinity and knows nothing of quotas.
-int quota_processors() {
-  const platform::FloatingPointScope floating_point;
-  std::ifstream file("/sys/fs/cgroup/cpu.max");
-  std::string quota;
-  double period = 0.0;
-  if (!(file >> quota >> period) || quota == "max" || period <= 0.0) return 0;
-  try {
-    return std::max(1, static_cast<int>(std::ceil(std::stod(quota) / period)));
-  } catch (const std::exception&) {
-    return 0;
+/// Threads of our own that take part in the parallel work of an arena until this object goes. oneTBB's own would end
+/// the process where the system refuses to make one; of ours there are fewer then.
+class Helpers {
+ public:
+  Helpers(tbb::task_arena& arena, int wanted) {
+    const detail::AddressReserve reserve(detail::kRoomForWork);
+    if (!reserve.held()) return;
+    helpers_.reserve(static_cast<std::size_t>(wanted));
+    try {
+      while (static_cast<int>(helpers_.size()) < wanted) make_one(arena);
+    } catch (const std::system_error&) {  // no thread
+    } catch (const std::bad_alloc&) {     // no memory for one
+    }
+    // What each takes to enter the arena it takes while the reserve is held.
+    for (const std::unique_ptr<Helper>& helper : helpers_) helper->settled.wait(false);
   }
-}
+  ~Helpers() {
+    for (const std::unique_ptr<Helper>& helper : helpers_) helper->blocker = tbb::task_handle();
+    for (const std::unique_ptr<Helper>& helper : helpers_) helper->thread.join();
+  }
+  Helpers(const Helpers&) = delete;
+  Helpers& operator=(const Helpers&) = delete;
+
+ private:
+  struct Helper {
+    tbb::task_group group;
+    tbb::task_handle blocker;  ///< the group's wait ends when this goes
+    std::atomic<bool> settled{false};
+    std::thread thread;
+
+    void settle() {
+      settled = true;
+      settled.notify_one();
+    }
+    ~Helper() {
+      blocker = tbb::task_handle();
+      group.wait();  // which a group that no thread has waited for wants
+    }
+    Helper() : blocker(group.defer([] {})) {}
+    Helper(const Helper&) = delete;
+    Helper& operator=(const Helper&) = delete;
+  };
+
+  void make_one(tbb::task_arena& arena) {
+    auto helper = std::make_unique<Helper>();
+    helper->thread = std::thread([&arena, &one = *helper] { help(arena, one); });
+    helpers_.push_back(std::move(helper));  // for which there is room
+  }
+
+  /// Waiting in the arena, a thread runs the tasks that others spawn there, and sleeps while there are none.
+  static void help(tbb::task_arena& arena, Helper& helper) noexcept {
+    try {
+      arena.execute([&helper] {
+        helper.settle();
+        helper.group.wait();
+      });
+    } catch (const std::exception&) {  // no memory to enter the arena with: one thread fewer
+      helper.settle();
+    }
+  }
+
+  std::vector<std::unique_ptr<Helper>> helpers_;
+};
 
 }  // namespace
 
 int available_threads() {
   const int processors = std::max(1, tbb::info::default_concurrency());
-  const int quota = quota_processors();
+  const int quota = detail::quota_processors();
   return quota > 0 ? std::min(processors, quota) : processors;
 }
 
@@ -154,11 +206,10 @@ void run_with_threads(int threads, const std::function<void()>& work) {
                 "threads is " + std::to_string(threads) + "; it must be from 0 to " + std::to_string(kMostThreads));
   }
   const int count = threads == 0 ? available_threads() : threads;
-  // Without this, oneTBB never runs more threads than there are processors, and a test on a small machine
-  // could not ask for sixteen.
-  const tbb::global_control allowance(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(std::max(count, available_threads())));
-  tbb::task_arena arena(count);
+  // All places are kept for threads that enter by themselves: oneTBB sends none of its own, which it would make first.
+  tbb::task_arena arena(count, static_cast<unsigned>(count));
+  arena.initialize();
+  const Helpers helpers(arena, count - 1);
   arena.execute(work);
 }
 

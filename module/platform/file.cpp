@@ -1,6 +1,7 @@
 #include "platform/file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -8,8 +9,12 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <exception>
+#include <mutex>
+#include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -96,7 +101,7 @@ std::string printable(const std::string& text) {
 }
 
 SharedFile::SharedFile(const std::filesystem::path& path) noexcept
-    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW)) {}
 
 SharedFile::~SharedFile() {
   if (is_open()) close(descriptor_);
@@ -124,12 +129,48 @@ void SharedFile::touch() const noexcept { static_cast<void>(futimens(descriptor_
 namespace {
 
 constexpr int kMostNamesTried = 100;
+constexpr std::string_view kBesideStart = ".welkin-";
+constexpr std::string_view kBesideEnd = ".part";
 
-/// In the same directory, so that renaming is one step; hidden, and no other process's or call's.
+/// In the same directory, so that renaming is one step; hidden, and no other process's or call's. In containers every
+/// run has the same process number, so that the time tells it from what a killed one left.
 std::filesystem::path name_beside(const std::filesystem::path& path) {
   static std::atomic<unsigned> count{0};
-  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(count++);
-  return path.parent_path() / (".welkin-" + unique + ".part");
+  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+  const std::string unique =
+      std::to_string(getpid()) + '-' + std::to_string(count++) + '-' + std::to_string(static_cast<std::uint64_t>(now));
+  return path.parent_path() / (std::string(kBesideStart) + unique + std::string(kBesideEnd));
+}
+
+bool is_name_beside(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return name.size() > kBesideStart.size() + kBesideEnd.size() && name.starts_with(kBesideStart) &&
+         name.ends_with(kBesideEnd) &&
+         name.find_first_not_of("0123456789-", kBesideStart.size()) == name.size() - kBesideEnd.size();
+}
+
+/// Whether the descriptor's file is the one of that name.
+bool is_file_of(int descriptor, const std::filesystem::path& path) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
+/// The name of a file that has none.
+std::string descriptor_path(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+/// Once for each folder that this process writes to.
+void tidy_once(const std::filesystem::path& folder) {
+  constexpr std::size_t kMostKnown = 64;
+  static auto& mutex = *new std::mutex;  // never destroyed: files are written while a program exits too
+  static auto& known = *new std::set<std::filesystem::path>;
+  {
+    const std::scoped_lock lock(mutex);
+    if (known.size() == kMostKnown) known.clear();
+    if (!known.insert(folder).second) return;
+  }
+  remove_left_behind(folder);
 }
 
 /// The status of what would be replaced.
@@ -155,30 +196,43 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 
 }  // namespace
 
-WholeFile::WholeFile(std::filesystem::path path, std::vector<std::byte>* memory)
+void remove_left_behind(const std::filesystem::path& folder) noexcept {
+  try {
+    std::error_code failure;
+    std::filesystem::directory_iterator at(folder, failure);
+    for (; !failure && at != std::filesystem::directory_iterator(); at.increment(failure)) {
+      if (!is_name_beside(at->path())) continue;
+      const int descriptor = open(at->path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+      if (descriptor < 0) continue;
+      // Of a writer that lives it has the lock, or another name (see `open_beside`).
+      if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_file_of(descriptor, at->path())) unlink(at->path().c_str());
+      close(descriptor);
+    }
+  } catch (const std::exception&) {  // no memory for a name: another time
+  }
+}
+
+WholeFile::WholeFile(std::filesystem::path path, std::vector<std::byte>* memory, Link link)
     : path_(std::move(path)), memory_(memory) {
   if (memory_ != nullptr) return;
-  const std::filesystem::file_status replaced = require_replaceable(path_);
-  place_ = behind_links(path_);
-  int handle = -1;
-  for (int tried = 0; handle < 0 && tried < kMostNamesTried; ++tried) {
-    beside_ = name_beside(place_);
-    errno = 0;
-    handle = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (handle < 0 && errno != EEXIST) break;
-  }
-  if (handle < 0) {
-    fail("cannot be written in that directory");
-  }
-  stream_ = fdopen(handle, "wb");
+  std::filesystem::file_status replaced;
+  if (link == Link::kept) replaced = require_replaceable(path_);
+  place_ = link == Link::kept ? behind_links(path_) : path_;
+  tidy_once(std::filesystem::absolute(place_).parent_path());
+  open_without_name();
+  if (descriptor_ < 0) open_beside();
+  const int copy = fcntl(descriptor_, F_DUPFD_CLOEXEC, 0);  // for the stream, which closes its own
+  if (copy >= 0) stream_ = fdopen(copy, "wb");
   if (stream_ == nullptr) {
-    close(handle);
-    unlink(beside_.c_str());
+    const int reason = errno;
+    if (copy >= 0) close(copy);
+    discard();
+    errno = reason;
     fail("cannot be opened for writing");
   }
   if (std::filesystem::exists(replaced)) {
     // Best effort: a file system without permissions has none to lose.
-    static_cast<void>(fchmod(handle, static_cast<mode_t>(replaced.permissions() & std::filesystem::perms::all)));
+    static_cast<void>(fchmod(descriptor_, static_cast<mode_t>(replaced.permissions() & std::filesystem::perms::all)));
   }
 }
 
@@ -186,9 +240,42 @@ WholeFile::~WholeFile() {
   if (stream_ != nullptr) {
     std::fclose(stream_);
   }
-  if (!beside_.empty()) {
-    unlink(beside_.c_str());
+  discard();
+}
+
+void WholeFile::discard() noexcept {
+  if (!beside_.empty()) unlink(beside_.c_str());
+  beside_.clear();
+  if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
+}
+
+/// Where the file system has no such files, or the system no names for them, there is no descriptor.
+void WholeFile::open_without_name() {
+#ifdef O_TMPFILE
+  const std::filesystem::path folder = place_.has_parent_path() ? place_.parent_path() : ".";
+  descriptor_ = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) return;
+  if (access(descriptor_path(descriptor_).c_str(), F_OK) != 0) {
+    close(std::exchange(descriptor_, -1));
+    return;
   }
+  static_cast<void>(flock(descriptor_, LOCK_EX | LOCK_NB));  // for the moment in which it is named beside
+#endif
+}
+
+void WholeFile::open_beside() {
+  for (int tried = 0; descriptor_ < 0 && tried < kMostNamesTried; ++tried) {
+    beside_ = name_beside(place_);
+    errno = 0;
+    descriptor_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) break;
+    // Who tidies the folder may have come between, and holds the lock or has removed the file.
+    const bool locked = flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+    if (!locked || !is_file_of(descriptor_, beside_)) close(std::exchange(descriptor_, -1));
+  }
+  if (descriptor_ >= 0) return;
+  beside_.clear();
+  fail("cannot be written in that directory");
 }
 
 void WholeFile::write(const void* bytes, std::size_t count) {
@@ -223,11 +310,30 @@ void WholeFile::seek(std::uint64_t position) {
   position_ = position;
 }
 
-void WholeFile::finish() {
+void WholeFile::finish(bool to_disk) {
   errno = failure_;
   if (failed_ || (memory_ == nullptr && std::fclose(std::exchange(stream_, nullptr)) != 0)) {
     fail("could not be written");
   }
+  // A file system that cannot say so (EINVAL) does not lose what it has.
+  if (to_disk && memory_ == nullptr && fdatasync(descriptor_) != 0 && errno != EINVAL) fail("could not be written");
+}
+
+/// To a file without one: in its place if that is free, else beside it, because a link replaces nothing.
+void WholeFile::give_name() {
+  const std::string unnamed = descriptor_path(descriptor_);
+  const auto link_to = [&](const std::filesystem::path& name) {
+    return linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  bool named = link_to(place_);
+  if (named) return;
+  for (int tried = 0; !named && errno == EEXIST && tried < kMostNamesTried; ++tried) {
+    beside_ = name_beside(place_);
+    named = link_to(beside_);
+  }
+  if (named) return;
+  beside_.clear();
+  fail("could not be put in its place");
 }
 
 void WholeFile::commit() {
@@ -235,13 +341,15 @@ void WholeFile::commit() {
     *memory_ = std::move(gathered_);
     return;
   }
+  if (beside_.empty()) give_name();
   std::error_code failure;
-  std::filesystem::rename(beside_, place_, failure);
+  if (!beside_.empty()) std::filesystem::rename(beside_, place_, failure);
   if (failure) {
     throw file_error(ErrorCode::file_access, path_,
                      "could not be put in its place: " + failure.message() + "; try another name or directory");
   }
   beside_.clear();
+  discard();
 }
 
 void WholeFile::fail(const char* what) {

@@ -59,7 +59,7 @@ class ByteFile {
 
 // A file that other processes may remove or replace at any time.
 
-/// Opened for reading. Opening never waits, not even for a pipe of that name; no function throws.
+/// Opened for reading. Opening never waits, not even for a pipe of that name, and follows no link; no function throws.
 class SharedFile {
  public:
   explicit SharedFile(const std::filesystem::path& path) noexcept;
@@ -84,15 +84,22 @@ class SharedFile {
 
 // A file that is whole or not there.
 
-/// Written beside its place under a name of its own, and put in place by `commit`. Whoever destroys it before that
-/// leaves nothing behind. What it replaces hands on its permissions; a symbolic link stays one, and the file that it
-/// leads to is replaced. All throw `Error` (file_access) naming the file, the system's reason and a remedy.
+/// Written without a name where the file system has such files (Linux: O_TMPFILE), else beside its place under a name
+/// of its own, and put in place by `commit`. Whoever destroys it before that leaves nothing behind; what a killed
+/// process left under a name, the next process removes that writes to the folder. What it replaces hands on its
+/// permissions. All throw `Error` (file_access) naming the file, the system's reason and a remedy.
 ///
 /// In memory the bytes are gathered in a vector of its own, which becomes the caller's by `commit`.
 class WholeFile {
  public:
+  /// What becomes of a symbolic link that stands in the file's place.
+  enum class Link {
+    kept,     ///< it stays, and the file that it leads to is replaced
+    replaced  ///< what it leads to stays as it is
+  };
+
   /// `memory`: where the bytes go, if not to a file; it must outlive this, and `path` is then their name.
-  explicit WholeFile(std::filesystem::path path, std::vector<std::byte>* memory = nullptr);
+  explicit WholeFile(std::filesystem::path path, std::vector<std::byte>* memory = nullptr, Link link = Link::kept);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
@@ -104,13 +111,18 @@ class WholeFile {
   void seek(std::uint64_t position);
 
   /// Writes out what is buffered. What did not fit on the disk fails here at the latest, also if a library swallowed
-  /// the first failure.
-  void finish();
+  /// the first failure. `to_disk`: waits until the disk has it, so that a name that outlives a power failure is that of
+  /// all the bytes.
+  void finish(bool to_disk = false);
 
-  /// After `finish`: renames. Replaces what is there.
+  /// After `finish`: gives the file its name. Replaces what is there.
   void commit();
 
  private:
+  void open_without_name();
+  void open_beside();
+  void give_name();
+  void discard() noexcept;
   void write_to_memory(const void* bytes, std::size_t count);
   [[noreturn]] void fail(const char* what);
 
@@ -118,12 +130,17 @@ class WholeFile {
   std::vector<std::byte>* memory_ = nullptr;  // the caller's
   std::vector<std::byte> gathered_;           // of what goes to memory
   std::filesystem::path place_;               // where it goes: behind all links
-  std::filesystem::path beside_;
+  std::filesystem::path beside_;              // empty while it has no name
+  int descriptor_ = -1;                       // of the file, and holds its lock
   std::FILE* stream_ = nullptr;
   std::uint64_t position_ = 0;
   int failure_ = 0;  // the system's number of the first one
   bool failed_ = false;
 };
+
+/// Removes the named temporary files of a folder whose writers are gone: they hold a lock on them (flock) for as long
+/// as they live. No other file is touched; what fails is left there.
+void remove_left_behind(const std::filesystem::path& folder) noexcept;
 
 // Integers as the texture formats store them: least significant byte first.
 

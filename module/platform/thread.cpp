@@ -2,11 +2,24 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <csetjmp>
+#include <cstdint>
+#include <exception>
+#include <fstream>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace welkin::detail {
 
@@ -23,6 +36,194 @@ void rank_current_thread(ThreadPriority priority) noexcept {
   // On Linux a thread has a nice value of its own, its maker's at first, and its number stands for a process's here.
   const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
   static_cast<void>(setpriority(PRIO_PROCESS, thread, std::min(kNicest, getpriority(PRIO_PROCESS, thread) + kNicer)));
+}
+
+namespace {
+
+/// Where a thread goes on that `pthread_exit` unwinds. That is no C++ exception: nobody but glibc's own code, at the
+/// end of the stack, may catch it for good, so the way out leads past it. All that was called from there is unwound by
+/// then.
+class WayBack {
+ public:
+  explicit WayBack(std::jmp_buf& place) noexcept : place_(place), exceptions_(std::uncaught_exceptions()) {}
+  ~WayBack() {
+    // NOLINTNEXTLINE(cert-err52-cpp,modernize-avoid-setjmp-longjmp): there is no other
+    if (!returned && std::uncaught_exceptions() == exceptions_) std::longjmp(place_, 1);
+  }
+  WayBack(const WayBack&) = delete;
+  WayBack& operator=(const WayBack&) = delete;
+
+  bool returned = false;
+
+ private:
+  std::jmp_buf& place_;
+  int exceptions_;  ///< under way before the call
+};
+
+}  // namespace
+
+bool returns_from(void (*function)(void* argument), void* argument) {
+  std::jmp_buf place;
+  // NOLINTNEXTLINE(cert-err52-cpp,modernize-avoid-setjmp-longjmp): see above
+  if (setjmp(place) != 0) return false;
+  WayBack way_back(place);
+  function(argument);
+  way_back.returned = true;
+  return true;
+}
+
+std::int64_t process_number() noexcept { return getpid(); }
+
+AddressReserve::AddressReserve(std::size_t bytes) noexcept : bytes_(bytes) {
+  void* const block = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (block != MAP_FAILED) block_ = block;
+}
+
+AddressReserve::~AddressReserve() {
+  if (block_ != nullptr) munmap(block_, bytes_);
+}
+
+namespace {
+
+/// A thread of `can_make_threads`: stays until all are there.
+void* stay(void* over) {
+  static_cast<std::atomic<bool>*>(over)->wait(false);
+  return nullptr;
+}
+
+}  // namespace
+
+bool can_make_threads(int count) noexcept {
+  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's own have 4 MiB
+  pthread_attr_t attributes;
+  if (pthread_attr_init(&attributes) != 0) return false;
+  std::size_t stack = 0;
+  pthread_attr_getstacksize(&attributes, &stack);
+  pthread_attr_setstacksize(&attributes, std::max(stack, kLargestStack));
+  const std::size_t wanted = count > 0 ? static_cast<std::size_t>(count) : 0;
+  std::atomic<bool> over{false};
+  std::size_t made = 0;
+  try {
+    std::vector<pthread_t> threads(wanted);
+    while (made < wanted && pthread_create(&threads[made], &attributes, stay, &over) == 0) ++made;
+    over = true;
+    over.notify_all();
+    for (std::size_t i = 0; i < made; ++i) pthread_join(threads[i], nullptr);
+  } catch (const std::bad_alloc&) {  // by the vector, before there are threads
+  }
+  pthread_attr_destroy(&attributes);
+  return made == wanted;
+}
+
+namespace {
+
+/// The words of a line; `separators` end each. Streams would read numbers by the host's locale.
+std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> words;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(separators), text.size());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// ceil(quota / period), both in microseconds; 0 where they are none ("max", -1).
+int processors_of(std::string_view quota, std::string_view period) {
+  constexpr std::int64_t kMost = 1 << 20;
+  const std::optional<std::int64_t> share = whole_number(quota);
+  const std::optional<std::int64_t> whole = whole_number(period);
+  if (!share || !whole || *share <= 0 || *whole <= 0) return 0;
+  return static_cast<int>(std::min(kMost, (*share - 1) / *whole + 1));
+}
+
+/// What one group's own files grant; 0: they set no quota.
+int quota_of(const std::filesystem::path& group, bool version_2) {
+  if (version_2) {
+    const std::vector<std::string> lines = lines_of(group / "cpu.max");
+    const auto words = lines.empty() ? std::vector<std::string_view>() : split(lines.front(), " ");
+    return words.size() == 2 ? processors_of(words[0], words[1]) : 0;
+  }
+  const std::vector<std::string> quota = lines_of(group / "cpu.cfs_quota_us");
+  const std::vector<std::string> period = lines_of(group / "cpu.cfs_period_us");
+  return quota.empty() || period.empty() ? 0 : processors_of(quota.front(), period.front());
+}
+
+/// The process's group in the hierarchy of version 2, or in that of version 1 that has the processors: the third field
+/// of a line of /proc/self/cgroup, "0::/path" or "4:cpu,cpuacct:/path".
+std::optional<std::string> own_group(const std::filesystem::path& root, bool version_2) {
+  for (const std::string& line : lines_of(root / "proc/self/cgroup")) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::vector<std::string_view> names =
+        split(std::string_view(line).substr(first + 1, second - first - 1), ",");
+    const bool right = version_2 ? names.empty() : std::find(names.begin(), names.end(), "cpu") != names.end();
+    if (right) return line.substr(second + 1);
+  }
+  return std::nullopt;
+}
+
+struct Hierarchy {
+  std::string top;    ///< the group that is mounted
+  std::string place;  ///< where
+};
+
+/// A line of /proc/self/mountinfo (proc(5)): number, parent, device, root, place, options, any number of optional
+/// fields, a hyphen, type, source, options of the file system.
+std::optional<Hierarchy> hierarchy_in(const std::string& line, bool version_2) {
+  const std::vector<std::string_view> words = split(line, " ");
+  const auto hyphen = std::find(words.begin(), words.end(), "-");
+  if (words.size() < 6 || words.end() - hyphen < 4) return std::nullopt;
+  const std::vector<std::string_view> controllers = split(hyphen[3], ",");
+  const bool right = version_2 ? hyphen[1] == "cgroup2"
+                               : hyphen[1] == "cgroup" &&
+                                     std::find(controllers.begin(), controllers.end(), "cpu") != controllers.end();
+  if (!right) return std::nullopt;
+  return Hierarchy{std::string(words[3]), std::string(words[4])};
+}
+
+/// Of one hierarchy: the least quota from the process's group up to the topmost that is mounted; 0: there is none.
+int quota_in(const std::filesystem::path& root, bool version_2) {
+  const std::optional<std::string> group = own_group(root, version_2);
+  if (!group) return 0;
+  for (const std::string& line : lines_of(root / "proc/self/mountinfo")) {
+    const std::optional<Hierarchy> hierarchy = hierarchy_in(line, version_2);
+    if (!hierarchy) continue;
+    // In a container the process's group is often itself what is mounted, and has another path outside.
+    std::filesystem::path below = std::filesystem::path(*group).lexically_relative(hierarchy->top);
+    if (below.empty() || *below.begin() == "..") below = ".";
+    const std::filesystem::path top = root / std::filesystem::path(hierarchy->place).relative_path();
+    int least = 0;
+    for (;; below = below.parent_path()) {
+      const int quota = quota_of((top / below).lexically_normal(), version_2);
+      if (quota > 0 && (least == 0 || quota < least)) least = quota;
+      if (below.empty() || below == ".") return least;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+int quota_processors(const std::filesystem::path& root) {
+  const int second = quota_in(root, true);
+  const int first = quota_in(root, false);
+  return first > 0 && second > 0 ? std::min(first, second) : std::max(first, second);
 }
 
 }  // namespace welkin::detail

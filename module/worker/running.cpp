@@ -190,6 +190,7 @@ void Scheduler::call_for_hands(DeferredWork& work) {
 void Scheduler::run_task(void* task) {
   const std::unique_ptr<LentTask> lent(static_cast<LentTask*>(task));
   Scheduler& scheduler = *lent->scheduler;
+  if (scheduler.is_forked()) return;  // an executor that lives on in a fork of the process
   {
     const ThreadRole role(scheduler);
     scheduler.run_next(true);
@@ -292,6 +293,7 @@ void Scheduler::signal() {
 void Scheduler::wait(const JobRecord& job) {
   const auto ready = [&] { return job.ready.load(std::memory_order_acquire); };
   if (ready()) return;
+  require_own_process();
   if (!ThreadRole::is_worker(*this)) {
     look_briefly(job);
     return wait_for(ready);

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "platform/thread.h"
 #include "welkin/worker.h"
 #include "worker/thread_executor.h"
 
@@ -41,7 +42,7 @@ Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRe
   if (!job->key.empty()) keyed.emplace(job->key, job);
 }
 
-Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)) {
+Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), process_(process_number()) {
   check(options_);
   if (!options_.executor) own_threads_ = std::make_unique<ThreadExecutor>(options_);
   threads_ = own_threads_ ? own_threads_->concurrency() : options_.executor->concurrency();
@@ -54,6 +55,19 @@ Scheduler::~Scheduler() {
 
 void Scheduler::start() {
   if (own_threads_) own_threads_->start(shared_from_this());
+}
+
+bool Scheduler::is_forked() const noexcept { return process_number() != process_; }
+
+void Scheduler::require_own_process() const {
+  if (!is_forked()) return;
+  throw Error(ErrorCode::stopped, "this process is a fork of process " + std::to_string(process_) +
+                                      ", which has the worker's threads; use the worker there, or make one here");
+}
+
+Scheduler::Lock Scheduler::locked() {
+  require_own_process();
+  return Lock(mutex_);
 }
 
 std::uint64_t Scheduler::next_id() noexcept {
@@ -116,6 +130,7 @@ void Scheduler::empty_inbox(DeferredWork& work) {
 
 void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
                        ComputationList follower) {
+  require_own_process();
   const std::shared_ptr<Computation> posted = job->computation;
   job->id = next_id();
   job->key = options.key;

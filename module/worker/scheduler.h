@@ -97,7 +97,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
   /// After `terminate`, when the worker goes: drops what was not drained, and lets go of threads that cannot be waited
-  /// for because this is one of them.
+  /// for because this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
   void abandon_rest();
   void wait_until_idle();
   [[nodiscard]] WorkerLoad load();
@@ -115,7 +115,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   /// deferred is carried out, and what came in meanwhile is let in.
   class Books {
    public:
-    explicit Books(Scheduler& scheduler) : Books(scheduler, Lock(scheduler.mutex_)) {}
+    /// Throws `Error` (stopped) in a fork of the worker's process: who holds the mutex there will never let go of it.
+    explicit Books(Scheduler& scheduler) : Books(scheduler, scheduler.locked()) {}
     Books(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
     ~Books();
     Books(const Books&) = delete;
@@ -127,6 +128,12 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
     Scheduler& scheduler_;
     Lock lock_;
   };
+
+  /// Whether this process is a fork of the one that the worker, and all of its threads, are in.
+  [[nodiscard]] bool is_forked() const noexcept;
+  /// Throws `Error` (stopped) in one.
+  void require_own_process() const;
+  [[nodiscard]] Lock locked();
 
   // Letting jobs in (scheduler.cpp). With the mutex held, but for `put_in_inbox` and `reserve`.
   enum class Admission { admitted, refused, wait };
@@ -185,6 +192,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void wait_for(const Done& done);
 
   WorkerOptions options_;
+  std::int64_t process_;                         ///< whose threads run the jobs
+  std::shared_ptr<Scheduler> kept_;              ///< this, in a fork: its threads cannot be joined there
   std::unique_ptr<ThreadExecutor> own_threads_;  ///< null with an executor of the engine's
   int threads_ = 0;
 

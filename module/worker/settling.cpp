@@ -166,12 +166,14 @@ void Scheduler::carry_out(DeferredWork& work) {
 }
 
 bool Scheduler::cancel(const std::shared_ptr<JobRecord>& job) {
+  if (is_forked()) return false;  // destructors call this
   Books books(*this);
   return withdraw(job, ErrorCode::cancelled, books.work);
 }
 
 bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shared_ptr<Computation>& child,
                        const std::shared_ptr<JobRecord>& job) {
+  require_own_process();
   if (job) {
     job->scheduler = parent->scheduler;
     job->id = next_id();
@@ -208,6 +210,7 @@ void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& pa
 
 std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
   constexpr std::chrono::microseconds kPause{20};
+  require_own_process();
   const auto start = Clock::now();
   const auto spent = [&] { return Clock::now() - start >= budget; };
   std::size_t there = 0;
@@ -236,6 +239,10 @@ std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
 }
 
 void Scheduler::terminate() {
+  if (is_forked()) {
+    kept_ = shared_from_this();
+    return;
+  }
   {
     Books books(*this);
     closed_ = true;
@@ -262,6 +269,7 @@ void Scheduler::terminate() {
 }
 
 void Scheduler::abandon_rest() {
+  if (is_forked()) return;
   {
     Books books(*this);
     abandoned_ = true;

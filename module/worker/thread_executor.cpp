@@ -17,6 +17,13 @@
 namespace welkin::detail {
 namespace {
 
+/// Whether oneTBB can make the threads of the process's pool, and leave room for as many of ours and for the work.
+/// Where it cannot, it would end the process.
+bool can_make_pool_threads(int own) {
+  const AddressReserve reserve(kRoomForWork);
+  return reserve.held() && can_make_threads(tbb::info::default_concurrency() - 1 + own);
+}
+
 /// Has oneTBB make the threads of the process's pool now, and from here. It makes them when they are first wanted, and
 /// a thread inherits its maker's rank: made from one of ours, by a request that opens an arena of its own, the engine's
 /// pool would rank as low as we do, for good.
@@ -62,7 +69,7 @@ void ThreadExecutor::set_up_thread(int number) const noexcept {
 }
 
 void ThreadExecutor::start(const std::shared_ptr<Scheduler>& scheduler) {
-  if (priority_ != ThreadPriority::normal) make_pool_threads();
+  if (priority_ != ThreadPriority::normal && can_make_pool_threads(threads_)) make_pool_threads();
   const std::lock_guard lock(threads_mutex_);
   own_threads_.reserve(static_cast<std::size_t>(threads_));
   for (int number = 0; number < threads_; ++number) {

@@ -439,19 +439,6 @@ TEST_CASE("entries: the least recently used go when the folder is full") {
   CHECK(files_in(place).size() == 1);
 }
 
-TEST_CASE("entries: what a killed writer left behind goes after an hour") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  std::filesystem::create_directory(place);
-  write_bytes(place / ".welkin-1-0.part", {'x'});
-  write_bytes(place / ".welkin-2-0.part", {'x'});
-  std::filesystem::last_write_time(place / ".welkin-1-0.part",
-                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
-  const EntryFolder folder(place, 1000);
-  CHECK_FALSE(std::filesystem::exists(place / ".welkin-1-0.part"));
-  CHECK(std::filesystem::exists(place / ".welkin-2-0.part"));
-}
-
 TEST_CASE("entries: a folder that cannot be is no reason to fail") {
   const TemporaryDirectory directory;
   write_bytes(directory.file("file"), {'x'});

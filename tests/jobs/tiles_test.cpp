@@ -10,15 +10,22 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "platform/thread.h"
 #include "support/catch.h"
 #include "support/heap.h"
+#include "support/process_threads.h"
+#include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -220,6 +227,106 @@ long allocations_during(const Work& work) {
 }
 
 }  // namespace
+
+TEST_CASE("Threads take part in the work of their arena, and are gone afterwards", "[jobs]") {
+  constexpr int kThreads = 4;
+  const std::set<int> before = process_threads();
+  std::atomic<int> there{0};
+  bool all = false;
+  run_with_threads(kThreads, [&] {
+    tbb::parallel_for(
+        0, kThreads,
+        [&](int) {
+          ++there;
+          while (there < kThreads) std::this_thread::yield();  // for ever, if one thread is missing
+        },
+        tbb::static_partitioner());
+    all = threads_since(before).size() == kThreads - 1;
+  });
+  CHECK(there == kThreads);
+  CHECK(all);
+  CHECK(threads_since(before).empty());
+}
+
+namespace {
+
+/// Files of /proc and of control groups below a root of their own.
+class FakeSystem {
+ public:
+  void add(const std::string& name, const std::string& text) const {
+    const std::filesystem::path path = root() / name;
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+  }
+  [[nodiscard]] std::filesystem::path root() const { return folder_.file("root"); }
+  [[nodiscard]] int quota() const { return detail::quota_processors(root()); }
+
+ private:
+  TemporaryDirectory folder_;
+};
+
+constexpr const char* kVersion2 = "35 24 0:30 / /sys/fs/cgroup rw,nosuid shared:9 - cgroup2 cgroup2 rw,nsdelegate\n";
+constexpr const char* kVersion1 =
+    "33 25 0:29 / /sys/fs/cgroup/cpu,cpuacct rw shared:10 - cgroup cgroup rw,cpu,cpuacct\n";
+
+}  // namespace
+
+TEST_CASE("A quota of control groups of version 2 counts, and of the groups around the process's own", "[jobs]") {
+  const FakeSystem system;
+  CHECK(system.quota() == 0);
+  system.add("proc/self/cgroup", "0::/system/build\n");
+  system.add("proc/self/mountinfo", kVersion2);
+  CHECK(system.quota() == 0);
+  system.add("sys/fs/cgroup/system/build/cpu.max", "max 100000\n");
+  CHECK(system.quota() == 0);
+  system.add("sys/fs/cgroup/system/build/cpu.max", "450000 100000\n");
+  CHECK(system.quota() == 5);
+  system.add("sys/fs/cgroup/system/cpu.max", "200000 100000\n");
+  CHECK(system.quota() == 2);
+  system.add("sys/fs/cgroup/cpu.max", "1000 100000\n");
+  CHECK(system.quota() == 1);
+}
+
+TEST_CASE("A quota of control groups of version 1 counts", "[jobs]") {
+  const FakeSystem system;
+  system.add("proc/self/cgroup", "9:memory:/else\n4:cpu,cpuacct:/docker/1234\n0::/docker/1234\n");
+  system.add("proc/self/mountinfo", kVersion1);
+  system.add("sys/fs/cgroup/cpu,cpuacct/docker/1234/cpu.cfs_quota_us", "-1\n");
+  system.add("sys/fs/cgroup/cpu,cpuacct/docker/1234/cpu.cfs_period_us", "100000\n");
+  CHECK(system.quota() == 0);
+  system.add("sys/fs/cgroup/cpu,cpuacct/docker/cpu.cfs_quota_us", "250000\n");
+  system.add("sys/fs/cgroup/cpu,cpuacct/docker/cpu.cfs_period_us", "100000\n");
+  CHECK(system.quota() == 3);
+
+  SECTION("of a container, which sees its own group as the topmost") {
+    system.add("proc/self/mountinfo",
+               "33 25 0:29 /docker/1234 /sys/fs/cgroup/cpu,cpuacct rw - cgroup cgroup rw,cpu,cpuacct\n");
+    system.add("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_quota_us", "400000\n");
+    system.add("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000\n");
+    CHECK(system.quota() == 4);
+  }
+  SECTION("beside one of version 2, of which the lesser counts") {
+    system.add("proc/self/mountinfo",
+               std::string(kVersion1) + "35 24 0:30 / /sys/fs/cgroup/unified rw - cgroup2 cgroup2 rw\n");
+    system.add("sys/fs/cgroup/unified/docker/1234/cpu.max", "200000 100000\n");
+    CHECK(system.quota() == 2);
+    system.add("sys/fs/cgroup/unified/docker/1234/cpu.max", "900000 100000\n");
+    CHECK(system.quota() == 3);
+  }
+}
+
+TEST_CASE("Files of control groups that make no sense set no quota", "[jobs]") {
+  const FakeSystem system;
+  system.add("proc/self/cgroup", "0::/a\n");
+  system.add("proc/self/mountinfo", std::string("x\n- - -\n") + kVersion2);
+  for (const char* const text : {"", "100000\n", "-5 100000\n", "100000 0\n", "1e9 100000\n", "x y z\n", "1,5 1\n"}) {
+    system.add("sys/fs/cgroup/a/cpu.max", text);
+    INFO(text);
+    CHECK(system.quota() == 0);
+  }
+  system.add("sys/fs/cgroup/a/cpu.max", "9223372036854775807 1\n");
+  CHECK(system.quota() > 1000);
+}
 
 TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {
   run_with_threads(3, [] {

@@ -45,6 +45,7 @@ void releasing(void);
 void refusing(void);
 void versions(void);
 void ending(void);
+void exiting(void);
 void lending(void);
 void memory(void);
 void results(void);
