@@ -31,10 +31,10 @@ enum class PrefilterMethod {
 /// Sizes, roughness and bounds of a chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels along an edge of mip 0: 1 to 8192
-  /// At least 1. None: as many as `roughness` names, else down to 1 texel.
+  /// At least 1. None: as many as `roughness` names, else `mips_of_chain(filament, size)`.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(linear, mips, size)`. 0: no blur.
+  /// Perceptual roughness in [0, 1] of each mip; empty: `roughness_of_mips(filament, mips, size)`. 0: no blur.
   std::vector<double> roughness{};
 
   PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
@@ -108,14 +108,22 @@ enum class RoughnessSchedule {
   linear,    ///< t (glTF-IBL-Sampler)
   filament,  ///< 1 - sqrt(1 - t) (Filament, three.js)
   babylon,   ///< 0 at mip 0, else alpha = 2^(mip / 0.8) / size, at most 1 (Babylon.js, lodGenerationScale 0.8)
+  unity,     ///< mip = 6 r (1.7 - 0.7 r), whatever the number of mips; 1 beyond mip 6 (Unity_GlossyEnvironment)
+  /// 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1 (ComputeReflectionCaptureRoughnessFromMip)
+  unreal,
 };
 
-/// "linear", "filament", "babylon"
+/// "linear", "filament", "babylon", "unity", "unreal"
 [[nodiscard]] const char* name(RoughnessSchedule schedule) noexcept;
 
 /// Roughness of each of `mips` mips of a chain whose mip 0 has `size` texels along an edge: rising, in [0, 1], 0 at mip
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.
 [[nodiscard]] std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int size);
+
+/// How many mips a chain of that schedule has unless somebody says otherwise. `linear` and `filament`: down to 16
+/// texels, because fewer show on rough surfaces, but five where `size` has five. `unity`: seven, or as many as there
+/// are. `babylon` and `unreal`: down to 1 texel. Throws `Error` (invalid_argument) unless 1 <= size <= 8192.
+[[nodiscard]] int mips_of_chain(RoughnessSchedule schedule, int size);
 
 /// The mip, fractions too, at which a shader that interpolates between mips finds `roughness`: by linear interpolation
 /// in `table`, which must not fall. Clamped to the table's ends. Throws `Error` (invalid_argument) for an empty table

@@ -124,8 +124,8 @@ struct LightChange {
 ///   left out too. It decides which bright texels are taken out, and which rings a cubemap goes through.
 /// So a mip can be added or removed at the rough end, or changed there, and ends can be left out: only what is missing
 /// is made, from the first such mip to the last. What cannot be served: the spectral mips of a chain whose narrowest
-/// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear, the
-/// default, and filament), as every roughness changes with it. By the babylon schedule or a list none does.
+/// lobe became another; and all but mip 0 where the schedule spreads roughness by the number of mips (linear,
+/// filament, the default, and unreal), as every roughness changes with it. By babylon, unity or a list none does.
 ///
 /// Entries on disk are files of their own with a checksum, which are on the disk before they get their name: a killed
 /// process and a power failure leave whole entries or none. Any number of processes and threads may share a folder; a

@@ -484,19 +484,24 @@ typedef int32_t welkin_roughness_schedule;
 enum {
   WELKIN_ROUGHNESS_LINEAR = 0,
   WELKIN_ROUGHNESS_FILAMENT = 1, /* three.js too */
-  WELKIN_ROUGHNESS_BABYLON = 2
+  WELKIN_ROUGHNESS_BABYLON = 2,
+  WELKIN_ROUGHNESS_UNITY = 3,
+  WELKIN_ROUGHNESS_UNREAL = 4
 };
 
 /* The perceptual roughness of each mip: `roughness` has room for `mips` doubles, 1 to 16. `size`: of mip 0. */
 WELKIN_API welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                                   double* roughness);
 
+/* How many mips a chain of that schedule has unless somebody says otherwise; reflections.h has the rule. */
+WELKIN_API welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips);
+
 /* reflections.h says more of each. */
 typedef struct welkin_prefilter_options {
   uint32_t struct_size;
   int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256, of skies 32 */
-  int32_t mips;                      /* 0: as many as `roughness_count` says, else down to 1 texel */
-  int32_t roughness_count;           /* numbers at `roughness`; 0: linear in the mip */
+  int32_t mips;                      /* 0: as many as `roughness_count` says, else as FILAMENT has it */
+  int32_t roughness_count;           /* numbers at `roughness`; 0: those of WELKIN_ROUGHNESS_FILAMENT */
   const double* roughness;           /* perceptual, 0 to 1, of each mip; copied */
   int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
   int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */

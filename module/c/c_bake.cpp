@@ -140,14 +140,24 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
 
 static_assert(WELKIN_ROUGHNESS_FILAMENT == static_cast<int>(welkin::RoughnessSchedule::filament));
 static_assert(WELKIN_ROUGHNESS_BABYLON == static_cast<int>(welkin::RoughnessSchedule::babylon));
+static_assert(WELKIN_ROUGHNESS_UNITY == static_cast<int>(welkin::RoughnessSchedule::unity));
+static_assert(WELKIN_ROUGHNESS_UNREAL == static_cast<int>(welkin::RoughnessSchedule::unreal));
 
 welkin_status welkin_roughness_of_mips(welkin_roughness_schedule schedule, int32_t mips, int32_t size,
                                        double* roughness) {
   return guarded([&] {
     require(roughness, "roughness");
-    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::babylon);
+    const auto wanted = enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal);
     const auto table = welkin::roughness_of_mips(wanted, mips, size);
     std::copy(table.begin(), table.end(), roughness);
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_mips_of_chain(welkin_roughness_schedule schedule, int32_t size, int32_t* mips) {
+  return guarded([&] {
+    require(mips, "mips");
+    *mips = welkin::mips_of_chain(enumerator("schedule", schedule, welkin::RoughnessSchedule::unreal), size);
     return WELKIN_OK;
   });
 }

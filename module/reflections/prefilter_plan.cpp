@@ -7,6 +7,7 @@
 #include <string>
 
 #include "image/pixels.h"
+#include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "projection/sanitizer.h"
 #include "transform/spectrum.h"
@@ -35,7 +36,7 @@ void check_error_bound(const char* what, double value, double least, PrefilterMe
 }
 
 std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
-  if (options.roughness.empty()) return roughness_of_mips(RoughnessSchedule::linear, mips, options.size);
+  if (options.roughness.empty()) return roughness_of_mips(RoughnessSchedule::filament, mips, options.size);
   if (options.roughness.size() < static_cast<std::size_t>(mips)) {
     refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips, but roughness names " +
                                             std::to_string(options.roughness.size()) + "; it needs one for each mip");
@@ -51,8 +52,8 @@ std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
 
 int mips_of(const PrefilterOptions& options) {
   const int whole = full_chain_levels(options.size);
-  const int named =
-      options.roughness.empty() ? whole : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
+  const int named = options.roughness.empty() ? mips_of_chain(RoughnessSchedule::filament, options.size)
+                                              : static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
   const int mips = options.mips.value_or(named);
   if (mips >= 1 && mips <= whole) return mips;
   refuse(ErrorCode::invalid_argument, std::to_string(mips) + " mips; a cubemap of " + std::to_string(options.size) +
@@ -157,6 +158,31 @@ double babylon_alpha(int mip, int size) {
   return std::min(1.0, std::ldexp(power, quarters / 4) / size);
 }
 
+/// The root of mip = 6 r (1.7 - 0.7 r) in [0, 1].
+double unity_roughness(int mip) {
+  constexpr double kSteps = 6.0;  // UNITY_SPECCUBE_LOD_STEPS
+  const double t = std::min(1.0, mip / kSteps);
+  return t < 1.0 ? (1.7 - std::sqrt(2.89 - 2.8 * t)) / 1.4 : 1.0;
+}
+
+/// REFLECTION_CAPTURE_ROUGHEST_MIP is 1, REFLECTION_CAPTURE_ROUGHNESS_MIP_SCALE 1.2.
+double unreal_roughness(int mip, int last_mip) {
+  return std::min(1.0, math::exponential(std::numbers::ln2 * (mip - last_mip + 2) / 1.2));
+}
+
+double roughness_of_mip(RoughnessSchedule schedule, int mip, int mips, int size) {
+  if (mip == 0) return 0.0;
+  const double t = static_cast<double>(mip) / (mips - 1);
+  switch (schedule) {
+    case RoughnessSchedule::filament: return 1.0 - std::sqrt(1.0 - t);
+    case RoughnessSchedule::babylon: return std::sqrt(babylon_alpha(mip, size));
+    case RoughnessSchedule::unity: return unity_roughness(mip);
+    case RoughnessSchedule::unreal: return unreal_roughness(mip, mips - 1);
+    case RoughnessSchedule::linear: break;
+  }
+  return t;
+}
+
 }  // namespace
 
 const char* name(RoughnessSchedule schedule) noexcept {
@@ -164,6 +190,8 @@ const char* name(RoughnessSchedule schedule) noexcept {
     case RoughnessSchedule::linear: return "linear";
     case RoughnessSchedule::filament: return "filament";
     case RoughnessSchedule::babylon: return "babylon";
+    case RoughnessSchedule::unity: return "unity";
+    case RoughnessSchedule::unreal: return "unreal";
   }
   return "linear";
 }
@@ -173,15 +201,25 @@ std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int 
   image::require_range("mips", mips, 1, kMostMips);
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
   std::vector<double> table;
-  for (int mip = 0; mip < mips; ++mip) {
-    const double t = mips > 1 ? static_cast<double>(mip) / (mips - 1) : 0.0;
-    switch (schedule) {
-      case RoughnessSchedule::linear: table.push_back(t); break;
-      case RoughnessSchedule::filament: table.push_back(1.0 - std::sqrt(1.0 - t)); break;
-      case RoughnessSchedule::babylon: table.push_back(mip == 0 ? 0.0 : std::sqrt(babylon_alpha(mip, size))); break;
-    }
-  }
+  for (int mip = 0; mip < mips; ++mip) table.push_back(roughness_of_mip(schedule, mip, mips, size));
   return table;
+}
+
+int mips_of_chain(RoughnessSchedule schedule, int size) {
+  image::require_range("size of mip 0", size, 1, image::kLargestFace);
+  constexpr int kLeastTexels = 16;
+  constexpr int kLeastMips = 5;
+  constexpr int kUnityMips = 7;  // 0 to UNITY_SPECCUBE_LOD_STEPS
+  const int whole = full_chain_levels(size);
+  switch (schedule) {
+    case RoughnessSchedule::babylon:
+    case RoughnessSchedule::unreal: return whole;
+    case RoughnessSchedule::unity: return std::min(kUnityMips, whole);
+    case RoughnessSchedule::linear:
+    case RoughnessSchedule::filament: break;
+  }
+  const int to_least = size >= kLeastTexels ? full_chain_levels(size / kLeastTexels) : 1;
+  return std::min(whole, std::max(kLeastMips, to_least));
 }
 
 double mip_of_roughness(const std::vector<double>& table, double roughness) {

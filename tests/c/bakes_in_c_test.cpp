@@ -44,7 +44,8 @@ std::vector<WantedReflections> all_reflections(const welkin_pixel_policy* policy
   all[1].c_options.samples = 64;
   all[1].c_options.pixels = policy;
   // What is left of four mips of 16 texels, as a chain of its own.
-  all[2].options = {.size = 8, .roughness = {1.0 / 3.0, 2.0 / 3.0}, .rms_error = 1e-2, .maximum_error = 5e-2};
+  const std::vector<double> four = roughness_of_mips(RoughnessSchedule::filament, 4, 16);
+  all[2].options = {.size = 8, .roughness = {four[1], four[2]}, .rms_error = 1e-2, .maximum_error = 5e-2};
   all[2].c_options.mips = 4;
   all[2].c_options.leave_out_sharp = 1;
   all[2].c_options.leave_out_rough = 1;
@@ -132,11 +133,15 @@ TEST_CASE("C: null options are the C++ calls' defaults", "[c_interface]") {
 }
 
 TEST_CASE("C: schedules of roughness are the C++ call's", "[c_interface]") {
-  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon,
+                              RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
     std::vector<double> roughness(9, -1.0);
     REQUIRE(welkin_roughness_of_mips(static_cast<welkin_roughness_schedule>(schedule), 9, 256, roughness.data()) ==
             WELKIN_OK);
     REQUIRE(roughness == roughness_of_mips(schedule, 9, 256));
+    int32_t mips = 0;
+    REQUIRE(welkin_mips_of_chain(static_cast<welkin_roughness_schedule>(schedule), 256, &mips) == WELKIN_OK);
+    REQUIRE(mips == mips_of_chain(schedule, 256));
   }
 }
 

@@ -88,7 +88,8 @@ void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage&
 
 void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   for (const RoughnessSchedule schedule :
-       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
+        RoughnessSchedule::unreal}) {
     calls.call("roughness_of_mips(", [&] { return roughness_of_mips(schedule, 6, 32); });
   }
   const std::vector<double> table = roughness_of_mips(RoughnessSchedule::filament, 6, 32);

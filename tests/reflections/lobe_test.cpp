@@ -151,8 +151,47 @@ TEST_CASE("Schedules are those of their engines", "[specular][roughness]") {
   }
 }
 
+// Each shader is asked where it looks for the roughness that we say a mip has: there.
+
+TEST_CASE("Unity's shader finds each mip's roughness at that mip", "[specular][roughness]") {
+  const auto unity = roughness_of_mips(RoughnessSchedule::unity, 9, 256);
+  for (int mip = 0; mip <= 6; ++mip) {
+    const double r = unity[static_cast<std::size_t>(mip)];
+    CHECK(6.0 * r * (1.7 - 0.7 * r) == Approx(mip).margin(1e-12));
+  }
+  CHECK(unity[6] == 1.0);
+  CHECK(unity[8] == 1.0);
+}
+
+TEST_CASE("Unreal's shader finds each mip's roughness at that mip", "[specular][roughness]") {
+  constexpr int kLast = 8;
+  const auto unreal = roughness_of_mips(RoughnessSchedule::unreal, kLast + 1, 256);
+  for (int mip = 1; mip <= kLast - 2; ++mip) {
+    const double level_from_1x1 = 1.0 - 1.2 * std::log2(unreal[static_cast<std::size_t>(mip)]);
+    CHECK(kLast - 1 - level_from_1x1 == Approx(mip));
+  }
+  CHECK(unreal[kLast - 1] == 1.0);
+  CHECK(unreal[kLast] == 1.0);
+}
+
+TEST_CASE("A chain has as many mips as its schedule wants", "[specular][roughness]") {
+  const auto mips = [](RoughnessSchedule schedule, int size) { return mips_of_chain(schedule, size); };
+  CHECK(mips(RoughnessSchedule::filament, 256) == 5);   // to 16 texels
+  CHECK(mips(RoughnessSchedule::filament, 1024) == 7);  // to 16 texels
+  CHECK(mips(RoughnessSchedule::linear, 32) == 5);      // to 2: five at least,
+  CHECK(mips(RoughnessSchedule::linear, 4) == 3);       // where there are five
+  CHECK(mips(RoughnessSchedule::filament, 1) == 1);
+  CHECK(mips(RoughnessSchedule::unity, 256) == 7);
+  CHECK(mips(RoughnessSchedule::unity, 16) == 5);
+  CHECK(mips(RoughnessSchedule::unreal, 256) == 9);
+  CHECK(mips(RoughnessSchedule::babylon, 256) == 9);
+  CHECK(thrown_by([] { (void)mips_of_chain(RoughnessSchedule::unity, 0); }).says("size"));
+  CHECK(std::string(name(RoughnessSchedule::unreal)) == "unreal");
+}
+
 TEST_CASE("Every table starts at 0 and rises", "[specular][roughness]") {
-  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+  for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon,
+                              RoughnessSchedule::unity, RoughnessSchedule::unreal}) {
     for (const int size : {1, 2, 256, 4096}) {
       for (int mips = 1; mips <= 16; ++mips) {
         const auto table = roughness_of_mips(schedule, mips, size);

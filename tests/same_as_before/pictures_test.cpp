@@ -141,7 +141,7 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
           {"babylon_64", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 64, 7)); },
            Repeats::once},
           {"default_schedule_8", [&] { return prefilter_specular(smooth.view(), {.size = 8}); }},
-          {"odd_19", [&] { return prefilter_specular(texel.view(), {.size = 19, .mips = 4}); }},
+          {"odd_19", [&] { return prefilter_specular(texel.view(), scheduled(RoughnessSchedule::linear, 19, 4)); }},
           {"left_out",
            [&] { return prefiltered_without(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 5), 2, 1); }},
           {"clamped", [&] { return prefilter_specular(special.view(), clamped); }},
@@ -168,7 +168,8 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
            }},
           {"bounds_by_budget",
            [&] {
-             const PrefilterChoice choice = choose_prefilter(smooth.view(), {.size = 16}, {.relative = 0.01}, true);
+             const PrefilterChoice choice =
+                 choose_prefilter(smooth.view(), scheduled(RoughnessSchedule::linear, 16, 5), {.relative = 0.01}, true);
              BitHash hash;
              add_bits(hash, choice.setting.rms_error);
              add_bits(hash, choice.setting.maximum_error);
@@ -197,7 +198,7 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
           {"filament_16",
            [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::filament, 16, 4)); }},
           {"babylon_16", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 16, 5)); }},
-          {"odd_11", [&] { return prefilter_specular(odd.view(), {.size = 11, .mips = 3}); }},
+          {"odd_11", [&] { return prefilter_specular(odd.view(), scheduled(RoughnessSchedule::linear, 11, 3)); }},
           {"left_out", [&] { return prefiltered_without(half.view(), four, 1, 0); }},
           {"spectral",
            [&] {
@@ -215,7 +216,8 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
 TEST_CASE("Roughness schedules are the same as before", "[same_as_before]") {
   std::vector<NamedResult> results;
   for (const RoughnessSchedule schedule :
-       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
+        RoughnessSchedule::unreal}) {
     results.emplace_back(name(schedule), [schedule] {
       return bits_of(roughness_of_mips(schedule, 9, 256), roughness_of_mips(schedule, 1, 1),
                      roughness_of_mips(schedule, 16, 77));

@@ -152,7 +152,8 @@ double narrow_truth(double roughness) {
 double schedules_unsound() {
   double wrong = 0.0;
   for (const RoughnessSchedule schedule :
-       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+       {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
+        RoughnessSchedule::unreal}) {
     for (const int mips : {1, 2, 16}) {
       for (const int size : {1, 2, 256, 8192}) {
         const std::vector<double> table = roughness_of_mips(schedule, mips, size);

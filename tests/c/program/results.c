@@ -132,7 +132,10 @@ static void chains_that_are_refused(void) {
   REFUSED("job", welkin_job_get_chain(NULL, &chain));
   REFUSED("roughness", welkin_roughness_of_mips(WELKIN_ROUGHNESS_LINEAR, 4, 16, NULL));
   double roughness[17] = {0.0};
-  REFUSED("schedule", welkin_roughness_of_mips(3, 4, 16, roughness));
+  REFUSED("schedule", welkin_roughness_of_mips(5, 4, 16, roughness));
+  int32_t mips = 0;
+  REFUSED("mips", welkin_mips_of_chain(WELKIN_ROUGHNESS_LINEAR, 16, NULL));
+  REFUSED("schedule", welkin_mips_of_chain(5, 16, &mips));
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_roughness_of_mips(WELKIN_ROUGHNESS_LINEAR, 17, 16, roughness));
 
   welkin_prefilter_options options;
