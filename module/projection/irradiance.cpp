@@ -434,6 +434,7 @@ constexpr int kLargestSize = 4096;
 constexpr double kTileProducts = 1e6;    ///< texels times coefficients: some 0.2 ms
 constexpr double kInlineProducts = 1e5;  ///< less is done by the caller's thread alone
 constexpr std::size_t kNormalsAtATime = 65536;
+constexpr double kMostIrradiance = std::numeric_limits<float>::max();
 
 CubemapImage empty_cubemap(int size) {
   image::require_range("the irradiance cubemap's size", size, 1, kLargestSize);
@@ -476,11 +477,19 @@ CubemapImage directly(const View& source, int size, const Control& control) {
     const std::vector<glm::dvec3> irradiance = direct_irradiance(source, normals, {}, part);
     for (std::size_t i = 0; i < irradiance.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
-        result.pixels[3 * (first + i) + c] = static_cast<float>(irradiance[i][static_cast<glm::length_t>(c)]);
+        const double value = irradiance[i][static_cast<glm::length_t>(c)];
+        result.pixels[3 * (first + i) + c] = static_cast<float>(std::clamp(value, -kMostIrradiance, kMostIrradiance));
       }
     }
   }
   return result;
+}
+
+/// Whether these coefficients can sum to more than the floats hold; no harmonic of 16 bands exceeds 2.3.
+bool may_overflow(const std::vector<double>& channels) {
+  double sum = 0.0;
+  for (const double value : channels) sum += 2.3 * std::abs(value);
+  return !(sum <= kMostIrradiance);
 }
 
 }  // namespace
@@ -515,6 +524,10 @@ CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size, 
                                                                             static_cast<std::size_t>(size));
                     }
                   });
+  if (may_overflow(channels)) {
+    constexpr auto most = static_cast<float>(kMostIrradiance);
+    for (float& value : result.pixels) value = std::clamp(value, -most, most);
+  }
   return result;
 }
 

@@ -40,8 +40,8 @@ class LobeTexels {
   /// Fills `row`, whose vectors have `columns()` entries.
   virtual void fill(int row, TexelRow& texels) const = 0;
 
-  /// Int k(n.l) dl over one texel, relative error below 1e-7; where the horizon cuts it, below a twentieth of what a
-  /// cell of 0.01 radians there can give. By Gauss rules on ever smaller parts.
+  /// Int k(n.l) dl over one texel, relative error below 1e-7. By Gauss rules on ever smaller parts; what the horizon
+  /// cuts is integrated over what lies above.
   [[nodiscard]] virtual double integral(int row, int column, const glm::dvec3& normal, double alpha) const noexcept = 0;
 };
 

@@ -49,6 +49,16 @@ SphericalHarmonics some_harmonics(int bands) {
 
 }  // namespace
 
+TEST_CASE("Irradiance beyond the floats is the largest float, not infinity", "[irradiance_cubemap]") {
+  const CubemapImage source{4, std::vector<float>(6 * 4 * 4 * 3, 3e38F)};
+  const LatLongImage lat_long{8, 4, std::vector<float>(8 * 4 * 3, 3e38F)};
+  const SphericalHarmonics irradiance = irradiance_from_radiance(project(source.view()).radiance);
+  for (const CubemapImage& map : {irradiance_cubemap(irradiance, 8), direct_irradiance_cubemap(source.view(), 2),
+                                  direct_irradiance_cubemap(lat_long.view(), 2)}) {
+    for (const float value : map.pixels) CHECK(value == std::numeric_limits<float>::max());
+  }
+}
+
 TEST_CASE("An irradiance cubemap is its harmonics' sum at every texel's centre", "[irradiance_cubemap]") {
   for (const int bands : {1, 2, 3, 4, 9, 16}) {
     const SphericalHarmonics harmonics = some_harmonics(bands);

@@ -288,6 +288,31 @@ TEST_CASE("The truth of noise is dense integration's", "[specular][truth]") {
   }
 }
 
+TEST_CASE("The truth of a tiny map is that of its texels cut into parts, to 1e-6", "[specular][truth]") {
+  // Each texel alone shines: what the horizon cuts of it, or leaves of it, is all that there is.
+  const auto directions = some_directions(40);
+  constexpr int parts = 3;
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {5, 4}}) {
+    for (int texel = 0; texel < width * height; ++texel) {
+      TestLatLong map = make_lat_long(Content::uniform, width, height, 0);
+      TestLatLong fine = make_lat_long(Content::uniform, width * parts, height * parts, 0);
+      const auto own = [&](int row, int column) { return row * width + column == texel ? 1e6F : 0.0F; };
+      for (std::size_t k = 0; k < map.pixels.size(); ++k)
+        map.pixels[k] = own(static_cast<int>(k / 3) / width, static_cast<int>(k / 3) % width);
+      for (std::size_t k = 0; k < fine.pixels.size(); ++k) {
+        const auto place = static_cast<int>(k / 3);
+        fine.pixels[k] = own(place / fine.width / parts, place % fine.width / parts);
+      }
+      const auto values = reference_specular(map.view(), 1.0, directions);
+      const auto expected = reference_specular(fine.view(), 1.0, directions);
+      for (std::size_t k = 0; k < directions.size(); ++k) {
+        CAPTURE(width, height, texel, k);
+        CHECK(std::abs(values[k].r - expected[k].r) <= 1e-6 * expected[k].r + 1e-3);
+      }
+    }
+  }
+}
+
 TEST_CASE("One small light gives the closed form of the lobe", "[specular][truth]") {
   TestLatLong image = make_lat_long(Content::uniform, 512, 256, 0);
   for (float& value : image.pixels) value = 0.0F;
