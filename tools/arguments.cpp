@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -149,7 +150,7 @@ std::string version_text() {
 }
 
 ExitCode complain(ExitCode code, const std::string& message) {
-  std::cerr << "welkin: " << message << '\n';
+  std::cerr << "welkin: " << printable_lines(message) << '\n';
   return code;
 }
 
@@ -219,17 +220,33 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
   try {
     return work();
   } catch (const Error& error) {
+    constexpr int kSignalBase = 128;  // as shells count
+    if (const int signal = caught_signal(); signal != 0 && error.code() == ErrorCode::cancelled) {
+      return complain(static_cast<ExitCode>(kSignalBase + signal),
+                      std::string("stopped (") + strsignal(signal) + "); what was not finished is not there");
+    }
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
   } catch (const std::bad_alloc&) {
-    return complain(ExitCode::bad_input,
-                    "there is not enough memory; --memory-limit refuses such files before they are read");
+    return complain(
+        ExitCode::bad_input,
+        "there is not enough memory; --threads 1 takes the least, and --memory-limit refuses what would need "
+        "more before it is begun");
   } catch (const std::exception& error) {
     return complain(ExitCode::bad_input, error.what());
   }
 }
 
+namespace {
+
+std::vector<std::string> words_of_program;
+
+}  // namespace
+
+const std::vector<std::string>& command_words() noexcept { return words_of_program; }
+
 ExitCode run_program(const Program& program, const std::vector<std::string>& arguments) {
+  words_of_program = arguments;
   return run_guarded([&] { return run(program, arguments); });
 }
 

@@ -121,10 +121,14 @@ enum ExitCode : int {
   success = 0,
   bad_input = 1,  ///< a file or its pixels, or no memory or output device for the work
   bad_usage = 2,  ///< an unknown option, or a value that no input could make valid
+  // And 128 more than a signal's number if that stopped the work: 130 for Ctrl-C, 143 for SIGTERM.
 };
 
 /// Turns whatever `work` throws into a message on standard error and an exit code.
 [[nodiscard]] ExitCode run_guarded(const std::function<ExitCode()>& work);
+
+/// The words that `run_program` was given.
+[[nodiscard]] const std::vector<std::string>& command_words() noexcept;
 
 /// Reads the command line (without the program's name), runs the command that it names and turns whatever goes wrong
 /// into a message on standard error and an exit code; answers --help and --version. To the user the program is

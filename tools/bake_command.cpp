@@ -1,11 +1,13 @@
 // `welkin bake`: an environment to all that a renderer loads.
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "tools/bake_cache.h"
 #include "tools/bake_manifest.h"
 #include "tools/bake_write.h"
 #include "tools/commands.h"
@@ -86,10 +88,16 @@ void add_cubemap(std::vector<std::string>& names, const std::string& cubemap, in
   }
 }
 
-std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
-  const EnvironmentInfo info = inspect_environment(*options.input, options.common.read);
-  if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
-  return {*options.input};
+/// All files that are read.
+std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options) {
+  std::vector<std::filesystem::path> files(options.also_read.begin(), options.also_read.end());
+  for (const auto* file : {&options.scene.file, &options.scene.costs_file}) {
+    if (*file) files.emplace_back(**file);
+  }
+  if (!options.input) return files;
+  const std::vector<std::filesystem::path> input = input_files(options);
+  files.insert(files.end(), input.begin(), input.end());
+  return files;
 }
 
 /// The names in the output folder that a bake of these options writes, manifest included. `bake`: of
@@ -115,14 +123,14 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
   return names;
 }
 
-/// Throws `Error`: file_access if one of those is a file of the input (by whatever name or link), of six files and of a
+/// Throws `Error`: file_access if one of those is a file that is read (by whatever name or link), of six files and of a
 /// directory any of the six; what `inspect_environment` throws.
 void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::error_code none;
   const std::filesystem::path folder = options.directory;
-  if (!options.input || !std::filesystem::exists(folder, none)) return;
+  if (!std::filesystem::exists(folder, none)) return;
   const std::vector<std::string> names = names_to_write(options, bake);
-  for (const std::filesystem::path& input : input_files(options)) {
+  for (const std::filesystem::path& input : files_read(options)) {
     for (const std::string& name : names) {
       if (!std::filesystem::equivalent(input, folder / name, none)) continue;
       throw Error(ErrorCode::file_access, input.string() + ": is read, and this bake would write over it as " + name +
@@ -191,22 +199,29 @@ std::string time_lines(const Baked& baked) {
   return text;
 }
 
-std::string bake_table(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder) {
+BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder) {
   const Source& source = baked.source;
-  std::string text = printable(source.path) + ": " + std::to_string(source.width) + " x " +
-                     std::to_string(source.height) + ' ' + source.layout + ", " + printable(source.format) + '\n';
-  text += printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' + file_lines(folder);
-  if (baked.light.specular) text += mip_lines(baked.light.specular->mips);
+  BakeWords words;
+  words.source = printable(source.path) + ": " + std::to_string(source.width) + " x " + std::to_string(source.height) +
+                 ' ' + source.layout + ", " + printable(source.format) + '\n';
+  if (baked.light.specular) words.results += mip_lines(baked.light.specular->mips);
   if (baked.sun_wanted) {
     std::optional<Sun> sun = baked.sun;
     TurnOptions to_engine;
     to_engine.to = options.turn.to;
     if (sun) sun->direction = turn_of_light(to_engine, false) * sun->direction;
-    text += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
+    words.results += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
   }
-  text += time_lines(baked);
-  if (options.scene.explains()) text += '\n' + plan_text(baked.plan, measured_passes(baked));
-  for (const std::string& note : bake_notes(baked, folder)) text += "note: " + printable(note) + '\n';
+  words.notes = bake_notes(baked, folder);
+  return words;
+}
+
+/// `times`: how long it took, and what for.
+std::string bake_table(const BakeWords& words, const std::string& times, const BakeCommandOptions& options,
+                       const OutputFolder& folder) {
+  std::string text = words.source + printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' +
+                     file_lines(folder) + words.results + times;
+  for (const std::string& note : words.notes) text += "note: " + printable(note) + '\n';
   return text;
 }
 
@@ -235,19 +250,42 @@ void run(const BakeCommandOptions& options) {
   print_result(text);
 }
 
+/// The files of a bake that was made before.
+std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  OutputFolder folder(options.directory);
+  for (const KeptBake::File& file : kept.files) {
+    write_bytes(folder.place(file.about.name), file.contents);
+    folder.add(file.about);
+  }
+  write_text_file(folder.place(kManifestName), kept.manifest);
+  if (options.common.json) return kept.manifest;
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  return bake_table(kept.words,
+                    "\nTimes\n  write                     " + duration(took.count()) +
+                        "\n    all files                 reuse: found in the cache\n",
+                    options, folder);
+}
+
 }  // namespace
 
 std::string bake_to_folder(const BakeCommandOptions& options) {
   check(options);
   ProgressBar bar;
   const Control control = bar.control();
+  BakeFolderCache cache(options);
+  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(options.directory);
   const ToneMap tone_map = tone_map_of(baked);
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);
   write_text_file(folder.place(kManifestName), manifest);
-  return options.common.json ? manifest : bake_table(baked, options, folder);
+  BakeWords words = words_of(baked, options, folder);
+  if (baked.notes.empty()) cache.keep(folder, manifest, words, words.notes);  // which are of this run alone
+  if (options.common.json) return manifest;
+  const std::string plan = options.scene.explains() ? '\n' + plan_text(baked.plan, measured_passes(baked)) : "";
+  return bake_table(words, time_lines(baked) + plan, options, folder);
 }
 
 Command bake_command() {

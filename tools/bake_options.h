@@ -37,6 +37,7 @@ struct BakeCommandOptions {
   ComputePicture compute;            ///< none: the built-in sky
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
+  std::vector<std::string> also_read;  ///< files beside the input and those of `scene`
   std::set<Container> containers{Container::ktx2, Container::env};
   TextureOptions texture;
   bool previews = true;

@@ -148,6 +148,7 @@ struct BakeMemory {
   std::uint64_t bake = 0;         ///< `bake_bytes`
   std::uint64_t second_bake = 0;  ///< the same of the .env's chain; 0 if there is none
   int env_size = 0;               ///< of that chain
+  int levels = 1;                 ///< of the source's file
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -171,7 +172,12 @@ int background_size(const BakeOptions& bake) {
 struct MemoryStep {
   std::uint64_t bytes;
   const char* what;
+  const char* remedy;
 };
+
+constexpr const char* kSmallerSource = "make the picture smaller first ('welkin convert' with --size)";
+constexpr const char* kSmallerLevel = "read a smaller one of its levels (--level)";
+constexpr const char* kSmallerResults = "make --size or --background-size less";
 
 /// What `bake` alone makes of the .env's chain.
 BakeOptions second_bake_options(const PrefilterOptions& env) {
@@ -188,6 +194,7 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
 /// Throws `Error` (limit_exceeded) if results, the .env's chain, lat-longs or cubemaps that are turned on the way out
 /// would take more than the limit. Not counted: previews, and what an encoder holds of a file.
 void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
   const int size = background_size(bake);
   const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
@@ -201,20 +208,27 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   const std::uint64_t env =
       memory.second_bake > 0 ? chain_bytes(memory.env_size, full_chain_levels(memory.env_size)) : 0;
 
-  MemoryStep worst{memory.source + memory.bake, "source, results and working memory"};
+  const bool is_large = options.input && memory.source > results;
+  const char* const smaller = !is_large ? kSmallerResults : memory.levels > 1 ? kSmallerLevel : kSmallerSource;
+  MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
+  const char* const without_env = worst.bytes <= limit && is_large ? "leave env out of --formats" : smaller;
   const auto consider = [&worst](bool happens, const MemoryStep& step) {
     if (happens && step.bytes > worst.bytes) worst = step;
   };
-  consider(memory.second_bake > 0, {memory.source + results + memory.second_bake,
-                                    "source, results and the .env's specular chain, whose roughness is its own"});
-  consider(memory.second_bake > 0, {results + 2 * env, "results, the .env's chain and its faces turned"});
-  consider(has_lat_long, {results + lat_long, "results and the background as a lat-long"});
-  consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces"});
-  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  consider(memory.second_bake > 0,
+           {memory.source + results + memory.second_bake,
+            "source, results and the .env's specular chain, whose roughness is its own", without_env});
+  consider(memory.second_bake > 0,
+           {results + 2 * env, "results, the .env's chain and its faces turned", kSmallerResults});
+  consider(has_lat_long, {results + lat_long, "results and the background as a lat-long", kSmallerResults});
+  consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
+                   kSmallerResults});
   if (worst.bytes <= limit) return;
+  constexpr unsigned kMebi = 20;
   throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
-                                             " bytes, above the limit of " + std::to_string(limit) +
-                                             "; raise --memory-limit, or make --size or --background-size less");
+                                             " bytes, above the limit of " + std::to_string(limit) + "; " +
+                                             worst.remedy + ", or raise --memory-limit to " +
+                                             std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
 }
 
 // Shares of the progress.
@@ -351,6 +365,9 @@ bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
 void note_blur(const BakeCommandOptions& options, Baked& baked) {
   if (!options.input) return;
   const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+  for (const std::string& note : file.info.notes) {
+    if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
+  }
   const auto level = static_cast<std::size_t>(std::max(0, options.common.read.level));
   if (level >= file.roughness.size() || file.roughness[level] <= 0.0) return;
   baked.notes.push_back("the input's pixels are reflections of roughness " + significant(file.roughness[level], 3) +
@@ -388,8 +405,29 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   return work;
 }
 
+/// Refuses by a file's header what would be refused once its pixels are read. With an error budget the settings, and so
+/// what they need, are known only then.
+void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
+  if (!options.input || needs.error_budget) return;
+  const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+  const Plan planned = plan(file.shape, needs, whole, options.scene.costs());
+  const EnvChain chain = env_chain(options, whole, planned);
+  BakeMemory memory{*options.input,
+                    kTexelBytes * file.shape.texels(),
+                    planned.result_bytes + planned.working_bytes,
+                    0,
+                    chain.options.size,
+                    file.levels};
+  if (chain.second()) {
+    const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
+    memory.second_bake = second.result_bytes + second.working_bytes;
+  }
+  check_memory(memory, options, planned.options);
+}
+
 /// From the pixels.
 void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
+  check_header(options, needs, baked.whole);
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();

@@ -127,7 +127,7 @@ std::string further_lines(const EnvironmentInfo& file) {
   if (!file.parts.empty()) text += line("parts", list_text(file.parts) + " (--part)");
   if (!file.layers.empty()) text += line("layers", list_text(file.layers) + " (--layer)");
   if (file.layout == Layout::six_files) {
-    for (const std::filesystem::path& face : file.faces) text += line("", face.filename().string());
+    for (const std::filesystem::path& face : file.faces) text += line("", printable(face.filename().string()));
   }
   for (const std::string& note : file.notes) text += line("note", printable(note));
   return text;
@@ -135,7 +135,8 @@ std::string further_lines(const EnvironmentInfo& file) {
 
 std::string file_lines(const EnvironmentInfo& file) {
   const std::string compression = file.compression == "none" ? "not compressed" : file.compression + " compression";
-  return file.path.string() + '\n' + line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
+  return printable(file.path.string()) + '\n' +
+         line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
          line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
          line("format", file.format_words() + ", " + file.storage + ", " + compression) +
          line("channels", channels_text(file)) + further_lines(file);

@@ -90,18 +90,6 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint) 
   return text;
 }
 
-Json parsed(const std::string& text) {
-  const auto not_too_deep = [](int depth, Library::parse_event_t /*event*/, Library& /*value*/) {
-    if (depth > kDeepestNesting) throw Flaw{"nests deeper than a sound one does"};
-    return true;
-  };
-  try {
-    return from_library(Library::parse(text, not_too_deep));
-  } catch (const Library::exception& flaw) {
-    throw Flaw{std::string("is no JSON (") + flaw.what() + ")"};
-  }
-}
-
 std::string member_text(const Json& value) {
   if (!value.is_array() || value.elements().empty() || value.elements().front().is_number()) return value.one_line();
   std::string text;
@@ -252,6 +240,20 @@ Member flag(const char* name, bool& target) {
           }};
 }
 
-Json read_json_file(const std::filesystem::path& path, const std::string& hint) { return parsed(text_of(path, hint)); }
+Json parse_json(const std::string& text) {
+  const auto not_too_deep = [](int depth, Library::parse_event_t /*event*/, Library& /*value*/) {
+    if (depth > kDeepestNesting) throw Flaw{"nests deeper than a sound one does"};
+    return true;
+  };
+  try {
+    return from_library(Library::parse(text, not_too_deep));
+  } catch (const Library::exception& flaw) {
+    throw Flaw{std::string("is no JSON (") + flaw.what() + ")"};
+  }
+}
+
+Json read_json_file(const std::filesystem::path& path, const std::string& hint) {
+  return parse_json(text_of(path, hint));
+}
 
 }  // namespace welkin::tool

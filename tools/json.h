@@ -120,6 +120,9 @@ void read_list(const Json& list, const std::string& where,
 [[nodiscard]] Member numbers(const char* name, std::vector<double>& target);
 [[nodiscard]] Member text(const char* name, std::string& target);
 
+/// Nests no deeper than 8. Throws `Flaw` for what is no JSON.
+[[nodiscard]] Json parse_json(const std::string& text);
+
 /// Reads and parses a file of at most a megabyte that nests no deeper than 8. Throws `Error`: file_access
 /// (`hint` says how to come by one), limit_exceeded; `Flaw` for what is no JSON.
 [[nodiscard]] Json read_json_file(const std::filesystem::path& path, const std::string& hint);

@@ -88,7 +88,7 @@ auto naming_file(const std::filesystem::path& path, const Read& read) {
 SceneNeeds NeedsChoice::needs() const {
   SceneNeeds needs;
   needs.diffuse_bands = kMaximumBands;  // as many as --bands asks for
-  if (file) needs = read_needs(*file);
+  if (needs_in_file) needs = *needs_in_file;
   if (glossy) needs.glossy = glossy;
   if (no_glossy) needs.glossy.reset();
   if (no_background) needs.background = false;
@@ -98,15 +98,16 @@ SceneNeeds NeedsChoice::needs() const {
   return needs;
 }
 
-CostModel NeedsChoice::costs() const { return costs_file ? read_costs(*costs_file) : CostModel(); }
-
 void add_needs_options(Options& table, NeedsChoice& choice) {
   const auto set_range = [&choice](const std::vector<double>& range) {
     if (range[0] > range[1]) throw BadValue{"--glossy", "falls; give the lower roughness first"};
     choice.glossy = RoughnessRange{range[0], range[1]};
   };
   table.push_back({.names = "--needs",
-                   .target = &choice.file,
+                   .target = On<std::string>([&choice](const std::string& file) {
+                     choice.needs_in_file = read_needs(file);
+                     choice.file = file;
+                   }),
                    .text = "A JSON file that says what the scene uses (docs/plans.md); the rest is not baked",
                    .type = "FILE"});
   table.push_back(
@@ -139,7 +140,10 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
                "and measured times"});
   table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
   table.push_back({.names = "--costs",
-                   .target = &choice.costs_file,
+                   .target = On<std::string>([&choice](const std::string& file) {
+                     choice.costs_in_file = read_costs(file);
+                     choice.costs_file = file;
+                   }),
                    .text =
                        "A JSON file with the cost of work on this machine, as 'welkin report --calibrate' writes it; "
                        "by default stored costs are used",

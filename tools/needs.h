@@ -12,13 +12,15 @@
 namespace welkin::tool {
 
 struct NeedsChoice {
-  std::optional<std::string> file;
+  std::optional<std::string> file;  ///< as it was named; it is read once, when the option is, as it may be a pipe
+  std::optional<SceneNeeds> needs_in_file;
   std::optional<RoughnessRange> glossy;
   bool no_glossy = false;
   bool no_background = false;
   bool no_diffuse = false;
   std::optional<double> error_budget;
-  std::optional<std::string> costs_file;
+  std::optional<std::string> costs_file;  ///< likewise
+  std::optional<CostModel> costs_in_file;
   bool explain = false;
   bool plan_only = false;
 
@@ -28,12 +30,12 @@ struct NeedsChoice {
   }
   [[nodiscard]] bool explains() const noexcept { return explain || plan_only; }
 
-  /// The file's, and what flags say on top; everything where nothing was said. Throws as `read_needs`.
+  /// The file's, and what flags say on top; everything where nothing was said.
   [[nodiscard]] SceneNeeds needs() const;
-  /// Throws as `read_costs`.
-  [[nodiscard]] CostModel costs() const;
+  [[nodiscard]] CostModel costs() const { return costs_in_file.value_or(CostModel()); }
 };
 
+/// The options throw as `read_needs` and `read_costs`.
 void add_needs_options(Options& table, NeedsChoice& choice);
 
 /// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials;

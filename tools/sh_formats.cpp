@@ -3,8 +3,10 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 
 #include "tools/json.h"
@@ -97,7 +99,7 @@ std::string babylon_lines(const BabylonPolynomial& polynomial) {
 
 std::string source_lines(const ShReport& report) {
   const Source& source = report.source;
-  std::string text = source.path + ": ";
+  std::string text = printable(source.path) + ": ";
   if (source.width > 0) {
     text += std::to_string(source.width) + " x " + std::to_string(source.height) + ' ' + source.layout + ", ";
   }
@@ -432,8 +434,13 @@ std::string identifier(const std::string& path) {
   return name;
 }
 
-/// Shortest text that reads back as the same float, as a C constant.
+/// Shortest text that reads back as the same float, as a C constant. C has none for what is beyond all floats.
 std::string float_constant(double value) {
+  if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
+    throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
+                                               ", which no float of a C header holds; lower the exposure of the "
+                                               "picture, cut it off with --clamp, or ask for --format json");
+  }
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;
   std::string text(buffer.data(), end);

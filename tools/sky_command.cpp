@@ -347,6 +347,9 @@ std::string sweep(const SkyOptions& options) {
 std::string bake_sky(const SkyOptions& options) {
   constexpr double kTables = 0.9;
   BakeCommandOptions bake = options.bake;
+  for (const std::optional<std::string>& file : {options.sky.atmosphere.file, options.sky.tables_file}) {
+    if (file) bake.also_read.push_back(*file);
+  }
   bake.compute = [&options](const Control& control) {
     const Sky sky = make_sky(options.sky, part_of(control, 0.0, kTables));
     return sky_picture(sky, options.picture_height, options.sun_disc, part_of(control, kTables, 1.0));

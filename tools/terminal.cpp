@@ -1,13 +1,18 @@
 #include "tools/terminal.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -24,6 +29,49 @@ bool standard_error_is_terminal() {
   return isatty(STDERR_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb";
 }
 
+std::atomic<int> caught{0};
+std::array<int, 2> signal_pipe{-1, -1};  // a handler may write to one, and do little else
+
+extern "C" void note_signal(int number) {
+  const int before = errno;
+  int none = 0;
+  if (!caught.compare_exchange_strong(none, number)) {
+    std::signal(number, SIG_DFL);  // whoever asks twice does not want to wait
+    static_cast<void>(std::raise(number));
+  }
+  const char byte = 0;
+  static_cast<void>(write(signal_pipe[1], &byte, 1) == 1);
+  errno = before;
+}
+
+/// Hands on to the stop source what a handler may not touch.
+void watch_pipe(std::stop_source source) {
+  char byte = 0;
+  while (read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
+  }
+  source.request_stop();
+}
+
+/// Where there is no thread or pipe to watch, signals end the program as ever.
+void watch_signals(const std::stop_source& source) {
+  struct sigaction ignored {};
+  ignored.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &ignored, nullptr);
+  if (pipe2(signal_pipe.data(), O_CLOEXEC) != 0) return;
+  try {
+    std::thread(watch_pipe, source).detach();
+  } catch (const std::system_error&) {
+    return;
+  }
+  struct sigaction noted {};
+  noted.sa_handler = note_signal;
+  noted.sa_flags = SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    if (sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(number, &noted, nullptr);
+  }
+}
+
 /// Empty where the system does not say.
 std::filesystem::path own_folder() {
   std::error_code unknown;
@@ -31,6 +79,17 @@ std::filesystem::path own_folder() {
 }
 
 }  // namespace
+
+std::stop_token stop_on_signals() {
+  static const auto& source = *[] {
+    auto* const made = new std::stop_source;  // never destroyed: the watching thread outlives main
+    watch_signals(*made);
+    return made;
+  }();
+  return source.get_token();
+}
+
+int caught_signal() noexcept { return caught; }
 
 void print_result(const std::string& text) {
   std::cout << text << std::flush;
@@ -45,6 +104,7 @@ ProgressBar::~ProgressBar() {
 
 Control ProgressBar::control() {
   Control control;
+  control.stop = stop_on_signals();
   if (terminal_) control.progress = [this](double share) { report(share); };
   return control;
 }
@@ -68,8 +128,6 @@ Control part_of(const Control& control, double from, double to) {
   }
   return part;
 }
-
-long process_number() { return getpid(); }
 
 std::string reason_not_to_write_in(const std::filesystem::path& folder) {
   return access(folder.c_str(), W_OK | X_OK) == 0 ? "" : std::strerror(errno);

@@ -3,12 +3,21 @@
 
 #include <chrono>
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "welkin/core.h"
 
 namespace welkin::tool {
+
+/// A token that asks work to stop once somebody wants the program to end: by Ctrl-C, or by the signals SIGTERM and
+/// SIGHUP, unless the program was started with them ignored. A second signal ends it at once. From the first call on,
+/// writing beyond the limit on a file's size is an error and no signal.
+[[nodiscard]] std::stop_token stop_on_signals();
+
+/// The signal that came; 0: none has.
+[[nodiscard]] int caught_signal() noexcept;
 
 /// Writes a finished result to standard output in one piece: after an error nothing is there that could be
 /// taken for a result. Throws `Error` (file_access) if it cannot be written (a full disk, say).
@@ -38,9 +47,6 @@ class ProgressBar {
   Clock::time_point next_drawing_;
   bool drawn_ = false;
 };
-
-/// A number that no other running process has.
-[[nodiscard]] long process_number();
 
 /// Why files cannot be made in a folder that is there; empty: they can.
 [[nodiscard]] std::string reason_not_to_write_in(const std::filesystem::path& folder);

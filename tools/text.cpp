@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <numbers>
-#include <system_error>
 
-#include "tools/terminal.h"
-#include "welkin/core.h"
+#include "platform/file.h"
 
 namespace welkin::tool {
 namespace {
@@ -23,11 +19,6 @@ std::string formatted(double value, std::chars_format format, int precision) {
 }
 
 std::string degrees(double radians) { return significant(std::abs(radians) * 180.0 / std::numbers::pi, 4); }
-
-[[noreturn]] void fail_to_write(const std::filesystem::path& path, int reason) {
-  throw Error(ErrorCode::file_access, path.string() + ": cannot be written (" + std::strerror(reason) +
-                                          "); write to a folder that has room and lets this user write");
-}
 
 }  // namespace
 
@@ -117,28 +108,28 @@ const char* face_name(int face) noexcept {
   return kNames.at(static_cast<std::size_t>(face));
 }
 
-std::string printable(std::string text) {
-  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
-  std::replace_if(text.begin(), text.end(), is_control, '?');
-  return text;
+std::string printable(const std::string& text) { return platform::without_controls(text); }
+
+std::string printable_lines(const std::string& text) {
+  std::string lines;
+  for (std::size_t start = 0;;) {
+    const std::size_t end = text.find('\n', start);
+    lines += printable(text.substr(start, end - start));
+    if (end == std::string::npos) return lines;
+    lines += '\n';
+    start = end + 1;
+  }
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::path beside = path;
-  beside += ".welkin-" + std::to_string(process_number());
-  errno = 0;
-  // Not one that is there already: x.
-  std::FILE* const stream = std::fopen(beside.c_str(), "wxb");
-  if (stream == nullptr) fail_to_write(path, errno);
-  const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
-  int reason = written ? 0 : errno;
-  if (std::fclose(stream) != 0 && reason == 0) reason = errno;
-  std::error_code trouble;
-  if (reason == 0) std::filesystem::rename(beside, path, trouble);
-  if (reason == 0 && !trouble) return;
-  std::error_code ignored;
-  std::filesystem::remove(beside, ignored);
-  fail_to_write(path, reason != 0 ? reason : trouble.value());
+  write_bytes(path, std::as_bytes(std::span(text)));
+}
+
+void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  platform::WholeFile file(path);
+  file.write(bytes.data(), bytes.size());
+  file.finish();
+  file.commit();
 }
 
 }  // namespace welkin::tool

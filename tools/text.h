@@ -1,10 +1,12 @@
 // Numbers, directions and files' names as a person reads them, independent of the locale; small files of text.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -64,10 +66,14 @@ class NumberColumn {
 /// "+X", "-X", ... for 0 to 5.
 [[nodiscard]] const char* face_name(int face) noexcept;
 
-/// Every control character becomes '?': a file's channel names must not steer the reader's terminal.
-[[nodiscard]] std::string printable(std::string text);
+/// Every control character becomes '?', and what is no UTF-8: neither a file's name nor its channels' may steer the
+/// reader's terminal.
+[[nodiscard]] std::string printable(const std::string& text);
+/// The same but for line feeds.
+[[nodiscard]] std::string printable_lines(const std::string& text);
 
-/// Writes beside the file's place and renames: it is whole or as it was. Throws `Error` (file_access).
+/// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
+void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace welkin::tool

@@ -115,7 +115,7 @@ enum class ThreadPriority {
 };
 
 /// Runs `work` in an arena of its own with `threads` threads, the calling one among them (0: as many as the process may
-/// use; 1: on the calling thread alone).
+/// use; 1: on the calling thread alone), or fewer where the system makes no more.
 ///
 /// Every Welkin call works in the arena of the thread that calls it, so an engine that lives in a TBB
 /// arena keeps its thread budget without this function. It is for programs that have no arena.
@@ -124,7 +124,7 @@ enum class ThreadPriority {
 void run_with_threads(int threads, const std::function<void()>& work);
 
 /// How many threads `run_with_threads(0, ...)` uses: the processors of this process, or fewer where
-/// the control group's CPU quota (cgroup v2 `cpu.max`) grants fewer. At least 1.
+/// the CPU quotas of its control groups (Linux cgroups, versions 1 and 2) grant fewer. At least 1.
 [[nodiscard]] int available_threads();
 
 // ---- Instruction sets

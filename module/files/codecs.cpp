@@ -87,6 +87,9 @@ std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& /*bytes*/, 
   require_codec(Codec::zlib, "a KTX2", "leave the supercompression out");
   return {};
 }
+std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> /*packed*/, std::uint64_t /*most*/) {
+  return std::nullopt;
+}
 void unpack_zlib(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
   require_codec(Codec::zlib, path, "save it without supercompression");

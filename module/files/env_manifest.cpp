@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -19,6 +20,7 @@ constexpr int kNewestVersion = 2;
 constexpr int kDeepestNesting = 8;                               // sound ones have 4
 constexpr std::uint64_t kLongestText = std::uint64_t{1} << 18U;  // sound ones have some kilobytes
 constexpr double kLargestExact = 9007199254740992.0;             // 2^53
+constexpr double kLargestTerm = std::numeric_limits<float>::max();
 
 struct Term {
   const char* name;
@@ -107,7 +109,15 @@ void take_irradiance(EnvManifest& manifest, const Json& irradiance, const platfo
                      std::uint64_t first_byte) {
   if (find(irradiance, "x") != nullptr) {
     BabylonPolynomial polynomial;
-    for (const Term& term : kTerms) polynomial.*term.rgb = triple(require(irradiance, term.name), term.name);
+    for (const Term& term : kTerms) {
+      glm::dvec3& rgb = polynomial.*term.rgb;
+      rgb = triple(require(irradiance, term.name), term.name);
+      const double largest = std::max({std::abs(rgb.x), std::abs(rgb.y), std::abs(rgb.z)});
+      if (largest > kLargestTerm) {
+        refuse(std::string("has a polynomial whose \"") + term.name +
+               "\" is beyond what floats hold, and its pixels end at 255; export the file again");
+      }
+    }
     manifest.polynomial = polynomial;
   }
   const Json* texture = find(irradiance, "irradianceTexture");

@@ -20,7 +20,9 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "files/row_source.h"
@@ -212,13 +214,20 @@ class ExrStream final : public Imf::IStream {
       throw platform::file_error(ErrorCode::corrupt_file, file_.path(), "holds a block of negative size");
     }
     file_.read(bytes, static_cast<std::size_t>(count));
+    block_.emplace(bytes, static_cast<std::size_t>(count));
     return file_.remaining() > 0;
+  }
+  /// What the library read last, in its own memory, if it has read since this was asked: after a block was decoded,
+  /// that block as it is in the file.
+  [[nodiscard]] std::optional<std::span<const char>> take_block() noexcept {
+    return std::exchange(block_, std::nullopt);
   }
   std::uint64_t tellg() override { return file_.position(); }
   void seekg(std::uint64_t position) override { file_.seek(position); }
 
  private:
   platform::ByteFile& file_;
+  std::optional<std::span<const char>> block_;
 };
 
 /// Runs `work`, which calls OpenEXR, and turns whatever that throws into `Error`s that name the file.
@@ -262,6 +271,26 @@ struct ExrFile {
 /// anything, and so is worked out in integers.) Channels sampled at every second texel have `sampling` 2.
 [[nodiscard]] Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row, std::size_t texel_bytes,
                                    std::size_t row_bytes, int sampling = 1);
+
+// Blocks that the library has just decoded: do they hold all of their texels?
+
+class ExrBlocks {
+ public:
+  /// Both outlive this.
+  ExrBlocks(const ExrPicture& picture, const Imf::Header& header) : picture_(picture), header_(header) {}
+
+  /// Throws `Error` (corrupt_file) if the block of rows, which the library has read since this was asked last, unpacks
+  /// to less than its texels take. `row`: any of it, in the file's coordinates. Costs undoing ZIP once more.
+  void check_rows(ExrStream& stream, int row) const;
+  /// The same of a tile of the picture's level.
+  void check_tile(ExrStream& stream, int column, int row) const;
+
+ private:
+  void check(std::span<const char> block, std::uint64_t expected, const std::string& what) const;
+
+  const ExrPicture& picture_;
+  const Imf::Header& header_;
+};
 
 // OpenEXR pictures of luminance and subsampled chroma, as RGB rows.
 

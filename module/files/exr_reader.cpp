@@ -88,13 +88,19 @@ Imf::FrameBuffer frame_buffer(const ExrPicture& picture, int row, float* rgb) {
 class ScanlineReader final : public RowReader {
  public:
   explicit ScanlineReader(const ExrPicture& picture)
-      : picture_(picture), file_(picture), input_(file_.file, picture.part) {}
+      : picture_(picture), file_(picture), input_(file_.file, picture.part), blocks_(picture, input_.header()) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const int top = picture_.first_row + first_row;
+    const int end = first_row + row_count;
     call_openexr(picture_.info.path, [&] {
       input_.setFrameBuffer(frame_buffer(picture_, top, rgb));
-      input_.readPixels(top, top + row_count - 1);
+      for (int row = first_row; row < end;) {
+        const int next = std::min(end, (row / picture_.unit_rows + 1) * picture_.unit_rows);
+        input_.readPixels(picture_.first_row + row, picture_.first_row + next - 1);
+        blocks_.check_rows(file_.stream, picture_.first_row + row);
+        row = next;
+      }
     });
   }
 
@@ -102,13 +108,14 @@ class ScanlineReader final : public RowReader {
   const ExrPicture& picture_;
   ExrFile file_;
   Imf::InputPart input_;
+  ExrBlocks blocks_;
 };
 
 // Reads one level of any tiled file, a row of tiles at a time.
 class TiledReader final : public RowReader {
  public:
   explicit TiledReader(const ExrPicture& picture)
-      : picture_(picture), file_(picture), input_(file_.file, picture.part) {}
+      : picture_(picture), file_(picture), input_(file_.file, picture.part), blocks_(picture, input_.header()) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const int tile_rows = picture_.unit_rows;
@@ -136,13 +143,17 @@ class TiledReader final : public RowReader {
     const int level = picture_.level;
     call_openexr(picture_.info.path, [&] {
       input_.setFrameBuffer(frame_buffer(picture_, picture_.first_row + tile_first, rgb));
-      input_.readTiles(0, input_.numXTiles(level) - 1, tile, tile, level, level);
+      for (int column = 0; column < input_.numXTiles(level); ++column) {
+        input_.readTile(column, tile, level, level);
+        blocks_.check_tile(file_.stream, column, tile);
+      }
     });
   }
 
   const ExrPicture& picture_;
   ExrFile file_;
   Imf::TiledInputPart input_;
+  ExrBlocks blocks_;
   std::vector<float> edge_;  // a row of tiles of which not all rows are wanted
 };
 
@@ -285,6 +296,7 @@ class LuminanceChromaReader final : public RowReader {
         width_(static_cast<std::size_t>(picture.data_width)),
         file_(picture),
         input_(file_.file, picture.part),
+        blocks_(picture, input_.header()),
         weights_(luminance_weights(input_.header())),
         line_(width_ + yca::N - 1, kBlack),
         held_(width_ * kHeldRows, kBlack),
@@ -331,6 +343,7 @@ class LuminanceChromaReader final : public RowReader {
     const int bottom = top + picture_.data_height - 1;
     const int nearest = position < top ? top : position > bottom ? bottom - 1 : position;
     input_.readPixels(nearest);
+    blocks_.check_rows(file_.stream, nearest);
     if (nearest % 2 != 0) {
       std::copy_n(line_.begin() + yca::N2, width_, row);
       return;
@@ -391,6 +404,7 @@ class LuminanceChromaReader final : public RowReader {
   std::size_t width_;
   ExrFile file_;
   Imf::InputPart input_;
+  ExrBlocks blocks_;
   Imath::V3f weights_;
   std::vector<Imf::Rgba> line_;  // as stored: r = RY, g = Y, b = BY
   std::vector<Imf::Rgba> held_;  // decoded rows, kHeldRows of them

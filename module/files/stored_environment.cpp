@@ -1,8 +1,10 @@
 // What a file carries beside its pixels, and plans that take it.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <sstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -41,15 +43,30 @@ void look_into_env(StoredEnvironment& stored) {
   stored.roughness = babylon_roughness(stored.levels, manifest.width, manifest.lod_generation_scale);
 }
 
-/// Numbers with spaces between them, as many as there are levels, each from 0 to 1 and none below the one before.
-std::vector<double> roughness_in(const std::string& text, int levels) {
-  std::istringstream stream(text);
+/// Numbers with spaces between them, as many as there are levels, each from 0 to 1 and none below the one before; else
+/// nothing. By no locale: a host's may want a decimal comma.
+std::vector<double> roughness_in(std::string_view text, int levels) {
+  constexpr std::string_view kSpaces = " \t\r\n";
   std::vector<double> roughness;
-  for (double value = 0.0; stream >> value;) roughness.push_back(value);
-  const bool sound = static_cast<int>(roughness.size()) == levels && std::ranges::is_sorted(roughness) &&
-                     roughness.front() >= 0.0 && roughness.back() <= 1.0;
-  if (!sound) roughness.clear();
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+    if (text.empty()) break;
+    double value = 0.0;
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    if (failure != std::errc() || (!text.empty() && kSpaces.find(text.front()) == kSpaces.npos)) return {};
+    if (!(value >= (roughness.empty() ? 0.0 : roughness.back()) && value <= 1.0)) return {};
+    roughness.push_back(value);
+  }
+  if (static_cast<int>(roughness.size()) != levels) roughness.clear();
   return roughness;
+}
+
+/// A person who sees the mips of another roughness than was stored should know why.
+void note_discarded(StoredEnvironment& stored, const std::string& text) {
+  stored.info.notes.push_back("its roughness \"" + platform::printable(text) +
+                              "\" is not used: " + std::to_string(stored.levels) +
+                              " levels need as many numbers from 0 to 1, none below the one before");
 }
 
 void look_into_texture(StoredEnvironment& stored) {
@@ -63,6 +80,7 @@ void look_into_texture(StoredEnvironment& stored) {
     if (!files::speaks_of_roughness(key)) continue;
     stored.content = LevelContent::reflections;
     stored.roughness = roughness_in(value, stored.levels);
+    if (stored.roughness.empty()) note_discarded(stored, value);
   }
 }
 
@@ -95,7 +113,12 @@ StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& r
   stored.compressed = info.format != FileFormat::pfm && info.compression != "none";
   if (info.format == FileFormat::babylon) look_into_env(stored);
   if (info.format == FileFormat::ktx2 || info.format == FileFormat::dds) look_into_texture(stored);
-  if (content != LevelContent::automatic && stored.levels > 1) stored.content = content;
+  if (content != LevelContent::automatic && stored.levels > 1) {
+    if (content != LevelContent::reflections && !stored.roughness.empty()) {
+      stored.info.notes.emplace_back("its roughness is not used: its levels are to be taken for no reflections");
+    }
+    stored.content = content;
+  }
   if (read.level != 0) {  // one of the levels alone
     stored.levels = 1;
     stored.content = LevelContent::automatic;

@@ -39,6 +39,9 @@ void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& 
 
 [[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
 [[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+/// How many bytes the zlib stream unpacks to, up to `most`. Nothing where there is no zlib, nor for what is no stream:
+/// whoever unpacks it finds that out.
+[[nodiscard]] std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, std::uint64_t most);
 void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
 void unpack_zstd(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,

@@ -48,6 +48,24 @@ Bytes pack_zlib(const Bytes& bytes, const std::stop_token& stop) {
   return packed;
 }
 
+std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, std::uint64_t most) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 16U;
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, EndInflate> end(&stream);
+  const auto scratch = std::make_unique<Bytef[]>(kAtOnce);
+  stream.next_in = reinterpret_cast<const Bytef*>(packed.data());
+  stream.avail_in = static_cast<uInt>(packed.size());  // OpenEXR's blocks state their length in 31 bits
+  int result = Z_OK;
+  while (result == Z_OK && stream.total_out < most) {
+    stream.next_out = scratch.get();
+    stream.avail_out = kAtOnce;
+    result = inflate(&stream, Z_NO_FLUSH);
+  }
+  if (result != Z_OK && result != Z_STREAM_END) return std::nullopt;
+  return std::min<std::uint64_t>(stream.total_out, most);
+}
+
 void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const std::stop_token& stop) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();

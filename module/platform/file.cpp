@@ -88,8 +88,50 @@ void ByteFile::read_stream(void* bytes, std::size_t count) {
   stream_position_ = position_ + count;
 }
 
+namespace {
+
+/// The length of the character of UTF-8 that the text begins with; 0: these bytes are none.
+std::size_t character_bytes(std::string_view text) {
+  constexpr unsigned kContinuation = 0x80;
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xC2 && first < 0xE0 ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  if (length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != kContinuation) return 0;
+  }
+  return length;
+}
+
+bool is_control(std::string_view character) {
+  const auto first = static_cast<unsigned char>(character[0]);
+  if (character.size() == 1) return first < 0x20 || first == 0x7F;
+  return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
+}
+
+}  // namespace
+
+std::string without_controls(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t length = character_bytes(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length == 0 || is_control(character)) {
+      result += '?';
+    } else {
+      result += character;
+    }
+    text.remove_prefix(character.size());
+  }
+  return result;
+}
+
 Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message) {
-  return {code, path.string() + ": " + message};
+  return {code, without_controls(path.string()) + ": " + message};
 }
 
 std::string printable(const std::string& text) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "welkin/core.h"
@@ -51,7 +52,11 @@ class ByteFile {
   std::uint64_t stream_position_ = 0;  // where the stream stands; it is moved only when a read needs it
 };
 
-/// An `Error` whose message begins with the file's name.
+/// Text for a terminal: what could steer one becomes '?', that is control characters, of the upper half too (U+0080 to
+/// U+009F), and bytes that are no UTF-8.
+[[nodiscard]] std::string without_controls(std::string_view text);
+
+/// An `Error` whose message begins with the file's name, without control characters.
 [[nodiscard]] Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message);
 
 /// Text out of a file, fit for a message: control and non-ASCII characters become '?', at most 200 characters.

@@ -1,0 +1,278 @@
+// The command where things go wrong around it: signals, killed runs, too few threads, pipes, its own input in its way,
+// names that would steer a terminal, files that ask for too much.
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "places.h"
+#include "support/catch.h"
+#include "support/sanitized.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+
+namespace welkin::test {
+namespace {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+bool has_temporary(const std::filesystem::path& folder) {
+  const std::vector<std::string> names = names_in(folder);
+  return std::any_of(names.begin(), names.end(), [](const std::string& name) { return name.starts_with(".welkin-"); });
+}
+
+/// A picture that takes seconds to bake.
+std::filesystem::path large_picture(const TemporaryFolder& folder) {
+  const std::filesystem::path path = folder.path() / "large.pfm";
+  write_pfm(path, 2048, 1024, grey_picture(2048, 1024, 0.5F));
+  return path;
+}
+
+struct Ended {
+  int status = 0;
+  std::string errors;
+};
+
+/// Starts a bake into `folder`/out, sends it the signal after a while, and waits for its end.
+Ended bake_and_signal(const TemporaryFolder& folder, const std::filesystem::path& input, int signal) {
+  const std::filesystem::path errors = folder.path() / "errors";
+  const std::filesystem::path out = folder.path() / "out";
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    if (std::freopen(errors.c_str(), "w", stderr) == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr) {
+      _exit(99);
+    }
+    ::signal(signal, SIG_DFL);
+    execl(WELKIN_COMMAND, "welkin", "bake", input.c_str(), "-o", out.c_str(), "--size", "1024", "--threads", "1",
+          "--formats", "ktx2,env", nullptr);
+    _exit(98);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  REQUIRE(kill(child, signal) == 0);
+  Ended ended;
+  REQUIRE(waitpid(child, &ended.status, 0) == child);
+  ended.errors = file_text(errors);
+  return ended;
+}
+
+}  // namespace
+
+TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no temporary file", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path input = large_picture(folder);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const Ended ended = bake_and_signal(folder, input, signal);
+    INFO(ended.errors);
+    REQUIRE(WIFEXITED(ended.status));
+    CHECK(WEXITSTATUS(ended.status) == 128 + signal);
+    CHECK(contains(ended.errors, "welkin: stopped ("));
+    const std::filesystem::path out = folder.path() / "out";
+    if (!std::filesystem::exists(out)) continue;
+    CHECK_FALSE(std::filesystem::exists(out / "manifest.json"));
+    CHECK_FALSE(has_temporary(out));
+  }
+}
+
+TEST_CASE("A file that outgrows its limit is an error, not a signal", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path input = large_picture(folder);
+  const std::filesystem::path out = folder.path() / "made.pfm";
+  const CommandResult result = run_program(
+      "/bin/sh", "-c 'ulimit -f 100; exec " WELKIN_COMMAND " convert " + input.string() + ' ' + out.string() + "'");
+  INFO(result.errors);
+  CHECK(result.exit_code == 1);
+  CHECK(contains(result.errors, "made.pfm: could not be written"));
+  CHECK_FALSE(std::filesystem::exists(out));
+  CHECK_FALSE(has_temporary(folder.path()));
+}
+
+TEST_CASE("What killed runs left in a folder is tidied by the next one, and blocks none", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  write_text(out / ".welkin-1-0.part", "left");
+  write_text(out / ".welkin-77-3-1700000000000000000.part", "left");
+  write_text(out / ".welkin-mine.part", "somebody's");
+  // In a container each run is process 1; the name is what an earlier version would have taken.
+  const CommandResult result =
+      run_program("/bin/sh", "-c 'touch " + (out / "manifest.json.welkin-").string() +
+                                 "$$; exec " WELKIN_COMMAND " bake --sky -o " + out.string() +
+                                 " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews'");
+  INFO(result.errors);
+  CHECK(result.exit_code == 0);
+  CHECK_FALSE(std::filesystem::exists(out / ".welkin-1-0.part"));
+  CHECK_FALSE(std::filesystem::exists(out / ".welkin-77-3-1700000000000000000.part"));
+  CHECK(file_text(out / ".welkin-mine.part") == "somebody's");
+  CHECK(std::filesystem::exists(out / "manifest.json"));
+}
+
+TEST_CASE("With too little address space for its threads a command works or says so", "[command][unlucky]") {
+  if (kSanitized) return;  // sanitizers need more than there is
+  const TemporaryFolder folder;
+  const std::filesystem::path input = folder.path() / "in.pfm";
+  write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
+  for (int run = 0; run < 50; ++run) {
+    const CommandResult result =
+        run_program("/bin/sh", "-c 'ulimit -v 600000; exec " WELKIN_COMMAND " sh " + input.string() + " --threads 64'");
+    INFO(result.errors);
+    REQUIRE((result.exit_code == 0 || (result.exit_code == 1 && contains(result.errors, "--threads 1"))));
+  }
+}
+
+TEST_CASE("Files that options name are read once, so that pipes do, and are not written over", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::string small = "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --json ";
+  const std::filesystem::path out = folder.path() / "out";
+  const std::string needs = R"({"background": false, "diffuse_bands": 2})";
+  const CommandResult piped = run_program("/bin/sh", "-c 'printf %s \"$0\" | exec " WELKIN_COMMAND " " + small +
+                                                         "--needs /dev/stdin -o " + out.string() + "' '" + needs + "'");
+  INFO(piped.errors);
+  REQUIRE(piped.exit_code == 0);
+  CHECK(nlohmann::json::parse(piped.output).at("needs").at("diffuse_bands") == 2);
+  CHECK_FALSE(std::filesystem::exists(out / "background.ktx2"));
+
+  for (const char* const option : {"--needs", "--costs"}) {
+    const std::string text = std::string(option) == "--needs" ? needs : "{}";
+    write_text(out / "manifest.json", text);
+    const CommandResult result =
+        run_welkin(small + option + " " + quoted(out / "manifest.json") + " -o " + quoted(out));
+    INFO(option << ": " << result.errors);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "is read, and this bake would write over it"));
+    CHECK(file_text(out / "manifest.json") == text);
+  }
+}
+
+TEST_CASE("A repeated bake with a cache takes its files from there, at least ten times faster", "[command][unlucky]") {
+  using Clock = std::chrono::steady_clock;
+  const TemporaryFolder folder;
+  const std::filesystem::path input = folder.path() / "map.hdr";
+  REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
+  const std::string bake = quoted(input) + " --cache " + quoted(folder.path() / "cache");
+  const auto timed = [&](const std::string& out) {
+    const auto start = Clock::now();
+    bake_into(folder.path() / out, bake);
+    return Clock::now() - start;
+  };
+  const auto first = timed("first");
+  auto again = timed("again");
+  for (int i = 0; i < 2; ++i) again = std::min(again, timed("again"));
+  CHECK(std::filesystem::exists(folder.path() / "again/environment.env"));
+  CHECK(std::filesystem::exists(folder.path() / "again/preview_spheres.png"));
+  for (const std::string& name : names_in(folder.path() / "first")) {
+    INFO(name);
+    if (name != "manifest.json")
+      CHECK(file_text(folder.path() / "first" / name) == file_text(folder.path() / "again" / name));
+  }
+  INFO("first " << std::chrono::duration<double>(first).count() << " s, again "
+                << std::chrono::duration<double>(again).count() << " s");
+  if (!kSanitized) CHECK(again * 10 < first);
+
+  // The same name with other contents, and another option, are other bakes.
+  const std::string before = file_text(folder.path() / "again/specular.ktx2");
+  REQUIRE(run_welkin("testmap -o " + quoted(input) + " --size 128").exit_code == 0);
+  const nlohmann::json other = bake_into(folder.path() / "other", bake);
+  CHECK(other.at("times").size() > 1);
+  CHECK(file_text(folder.path() / "other/specular.ktx2") != before);
+  CHECK(bake_into(folder.path() / "size", bake + " --size 32").at("times").size() > 1);
+}
+
+TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path bright = folder.path() / "bright.pfm";
+  write_pfm(bright, 8, 4, grey_picture(8, 4, 3e38F));
+  const CommandResult header = run_welkin("sh --format c " + quoted(bright));
+  CHECK(header.exit_code == 1);
+  CHECK(header.output.empty());
+  CHECK(contains(header.errors, "no float of a C header holds"));
+
+  const std::filesystem::path out = folder.path() / "out";
+  REQUIRE(run_welkin("bake --sky --size 16 --irradiance 4 --brdf 8 --formats env --no-previews -o " + quoted(out))
+              .exit_code == 0);
+  std::string env = file_text(out / "environment.env");
+  const std::size_t end = env.find('\0', 8);
+  nlohmann::json manifest = nlohmann::json::parse(env.substr(8, end - 8));
+  manifest["irradiance"]["xx"] = {1e308, 1e308, 1e308};
+  write_text(folder.path() / "huge.env", env.substr(0, 8) + manifest.dump() + env.substr(end));
+  for (const std::string& command :
+       {std::string("sh "), std::string("info "), "bake --size 16 -o " + quoted(folder.path() / "none") + ' '}) {
+    const CommandResult result = run_welkin(command + quoted(folder.path() / "huge.env"));
+    INFO(command << result.errors);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "huge.env: "));
+    CHECK(contains(result.errors, "polynomial"));
+  }
+}
+
+TEST_CASE("Memory is refused by the header, before pixels are read, with a remedy that helps", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  // Its pixels are not there, so that reading them would be another error.
+  const std::filesystem::path large = folder.path() / "large.pfm";
+  write_text(large, "PF\n16384 8192\n-1.0\n");
+  std::filesystem::resize_file(large, 19 + std::uint64_t{16384} * 8192 * 12);
+  const auto start = std::chrono::steady_clock::now();
+  const CommandResult refused =
+      run_welkin("bake " + quoted(large) + " --size 16 --memory-limit 2GiB -o " + quoted(folder.path() / "none"));
+  INFO(refused.errors);
+  CHECK(refused.exit_code == 1);
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(kSanitized ? 20 : 2));
+  CHECK(contains(refused.errors, "'welkin convert' with --size"));
+
+  // The remedy, on a picture that does not take minutes.
+  const std::filesystem::path input = folder.path() / "in.pfm";
+  write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
+  const std::string bake = " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --memory-limit 3MiB -o " +
+                           quoted(folder.path() / "out");
+  const CommandResult too_much = run_welkin("bake " + quoted(input) + bake);
+  INFO(too_much.errors);
+  REQUIRE(too_much.exit_code == 1);
+  REQUIRE(contains(too_much.errors, "'welkin convert' with --size"));
+  const std::filesystem::path smaller = folder.path() / "smaller.exr";
+  REQUIRE(run_welkin("convert " + quoted(input) + ' ' + quoted(smaller) + " --size 32 --memory-limit 3MiB").exit_code ==
+          0);
+  CHECK(run_welkin("bake " + quoted(smaller) + bake).exit_code == 0);
+}
+
+TEST_CASE("Control characters in names of files never reach a terminal", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::string name =
+      "a\x1b[31m\x07\xc2\x9b"
+      "2J\nb\x9b\xc3\xa9";
+  const std::filesystem::path there = folder.path() / (name + ".pfm");
+  write_pfm(there, 8, 4, grey_picture(8, 4, 0.5F));
+  const std::filesystem::path broken = folder.path() / (name + "x.pfm");
+  write_text(broken, "PF\n8 4\n-1.0\nshort");
+  const std::filesystem::path absent = folder.path() / (name + "y.pfm");
+  const auto clean = [](const std::string& text) {
+    return std::none_of(text.begin(), text.end(),
+                        [](char c) { return (c >= 0 && c < ' ' && c != '\n') || c == '\x7f'; }) &&
+           !contains(text, "\xc2\x9b") && !contains(text, "b\x9b");
+  };
+  for (const std::filesystem::path& file : {there, broken, absent}) {
+    for (const std::string& command :
+         {std::string("info "), std::string("sh "), std::string("sh --format text "), std::string("sh --format c "),
+          "bake --size 8 --irradiance 2 --brdf 8 --explain -o " + quoted(folder.path() / (name + "out")) + ' ',
+          "convert --layout vertical-strip --size 4 " + quoted(folder.path() / (name + "z.pfm")) + ' '}) {
+      const CommandResult result = run_welkin(command + quoted(file));
+      INFO(command << result.output << result.errors);
+      CHECK(clean(result.output));
+      CHECK(clean(result.errors));
+      CHECK((result.output + result.errors).find("a?[31m??2J?b?\xc3\xa9") != std::string::npos);
+    }
+  }
+}
+
+}  // namespace welkin::test

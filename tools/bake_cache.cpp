@@ -1,0 +1,205 @@
+#include "tools/bake_cache.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "tools/arguments.h"
+#include "tools/json.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr std::uint64_t kMostIndexBytes = std::uint64_t{1} << 20U;
+constexpr const char* kTimes = "\n  \"times\": ";  // the last member of a manifest: all that differs from run to run
+
+ContentHash hash_text(std::string_view text) { return hash_bytes(text.data(), text.size()); }
+
+/// The command line without what changes no byte of a file but where it goes and how fast.
+std::string words_that_count() {
+  std::string text;
+  const std::vector<std::string>& words = command_words();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "--json") continue;
+    bool has_value = false;
+    bool left_out = false;
+    for (const std::string_view option : {"-o", "--output", "--cache", "--threads"}) {
+      has_value |= word == option;
+      left_out |= word == option || word.starts_with(std::string(option) + '=');
+    }
+    if (has_value) ++i;
+    if (!left_out) text.append(word).push_back('\0');
+  }
+  return text;
+}
+
+/// What stood in the files that options name: they may be pipes, which cannot be read again.
+std::string scene_text(const NeedsChoice& scene) {
+  const CostModel costs = scene.costs();
+  std::string text = needs_json(scene.needs()).one_line();
+  for (const CostUnit& unit : cost_units()) text += ' ' + all_digits(costs.*unit.value);
+  return text;
+}
+
+std::optional<ContentHash> hash_in(std::string_view text) {
+  constexpr std::size_t kDigits = 16;
+  if (text.size() != 2 * kDigits) return std::nullopt;
+  ContentHash hash;
+  for (auto* const half : {&hash.high, &hash.low}) {
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + kDigits, *half, 16);
+    if (failure != std::errc() || end != text.data() + kDigits) return std::nullopt;
+    text.remove_prefix(kDigits);
+  }
+  return hash;
+}
+
+/// Of a file in the folder itself and no other place: the index may be anybody's.
+bool is_plain_name(std::string_view name) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_.";
+  return !name.empty() && name.front() != '.' && name != kManifestName &&
+         name.find_first_not_of(kLetters) == std::string_view::npos;
+}
+
+std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+struct IndexedFile {
+  WrittenFile about;
+  ContentHash hash;
+};
+
+struct Index {
+  std::vector<IndexedFile> files;
+  std::string manifest;
+  BakeWords words;
+};
+
+/// Throws `Flaw`.
+IndexedFile indexed_file(const Json& value, const std::string& where) {
+  IndexedFile file;
+  std::string hash;
+  double bytes = 0.0;
+  read_object(
+      value, where,
+      {text("name", file.about.name), text("format", file.about.format), number("bytes", bytes), text("hash", hash)});
+  const std::optional<ContentHash> found = hash_in(hash);
+  constexpr double kMost = 1e12;
+  if (!is_plain_name(file.about.name) || !found || !(bytes >= 0.0 && bytes <= kMost)) throw Flaw{where};
+  file.about.bytes = static_cast<std::uint64_t>(bytes);
+  file.hash = *found;
+  return file;
+}
+
+/// Throws `Flaw`.
+Index index_in(std::string_view bytes) {
+  Index index;
+  const auto add_file = [&](const Json& value, const std::string& where) {
+    index.files.push_back(indexed_file(value, where));
+  };
+  const auto add_note = [&](const Json& value, const std::string& where) {
+    text("", index.words.notes.emplace_back()).read(value, where);
+  };
+  read_object(parse_json(std::string(bytes)), "index",
+              {{"files", [&](const Json& value, const std::string& where) { read_list(value, where, add_file); }},
+               text("manifest", index.manifest),
+               text("source", index.words.source),
+               text("results", index.words.results),
+               {"notes", [&](const Json& value, const std::string& where) { read_list(value, where, add_note); }}});
+  return index;
+}
+
+/// With the one time that this run took.
+std::optional<std::string> with_own_times(const std::string& manifest, double milliseconds) {
+  const std::size_t place = manifest.rfind(kTimes);
+  if (place == std::string::npos) return std::nullopt;
+  const Json time = {{"name", "cache"},
+                     {"action", name(PassAction::reuse)},
+                     {"reason", "all files found on disk"},
+                     {"ms", milliseconds}};
+  return manifest.substr(0, place) + kTimes + "[\n    " + time.one_line() + "]\n}\n";
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
+  const EnvironmentInfo info = inspect_environment(*options.input, options.common.read);
+  if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
+  return {*options.input};
+}
+
+BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
+  if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
+  cache_.emplace(CacheOptions{.folder = options.common.cache, .memory_bytes = 0});
+  key_ = key();
+}
+
+ContentHash BakeFolderCache::key() const {
+  std::vector<ContentHash> parts = {hash_text("bake folder " WELKIN_VERSION_STRING), hash_text(words_that_count()),
+                                    hash_text(scene_text(options_.scene))};
+  if (options_.input) {
+    for (const std::filesystem::path& file : input_files(options_)) parts.push_back(hash_file(file));
+  }
+  return combine(parts);
+}
+
+std::optional<KeptBake> BakeFolderCache::find() {
+  if (!cache_) return std::nullopt;
+  const auto start = std::chrono::steady_clock::now();
+  const auto bytes = cache_->find_bytes(key_, kMostIndexBytes);
+  if (!bytes) return std::nullopt;
+  try {
+    const Index index = index_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    KeptBake kept{{}, {}, index.words};
+    std::uint64_t all = 0;
+    for (const IndexedFile& file : index.files) {
+      all += file.about.bytes;
+      if (all > options_.common.read.memory_limit_bytes) return std::nullopt;
+      auto contents = cache_->find_bytes(file.hash, file.about.bytes);
+      if (!contents || hash_bytes(contents->data(), contents->size()) != file.hash) return std::nullopt;
+      kept.files.push_back({file.about, std::move(*contents)});
+    }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    std::optional<std::string> manifest = with_own_times(index.manifest, took.count());
+    if (!manifest) return std::nullopt;
+    kept.manifest = std::move(*manifest);
+    return kept;
+  } catch (const Flaw&) {  // no index that this version writes
+    return std::nullopt;
+  }
+}
+
+void BakeFolderCache::keep(const OutputFolder& folder, const std::string& manifest, const BakeWords& words,
+                           std::vector<std::string>& notes) {
+  if (!cache_) return;
+  if (key() != key_) return;
+  Json files = Json::array();
+  for (const WrittenFile& file : folder.files()) {
+    const std::vector<std::byte> bytes = bytes_of(folder.place(file.name));
+    const ContentHash hash = hash_bytes(bytes.data(), bytes.size());
+    cache_->keep_bytes(hash, bytes);
+    files.push_back({{"name", file.name}, {"format", file.format}, {"bytes", bytes.size()}, {"hash", hash.text()}});
+  }
+  Json list = Json::array();
+  for (const std::string& note : words.notes) list.push_back(note);
+  const Json index = {
+      {"files", files}, {"manifest", manifest}, {"source", words.source}, {"results", words.results}, {"notes", list}};
+  const std::string text = index.one_line();
+  cache_->keep_bytes(key_, std::as_bytes(std::span(text)));
+  const CacheStatistics statistics = cache_->statistics();
+  if (statistics.write_failures > 0) notes.push_back("the cache could not keep all files: " + statistics.last_failure);
+}
+
+}  // namespace welkin::tool
