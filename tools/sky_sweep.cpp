@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/previews.h"
+#include "tools/preview_light.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -185,8 +185,10 @@ std::vector<double> sweep_elevations(const SweepOptions& options) {
 
 std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
   check(options);
+  begin_stage("tables");
   const Sky sky = make_sky(parameters, part_of(control, 0.0, kTables));
   const Control drawing = part_of(control, kTables, 1.0);
+  begin_stage("draw");
   const std::vector<double> elevations = sweep_elevations(options);
   const Lens lens(options.view, options.size);
   const int columns = std::min(options.tiles, lens.tiles_in_a_row());

@@ -123,6 +123,13 @@ std::string printable(std::string text) {
   return text;
 }
 
+std::string portable_path(const std::string& path) {
+  const std::filesystem::path whole = path;
+  if (!whole.is_absolute()) return path;
+  const std::filesystem::path last = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
+  return last.string();
+}
+
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
   std::filesystem::path beside = path;
   beside += ".welkin-" + std::to_string(process_number());

@@ -67,6 +67,10 @@ class NumberColumn {
 /// Every control character becomes '?': a file's channel names must not steer the reader's terminal.
 [[nodiscard]] std::string printable(std::string text);
 
+/// The path as it may stand in a file that others will read: as it is where it is relative; of an absolute one its last
+/// name, because folders of one machine mean nothing on another and tell who works there.
+[[nodiscard]] std::string portable_path(const std::string& path);
+
 /// Writes beside the file's place and renames: it is whole or as it was. Throws `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 
