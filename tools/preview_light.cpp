@@ -8,9 +8,11 @@
 #include <limits>
 #include <numbers>
 
+#include "files/png.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "math/elementary.h"
+#include "platform/file.h"
 #include "tools/lettering.h"
 
 namespace welkin::tool {
@@ -80,19 +82,6 @@ double mean_luminance(const std::vector<Sample>& samples, double most) {
 
 glm::dvec3 ToneMap::operator()(const glm::dvec3& radiance) const noexcept {
   return {curve(exposure * radiance.x), curve(exposure * radiance.y), curve(exposure * radiance.z)};
-}
-
-glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
-  constexpr float kWhite = 1e4F;  // where the curve has long ended, and before three denominators overflow
-  const auto scale = static_cast<float>(exposure);
-  const auto light = [=](float x) { return std::min(x > 0.0F ? scale * x : 0.0F, kWhite); };
-  const glm::vec3 x(light(radiance.x), light(radiance.y), light(radiance.z));
-  const glm::vec3 above = x * (2.51F * x + 0.03F);
-  const glm::vec3 below = x * (2.43F * x + 0.59F) + 0.14F;
-  // One division for all three.
-  const float inverse = 1.0F / (below.x * below.y * below.z);
-  return glm::min(above * glm::vec3(below.y * below.z, below.z * below.x, below.x * below.y) * inverse,
-                  glm::vec3(1.0F));
 }
 
 double ToneMap::stops() const noexcept { return math::logarithm(exposure) / std::numbers::ln2; }
@@ -197,20 +186,52 @@ double CubeLookup::level_for(double radians) const {
   return exponent - 1 + (2.0 * fraction - 1.0);  // the logarithm to base 2, straight between powers: good enough here
 }
 
-PreviewPicture::PreviewPicture(int width, int height, const glm::dvec3& background)
-    : image_{width, height,
-             std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)} {
-  for (std::size_t i = 0; i < image_.pixels.size(); i += 3) {
-    for (glm::length_t c = 0; c < 3; ++c)
-      image_.pixels[i + static_cast<std::size_t>(c)] = static_cast<float>(background[c]);
+namespace {
+
+/// Codes by light in fine steps: fine enough that the code is off by one at most.
+constexpr int kSteps = 1 << 14;
+
+struct SrgbTables {
+  std::vector<std::uint8_t> codes;  ///< of light, `kSteps` + 1
+  std::array<float, 256> light{};   ///< of codes
+
+  SrgbTables() {
+    for (int code = 0, step = 0; step <= kSteps; ++step) {
+      while (code < 255 && image::linear_from_srgb((code + 0.5) / 255.0) <= static_cast<double>(step) / kSteps) ++code;
+      codes.push_back(static_cast<std::uint8_t>(code));
+    }
+    for (std::size_t code = 0; code < light.size(); ++code) {
+      light[code] = static_cast<float>(image::linear_from_srgb(static_cast<double>(code) / 255.0));
+    }
   }
+};
+
+const SrgbTables& srgb() {
+  static const SrgbTables tables;
+  return tables;
 }
 
-void PreviewPicture::set(int column, int row, const glm::dvec3& rgb) {
-  float* const pixel =
-      image_.pixels.data() +
-      (static_cast<std::size_t>(row) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(column)) * 3;
-  for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rgb[c]);
+}  // namespace
+
+PreviewPicture::PreviewPicture(int width, int height, const glm::vec3& background)
+    : width_(width),
+      height_(height),
+      bytes_(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+  set(0, 0, background);
+  // Each pixel from the one before.
+  for (std::size_t i = 3; i < bytes_.size(); ++i) bytes_[i] = bytes_[i - 3];
+}
+
+std::size_t PreviewPicture::place(int column, int row) const noexcept {
+  return 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column));
+}
+
+void PreviewPicture::set(int column, int row, const glm::vec3& rgb) {
+  static const std::uint8_t* const codes = srgb().codes.data();
+  std::uint8_t* const pixel = bytes_.data() + place(column, row);
+  for (int c = 0; c < 3; ++c) {
+    pixel[c] = codes[static_cast<int>(std::clamp(rgb[c], 0.0F, 1.0F) * static_cast<float>(kSteps) + 0.5F)];
+  }
 }
 
 namespace {
@@ -218,7 +239,7 @@ namespace {
 constexpr double kLetter = 6.0;   // its height in a pen's units
 constexpr double kPen = 0.42;     // half the pen's width there
 constexpr double kRim = 0.8;      // how far the dark around it reaches
-constexpr glm::dvec3 kInk(0.80);  // linear
+constexpr glm::vec3 kInk(0.80F);  // linear
 
 }  // namespace
 
@@ -240,29 +261,19 @@ void PreviewPicture::write(std::string_view text, double x, double y, double hei
       const double ink = std::clamp(0.5 + (kPen - away) * unit, 0.0, 1.0);  // the share of the pixel under the pen
       const double dark = std::clamp(1.0 - (away - kPen) / kRim, 0.0, 1.0);
       if (ink == 0.0 && dark == 0.0) continue;
-      const auto at =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(width()) + static_cast<std::size_t>(column);
-      const auto shaded = glm::dvec3(colour(image_.pixels.data() + 3 * at)) * (1.0 - 0.75 * dark);
-      set(column, row, shaded + (kInk - shaded) * ink);
+      glm::vec3 shaded(0.0F);
+      for (int c = 0; c < 3; ++c) shaded[c] = srgb().light[bytes_[place(column, row) + static_cast<std::size_t>(c)]];
+      shaded *= static_cast<float>(1.0 - 0.75 * dark);
+      set(column, row, mixed(shaded, kInk, static_cast<float>(ink)));
     }
   }
 }
 
-std::vector<std::uint8_t> PreviewPicture::bytes() const {
-  constexpr int kSteps = 1 << 14;  // fine enough that the code is off by one at most
-  static const std::vector<std::uint8_t> codes = [] {
-    std::vector<std::uint8_t> table;
-    for (int code = 0, step = 0; step <= kSteps; ++step) {
-      while (code < 255 && image::linear_from_srgb((code + 0.5) / 255.0) <= static_cast<double>(step) / kSteps) ++code;
-      table.push_back(static_cast<std::uint8_t>(code));
-    }
-    return table;
-  }();
-  std::vector<std::uint8_t> bytes(image_.pixels.size());
-  std::ranges::transform(image_.pixels, bytes.begin(), [](float value) {
-    return codes[static_cast<std::size_t>(static_cast<int>(std::clamp(value, 0.0F, 1.0F) * kSteps + 0.5F))];
-  });
-  return bytes;
+void PreviewPicture::save(const std::filesystem::path& path) const {
+  platform::WholeFile file(path);
+  files::write_png_quickly(file, bytes_, width_);
+  file.finish();
+  file.commit();
 }
 
 }  // namespace welkin::tool

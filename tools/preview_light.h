@@ -1,7 +1,11 @@
 // Light to what a screen can show: exposure, curve, look-ups in cubemaps, pictures with labels.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <string_view>
 #include <utility>
@@ -23,6 +27,19 @@ struct ToneMap {
   /// The exposure in stops: its logarithm to base 2.
   [[nodiscard]] double stops() const noexcept;
 };
+
+inline glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
+  constexpr float kWhite = 1e4F;  // where the curve has long ended, and before three denominators overflow
+  const auto scale = static_cast<float>(exposure);
+  const auto light = [=](float x) { return std::min(x > 0.0F ? scale * x : 0.0F, kWhite); };
+  const glm::vec3 x(light(radiance.x), light(radiance.y), light(radiance.z));
+  const glm::vec3 above = x * (2.51F * x + 0.03F);
+  const glm::vec3 below = x * (2.43F * x + 0.59F) + 0.14F;
+  // One division for all three.
+  const float inverse = 1.0F / (below.x * below.y * below.z);
+  return glm::min(above * glm::vec3(below.y * below.z, below.z * below.x, below.x * below.y) * inverse,
+                  glm::vec3(1.0F));
+}
 
 /// What puts the 75th percentile of the lit surroundings' luminance, by solid angle, at 0.36: a stop above middle grey.
 /// Lit is what has at least 1/32 of the mean, for which luminance above its 99th percentile counts as that one: neither
@@ -53,27 +70,31 @@ class CubeLookup {
   std::vector<CubemapView> levels_;
 };
 
-/// Linear light from 0 to 1, already tone mapped.
+/// A picture of 8 bits a channel in sRGB.
 class PreviewPicture {
  public:
-  PreviewPicture(int width, int height, const glm::dvec3& background);
+  /// `background`: linear light, as in `set`.
+  PreviewPicture(int width, int height, const glm::vec3& background);
 
-  [[nodiscard]] int width() const noexcept { return image_.width; }
-  [[nodiscard]] int height() const noexcept { return image_.height; }
-  void set(int column, int row, const glm::dvec3& rgb);
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+
+  /// `rgb`: linear light from 0 to 1, already tone mapped.
+  void set(int column, int row, const glm::vec3& rgb);
 
   /// Writes a label in capitals, digits and + - . with a dark rim. `x`, `y`: its middle; `height`: of its letters. All
   /// in pixels.
   void write(std::string_view text, double x, double y, double height);
 
-  /// For the writer, which takes a picture of any shape.
-  [[nodiscard]] LatLongView view() const noexcept { return image_.view(); }
-
-  /// As 8 bit sRGB, three bytes a pixel, row by row.
-  [[nodiscard]] std::vector<std::uint8_t> bytes() const;
+  /// As a PNG. Throws `Error`: file_access, and unsupported_file in a build without PNG.
+  void save(const std::filesystem::path& path) const;
 
  private:
-  LatLongImage image_;
+  [[nodiscard]] std::size_t place(int column, int row) const noexcept;
+
+  int width_;
+  int height_;
+  std::vector<std::uint8_t> bytes_;  // rows from above, three a pixel
 };
 
 /// The width of a label in pixels.

@@ -11,17 +11,15 @@
 #include <string>
 #include <utility>
 
-#include "files/png.h"
 #include "image/geometry.h"
 #include "jobs/tiles.h"
-#include "platform/file.h"
 #include "tools/text.h"
 #include "welkin/reflections.h"
 
 namespace welkin::tool {
 namespace {
 
-constexpr glm::dvec3 kGround(0.018, 0.018, 0.02);  // linear: a dark grey that neither light nor dark balls vanish in
+constexpr glm::vec3 kGround(0.018F, 0.018F, 0.02F);  // linear: a dark grey that neither light nor dark balls vanish in
 
 /// Calls `row(index)` for all rows, several at a time on the threads that there are.
 void for_rows(int rows, int width, const Control& control, const std::function<void(int)>& draw) {
@@ -55,7 +53,7 @@ void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, c
     for (int column = 0; column < width; ++column) {
       const glm::dvec3& towards = around[static_cast<std::size_t>(column)];
       const glm::vec3 radiance = cube.at(glm::vec3(across * towards.x, up.y, across * towards.z), level);
-      picture.set(place.left + column, place.top + row, glm::dvec3(tone_map(radiance)));
+      picture.set(place.left + column, place.top + row, tone_map(radiance));
     }
   });
 }
@@ -218,8 +216,8 @@ void draw_row(PreviewPicture& picture, const Ball& ball, const Light& light, con
     const double u = across * inside / ball.radius;
     const double v = -down * inside / ball.radius;
     const glm::vec3 normal(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
-    const glm::dvec3 seen(tone_map(light.ball(ball.material, ball.roughness, ball.mip, normal)));
-    picture.set(column, row, covered * seen + (1.0 - covered) * kGround);
+    const glm::vec3 seen(tone_map(light.ball(ball.material, ball.roughness, ball.mip, normal)));
+    picture.set(column, row, kGround + (seen - kGround) * static_cast<float>(covered));
   }
 }
 
@@ -275,10 +273,7 @@ using Drawing = std::function<PreviewPicture()>;
 
 WrittenPreview written(const char* name, const char* what, const Drawing& draw, const std::filesystem::path& folder) {
   const PreviewPicture picture = draw();
-  platform::WholeFile file(folder / name);
-  files::write_png_quickly(file, picture.bytes(), picture.width());
-  file.finish();
-  file.commit();
+  picture.save(folder / name);
   return {name, what, picture.width(), picture.height()};
 }
 
