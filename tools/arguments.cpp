@@ -167,9 +167,6 @@ std::string unknown_words(const CLI::App& program, const std::vector<std::string
   const auto chosen = program.get_subcommands();
   const CLI::App& asked = chosen.empty() ? program : *chosen.front();
   const std::string who = chosen.empty() ? "" : asked.get_name() + ": ";
-  if (chosen.empty() && !arguments.empty() && arguments.front().front() != '-') {
-    return "there is no command " + arguments.front() + did_you_mean(nearest_command(arguments.front(), program));
-  }
   for (const std::string& word : arguments) {
     if (!is_left(word) || word.size() < 2 || word.front() != '-') continue;
     const std::string option = word.substr(0, word.find('='));
@@ -208,6 +205,10 @@ ExitCode answer(CLI::App& program, const Program& table, const CLI::ParseError& 
                   (unknown.empty() ? std::string(request.what()) : unknown) + "\n'" + help + "' lists what it takes.");
 }
 
+bool has_command(const Program& program, const std::string& name) {
+  return std::ranges::find(program.commands, name, &Command::name) != program.commands.end();
+}
+
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
   parser.footer(program.notes);
@@ -218,6 +219,12 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
   try {
     for (const Command& command : program.commands) add_command(parser, command);
     add_verbosity(parser);
+    // Before --help is answered: 'welkin help bakee' asks about no command.
+    if (!arguments.empty() && !arguments.front().starts_with('-') && !has_command(program, arguments.front())) {
+      return complain(ExitCode::bad_usage, "there is no command " + arguments.front() +
+                                               did_you_mean(nearest_command(arguments.front(), parser)) +
+                                               "\n'welkin --help' lists the commands.");
+    }
     parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
     if (!parser.get_subcommands().empty()) return ExitCode::success;
     return complain(ExitCode::bad_usage, "nothing to do: name a command\n'welkin --help' lists the commands.");

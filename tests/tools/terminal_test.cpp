@@ -72,6 +72,8 @@ TEST_CASE("command: inputs are named by their formats", "[tools]") {
 TEST_CASE("command: slips are answered with the nearest right word", "[tools]") {
   CHECK(contains(errors_of("bakee x.hdr -o out"), "there is no command bakee; did you mean bake?"));
   CHECK(contains(errors_of("hlep"), "did you mean help?"));
+  CHECK(contains(errors_of("help bakee"), "there is no command bakee; did you mean bake?"));
+  CHECK(contains(errors_of("''"), "there is no command"));
   CHECK(contains(errors_of("bake x.hdr --sise 256 -o out"), "there is no option --sise; did you mean --size?"));
   CHECK(contains(errors_of("bake x.hdr --sise=256 -o out"), "there is no option --sise; did you mean --size?"));
   CHECK(contains(errors_of("bake x.hdr --ouput out"), "there is no option --ouput; did you mean --output?"));
