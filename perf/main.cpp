@@ -18,6 +18,7 @@
 #include "irradiance_errors.h"
 #include "prefilter.h"
 #include "prefilter_errors.h"
+#include "previews.h"
 #include "project_cubemap.h"
 #include "project_file.h"
 #include "project_lat_long.h"
@@ -88,6 +89,9 @@ int main(int argc, char** argv) {
   perf::add_tables();
   perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
+#if WELKIN_TOOLS
+  perf::add_previews(thread_counts);
+#endif
   perf::add_result_cache();
   perf::add_transform(thread_counts);
   perf::add_sky_harmonics(thread_counts);

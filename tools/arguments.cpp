@@ -1,6 +1,7 @@
 #include "tools/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -9,37 +10,13 @@
 #include <new>
 #include <sstream>
 
+#include "tools/help.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
 namespace {
-
-constexpr std::size_t kPageWidth = 80;
-constexpr std::size_t kOptionWidth = 28;
-
-std::string broken_at(const std::string& text, std::size_t width) {
-  std::istringstream words(text);
-  std::string lines;
-  std::size_t used = 0;
-  for (std::string word; words >> word; used += word.size() + 1) {
-    const bool fits = used + word.size() < width;
-    if (!lines.empty()) lines += fits ? ' ' : '\n';
-    if (!fits) used = 0;
-    lines += word;
-  }
-  return lines;
-}
-
-/// Breaks the options' descriptions at 80 columns, which CLI11's own formatter does not.
-class HelpFormatter : public CLI::Formatter {
- public:
-  HelpFormatter() { column_width(kOptionWidth); }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return broken_at(option->get_description(), kPageWidth - kOptionWidth);
-  }
-};
 
 /// CLI11 alone would let "-1" wrap around to the largest number.
 CLI::Validator size_in_bytes() {
@@ -65,6 +42,18 @@ CLI::Validator positive_number() {
             const std::optional<double> value = number_in(text);
             const bool good = value && std::isfinite(*value) && *value > 0.0;
             return good ? std::string() : text + " is not a finite number above 0";
+          },
+          ""};
+}
+
+/// Without regard to case. A wrong word is answered with the nearest right one.
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return {[words](const std::string& text) {
+            const auto same = [&text](const std::string& word) { return same_word(word, text); };
+            if (std::ranges::any_of(words, same)) return std::string();
+            const std::string near = nearest_word(text, words);
+            return text + " is none of " + CLI::detail::join(words, ", ") +
+                   (near.empty() ? "" : "; did you mean " + near + "?");
           },
           ""};
 }
@@ -123,15 +112,32 @@ void add_option(CLI::App& command, const Option& option) {
   if (option.list != List::none) added.delimiter(',');
   if (option.count > 0) added.expected(option.count);
   if (option.list == List::commas) added.allow_extra_args(false);
-  if (!option.words.empty()) added.check(CLI::IsMember(option.words).description(""));
+  if (!option.words.empty()) added.check(one_of(option.words));
   check_bounds(added, option.bounds);
   if (has_value(option)) added.type_name(option.type);
+  if (!option.group.empty()) added.group(option.group);
   if (option.required) added.required();
   if (!option.environment.empty()) added.envname(option.environment);
 }
 
+/// To every command, and to the program itself.
+void add_verbosity(CLI::App& command) {
+  command
+      .add_flag_callback(
+          "-q,--quiet", [] { set_verbosity(Verbosity::quiet); },
+          "No progress, and no table of what was written: errors and results that were asked for alone")
+      ->group(kRunningGroup);
+  command
+      .add_flag_callback(
+          "--verbose", [] { set_verbosity(Verbosity::verbose); },
+          "Say on standard error what was done, stage by stage, and how long it took")
+      ->group(kRunningGroup);
+}
+
 void add_command(CLI::App& program, const Command& command) {
   CLI::App& added = *program.add_subcommand(command.name, command.summary);
+  added.get_option("--help")->group(kRunningGroup);
+  added.get_option("--help-all")->group(kRunningGroup);
   added.footer(command.notes);
   for (const Option& option : command.options) add_option(added, option);
   for (const Option& option : command.options) {
@@ -139,6 +145,7 @@ void add_command(CLI::App& program, const Command& command) {
     for (const std::string& other : option.needs) added.get_option(name)->needs(added.get_option(other));
     for (const std::string& other : option.excludes) added.get_option(name)->excludes(added.get_option(other));
   }
+  add_verbosity(added);
   added.callback(
       [&command, &added] { command.run([&added](const std::string& name) { return added.count(name) > 0; }); });
 }
@@ -150,38 +157,80 @@ std::string version_text() {
 }
 
 ExitCode complain(ExitCode code, const std::string& message) {
-  std::cerr << "welkin: " << printable_lines(message) << '\n';
+  std::cerr << styled("welkin:", Style::error, Stream::error) << ' ' << printable_lines(message) << '\n';
   return code;
 }
 
+/// What nobody asked for, if that is what is wrong: an option or a command that is not there, an argument too many.
+std::string unknown_words(const CLI::App& program, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> left = program.remaining(true);
+  const auto is_left = [&](const std::string& word) { return std::ranges::find(left, word) != left.end(); };
+  const auto chosen = program.get_subcommands();
+  const CLI::App& asked = chosen.empty() ? program : *chosen.front();
+  const std::string who = chosen.empty() ? "" : asked.get_name() + ": ";
+  for (const std::string& word : arguments) {
+    if (!is_left(word) || word.size() < 2 || word.front() != '-') continue;
+    const std::string option = word.substr(0, word.find('='));
+    return who + "there is no option " + option + did_you_mean(nearest_option(option, asked));
+  }
+  for (const std::string& word : arguments) {
+    if (is_left(word)) return who + word + " is an argument too many";
+  }
+  return "";
+}
+
 /// CLI11 reports a request for help or the version as an exception too.
-ExitCode answer(const CLI::App& program, const CLI::ParseError& request) {
+ExitCode answer(CLI::App& program, const Program& table, const CLI::ParseError& request,
+                const std::vector<std::string>& arguments) {
   if (dynamic_cast<const CLI::CallForVersion*>(&request) != nullptr) {
     print_result(std::string(request.what()) + '\n');
     return ExitCode::success;
   }
   const auto chosen = program.get_subcommands();
   if (request.get_exit_code() == 0) {
-    print_result(chosen.empty() ? program.help() : chosen.front()->help("welkin"));
+    const bool all = dynamic_cast<const CLI::CallForAllHelp*>(&request) != nullptr;
+    const auto command =
+        std::ranges::find(table.commands, chosen.empty() ? "" : chosen.front()->get_name(), &Command::name);
+    if (!all)
+      shorten(chosen.empty() ? program : *chosen.front(),
+              command == table.commands.end() ? std::vector<std::string>() : command->everyday);
+    const std::string text = !chosen.empty()
+                                 ? chosen.front()->help("welkin")
+                                 : program.help("", all ? CLI::AppFormatMode::All : CLI::AppFormatMode::Normal);
+    print_result(with_headings(text));
     return ExitCode::success;
   }
+  const std::string unknown = unknown_words(program, arguments);
   const std::string help = chosen.empty() ? "welkin --help" : "welkin " + chosen.front()->get_name() + " --help";
-  return complain(ExitCode::bad_usage, std::string(request.what()) + "\n'" + help + "' lists what it takes.");
+  return complain(ExitCode::bad_usage,
+                  (unknown.empty() ? std::string(request.what()) : unknown) + "\n'" + help + "' lists what it takes.");
+}
+
+bool has_command(const Program& program, const std::string& name) {
+  return std::ranges::find(program.commands, name, &Command::name) != program.commands.end();
 }
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
   parser.footer(program.notes);
-  parser.set_version_flag("--version", version_text, "Print the version and the instruction sets that run here");
+  parser.set_help_all_flag("--help-all", "Print every option, and all that there is to know");
+  parser.set_version_flag("-V,--version", version_text, "Print the version and the instruction sets that run here");
   parser.formatter(std::make_shared<HelpFormatter>());
   parser.require_subcommand(0, 1);
   try {
     for (const Command& command : program.commands) add_command(parser, command);
+    add_verbosity(parser);
+    // Before --help is answered: 'welkin help bakee' asks about no command.
+    if (!arguments.empty() && !arguments.front().starts_with('-') && !has_command(program, arguments.front())) {
+      return complain(ExitCode::bad_usage, "there is no command " + arguments.front() +
+                                               did_you_mean(nearest_command(arguments.front(), parser)) +
+                                               "\n'welkin --help' lists the commands.");
+    }
     parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
     if (!parser.get_subcommands().empty()) return ExitCode::success;
     return complain(ExitCode::bad_usage, "nothing to do: name a command\n'welkin --help' lists the commands.");
   } catch (const CLI::ParseError& request) {
-    return answer(parser, request);
+    return answer(parser, program, request, arguments);
   }
 }
 
@@ -194,6 +243,12 @@ Bounds number_between(double least, double most) { return {Bounds::Kind::number,
 Bounds finite_between(double least, double most) { return {Bounds::Kind::finite, least, most}; }
 Bounds finite_and_positive() { return {Bounds::Kind::positive}; }
 
+void in_group(Options& options, const std::string& group) {
+  for (Option& one : options) {
+    if (one.group.empty()) one.group = group;
+  }
+}
+
 Option& option(Options& options, const std::string& name) {
   for (Option& one : options) {
     std::istringstream names(one.names);
@@ -202,6 +257,10 @@ Option& option(Options& options, const std::string& name) {
     }
   }
   throw std::logic_error("there is no option " + name);
+}
+
+bool same_word(const std::string& one, const std::string& other) {
+  return CLI::detail::to_lower(one) == CLI::detail::to_lower(other);
 }
 
 std::string alternatives(const std::vector<std::string>& words) { return CLI::detail::join(words, "|"); }
@@ -245,9 +304,17 @@ std::vector<std::string> words_of_program;
 
 const std::vector<std::string>& command_words() noexcept { return words_of_program; }
 
+std::vector<std::string> without_help_command(std::vector<std::string> arguments) {
+  if (arguments.empty() || arguments.front() != "help") return arguments;
+  arguments.erase(arguments.begin());
+  const bool names_command = !arguments.empty() && !arguments.front().starts_with('-');
+  arguments.insert(arguments.begin() + (names_command ? 1 : 0), "--help");
+  return arguments;
+}
+
 ExitCode run_program(const Program& program, const std::vector<std::string>& arguments) {
   words_of_program = arguments;
-  return run_guarded([&] { return run(program, arguments); });
+  return run_guarded([&] { return run(program, without_help_command(arguments)); });
 }
 
 }  // namespace welkin::tool

@@ -69,15 +69,25 @@ struct Option {
   std::string environment{};            ///< the variable that stands for the option where that is not there
   std::vector<std::string> needs{};     ///< options without which this one is refused
   std::vector<std::string> excludes{};  ///< options together with which it is
+  std::string group{};                  ///< its heading in --help
 };
 
 using Options = std::vector<Option>;
+
+/// The heading of options that say how a command runs and nothing of its result.
+inline constexpr const char* kRunningGroup = "Running";
+
+/// Puts all options that have no group yet under that heading.
+void in_group(Options& options, const std::string& group);
 
 /// The option of that name. It must be there.
 [[nodiscard]] Option& option(Options& options, const std::string& name);
 
 /// "one|two|three", as --help names the words that an option takes.
 [[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
+
+/// Whether both are the same but for capitals, "Unity" and "unity".
+[[nodiscard]] bool same_word(const std::string& one, const std::string& other);
 
 /// An option whose value is one of some words, each of which stands for a value. `target` must outlive it.
 template <typename Value>
@@ -88,7 +98,7 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
   for (const auto& [word, value] : choices) words.push_back(word);
   const auto store = [&target, choices](const std::string& chosen) {
     for (const auto& [word, value] : choices) {
-      if (word == chosen) target = value;
+      if (same_word(word, chosen)) target = value;
     }
   };
   return {.names = name, .target = On<std::string>(store), .text = text, .type = alternatives(words), .words = words};
@@ -105,9 +115,10 @@ using Given = std::function<bool(const std::string& name)>;
 struct Command {
   std::string name;
   std::string summary;  ///< a line
-  std::string notes;    ///< what --help says below the options
+  std::string notes;    ///< what --help-all says below the options; of it --help shows some examples
   Options options{};
   std::function<void(const Given& given)> run{};  ///< called once all options have their values
+  std::vector<std::string> everyday{};            ///< names of the options that --help shows; empty: all
 };
 
 struct Program {
@@ -129,6 +140,9 @@ enum ExitCode : int {
 
 /// The words that `run_program` was given.
 [[nodiscard]] const std::vector<std::string>& command_words() noexcept;
+
+/// "help bake" as "bake --help", and "help" as "--help".
+[[nodiscard]] std::vector<std::string> without_help_command(std::vector<std::string> arguments);
 
 /// Reads the command line (without the program's name), runs the command that it names and turns whatever goes wrong
 /// into a message on standard error and an exit code; answers --help and --version. To the user the program is

@@ -142,6 +142,7 @@ std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options
 
 BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
   if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
+  if (options.input && is_standard_stream(*options.input)) return;  // which cannot be hashed before it is read
   cache_.emplace(CacheOptions{.folder = options.common.cache, .memory_bytes = 0});
   key_ = key();
 }

@@ -28,7 +28,7 @@ constexpr const char* kBakeFooter =
     specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
     irradiance.ktx2       what falls on a matte surface, W/m2
     brdf.ktx2             the BRDF table, the split sum's other half
-    environment.env       all of it for Babylon.js
+    environment.env       all of it for Babylon.js (--for babylon, --formats env)
     sh.json, sh.h         spherical harmonics, also in each engine's form
     preview_*.png         the environment, balls lit by the result, the mips
     manifest.json         what is in the folder, how it was made, how good it is
@@ -40,7 +40,7 @@ Examples:
   welkin bake city.hdr -o out                         a photograph
   welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
   welkin bake city.hdr -o out --for three --formats ktx2,exr
-  welkin bake city.hdr -o out --roughness linear --mips all
+  welkin bake city.hdr -o out --for unity             its axes, mips, roughness
   welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
@@ -56,6 +56,13 @@ What the scene needs: --needs, --glossy, --no-glossy, --no-background and
   turned, clamped or written as an .env. --explain prints on standard error which
   passes run, are reused or left out, why and at what cost, and afterwards
   compares this with the measured times.
+
+Roughness: --roughness names the engine whose shader looks the mips up, or gives
+  a number a mip. docs/bake_folder.md has the formulas. Where it is not there,
+  --for names the engine, and else it is filament, the library's default too.
+
+Previews: three quarters of what is lit in the surroundings are darker than 0.36,
+  and --exposure EV makes that 2^EV times the radiance instead.
 
 Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
   axes. --for says after whose axes the cubemaps' faces are named. The .env is
@@ -186,15 +193,20 @@ std::vector<PassRecord> measured_passes(const Baked& baked) {
   return passes;
 }
 
+std::string time_line(const std::string& indent, const PassRecord& pass) {
+  return indent + pad_right(pass.name, 28 - indent.size()) +
+         (pass.action == PassAction::run ? duration(pass.milliseconds)
+                                         : std::string(name(pass.action)) + ": " + pass.reason) +
+         '\n';
+}
+
+/// The library's passes stand under the bake that they are parts of.
 std::string time_lines(const Baked& baked) {
   std::string text = "\nTimes\n";
-  for (const auto* passes : {&baked.passes, &baked.light.diagnostics.passes}) {
-    for (const PassRecord& pass : *passes) {
-      text += std::string(passes == &baked.passes ? "  " : "    ") + pad_right(pass.name, 26) +
-              (pass.action == PassAction::run ? duration(pass.milliseconds)
-                                              : std::string(name(pass.action)) + ": " + pass.reason) +
-              '\n';
-    }
+  for (const PassRecord& pass : baked.passes) {
+    text += time_line("  ", pass);
+    if (pass.name != kBakePass) continue;
+    for (const PassRecord& part : baked.light.diagnostics.passes) text += time_line("    ", part);
   }
   return text;
 }
@@ -243,11 +255,16 @@ std::string planned(const BakeCommandOptions& options) {
   return options.common.json ? json_text(plan_json(plan)) : plan_text(plan);
 }
 
-void run(const BakeCommandOptions& options) {
+void run(BakeCommandOptions options) {
+  settle_containers(options);
   std::string text;
   run_with_threads(options.common.threads,
                    [&] { text = options.scene.plan_only ? planned(options) : bake_to_folder(options); });
-  print_result(text);
+  if (options.common.json || options.scene.plan_only) {
+    print_result(text);
+  } else {
+    print_summary(text);
+  }
 }
 
 /// The files of a bake that was made before.
@@ -277,7 +294,7 @@ std::string bake_to_folder(const BakeCommandOptions& options) {
   if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(options.directory);
-  const ToneMap tone_map = tone_map_of(baked);
+  const ToneMap tone_map = tone_map_of(baked, options);
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);
   write_text_file(folder.place(kManifestName), manifest);
@@ -292,6 +309,9 @@ Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
   Command command{"bake", "Bake all that a physically based renderer loads", kBakeFooter};
   add_bake_options(command.options, *options);
+  command.everyday = {"INPUT",          "--output", "--sky",      "--json",         "--size", "--roughness",
+                      "--formats",      "--for",    "--exposure", "--preview-size", "--yaw",  "--explain",
+                      "--take-out-sun", "--clamp",  "--threads",  "--cache",        "--quiet"};
   command.run = [options, name = command.name](const Given& /*given*/) {
     require_input(name, options->input, options->sky);
     run(*options);

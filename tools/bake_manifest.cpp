@@ -17,9 +17,31 @@ namespace {
               path.string() + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
 }
 
-Json source_json(const Source& source) {
-  return {{"path", source.path},     {"layout", source.layout}, {"width", source.width},
-          {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
+/// A remark that names a file or the cache without their folders, as `portable_path` has it.
+std::string portable_note(std::string note, const BakeCommandOptions& options) {
+  for (const std::string& path : {options.input.value_or(""), options.common.cache, options.directory}) {
+    if (!std::filesystem::path(path).is_absolute()) continue;
+    const std::string portable = portable_path(path);
+    for (std::size_t at = 0; (at = note.find(path, at)) != std::string::npos; at += portable.size()) {
+      note.replace(at, path.size(), portable);
+    }
+  }
+  return note;
+}
+
+Json notes_json(const std::vector<std::string>& notes, const BakeCommandOptions& options) {
+  Json list = Json::array();
+  for (const std::string& note : notes) list.push_back(portable_note(note, options));
+  return list;
+}
+
+Json source_json(const Source& source, const BakeCommandOptions& options) {
+  return {{"path", portable_path(source.path)},
+          {"layout", source.layout},
+          {"width", source.width},
+          {"height", source.height},
+          {"format", source.format},
+          {"notes", notes_json(source.notes, options)}};
 }
 
 Json axes_json(const BakeCommandOptions& options) {
@@ -34,7 +56,7 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
   const PixelPolicy& pixels = baked.whole.pixels;
   Json json = {{"size", specular.size},
                {"mips", specular.mips.value()},
-               {"roughness", options.roughness.words()},
+               {"roughness", roughness_words(options)},
                {"method", welkin::name(specular.method)},
                {"samples", specular.samples},
                {"rms_error", specular.rms_error},
@@ -200,7 +222,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   Json files = Json::array();
   for (const WrittenFile& file : folder.files()) files.push_back(file_json(file));
   Json json = {{"welkin", WELKIN_VERSION_STRING},
-               {"source", source_json(baked.source)},
+               {"source", source_json(baked.source, options)},
                {"axes", axes_json(options)},
                {"options", options_json(baked, options)},
                {"files", files},
@@ -214,14 +236,16 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                     {"channels", brdf_channels(brdf)}};
   }
   if (options.previews) {
-    json["previews"] = {{"exposure", tone_map.exposure}, {"curve", "x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)"}};
+    json["previews"] = {{"exposure", tone_map.exposure},
+                        {"exposure_ev", tone_map.stops()},
+                        {"curve", "x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)"}};
   }
   if (baked.sky) json["sky"] = sky_json(*baked.sky);
   if (baked.sun_wanted) json["sun"] = sun_json(baked, options);
   if (options.scene.any()) json["needs"] = needs_json(options.scene.needs());
   if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
-  json["notes"] = bake_notes(baked, folder);
+  json["notes"] = notes_json(bake_notes(baked, folder), options);
   json["times"] = times_json(baked);
   return json_text(json);
 }

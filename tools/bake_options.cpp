@@ -16,6 +16,7 @@ constexpr int kMostMips = 14;  // of the largest face
 constexpr int kSmallestBall = 8;
 constexpr int kLargestBall = 1024;
 constexpr int kMostSamples = 1 << 20;
+constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 6> kContainers = {Container::ktx2, Container::dds, Container::exr,
                                                   Container::hdr,  Container::pfm, Container::env};
@@ -24,29 +25,37 @@ Option size_option(const char* name, int& size, int least, int largest, const st
   return {.names = name, .target = &size, .text = text, .type = "N", .bounds = whole_between(least, largest)};
 }
 
-/// Down to 16 texels an edge, as Filament has it: rough balls lit by fewer show them.
-int default_mips(int size) {
-  constexpr int kLeast = 16;
-  int mips = 1;
-  while (size >> mips >= kLeast) ++mips;
-  return mips;
+// The schedules by their own names, and by those of engines that use them too.
+const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
+  static const std::vector<std::pair<std::string, RoughnessSchedule>> words = {
+      {"filament", RoughnessSchedule::filament}, {"three", RoughnessSchedule::filament},
+      {"linear", RoughnessSchedule::linear},     {"gltf", RoughnessSchedule::linear},
+      {"babylon", RoughnessSchedule::babylon},   {"unity", RoughnessSchedule::unity},
+      {"unreal", RoughnessSchedule::unreal}};
+  return words;
 }
 
-/// "linear", "filament", "babylon", or numbers with commas between them.
+std::string schedule_names() {
+  std::vector<std::string> names;
+  for (const auto& [word, schedule] : schedule_words()) names.push_back(word);
+  return alternatives(names);
+}
+
+/// The name of a schedule, or numbers with commas between them.
 RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   RoughnessChoice choice;
   if (words.size() == 1) {
-    for (const auto schedule : {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon}) {
+    for (const auto& [word, schedule] : schedule_words()) {
+      if (!same_word(words.front(), word)) continue;
       choice.schedule = schedule;
-      if (words.front() == name(schedule)) return choice;
+      return choice;
     }
   }
   for (const std::string& word : words) {
     const std::optional<double> value = number_in(word);
     if (!value || !(*value >= 0.0 && *value <= 1.0)) {
-      throw BadValue{"--roughness", word +
-                                        " is neither linear, filament or babylon nor a number from 0 to 1; of "
-                                        "numbers give one a mip, such as 0,0.25,0.5,1"};
+      throw BadValue{"--roughness", word + " is neither " + schedule_names() +
+                                        " nor a number from 0 to 1; of numbers give one a mip, such as 0,0.25,0.5,1"};
     }
     if (!choice.table.empty() && *value < choice.table.back()) {
       throw BadValue{"--roughness", "falls from " + significant(choice.table.back()) + " to " + significant(*value) +
@@ -55,6 +64,17 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
     choice.table.push_back(*value);
   }
   return choice;
+}
+
+/// Where nobody names one: that of the engine that the files are for, if it is known; of an .env alone Babylon.js's;
+/// else the library's default.
+RoughnessSchedule default_schedule(const BakeCommandOptions& options) {
+  const std::string engine = convention(options.turn.to).name;
+  for (const auto& [word, schedule] : schedule_words()) {
+    if (word == engine) return schedule;
+  }
+  return options.containers == std::set<Container>{Container::env} ? RoughnessSchedule::babylon
+                                                                   : RoughnessSchedule::filament;
 }
 
 void choose_mips(const std::string& word, BakeCommandOptions& options) {
@@ -72,17 +92,18 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   words.reserve(kContainers.size());
   for (const Container container : kContainers) words.emplace_back(name(container));
   const auto store = [&options](const std::vector<std::string>& chosen) {
+    options.containers_named = true;
     options.containers.clear();
     for (const Container container : kContainers) {
       for (const std::string& word : chosen) {
-        if (word == name(container)) options.containers.insert(container);
+        if (same_word(word, name(container))) options.containers.insert(container);
       }
     }
   };
   table.push_back({.names = "--formats",
                    .target = On<std::vector<std::string>>(store),
                    .text = "The formats of the cubemaps, separated by commas: ktx2, dds, exr, hdr, pfm, env; default "
-                           "ktx2,env",
+                           "ktx2, and env too with --for babylon",
                    .type = "LIST",
                    .words = words,
                    .list = List::commas});
@@ -102,9 +123,17 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                    .target = OnFlag([&options] { options.previews = false; }),
                    .text = "Write no preview pictures"});
   table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
-                              "Pixels across each ball of preview_spheres.png, which is seven balls wide; default " +
+                              "Pixels across each ball of preview_spheres.png, which is six balls wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
+  table.push_back({.names = "--exposure",
+                   .target = &options.exposure_stops,
+                   .text =
+                       "Exposure of the previews in stops: radiance times 2^EV. By default three quarters of what is "
+                       "lit are darker than 0.36; the manifest says what came of that",
+                   .type = "EV",
+                   .bounds = finite_between(-kMostStops, kMostStops),
+                   .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -118,8 +147,8 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       {.names = "--mips",
        .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
        .text = std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
-                           "as --roughness has numbers, else ") +
-               (options.all_mips ? "all" : "down to 16 texels, where roughness 1 needs no more"),
+                           "as --roughness has numbers, else as many as its schedule wants: filament and linear end at "
+                           "16 texels, unity has seven, babylon and unreal all"),
        .type = "N|all"});
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
@@ -127,9 +156,9 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   table.push_back(
       {.names = "--roughness",
        .target = On<std::vector<std::string>>(set_roughness),
-       .text = "The roughness of each mip: filament (default; three.js uses it too), linear, babylon, or numbers "
-               "separated by commas",
-       .type = "filament|linear|babylon|LIST",
+       .text = "The roughness of each mip, as an engine's shader looks it up, or numbers separated by commas. Default: "
+               "that of the engine that --for names, else filament",
+       .type = schedule_names() + "|LIST",
        .list = List::commas});
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
@@ -178,8 +207,13 @@ const char* name(Container container) noexcept {
   return "env";
 }
 
-std::string RoughnessChoice::words() const {
-  if (table.empty()) return welkin::name(schedule);
+RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
+  return options.roughness.schedule.value_or(default_schedule(options));
+}
+
+std::string roughness_words(const BakeCommandOptions& options) {
+  const std::vector<double>& table = options.roughness.table;
+  if (table.empty()) return name(schedule_of(options));
   std::string text;
   for (const double value : table) text += (text.empty() ? "" : ",") + significant(value);
   return text;
@@ -187,8 +221,11 @@ std::string RoughnessChoice::words() const {
 
 void add_result_options(Options& table, BakeCommandOptions& options) {
   add_specular_options(table, options);
+  in_group(table, "Reflections");
   add_diffuse_options(table, options);
+  in_group(table, "Diffuse light and BRDF table");
   add_container_options(table, options);
+  in_group(table, "Files and previews");
 }
 
 void add_bake_options(Options& table, BakeCommandOptions& options) {
@@ -200,10 +237,13 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
                    .type = "DIR",
                    .required = true});
   add_json_option(table, options.common);
+  in_group(table, "Input and output");
   add_result_options(table, options);
   table.push_back(size_option("--bands", options.bake.bands, 0, kMaximumBands,
                               "Bands of spherical harmonics; default 3; 0: none, and no files for them"));
+  in_group(table, "Diffuse light and BRDF table");
   add_needs_options(table, options.scene);
+  in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
@@ -213,18 +253,23 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_cache_option(table, options.common);
 }
 
+void settle_containers(BakeCommandOptions& options) {
+  if (!options.containers_named && options.turn.to == Engine::babylon) options.containers.insert(Container::env);
+}
+
 BakeOptions library_options(const BakeCommandOptions& options) {
   BakeOptions bake = options.bake;
   PrefilterOptions specular = options.specular;
-  const RoughnessChoice& roughness = options.roughness;
-  const auto numbers = static_cast<int>(roughness.table.size());
+  const std::vector<double>& table = options.roughness.table;
+  const RoughnessSchedule schedule = schedule_of(options);
+  const auto numbers = static_cast<int>(table.size());
   if (options.all_mips) specular.mips = full_chain_levels(specular.size);
   if (numbers > 0 && specular.mips && *specular.mips != numbers) {
     throw Error(ErrorCode::invalid_argument, "--mips asks for " + std::to_string(*specular.mips) +
                                                  ", and --roughness has numbers for " + std::to_string(numbers) +
                                                  "; leave --mips out");
   }
-  const int mips = specular.mips.value_or(numbers > 0 ? numbers : default_mips(specular.size));
+  const int mips = specular.mips.value_or(numbers > 0 ? numbers : mips_of_chain(schedule, specular.size));
   if (mips > full_chain_levels(specular.size)) {
     throw Error(ErrorCode::invalid_argument,
                 "a cubemap of " + std::to_string(specular.size) + " texels has at most " +
@@ -232,7 +277,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
                     std::to_string(mips));
   }
   specular.mips = mips;
-  specular.roughness = numbers > 0 ? roughness.table : roughness_of_mips(roughness.schedule, mips, specular.size);
+  specular.roughness = numbers > 0 ? table : roughness_of_mips(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
   if (options.irradiance_size > 0)

@@ -22,12 +22,10 @@ enum class Container { ktx2, dds, exr, hdr, pfm, env };
 
 [[nodiscard]] const char* name(Container container) noexcept;
 
-/// How roughness is spread over the mips: a schedule, or a number a mip.
+/// How roughness is spread over the mips, where that was said: a schedule, or a number a mip.
 struct RoughnessChoice {
-  RoughnessSchedule schedule = RoughnessSchedule::filament;
+  std::optional<RoughnessSchedule> schedule;
   std::vector<double> table;  ///< empty: the schedule's
-
-  [[nodiscard]] std::string words() const;
 };
 
 struct BakeCommandOptions {
@@ -38,10 +36,12 @@ struct BakeCommandOptions {
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
   std::vector<std::string> also_read;  ///< files beside the input and those of `scene`
-  std::set<Container> containers{Container::ktx2, Container::env};
+  std::set<Container> containers{Container::ktx2};
+  bool containers_named = false;  ///< by --formats
   TextureOptions texture;
   bool previews = true;
-  int preview_size = 128;  ///< pixels across a ball
+  int preview_size = 256;                ///< pixels across a ball
+  std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
   PrefilterOptions specular;
   bool all_mips = false;  ///< down to 1 texel
@@ -64,6 +64,16 @@ void add_bake_options(Options& table, BakeCommandOptions& options);
 
 /// Those that say what comes out: --size, --mips, --irradiance, --brdf, --formats and so on; not --bands.
 void add_result_options(Options& table, BakeCommandOptions& options);
+
+/// Adds the .env to containers that nobody named, if the files are for Babylon.js: a chain and a hundred pictures of
+/// its own, it costs more than all the rest. To be called once all options are read.
+void settle_containers(BakeCommandOptions& options);
+
+/// The schedule that was asked for, else the one of the engine that the files are for.
+[[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);
+
+/// The schedule's name, or the numbers with commas between them.
+[[nodiscard]] std::string roughness_words(const BakeCommandOptions& options);
 
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.

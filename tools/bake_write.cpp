@@ -1,5 +1,6 @@
 #include "tools/bake_write.h"
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -260,6 +261,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
 
   ShReport report;
   report.source = baked.source;
+  report.source.path = portable_path(baked.source.path);
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
   report.projection = {turned(light, matrix), baked.light.diagnostics};
@@ -291,37 +293,20 @@ void write_harmonics(const Baked& baked, const BakeCommandOptions& options, Outp
   folder.add({"sh.h", "the same", "C header", 0, 0, "", details});
 }
 
-void write_preview(const PreviewPicture& picture, const char* name, const char* what, OutputFolder& folder) {
-  WriteOptions options;
-  options.layout = Layout::lat_long;  // a plain picture, to a PNG
-  write_environment(folder.place(name), picture.view(), options);
-  folder.add({name, what, "PNG", 0, 0, "", {{"width", picture.width()}, {"height", picture.height()}}});
-}
-
 /// Draws and writes the previews.
-void write_previews(const Baked& baked, int ball, OutputFolder& folder) {
-  const ToneMap tone_map = tone_map_of(baked);
-  const bool has_background = baked.light.background.has_value();
-  if (has_background) {
-    write_preview(preview_cross(CubeLookup(*baked.light.background), tone_map), "preview_environment.png",
-                  "the surroundings as seen from inside, facing Welkin's +z", folder);
+void draw_previews(const Baked& baked, const BakeCommandOptions& options, OutputFolder& folder,
+                   const Control& control) {
+  const PreviewOptions how{tone_map_of(baked, options), options.preview_size};
+  for (const WrittenPreview& picture : write_previews(baked.light, how, folder.path(), control)) {
+    folder.add({picture.name, picture.what, "PNG", 0, 0, "", {{"width", picture.width}, {"height", picture.height}}});
   }
-  if (!baked.light.specular) return;
-  const CubeLookup specular(baked.light.specular->cubemap);
-  if (has_background) {
-    write_preview(preview_spheres(baked.light, tone_map, ball), "preview_spheres.png",
-                  "balls of silver, gold, red and white plastic, of roughness 0, 0.1, 0.2, 0.35, 0.5, 0.75 and 1, seen "
-                  "along Welkin's -z",
-                  folder);
-  }
-  write_preview(preview_mips(specular, tone_map), "preview_mips.png", "the specular mips as crosses, sharpest first",
-                folder);
 }
 
 }  // namespace
 
-ToneMap tone_map_of(const Baked& baked) {
+ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options) {
   constexpr int kEnough = 32;
+  if (options.exposure_stops) return {std::exp2(*options.exposure_stops)};
   const std::optional<CubemapChain>& background = baked.light.background;
   if (!background && !baked.light.specular) return {};
   const CubemapChain& chain = background ? *background : baked.light.specular->cubemap;
@@ -355,7 +340,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     if (control.progress) control.progress(done);
   };
   if (options.previews) {
-    timed(baked.passes, "previews", "drawn and written", [&] { write_previews(baked, options.preview_size, folder); });
+    timed(baked.passes, "previews", "drawn and written", [&] { draw_previews(baked, options, folder, control); });
   }
   progress(kPreviews);
   if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {

@@ -14,8 +14,8 @@ namespace welkin::tool {
 /// the engine's faces on the way.
 void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control);
 
-/// A few mips below the top: enough to tell how bright the environment is.
-[[nodiscard]] ToneMap tone_map_of(const Baked& baked);
+/// Of the previews: as --exposure has it, else by the environment, of which a few mips below the top tell enough.
+[[nodiscard]] ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options);
 
 /// The names of the files that hold the BRDF table.
 [[nodiscard]] std::vector<std::string> brdf_names(const BakeCommandOptions& options);

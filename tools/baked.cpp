@@ -74,7 +74,7 @@ std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const Bak
   const ReadOptions& read = options.common.read;
   if (info.format != FileFormat::babylon || read.level != 0) return std::nullopt;
   if (options.sun.take_out || options.clamp.clamps || options.bake.pixels.gamma) return std::nullopt;
-  Projection projection = project_file(info.path, read, {}, {control.stop, {}});
+  Projection projection = project_file(input_of(*options.input, read), read, {}, {control.stop, {}});
   if (!is_reused(projection)) return std::nullopt;
   return projection;
 }
@@ -107,7 +107,7 @@ void BakeSource::read(const BakeCommandOptions& options, const Control& control)
     if (!options.picture_name.empty()) picture_ = pixels_.lat_long;
     return;
   }
-  file_ = read_environment(*options.input, options.common.read, control);
+  file_ = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
   description_ = source_of(*options.input, file_->info);
   stored_light_ = light_stored_in(file_->info, options, control);
 }
@@ -337,7 +337,7 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
   check_memory({baked.source.path, held, baked.plan.result_bytes + baked.plan.working_bytes, 0, 0}, options,
                baked.options);
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
-    baked.light = timed(baked.passes, "bake", "what the scene needs", [&] {
+    baked.light = timed(baked.passes, kBakePass, "what the scene needs", [&] {
       return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
     });
   });
@@ -364,7 +364,7 @@ bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
 /// Of a chain without its sharpest mips there is no sharp environment.
 void note_blur(const BakeCommandOptions& options, Baked& baked) {
   if (!options.input) return;
-  const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
   for (const std::string& note : file.info.notes) {
     if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
   }
@@ -440,7 +440,7 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
   const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "what the scene needs" : "all that was asked for";
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
-    baked.light = timed(baked.passes, "bake", reason,
+    baked.light = timed(baked.passes, kBakePass, reason,
                         [&] { return bake_light(source, work.light, cache, part_of(control, work.done, end)); });
     if (!work.env.second()) return;
     baked.env = timed(baked.passes, kEnvPass, "Babylon.js has a roughness of its own for each mip",
@@ -461,7 +461,8 @@ Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
   const BakeOptions whole = library_options(options);
   const CostModel costs = options.scene.costs();
   if (options.input && !needs.error_budget) {  // which is judged by pixels
-    const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+    const StoredEnvironment file =
+        probe_environment(input_of(*options.input, options.common.read), options.common.read);
     Plan planned =
         takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
     plan_env(file.shape, env_chain(options, whole, planned), costs, planned);
@@ -480,7 +481,8 @@ Baked bake_source(const BakeCommandOptions& options, const Control& control) {
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
   if (takes_stored(options, needs)) {
-    const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+    const StoredEnvironment file =
+        probe_environment(input_of(*options.input, options.common.read), options.common.read);
     baked.plan = plan(file, needs, baked.whole, options.scene.costs());
     bake_stored(file, options, baked, control);
     return baked;

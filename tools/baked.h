@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/bake_options.h"
+#include "tools/terminal.h"
 #include "welkin/bake.h"
 #include "welkin/plan.h"
 
@@ -32,10 +33,14 @@ struct Baked {
   std::vector<std::string> notes;          ///< of this run alone: what its cache could not do
 };
 
+/// The name of the library's bake among the command's own passes.
+inline constexpr const char* kBakePass = "bake";
+
 /// Runs `work` and notes how long it took.
 template <typename Work>
 auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
   using Milliseconds = std::chrono::duration<double, std::milli>;
+  begin_stage(name);
   const auto start = std::chrono::steady_clock::now();
   struct Note {
     std::vector<PassRecord>& passes;

@@ -187,8 +187,10 @@ struct InfoOptions {
 
 InfoReport make_report(const InfoOptions& options) {
   ProgressBar bar;
-  return {inspect_environment(options.file, options.common.read),
-          measure_environment(options.file, options.common.read, bar.control())};
+  begin_stage("read and measure");
+  const FileInput input = input_of(options.file, options.common.read);
+  return {inspect_environment(input, options.common.read),
+          measure_environment(input, options.common.read, bar.control())};
 }
 
 void run(const InfoOptions& options) {
@@ -209,9 +211,10 @@ Command info_command() {
       {.names = "FILE",
        .target = &options->file,
        .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of them "
-               "or their folder",
+               "or their folder; - for standard input",
        .required = true});
   add_json_option(command.options, options->common);
+  in_group(command.options, "Input and output");
   add_read_options(command.options, options->common, "");
   add_threads_option(command.options, options->common);
   command.run = [options](const Given& /*given*/) { run(*options); };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr int kMaximumThreads = 1024;
 constexpr int kMaximumLevel = 30;
+constexpr const char* kStandardInput = "standard input";
 
 void add_clamp_options(Options& table, ClampChoice& choice) {
   const auto set_maximum = [&choice](float maximum) {
@@ -47,6 +49,7 @@ void add_threads_option(Options& table, CommonOptions& options) {
        .text = "Threads to work with; 0, the default: all that this process may use. Results do not depend on it",
        .type = "N",
        .bounds = whole_between(0, kMaximumThreads)});
+  in_group(table, kRunningGroup);
 }
 
 void add_memory_limit_option(Options& table, CommonOptions& options) {
@@ -55,7 +58,8 @@ void add_memory_limit_option(Options& table, CommonOptions& options) {
                    .text =
                        "The most memory that pixels may take, such as 512MiB or 2GB (default 8GiB); what would need "
                        "more is refused before it is begun",
-                   .type = "SIZE"});
+                   .type = "SIZE",
+                   .group = kRunningGroup});
 }
 
 void add_input_options(Options& table, std::optional<std::string>& input, bool& sky) {
@@ -64,11 +68,17 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
                    .target = &input,
                    .text =
                        "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; of six files, one of "
-                       "them or their folder"});
+                       "them or their folder; - for standard input"});
   table.push_back({.names = "--sky",
                    .target = &sky,
                    .text = "Take the built-in computed sky instead of a file",
                    .excludes = {kInput}});
+}
+
+FileInput input_of(const std::string& named, const ReadOptions& read) {
+  if (!is_standard_stream(named)) return named;
+  static const std::vector<std::byte> bytes = read_standard_input(read.memory_limit_bytes);
+  return {bytes, kStandardInput};
 }
 
 void require_input(const std::string& command, const std::optional<std::string>& input, bool sky) {
@@ -84,7 +94,8 @@ void add_cache_option(Options& table, CommonOptions& options) {
        .target = &options.cache,
        .text = "A folder that keeps results and finds them again by the contents of their inputs; it is created if "
                "it does not exist",
-       .type = "DIR"});
+       .type = "DIR",
+       .group = kRunningGroup});
 }
 
 std::vector<std::pair<std::string, Layout>> layout_choices() {
@@ -122,6 +133,7 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
       "--primaries", options.read.primaries, {{"rec709", Primaries::rec709}, {"as-stored", Primaries::as_stored}},
       "Convert colours to Rec. 709 where the file states others (default), or leave them"));
   add_memory_limit_option(table, options);
+  in_group(table, "How the input is read");
   if (input.empty()) return;
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.push_back(input);
 }
@@ -158,9 +170,11 @@ void add_pixel_options(Options& table, PixelPolicy& pixels, ClampChoice& clamp) 
       "--negative", pixels.negative,
       {{"keep", NegativePolicy::keep}, {"replace", NegativePolicy::replace}, {"reject", NegativePolicy::reject}},
       "Negative values are taken as they are (default), become 0, or end the command and are named"));
+  in_group(table, "Pixel values");
 }
 
-Source source_of(const std::string& path, const EnvironmentInfo& info) {
+Source source_of(const std::string& named, const EnvironmentInfo& info) {
+  const std::string path = is_standard_stream(named) ? kStandardInput : named;
   std::string detail = info.channels.empty() ? "" : std::string(name(info.channels.front().type)) + ", ";
   if (info.compression != "none") detail += info.compression + ", ";
   return {path,      name(info.layout), info.width, info.height, info.format_words(), detail + info.layout_reason,
@@ -230,6 +244,7 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
       "What is less than so many times as bright as the mean is no sun; default 20");
   add("--sun-share", choice.options.minimum_share, 0.0, 1.0, "SHARE",
       "What has less of the light than this is no sun; default 0.01");
+  in_group(table, "The sun as a light of its own");
 }
 
 std::string sun_text(const std::optional<Sun>& sun, bool z_is_up) {

@@ -35,6 +35,13 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
 /// the input is an empty text. An unset shell variable gives either, and must not become a sky.
 void require_input(const std::string& command, const std::optional<std::string>& input, bool sky);
 
+/// The file that was named, or the bytes of standard input for "-": they are read once, whole, and kept. Throws
+/// `Error`: limit_exceeded if they are more than the options' memory limit, file_access.
+[[nodiscard]] FileInput input_of(const std::string& named, const ReadOptions& read);
+
+/// Whether that is standard input.
+[[nodiscard]] inline bool is_standard_stream(const std::string& named) { return named == "-"; }
+
 void add_json_option(Options& table, CommonOptions& options);
 void add_threads_option(Options& table, CommonOptions& options);
 void add_memory_limit_option(Options& table, CommonOptions& options);

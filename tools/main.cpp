@@ -1,9 +1,12 @@
 // The `welkin` command.
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/arguments.h"
 #include "tools/commands.h"
+#include "tools/completion.h"
 #include "tools/terminal.h"
 
 namespace welkin::tool {
@@ -46,11 +49,35 @@ Command report_command() {
   return command;
 }
 
+enum class Told { bash, zsh, manual };
+
+Program welkin_program();
+
+/// For packages and for people: a shell's completion, or the manual page.
+Command completion_command() {
+  const auto told = std::make_shared<Told>(Told::bash);
+  Command command{"completion", "Print a script for bash or zsh, or the manual page", ""};
+  Option what =
+      choice<Told>("WHAT", *told, {{"bash", Told::bash}, {"zsh", Told::zsh}, {"manual", Told::manual}},
+                   "bash or zsh: a script that completes commands, options and their words; manual: welkin(1)");
+  what.required = true;
+  command.options.push_back(std::move(what));
+  command.run = [told](const Given& /*given*/) {
+    const Program program = welkin_program();
+    switch (*told) {
+      case Told::bash: print_result(bash_completion(program)); break;
+      case Told::zsh: print_result(zsh_completion(program)); break;
+      case Told::manual: print_result(manual_page(program)); break;
+    }
+  };
+  return command;
+}
+
 Program welkin_program() {
   return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
           kProgramFooter,
           {bake_command(), sh_command(), sky_command(), info_command(), convert_command(), testmap_command(),
-           report_command()}};
+           report_command(), completion_command()}};
 }
 
 /// Reports are measured by a program of their own, which is no part of this one's build.
@@ -62,8 +89,9 @@ ExitCode run_report(const std::vector<std::string>& arguments) {
 }  // namespace welkin::tool
 
 int main(int count, char** words) {
-  using welkin::tool::kReport, welkin::tool::run_program, welkin::tool::run_report, welkin::tool::welkin_program;
-  const std::vector<std::string> arguments(words + 1, words + count);
+  using welkin::tool::kReport, welkin::tool::run_program, welkin::tool::run_report, welkin::tool::welkin_program,
+      welkin::tool::without_help_command;
+  const std::vector<std::string> arguments = without_help_command({words + 1, words + count});
   if (!arguments.empty() && arguments.front() == kReport) return run_report({arguments.begin() + 1, arguments.end()});
   return run_program(welkin_program(), arguments);
 }

@@ -1,9 +1,12 @@
 // The commands that write an environment as pictures: `welkin convert`, in another format, layout, size or orientation,
 // and `welkin testmap`, one that shows by itself how it is turned.
+#include <cstddef>
 #include <cstdint>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/commands.h"
 #include "tools/input.h"
@@ -54,6 +57,7 @@ constexpr const char* kTestmapFooter =
   Draws an environment whose six sides have a colour each, with their axes
   written on them, to be read from inside the sphere: LEFT +X (red), RIGHT -X
   (cyan), UP +Y (green), DOWN -Y (magenta), FRONT +Z (blue), BACK -Z (yellow).
+  With --for they bear the axes of that engine: FRONT is +X in Unity.
   Arrows point up; lines are 15 degrees apart. Mirrored letters in an engine mean
   that the environment is mirrored; letters in the wrong place mean that it is
   turned. UP and DOWN are readable for a viewer who faces +Z and looks up or down.
@@ -66,6 +70,7 @@ Examples:
   welkin testmap -o test.exr                            2048 x 1024
   welkin testmap -o test.png --size 1024
   welkin testmap -o cube.exr --layout vertical-strip --size 256
+  welkin testmap -o unity.exr --for unity --layout vertical-strip
   welkin testmap -o face.png --layout six-files         face_px.png, face_nx.png..
 
 Units: linear values from 0 to 1; a PNG is sRGB.
@@ -75,7 +80,8 @@ Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
 // What both share.
 
 struct OutputOptions {
-  std::string path;
+  std::string path;            ///< "-": standard output
+  std::string format = "exr";  ///< of standard output, whose name does not tell
   WriteOptions write;
   int size = 0;  ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
 };
@@ -96,7 +102,7 @@ std::string described(const WriteReport& report, const std::string& what) {
   return text;
 }
 
-/// --layout, --size and --type.
+/// --layout, --size, --type and --format.
 void add_output_options(Options& table, OutputOptions& options) {
   table.push_back(
       choice<Layout>("--layout", options.write.layout, layout_choices(),
@@ -114,6 +120,9 @@ void add_output_options(Options& table, OutputOptions& options) {
                           {"16bit", SampleType::uint16}},
                          "How OUT holds a value: .exr half (default) or float, .pfm float, .png 8bit (default) or "
                          "16bit"));
+  table.push_back(choice<std::string>("--format", options.format,
+                                      {{"exr", "exr"}, {"hdr", "hdr"}, {"pfm", "pfm"}, {"png", "png"}},
+                                      "The format of OUT where that is -; default exr"));
 }
 
 /// Whether the options ask for a cubemap, where the environment at hand is one or is none.
@@ -122,18 +131,65 @@ bool wants_cubemap(const OutputOptions& options, bool have_cubemap) noexcept {
   return layout == Layout::automatic ? have_cubemap : layout != Layout::lat_long;
 }
 
+/// What the picture is written to, and where the bytes go from there.
+class Output {
+ public:
+  explicit Output(const OutputOptions& options) : options_(options) {}
+
+  [[nodiscard]] FileOutput target() {
+    if (!is_standard_stream(options_.path)) return options_.path;
+    return {bytes_, name_of_output(options_)};
+  }
+
+  /// What is said of the files; nothing of standard output, which gets the bytes.
+  [[nodiscard]] std::string finished(const WriteReport& report, const std::string& what) const {
+    if (!is_standard_stream(options_.path)) return described(report, what);
+    print_result({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()});
+    return "";
+  }
+
+  /// As the library wants to be told a format: by a name that ends with it.
+  [[nodiscard]] static std::string name_of_output(const OutputOptions& options) {
+    return is_standard_stream(options.path) ? "standard output." + options.format : options.path;
+  }
+
+ private:
+  const OutputOptions& options_;
+  std::vector<std::byte> bytes_;
+};
+
+void check_output(const OutputOptions& options, bool cubemap) {
+  check_write_options(Output::name_of_output(options), options.write, cubemap);
+  if (is_standard_stream(options.path) && options.write.layout == Layout::six_files) {
+    throw Error(ErrorCode::invalid_argument, "standard output is one file, and --layout six-files makes six; name OUT");
+  }
+}
+
 /// Writes, and says what was written: a line a file, and a note about clamped values.
 std::string write_output(const OutputOptions& options, const LatLongView& picture, const Control& control) {
-  const WriteReport report = write_environment(options.path, picture, options.write, control);
-  return described(report, std::string(name(Layout::lat_long)) + ", " + size_text(picture.width, picture.height));
+  begin_stage("write");
+  Output output(options);
+  const WriteReport report = write_environment(output.target(), picture, options.write, control);
+  return output.finished(report, std::string(name(Layout::lat_long)) + ", " + size_text(picture.width, picture.height));
 }
 
 std::string write_output(const OutputOptions& options, const CubemapView& picture, const Control& control) {
-  const WriteReport report = write_environment(options.path, picture, options.write, control);
+  begin_stage("write");
+  Output output(options);
+  const WriteReport report = write_environment(output.target(), picture, options.write, control);
   const Layout layout = options.write.layout == Layout::automatic ? Layout::vertical_strip : options.write.layout;
   const std::string face = size_text(picture.size, picture.size);
-  return described(report, layout == Layout::six_files ? "one face of six, " + face
-                                                       : std::string(name(layout)) + ", faces of " + face);
+  return output.finished(report, layout == Layout::six_files ? "one face of six, " + face
+                                                             : std::string(name(layout)) + ", faces of " + face);
+}
+
+/// What was written, or of standard output what there is to say beside it: on standard error.
+void say(const std::string& text, const OutputOptions& output) {
+  if (!is_standard_stream(output.path)) {
+    print_summary(text);
+  } else if (verbosity() != Verbosity::quiet) {
+    std::cerr << text << std::flush;
+  }
 }
 
 // `welkin convert`.
@@ -176,6 +232,7 @@ std::string write_cubemap(const ConvertOptions& options, const Environment& sour
   require_memory(options, source,
                  std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
   const Control middle = part_of(control, kRead, kResampled);
+  begin_stage("resample");
   const CubemapImage result = face > 0 ? to_cubemap(source.cubemap(), size, turn, middle)
                                        : to_cubemap(source.lat_long(), size, turn, ResampleFilter::area, middle);
   return write_output(options.output, result.view(), last);
@@ -192,6 +249,7 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
   if (same_shape && turn == glm::dmat3(1.0)) return write_output(options.output, source.lat_long(), last);
   require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   const Control middle = part_of(control, kRead, kResampled);
+  begin_stage("resample");
   const LatLongImage result = face > 0
                                   ? to_lat_long(source.cubemap(), width, height, turn, ResampleFilter::bilinear, middle)
                                   : to_lat_long(source.lat_long(), width, height, turn, middle);
@@ -201,9 +259,11 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
 std::string convert(const ConvertOptions& options) {
   ProgressBar bar;
   const Control control = bar.control();
-  const bool reads_cubemap = inspect_environment(options.input, options.common.read).layout != Layout::lat_long;
-  check_write_options(options.output.path, options.output.write, wants_cubemap(options.output, reads_cubemap));
-  Environment source = read_environment(options.input, options.common.read, part_of(control, 0.0, kRead));
+  const FileInput input = input_of(options.input, options.common.read);
+  const bool reads_cubemap = inspect_environment(input, options.common.read).layout != Layout::lat_long;
+  check_output(options.output, wants_cubemap(options.output, reads_cubemap));
+  begin_stage("read");
+  Environment source = read_environment(input, options.common.read, part_of(control, 0.0, kRead));
   const bool is_cubemap = source.face_size() > 0;
   std::optional<Sun> sun;
   if (options.sun.take_out) {
@@ -218,7 +278,7 @@ std::string convert(const ConvertOptions& options) {
 void run_convert(const ConvertOptions& options) {
   std::string text;
   run_with_threads(options.common.threads, [&] { text = convert(options); });
-  print_result(text);
+  say(text, options.output);
 }
 
 // `welkin testmap`.
@@ -229,6 +289,7 @@ constexpr int kLatLongWidth = 2048;
 struct TestmapOptions {
   CommonOptions common;
   OutputOptions output;
+  TurnOptions turn;  ///< its `to` alone
 };
 
 void require_memory_to_draw(const TestmapOptions& options, std::uint64_t texels) {
@@ -240,31 +301,42 @@ void require_memory_to_draw(const TestmapOptions& options, std::uint64_t texels)
                                              "; ask for a smaller --size or raise --memory-limit");
 }
 
+/// The surroundings are the same for every engine; it has other names for their directions, and looks them up at other
+/// places of a cubemap.
+TestMapAxes axes_of(Engine engine, bool cubemap) {
+  TestMapAxes axes{convention(engine).from_welkin};
+  if (cubemap) axes.places = faces_of(engine);
+  return axes;
+}
+
 // Drawing is most of the work.
 std::string draw_and_write(const TestmapOptions& options) {
   constexpr double kDrawn = 0.9;
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
-  check_write_options(output.path, output.write, cubemap);
+  check_output(output, cubemap);
   const auto square = [](int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); };
   ProgressBar bar;
+  begin_stage("draw");
   const Control control = bar.control();
   const Control drawing = part_of(control, 0.0, kDrawn);
   const Control writing = part_of(control, kDrawn, 1.0);
   if (cubemap) {
     const int size = output.size > 0 ? output.size : kFaceSize;
     require_memory_to_draw(options, 6 * square(size));
-    return write_output(output, test_map_cubemap(size, drawing).view(), writing);
+    const CubemapImage map = test_map_cubemap(size, drawing, axes_of(options.turn.to, true));
+    return write_output(output, map.view(), writing);
   }
   const int width = output.size > 0 ? output.size : kLatLongWidth;
   require_memory_to_draw(options, square(width) / 2);
-  return write_output(output, test_map_lat_long(width, lat_long_height(width), drawing).view(), writing);
+  const LatLongImage map = test_map_lat_long(width, lat_long_height(width), drawing, axes_of(options.turn.to, false));
+  return write_output(output, map.view(), writing);
 }
 
 void run_testmap(const TestmapOptions& options) {
   std::string text;
   run_with_threads(options.common.threads, [&] { text = draw_and_write(options); });
-  print_result(text);
+  say(text, options.output);
 }
 
 }  // namespace
@@ -273,19 +345,23 @@ Command convert_command() {
   const auto options = std::make_shared<ConvertOptions>();
   Command command{"convert", "Write an environment in another format, layout or size", kConvertFooter};
   Options& table = command.options;
-  table.push_back({.names = "IN",
-                   .target = &options->input,
-                   .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file",
-                   .required = true});
+  table.push_back(
+      {.names = "IN",
+       .target = &options->input,
+       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+       .required = true});
   table.push_back({.names = "OUT",
                    .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png",
+                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output",
                    .required = true});
   add_output_options(table, options->output);
+  in_group(table, "Input and output");
   add_turn_options(table, options->turn);
   add_sun_options(table, options->sun);
   add_read_options(table, options->common, "", "--in-layout");
   add_threads_option(table, options->common);
+  command.everyday = {"IN",    "OUT",      "--layout",       "--size",      "--type",    "--for",
+                      "--yaw", "--mirror", "--take-out-sun", "--in-layout", "--threads", "--quiet"};
   command.run = [options](const Given& /*given*/) { run_convert(*options); };
   return command;
 }
@@ -296,10 +372,14 @@ Command testmap_command() {
   Options& table = command.options;
   table.push_back({.names = "-o,--output",
                    .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png",
+                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output",
                    .type = "OUT",
                    .required = true});
   add_output_options(table, options->output);
+  add_engine_option(table, options->turn);
+  option(table, "--for").text =
+      "Whose axes are written on the map; a cubemap's faces are where that engine looks for them";
+  in_group(table, "Output");
   add_memory_limit_option(table, options->common);
   add_threads_option(table, options->common);
   command.run = [options](const Given& /*given*/) { run_testmap(*options); };

@@ -4,242 +4,101 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <glm/vec2.hpp>
-#include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
 
+#include "image/geometry.h"
+#include "jobs/tiles.h"
+#include "tools/text.h"
 #include "welkin/reflections.h"
 
 namespace welkin::tool {
 namespace {
 
-constexpr double kMiddleGrey = 0.18;
-constexpr double kBright = 4.0;
+constexpr glm::vec3 kGround(0.018F, 0.018F, 0.02F);  // linear: a dark grey that neither light nor dark balls vanish in
 
-double curve(double x) {
-  const double light = std::max(x, 0.0);  // false for NaN, which so becomes 0
-  if (light > 1e6) return 1.0;
-  return std::min(1.0, light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14));
+/// Calls `row(index)` for all rows, several at a time on the threads that there are.
+void for_rows(int rows, int width, const Control& control, const std::function<void(int)>& draw) {
+  const jobs::Placement where = jobs::placement_for(std::int64_t{16} * rows * width);
+  jobs::run_tiles(static_cast<std::size_t>(rows), where, jobs::worker_count(where), {control.stop, {}},
+                  [&](std::size_t row, std::size_t) { draw(static_cast<int>(row)); });
 }
 
-/// The mean over all texels whose luminance is at most `limit`, weighted by 1 / (1 + u^2 + v^2)^1.5: solid angle but
-/// for a factor. 0 if there are none.
-double mean_luminance(const CubemapView& level, double limit) {
-  double sum = 0.0;
-  double weights = 0.0;
-  for (const void* const face : level.faces) {
-    const auto* rgb = static_cast<const float*>(face);
-    for (int row = 0; row < level.size; ++row) {
-      const double v = (2.0 * row + 1.0) / level.size - 1.0;
-      for (int column = 0; column < level.size; ++column, rgb += 3) {
-        const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        if (!(luminance <= limit)) continue;
-        const double u = (2.0 * column + 1.0) / level.size - 1.0;
-        const double squared = 1.0 + u * u + v * v;
-        const double weight = 1.0 / (squared * std::sqrt(squared));
-        sum += weight * std::max(luminance, 0.0);
-        weights += weight;
-      }
+/// A lat-long of `height` with its upper left corner at (left, top).
+struct Panorama {
+  int left, top, height;
+
+  [[nodiscard]] double pixel_radians() const { return std::numbers::pi / height; }
+};
+
+/// The level whose texels are about as large as pixels.
+int nearest_level(const CubeLookup& cube, const Panorama& place) {
+  return static_cast<int>(cube.level_for(place.pixel_radians()) + 0.5);
+}
+
+void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, const ToneMap& tone_map,
+                   const Panorama& place, const Control& control) {
+  const int width = 2 * place.height;
+  std::vector<glm::dvec3> around;  // level directions: along a row only the azimuth changes
+  for (int column = 0; column < width; ++column) {
+    around.push_back(image::lat_long_direction(width, 1, column + 0.5, 0.5));
+  }
+  for_rows(place.height, width, control, [&](int row) {
+    const glm::dvec3 up = image::lat_long_direction(1, place.height, 0.5, row + 0.5);
+    const double across = std::sqrt(std::max(0.0, 1.0 - up.y * up.y));
+    for (int column = 0; column < width; ++column) {
+      const glm::dvec3& towards = around[static_cast<std::size_t>(column)];
+      const glm::vec3 radiance = cube.at(glm::vec3(across * towards.x, up.y, across * towards.z), level);
+      picture.set(place.left + column, place.top + row, tone_map(radiance));
     }
-  }
-  return weights > 0.0 ? sum / weights : 0.0;
+  });
 }
 
 }  // namespace
 
-glm::dvec3 ToneMap::operator()(const glm::dvec3& radiance) const noexcept {
-  return {curve(exposure * radiance.x), curve(exposure * radiance.y), curve(exposure * radiance.z)};
-}
-
-ToneMap tone_map_of(const CubemapView& level) {
-  double mean = mean_luminance(level, std::numeric_limits<double>::max());
-  for (int step = 0; step < 6 && mean > 0.0; ++step) {  // each leaves out what was too bright for the one before
-    const double rest = mean_luminance(level, kBright * mean);
-    if (!(rest < mean)) break;
-    mean = rest;
+PreviewPicture preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
+                                   const Control& control) {
+  PreviewPicture picture(2 * height, height, kGround);
+  const Panorama whole{0, 0, height};
+  draw_panorama(picture, environment, nearest_level(environment, whole), tone_map, whole, control);
+  const double letters = std::max(8.0, height / 40.0);
+  for (const auto& [axis, share] : {std::pair{"+X", 0.25}, std::pair{"+Z", 0.5}, std::pair{"-X", 0.75}}) {
+    picture.write(axis, share * picture.width(), height - 1.4 * letters, letters);
   }
-  return mean > 0.0 && std::isfinite(kMiddleGrey / mean) ? ToneMap{kMiddleGrey / mean} : ToneMap{};
-}
-
-namespace {
-
-/// A face's frame, as `CubemapView` has them: a direction on it is normal + u right + v down.
-struct Frame {
-  glm::dvec3 normal, right, down;
-};
-
-const std::array<Frame, 6> kFrames = {{{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
-                                       {{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
-                                       {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
-                                       {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}},
-                                       {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
-                                       {{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}};
-
-/// Where a direction meets the cube.
-struct Place {
-  std::size_t face;
-  double u, v;  ///< in [-1, 1]
-};
-
-double dot(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-Place place_of(const glm::dvec3& direction) {
-  const double x = std::abs(direction.x);
-  const double y = std::abs(direction.y);
-  const double z = std::abs(direction.z);
-  std::size_t face = 0;
-  double along = x;
-  if (x >= y && x >= z) {
-    face = direction.x > 0.0 ? 0 : 1;
-  } else if (y >= z) {
-    face = direction.y > 0.0 ? 2 : 3;
-    along = y;
-  } else {
-    face = direction.z > 0.0 ? 4 : 5;
-    along = z;
-  }
-  return {face, dot(direction, kFrames[face].right) / along, dot(direction, kFrames[face].down) / along};
-}
-
-glm::dvec3 texel(const CubemapView& level, std::size_t face, int column, int row) {
-  const auto* const values = static_cast<const float*>(level.faces[face]);
-  const float* const rgb = values + (std::ptrdiff_t{row} * level.size + column) * 3;
-  return {rgb[0], rgb[1], rgb[2]};
-}
-
-int nearest(double u, int size) { return std::clamp(static_cast<int>((u + 1.0) * 0.5 * size), 0, size - 1); }
-
-/// A texel that may lie one beyond the face's edge: it is then the neighbour's, and at a corner, where three faces
-/// meet and there is no fourth texel, the mean of the three.
-glm::dvec3 texel_or_neighbour(const CubemapView& level, std::size_t face, int column, int row) {
-  const int size = level.size;
-  const int inner_column = std::clamp(column, 0, size - 1);
-  const int inner_row = std::clamp(row, 0, size - 1);
-  if (column == inner_column && row == inner_row) return texel(level, face, column, row);
-  if (column != inner_column && row != inner_row) {
-    return (texel(level, face, inner_column, inner_row) + texel_or_neighbour(level, face, column, inner_row) +
-            texel_or_neighbour(level, face, inner_column, row)) /
-           3.0;
-  }
-  const Frame& frame = kFrames[face];
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  const Place place = place_of(frame.normal + u * frame.right + v * frame.down);
-  return texel(level, place.face, nearest(place.u, size), nearest(place.v, size));
-}
-
-}  // namespace
-
-glm::dvec3 CubeLookup::at(const glm::dvec3& direction, int level) const {
-  const CubemapView& view = levels_[static_cast<std::size_t>(std::clamp(level, 0, levels() - 1))];
-  const Place place = place_of(direction);
-  const double x = (place.u + 1.0) * 0.5 * view.size - 0.5;
-  const double y = (place.v + 1.0) * 0.5 * view.size - 0.5;
-  const int column = static_cast<int>(std::floor(x));
-  const int row = static_cast<int>(std::floor(y));
-  const double right = x - column;
-  const double below = y - row;
-  const auto get = [&](int i, int j) { return texel_or_neighbour(view, place.face, column + i, row + j); };
-  return (1.0 - below) * ((1.0 - right) * get(0, 0) + right * get(1, 0)) +
-         below * ((1.0 - right) * get(0, 1) + right * get(1, 1));
-}
-
-glm::dvec3 CubeLookup::at(const glm::dvec3& direction, double level) const {
-  const double clamped = std::clamp(level, 0.0, static_cast<double>(levels() - 1));
-  const int sharper = static_cast<int>(clamped);
-  const double share = clamped - sharper;
-  if (share == 0.0) return at(direction, sharper);
-  return (1.0 - share) * at(direction, sharper) + share * at(direction, sharper + 1);
-}
-
-PreviewPicture::PreviewPicture(int width, int height, const glm::dvec3& background)
-    : image_{width, height,
-             std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)} {
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column) set(column, row, background);
-  }
-}
-
-void PreviewPicture::set(int column, int row, const glm::dvec3& rgb) {
-  float* const pixel =
-      image_.pixels.data() +
-      (static_cast<std::size_t>(row) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(column)) * 3;
-  for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rgb[c]);
-}
-
-namespace {
-
-constexpr glm::dvec3 kAround(0.01, 0.01, 0.012);
-constexpr int kLargestSampling = 16;
-
-/// A cell of the cross: where it stands, and what its middle, its right and its upper edge look along.
-struct Cell {
-  int column, row;
-  glm::dvec3 middle, right, up;
-};
-
-const std::array<Cell, 6> kCells = {{{1, 0, {0, 1, 0}, {-1, 0, 0}, {0, 0, -1}},
-                                     {0, 1, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
-                                     {1, 1, {0, 0, 1}, {-1, 0, 0}, {0, 1, 0}},
-                                     {2, 1, {-1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
-                                     {3, 1, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}},
-                                     {1, 2, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}}}};
-
-/// Draws the cross of one level with its upper left corner at (left, top).
-void draw_cross(PreviewPicture& picture, const CubeLookup& cube, int level, const ToneMap& tone_map, int cell, int left,
-                int top) {
-  const int sampling = std::clamp((cube.size(level) + cell - 1) / cell, 1, kLargestSampling);
-  for (const Cell& each : kCells) {
-    const int x = left + each.column * cell;
-    const int y = top + each.row * cell;
-    const auto shade = [&](double column, double row) {
-      const double right = 2.0 * (column - x) / cell - 1.0;
-      const double up = 1.0 - 2.0 * (row - y) / cell;
-      return tone_map(cube.at(each.middle + right * each.right + up * each.up, level));
-    };
-    for (int row = y; row < y + cell; ++row) {
-      for (int column = x; column < x + cell; ++column) {
-        picture.set(column, row, supersampled(column, row, sampling, shade));
-      }
-    }
-  }
-}
-
-/// The smallest level that has as many texels as a cell has pixels.
-int level_for(const CubeLookup& cube, int cell) {
-  int level = 0;
-  while (level + 1 < cube.levels() && cube.size(level + 1) >= cell) ++level;
-  return level;
-}
-
-}  // namespace
-
-PreviewPicture preview_cross(const CubeLookup& environment, const ToneMap& tone_map, int cell) {
-  PreviewPicture picture(4 * cell, 3 * cell, kAround);
-  draw_cross(picture, environment, level_for(environment, cell), tone_map, cell, 0, 0);
+  picture.write("-Z", 1.8 * letters, height - 1.4 * letters, letters);
   return picture;
 }
 
-PreviewPicture preview_mips(const CubeLookup& specular, const ToneMap& tone_map, int cell) {
-  constexpr int kInARow = 4;
-  const int gap = cell / 8;
-  const int columns = std::min(specular.levels(), kInARow);
-  const int rows = (specular.levels() + kInARow - 1) / kInARow;
-  PreviewPicture picture(columns * (4 * cell + gap) - gap, rows * (3 * cell + gap) - gap, kAround);
-  for (int level = 0; level < specular.levels(); ++level) {
-    draw_cross(picture, specular, level, tone_map, cell, level % kInARow * (4 * cell + gap),
-               level / kInARow * (3 * cell + gap));
+PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, int height, const Control& control) {
+  constexpr int kInARow = 3;
+  const std::vector<MipRecord>& mips = light.specular->mips;
+  const CubeLookup cube(light.specular->cubemap);
+  const int gap = height / 16;
+  const int columns = std::min(cube.levels(), kInARow);
+  const int rows = (cube.levels() + kInARow - 1) / kInARow;
+  PreviewPicture picture(columns * (2 * height + gap) + gap, rows * (height + gap) + gap, kGround);
+  const double letters = std::max(6.0, height / 16.0);
+  for (int level = 0; level < cube.levels(); ++level) {
+    const Panorama place{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
+    const double roughness = mips[static_cast<std::size_t>(level)].roughness;
+    if (roughness == 0.0 && light.background) {  // finer than the picture
+      const CubeLookup sharp(*light.background);
+      draw_panorama(picture, sharp, nearest_level(sharp, place), tone_map, place, control);
+    } else {
+      draw_panorama(picture, cube, level, tone_map, place, control);
+    }
+    const std::string label = "MIP " + std::to_string(level) + "  ROUGHNESS " + significant(roughness, 2);
+    picture.write(label, place.left + letters + 0.5 * label_width(label, letters),
+                  place.top + place.height - 1.2 * letters, letters);
   }
   return picture;
 }
 
 namespace {
-
-constexpr double kBackgroundRoughness = 0.25;  // out of focus
-constexpr double kBackgroundSlope = 1.0;       // half the picture's width over the distance to it
-constexpr double kSharp = 0.05;                // roughness below which a ball shows single texels
-constexpr double kSoft = 0.3;                  // and above which light hardly changes within a pixel
 
 /// Bilinear in the table, clamped at its edges.
 glm::dvec2 brdf_at(const BrdfTable& table, double cosine, double roughness) {
@@ -269,110 +128,182 @@ glm::dvec3 specular_albedo(const glm::dvec3& f0, const BrdfTable* table, double 
   return (1.0 - f0) * terms.x + f0 * terms.y;
 }
 
-/// All that a pixel needs to be shaded. Lengths are pixels.
-class Scene {
+/// What the balls are lit by.
+class Light {
  public:
-  Scene(const BakeResult& light, int ball) : light_(light), specular_(light.specular->cubemap), ball_(ball) {
+  Light(const BakeResult& light, int ball) : light_(light), specular_(light.specular->cubemap), ball_(ball) {
     for (const MipRecord& mip : light.specular->mips) {
       if (!table_.empty() && mip.roughness <= table_.back()) break;  // several mips of one roughness: the first will do
       table_.push_back(mip.roughness);
     }
     if (light.irradiance) irradiance_.emplace(std::vector<CubemapView>{light.irradiance->view()});
-    for (const PreviewMaterial& material : preview_materials()) {
-      if (material.is_metal() || irradiance_) rows_.push_back(&material);
-    }
+    if (light.background && table_.front() == 0.0) sharp_.emplace(*light.background);
   }
 
-  [[nodiscard]] int width() const { return static_cast<int>(preview_roughness().size()) * pitch(); }
-  [[nodiscard]] int height() const { return static_cast<int>(rows_.size()) * pitch(); }
-
-  /// Samples along each side of a pixel: many at rims and in mirror images, few where light hardly changes.
-  [[nodiscard]] int sampling(int column, int row) const {
-    const BallPoint point = ball_point(column + 0.5, row + 0.5);
-    const double radius = std::sqrt(point.u * point.u + point.v * point.v);
-    if (std::abs(radius - 1.0) * 0.5 * ball_ < 1.5) return 4;
-    if (radius > 1.0 || point.roughness > kSoft) return 1;
-    return point.roughness < kSharp || radius > 0.95 ? 4 : 2;
-  }
-
-  /// Radiance at a point of the picture.
-  [[nodiscard]] glm::dvec3 radiance(double x, double y) const {
-    const BallPoint point = ball_point(x, y);
-    const double squared = point.u * point.u + point.v * point.v;
-    if (squared > 1.0) return background(x, y);
-    return ball(*point.material, point.roughness, {point.u, point.v, std::sqrt(1.0 - squared)});
-  }
-
- private:
-  /// The ball that a point is nearest to, and where the point lies in units of its radius.
-  struct BallPoint {
-    const PreviewMaterial* material;
-    double roughness;
-    double u, v;
-  };
-
-  /// From one ball to the next.
-  [[nodiscard]] int pitch() const noexcept { return ball_ + ball_ / 8; }
-
-  [[nodiscard]] BallPoint ball_point(double x, double y) const {
-    const int column = static_cast<int>(x / pitch());
-    const int row = static_cast<int>(y / pitch());
-    return {rows_[static_cast<std::size_t>(row)], preview_roughness()[static_cast<std::size_t>(column)],
-            (x - (column + 0.5) * pitch()) / (0.5 * ball_), ((row + 0.5) * pitch() - y) / (0.5 * ball_)};
-  }
-
+  [[nodiscard]] bool has_irradiance() const noexcept { return irradiance_.has_value(); }
   [[nodiscard]] double mip_of(double roughness) const {
     return table_.size() > 1 ? mip_of_roughness(table_, roughness) : 0.0;
   }
 
-  [[nodiscard]] glm::dvec3 background(double x, double y) const {
-    const double unit = kBackgroundSlope / (0.5 * width());
-    return specular_.at({(x - 0.5 * width()) * unit, (0.5 * height() - y) * unit, -1.0}, mip_of(kBackgroundRoughness));
+  /// Radiance of a ball's point. The viewer is towards +z, so that N.V is the normal's z. `mip`: of the roughness.
+  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, double roughness, double mip,
+                               const glm::vec3& normal) const {
+    const glm::vec3 reflected = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
+    const glm::vec3 share(specular_albedo(material.f0, light_.brdf.get(), normal.z, roughness));
+    const glm::vec3 mirrored = reflection(reflected, mip, normal.z) * share;
+    if (material.is_metal()) return mirrored;
+    constexpr auto kShown = static_cast<float>(1.0 / std::numbers::pi);
+    return mirrored + (1.0F - share) * glm::vec3(material.diffuse_albedo) * irradiance_->at(normal, 0) * kShown;
   }
 
-  /// The viewer is towards +z, so that N.V is the normal's z.
-  [[nodiscard]] glm::dvec3 ball(const PreviewMaterial& material, double roughness, const glm::dvec3& normal) const {
-    const glm::dvec3 reflected = 2.0 * normal.z * normal - glm::dvec3(0.0, 0.0, 1.0);
-    const glm::dvec3 share = specular_albedo(material.f0, light_.brdf.get(), normal.z, roughness);
-    const glm::dvec3 mirrored = specular_.at(reflected, mip_of(roughness)) * share;
-    if (material.is_metal()) return mirrored;
-    return mirrored + (1.0 - share) * material.diffuse_albedo * irradiance_->at(normal, 0) / std::numbers::pi;
+ private:
+  /// From the mips by roughness, as a shader does it. Mip 0 is not blurred, and near a ball's rim a pixel reflects many
+  /// of its texels; their mean comes from the background's plain mips. Reflected directions turn twice as fast as
+  /// normals, and these turn along the radius by 1 / cosine of the radius' own change.
+  [[nodiscard]] glm::vec3 reflection(const glm::vec3& direction, double mip, float cosine) const {
+    if (mip >= 1.0 || !sharp_) return specular_.at(direction, mip);
+    const float pixel = 4.0F / (static_cast<float>(ball_) * std::sqrt(std::max(cosine, 0.02F)));  // mean of both ways
+    const glm::vec3 sharp = sharp_->at(direction, sharp_->level_for(pixel));
+    if (mip == 0.0) return sharp;
+    const auto blurred = static_cast<float>(mip);
+    return (1.0F - blurred) * sharp + blurred * specular_.at(direction, 1);
   }
 
   const BakeResult& light_;
   CubeLookup specular_;
+  std::optional<CubeLookup> sharp_;
   std::optional<CubeLookup> irradiance_;
-  std::vector<const PreviewMaterial*> rows_;
   std::vector<double> table_;
   int ball_;
 };
 
+/// Where balls and labels stand, in pixels.
+struct Grid {
+  int ball;
+
+  [[nodiscard]] int pitch() const noexcept { return ball + ball / 8; }
+  [[nodiscard]] int left() const noexcept { return ball / 8; }
+  [[nodiscard]] int row_height() const noexcept { return pitch() + ball / 8; }  // with the labels below the balls
+  [[nodiscard]] glm::dvec2 centre(int column, int row) const noexcept {
+    return {left() + (column + 0.5) * pitch(), row * row_height() + 0.5 * pitch()};
+  }
+  [[nodiscard]] double letters() const noexcept { return ball / 18.0; }
+};
+
+struct Ball {
+  const PreviewMaterial& material;
+  double roughness;
+  double mip;  ///< of that roughness
+  glm::dvec2 centre;
+  double radius;
+};
+
+/// The pixels of one row of the picture that the ball covers, some only in part: an edge is as soft as a pixel.
+void draw_row(PreviewPicture& picture, const Ball& ball, const Light& light, const ToneMap& tone_map, int row) {
+  const double down = row + 0.5 - ball.centre.y;
+  const double reach = ball.radius + 0.5;
+  if (std::abs(down) >= reach) return;
+  const double half = std::sqrt(reach * reach - down * down);
+  const int first = std::max(0, static_cast<int>(std::floor(ball.centre.x - half)));
+  const int last = std::min(picture.width() - 1, static_cast<int>(ball.centre.x + half));
+  for (int column = first; column <= last; ++column) {
+    const double across = column + 0.5 - ball.centre.x;
+    const double away = std::sqrt(across * across + down * down);
+    const double covered = std::clamp(ball.radius - away + 0.5, 0.0, 1.0);
+    if (covered == 0.0) continue;
+    // A pixel that the rim crosses shows what is seen just inside of it.
+    const double inside = std::min(1.0, (ball.radius - 0.25) / std::max(away, 1e-9));
+    const double u = across * inside / ball.radius;
+    const double v = -down * inside / ball.radius;
+    const glm::vec3 normal(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
+    const glm::vec3 seen(tone_map(light.ball(ball.material, ball.roughness, ball.mip, normal)));
+    picture.set(column, row, kGround + (seen - kGround) * static_cast<float>(covered));
+  }
+}
+
 }  // namespace
 
-const std::vector<double>& preview_roughness() {
-  static const std::vector<double> roughness = {0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0};
+std::span<const double> preview_roughness() noexcept {
+  static constexpr std::array<double, 6> roughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
   return roughness;
 }
 
 std::span<const PreviewMaterial> preview_materials() noexcept {
-  static constexpr std::array<PreviewMaterial, 4> materials = {
-      {{"silver", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}},
-       {"gold", {1.000, 0.766, 0.336}, {0.0, 0.0, 0.0}},
-       {"red plastic", {0.04, 0.04, 0.04}, {0.50, 0.03, 0.02}},
-       {"white plastic", {0.04, 0.04, 0.04}, {0.80, 0.80, 0.80}}}};
+  static constexpr std::array<PreviewMaterial, 2> materials = {
+      {{"METAL", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}}, {"DIELECTRIC", {0.04, 0.04, 0.04}, {0.30, 0.30, 0.30}}}};
   return materials;
 }
 
-PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball) {
-  const Scene scene(light, ball);
-  PreviewPicture picture(scene.width(), scene.height(), glm::dvec3(0.0));
-  const auto shade = [&](double x, double y) { return tone_map(scene.radiance(x, y)); };
-  for (int row = 0; row < picture.height(); ++row) {
-    for (int column = 0; column < picture.width(); ++column) {
-      picture.set(column, row, supersampled(column, row, scene.sampling(column, row), shade));
+PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int ball, const Control& control) {
+  const Light lit(light, ball);
+  const Grid grid{ball};
+  std::vector<const PreviewMaterial*> rows;
+  for (const PreviewMaterial& material : preview_materials()) {
+    if (material.is_metal() || lit.has_irradiance()) rows.push_back(&material);
+  }
+  const std::span<const double> columns = preview_roughness();
+  std::vector<double> mips;
+  for (const double roughness : columns) mips.push_back(lit.mip_of(roughness));
+  PreviewPicture picture(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
+                         static_cast<int>(rows.size()) * grid.row_height(), kGround);
+  for_rows(picture.height(), picture.width(), control, [&](int row) {
+    const int material = row / grid.row_height();
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const Ball each{*rows[static_cast<std::size_t>(material)], columns[column], mips[column],
+                      grid.centre(static_cast<int>(column), material), 0.5 * ball};
+      draw_row(picture, each, lit, tone_map, row);
+    }
+  });
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const glm::dvec2 centre = grid.centre(static_cast<int>(column), static_cast<int>(row));
+      const std::string label = std::string(rows[row]->name) + ' ' + significant(columns[column], 2);
+      picture.write(label, centre.x, centre.y + 0.5 * ball + 1.8 * grid.letters(), grid.letters());
     }
   }
   return picture;
+}
+
+namespace {
+
+constexpr int kPanoramaHeight = 512;
+constexpr int kMipHeight = 160;
+
+using Drawing = std::function<PreviewPicture()>;
+
+WrittenPreview written(const char* name, const char* what, const Drawing& draw, const std::filesystem::path& folder) {
+  const PreviewPicture picture = draw();
+  picture.save(folder / name);
+  return {name, what, picture.width(), picture.height()};
+}
+
+}  // namespace
+
+std::vector<WrittenPreview> write_previews(const BakeResult& light, const PreviewOptions& options,
+                                           const std::filesystem::path& folder, const Control& control) {
+  std::vector<std::function<WrittenPreview()>> work;
+  const auto add = [&](const char* name, const char* what, Drawing draw) {
+    work.emplace_back([=, &folder] { return written(name, what, draw, folder); });
+  };
+  if (light.specular && light.background) {
+    add("preview_spheres.png",
+        "balls of metal and of a dielectric, of roughness 0 to 1 by fifths, seen along Welkin's -z",
+        [&] { return preview_spheres(light, options.tone_map, options.ball, control); });
+  }
+  if (light.background) {
+    add("preview_environment.png", "the surroundings as seen from inside, Welkin's +z in the middle",
+        [&] { return preview_environment(CubeLookup(*light.background), options.tone_map, kPanoramaHeight, control); });
+  }
+  if (light.specular) {
+    add("preview_mips.png", "the specular mips as lat-longs, sharpest first",
+        [&] { return preview_mips(light, options.tone_map, kMipHeight, control); });
+  }
+  // Side by side: while one is packed, another is drawn.
+  std::vector<WrittenPreview> pictures(work.size());
+  const jobs::Placement where = jobs::Placement::arena;
+  jobs::run_tiles(work.size(), where, jobs::worker_count(where), {control.stop, {}},
+                  [&](std::size_t index, std::size_t) { pictures[index] = work[index](); });
+  return pictures;
 }
 
 }  // namespace welkin::tool

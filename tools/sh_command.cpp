@@ -88,14 +88,17 @@ void add_sh_options(Options& table, ShOptions& options) {
   constexpr const char* kInput = "INPUT";
   add_input_options(table, options.input, options.sky);
   add_format_options(table, options);
+  in_group(table, "Input and output");
   add_turn_options(table, options.turn);
   add_projection_options(table, options);
   add_pixel_options(table, options.projection.pixels, options.clamp);
   add_window_options(table, options);
+  in_group(table, "Harmonics");
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   table.push_back({.names = "--irradiance-error",
                    .target = &options.irradiance_error,
-                   .text = "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)"});
+                   .text = "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)",
+                   .group = "Harmonics"});
   add_read_options(table, options.common, kInput);
   add_threads_option(table, options.common);
   add_cache_option(table, options.common);
@@ -116,6 +119,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
     }
     report.sun = take_out_sun(pixels, options.sun.options);
   }
+  begin_stage("project");
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
     report.projection = with_view(pixels, [&](const auto& view) {
       return cache != nullptr ? cache->project(view, options.projection, {}, control)
@@ -124,6 +128,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
   });
   report.projection.diagnostics.infinities_replaced += infinities;
   if (options.irradiance_error) {
+    begin_stage("irradiance");
     constexpr int kNormals = 500;
     const SphericalHarmonics windowed =
         apply_window(report.projection.radiance, options.window, options.window_width).radiance;
@@ -153,6 +158,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const bool in_memory = options.sun.take_out || options.irradiance_error;
   if (!options.input) {
     Pixels pixels;
+    begin_stage("sky");
     ComputedPicture sky = built_in_sky(part_of(control, 0.0, kComputed));
     pixels.lat_long = std::move(sky.image);
     report.source = sky.source;
@@ -161,22 +167,26 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
     return false;
   }
   const ReadOptions& read = options.common.read;
+  const FileInput input = input_of(*options.input, read);
   if (in_memory) {
-    require_memory_twice(inspect_environment(*options.input, read), read);
+    require_memory_twice(inspect_environment(input, read), read);
     Pixels pixels;
     {
-      const Environment environment = read_environment(*options.input, read);
+      begin_stage("read");
+      const Environment environment = read_environment(input, read);
       report.source = source_of(*options.input, environment.info);
       pixels = pixels_of(environment);
     }
     project_pixels(pixels, options, control, report);
     return pixels.is_cubemap;
   }
-  const EnvironmentInfo info = inspect_environment(*options.input, read);
+  begin_stage("read and project");
+  const EnvironmentInfo info = inspect_environment(input, read);
   report.source = source_of(*options.input, info);
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
-    report.projection = cache != nullptr ? cache->project_file(*options.input, read, options.projection, control)
-                                         : project_file(*options.input, read, options.projection, control);
+    const bool keeps = cache != nullptr && !is_standard_stream(*options.input);  // the cache knows files by their paths
+    report.projection = keeps ? cache->project_file(*options.input, read, options.projection, control)
+                              : project_file(input, read, options.projection, control);
   });
   return is_cubemap(info);
 }
@@ -280,6 +290,8 @@ Command sh_command() {
   const auto options = std::make_shared<ShOptions>();
   Command command{"sh", "Project an environment to spherical harmonics", kShFooter};
   add_sh_options(command.options, *options);
+  command.everyday = {"INPUT",          "--sky",    "--json",  "--format",  "--for",   "--yaw",  "--bands",
+                      "--take-out-sun", "--window", "--clamp", "--threads", "--cache", "--quiet"};
   command.run = [options, name = command.name](const Given& /*given*/) {
     require_input(name, options->input, options->sky);
     run(*options);

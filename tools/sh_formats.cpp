@@ -518,7 +518,7 @@ std::string sun_arrays(const std::string& name, const Sun& sun) {
 
 std::string sh_c_header(const ShReport& report) {
   const std::string name = identifier(report.source.path);
-  std::string text = comment("Light of " + printable(report.source.path) +
+  std::string text = comment("Light of " + printable(portable_path(report.source.path)) +
                              ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes +
                              "\nEach row is r, g, b where nothing else is said.") +
                      "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n";

@@ -214,7 +214,6 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
 void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
   options.bake.background_size = kSkyBackground;
-  options.bake.all_mips = true;  // 32 texels down to 16 would be two
   table.push_back(
       {.names = "-o,--output",
        .target = &options.bake.directory,
@@ -232,24 +231,30 @@ void add_folder_options(Options& table, SkyOptions& options) {
   table.push_back({.names = "--sun-disc",
                    .target = &options.sun_disc,
                    .text = "Draw the sun's disc into the picture; by default it is left out"});
+  in_group(table, "A folder, as 'welkin bake' makes it");
   add_result_options(table, options.bake);
   for (std::size_t i = before; i < table.size(); ++i) table[i].needs.emplace_back("-o");
 }
 
 void add_sky_options(Options& table, SkyOptions& options) {
   add_sun_place(table, options.sky);
+  in_group(table, "Sun and observer");
   add_atmosphere_options(table, options.sky.atmosphere);
   table.push_back(
       {.names = "--print-atmosphere",
        .target = &options.print_atmosphere,
        .text = "Print the atmosphere as JSON, which you can change and give to --atmosphere, and do nothing else"});
+  in_group(table, "Air and ground");
   add_table_options(table, options);
+  in_group(table, "Tables of the scattering");
   add_quadrature_options(table, options.quadrature);
   add_format_options(table, options.sh);
   add_bands_option(table, options.sh);
   add_window_options(table, options.sh);
   add_engine_option(table, options.sh.turn);
+  in_group(table, "Harmonics and output");
   add_sweep_options(table, options.sweep);
+  in_group(table, "A day");
   add_folder_options(table, options);
   add_memory_limit_option(table, options.sh.common);
   add_threads_option(table, options.sh.common);
@@ -264,13 +269,13 @@ void settle(SkyOptions& options, const Given& given) {
     if (!given("--colour")) tables.colour = SkyColour::linear_srgb;
     if (given("--sun-elevation")) options.sweep.first_degrees = options.sky.sun_elevation_degrees;
   }
-  if (!given("--mips") && !options.bake.roughness.table.empty()) options.bake.all_mips = false;
   options.wants_folder = given("-o");
   options.bake.common = options.sh.common;
   options.bake.common.json = options.sh.format == ShFormat::json;
   options.bake.turn.to = options.sh.turn.to;
   options.bake.bake.bands = options.sh.projection.bands;
   options.bake.picture_name = "sky.exr";
+  settle_containers(options.bake);
 }
 
 constexpr int kMostZeniths = 128;
@@ -313,6 +318,7 @@ void describe_light(const Sky& sky, ShReport& report) {
 ShReport measure_sky(const SkyOptions& options) {
   ProgressBar bar;
   const Control control = bar.control();
+  begin_stage("tables");
   const Sky sky = make_sky(options.sky, control);
   ShReport report;
   report.source = {"computed sky", "directions", 0, 0, "computed", "from tables of the scattering", {}};
@@ -370,7 +376,12 @@ void run(SkyOptions& options, const Given& given) {
   settle(options, given);
   std::string text;
   run_with_threads(options.sh.common.threads, [&] { text = answer(options); });
-  print_result(text);
+  const bool to_files = options.wants_folder || !options.sweep.path.empty();
+  if (to_files && options.sh.format != ShFormat::json && !options.print_atmosphere) {
+    print_summary(text);
+  } else {
+    print_result(text);
+  }
 }
 
 }  // namespace
@@ -379,6 +390,9 @@ Command sky_command() {
   const auto options = std::make_shared<SkyOptions>();
   Command command{"sky", "The light of a computed sky", kSkyFooter};
   add_sky_options(command.options, *options);
+  command.everyday = {"--sun-elevation", "--sun-azimuth", "--altitude", "--preset", "--ground-albedo",
+                      "--colour",        "--json",        "--for",      "--tables", "--sweep",
+                      "--output",        "--size",        "--threads",  "--quiet"};
   command.run = [options](const Given& given) { run(*options, given); };
   return command;
 }

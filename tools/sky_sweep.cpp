@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/previews.h"
+#include "tools/preview_light.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -136,7 +136,7 @@ void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left
         const glm::dvec3 light = glm::dvec3(radiance[i]) + disc(sun, horizon, glm::dvec3(directions[i]));
         sum += seen[i] ? tile.tone_map(light) : kBackground;
       }
-      picture.set(left + column, top + row, sum / static_cast<double>(kSampling * kSampling));
+      picture.set(left + column, top + row, glm::vec3(sum / static_cast<double>(kSampling * kSampling)));
     }
   }
 }
@@ -185,13 +185,16 @@ std::vector<double> sweep_elevations(const SweepOptions& options) {
 
 std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
   check(options);
+  begin_stage("tables");
   const Sky sky = make_sky(parameters, part_of(control, 0.0, kTables));
   const Control drawing = part_of(control, kTables, 1.0);
+  begin_stage("draw");
   const std::vector<double> elevations = sweep_elevations(options);
   const Lens lens(options.view, options.size);
   const int columns = std::min(options.tiles, lens.tiles_in_a_row());
   const int rows = (options.tiles + columns - 1) / columns;
-  PreviewPicture picture(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap, kBackground);
+  PreviewPicture picture(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
+                         glm::vec3(kBackground));
   std::string text = head_lines(sky, options);
   const double noon = brightness(sky, sun_direction(elevations.front(), 0.0));
   for (std::size_t i = 0; i < elevations.size(); ++i) {
@@ -202,9 +205,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
     text += tile_line(sky, tile, i);
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
-  WriteOptions write;
-  write.layout = Layout::lat_long;  // a plain picture, to a PNG
-  write_environment(options.path, picture.view(), write, {control.stop, {}});
+  picture.save(options.path);
   write_text_file(std::filesystem::path(options.path).replace_extension(".txt"), text);
   return text;
 }

@@ -3,13 +3,16 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -24,9 +27,37 @@ constexpr auto kPatience = std::chrono::milliseconds(300);  // work that is over
 constexpr auto kInterval = std::chrono::milliseconds(50);
 constexpr std::string_view kWipe = "\r\033[K";
 
-bool standard_error_is_terminal() {
+bool is_terminal(Stream stream) {
   const char* kind = std::getenv("TERM");
-  return isatty(STDERR_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb";
+  return isatty(stream == Stream::output ? STDOUT_FILENO : STDERR_FILENO) == 1 && kind != nullptr &&
+         std::string_view(kind) != "dumb";
+}
+
+bool shows_colours(Stream stream) {
+  const char* none = std::getenv("NO_COLOR");
+  return is_terminal(stream) && (none == nullptr || *none == '\0');
+}
+
+Verbosity wanted_verbosity = Verbosity::normal;
+
+/// What the process is at.
+struct Stage {
+  std::string name;
+  std::chrono::steady_clock::time_point start;
+};
+
+Stage& current_stage() {
+  static Stage stage;
+  return stage;
+}
+
+/// Of the stage that is over.
+void tell_stage() {
+  const Stage& stage = current_stage();
+  if (verbosity() != Verbosity::verbose || stage.name.empty()) return;
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  std::cerr << stage.name + ": " + duration(Milliseconds(std::chrono::steady_clock::now() - stage.start).count()) + '\n'
+            << std::flush;
 }
 
 std::atomic<int> caught{0};
@@ -91,15 +122,66 @@ std::stop_token stop_on_signals() {
 
 int caught_signal() noexcept { return caught; }
 
+void set_verbosity(Verbosity verbosity) noexcept { wanted_verbosity = verbosity; }
+
+Verbosity verbosity() noexcept { return wanted_verbosity; }
+
+std::string styled(const std::string& text, Style style, Stream stream) {
+  if (!shows_colours(stream)) return text;
+  const char* const code = style == Style::error ? "1;31" : style == Style::note ? "33" : "1";  // ECMA-48, 8.3.117
+  return std::string("\033[") + code + 'm' + text + "\033[0m";
+}
+
+void print_summary(const std::string& text) {
+  if (verbosity() == Verbosity::quiet) return;
+  std::istringstream lines(text);
+  std::string shown;
+  for (std::string line; std::getline(lines, line);) {
+    constexpr std::string_view kNote = "note:";
+    const bool note = line.starts_with(kNote);
+    shown += note ? styled(std::string(kNote), Style::note, Stream::output) + line.substr(kNote.size()) : line;
+    shown += '\n';
+  }
+  print_result(shown);
+}
+
 void print_result(const std::string& text) {
   std::cout << text << std::flush;
   if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written");
 }
 
-ProgressBar::ProgressBar() : terminal_(standard_error_is_terminal()), next_drawing_(Clock::now() + kPatience) {}
+std::vector<std::byte> read_standard_input(std::uint64_t most) {
+  std::vector<std::byte> bytes;
+  constexpr std::size_t kBlock = std::size_t{1} << 20U;
+  for (;;) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + kBlock);
+    const ssize_t count = read(STDIN_FILENO, bytes.data() + before, kBlock);
+    if (count < 0 && errno != EINTR) {
+      throw Error(ErrorCode::file_access, std::string("standard input: cannot be read (") + std::strerror(errno) + ")");
+    }
+    bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    if (count == 0) return bytes;
+    if (bytes.size() > most) {
+      throw Error(ErrorCode::limit_exceeded, "standard input: has more than the " + std::to_string(most) +
+                                                 " bytes that --memory-limit allows; raise it, or pass a file");
+    }
+  }
+}
+
+void begin_stage(const std::string& name) {
+  tell_stage();
+  current_stage() = {name, std::chrono::steady_clock::now()};
+}
+
+ProgressBar::ProgressBar()
+    : terminal_(is_terminal(Stream::error) && verbosity() != Verbosity::quiet),
+      start_(Clock::now()),
+      next_drawing_(start_ + kPatience) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) std::cerr << kWipe << std::flush;
+  begin_stage("");
 }
 
 Control ProgressBar::control() {
@@ -115,10 +197,23 @@ void ProgressBar::report(double share) {
   next_drawing_ = now + kInterval;
   drawn_ = true;
   constexpr std::size_t kCells = 40;
+  share = std::clamp(share, 0.0, 1.0);
   const auto done = static_cast<std::size_t>(share * static_cast<double>(kCells));
   const std::string bar = std::string(done, '#') + std::string(kCells - done, '.');
   const std::string percent = pad_left(std::to_string(static_cast<int>(share * 100.0)), 3);
-  std::cerr << std::string(kWipe) + "  [" + bar + "] " + percent + " %" << std::flush;
+  const std::string stage = current_stage().name.empty() ? "" : current_stage().name + "  ";
+  std::cerr << std::string(kWipe) + "  " + stage + '[' + bar + "] " + percent + " %" + time_left(share) << std::flush;
+}
+
+/// By the time that the share took; nothing as long as that says little.
+std::string ProgressBar::time_left(double share) const {
+  constexpr double kTelling = 0.02;
+  if (share < kTelling) return "";
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count() * (1.0 - share) / share;
+  const auto whole = static_cast<long>(std::ceil(seconds));
+  constexpr long kMinute = 60;
+  if (whole < kMinute) return "  " + std::to_string(whole) + " s left";
+  return "  " + std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s left";
 }
 
 Control part_of(const Control& control, double from, double to) {

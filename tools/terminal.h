@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <stop_token>
 #include <string>
@@ -19,6 +21,22 @@ namespace welkin::tool {
 /// The signal that came; 0: none has.
 [[nodiscard]] int caught_signal() noexcept;
 
+/// How much the command says beside its results.
+enum class Verbosity { quiet, normal, verbose };
+void set_verbosity(Verbosity verbosity) noexcept;
+[[nodiscard]] Verbosity verbosity() noexcept;
+
+enum class Stream { output, error };
+enum class Style { heading, error, note };
+
+/// The text in the style's colour where the stream is a terminal that shows colours, and NO_COLOR is not set
+/// (no-color.org); else the text.
+[[nodiscard]] std::string styled(const std::string& text, Style style, Stream stream);
+
+/// Writes what a person may want to know of work whose result lies elsewhere, such as the files that were written, as
+/// `print_result` does; nothing if the command is to be quiet.
+void print_summary(const std::string& text);
+
 /// Writes a finished result to standard output in one piece: after an error nothing is there that could be
 /// taken for a result. Throws `Error` (file_access) if it cannot be written (a full disk, say).
 void print_result(const std::string& text);
@@ -26,8 +44,16 @@ void print_result(const std::string& text);
 /// The part [from, to] of a control's progress, and its stop token. `control` must outlive what is returned.
 [[nodiscard]] Control part_of(const Control& control, double from, double to);
 
-/// Draws to standard error, and only if that is a terminal and the work has taken longer than a moment.
-/// Its destructor wipes it away, so that neither results nor error messages share a line with it.
+/// All of standard input. Throws `Error`: limit_exceeded if that is more than so many bytes, file_access.
+[[nodiscard]] std::vector<std::byte> read_standard_input(std::uint64_t most);
+
+/// Says what the work of the whole process is at from now on, such as "prefilter": the progress bar shows it, and with
+/// --verbose a line on standard error says how long each stage took.
+void begin_stage(const std::string& name);
+
+/// "bake  [####......]  42 %  3 s left". Draws to standard error, and only if that is a terminal, the command is not to
+/// be quiet and the work has taken longer than a moment. Its destructor wipes it away, so that neither results nor
+/// error messages share a line with it. One at a time.
 class ProgressBar {
  public:
   ProgressBar();
@@ -42,8 +68,10 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
 
   void report(double share);
+  [[nodiscard]] std::string time_left(double share) const;
 
   bool terminal_;
+  Clock::time_point start_;
   Clock::time_point next_drawing_;
   bool drawn_ = false;
 };

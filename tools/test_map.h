@@ -1,19 +1,30 @@
 // An environment that shows by itself how it is turned.
 #pragma once
 
+#include <glm/mat3x3.hpp>
+
 #include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace WELKIN_EXPORT welkin {
 
+/// Whose axes the map names, and where its cubemap's faces lie.
+struct TestMapAxes {
+  glm::dmat3 names{
+      1.0};  ///< takes directions in Welkin's axes to the axes that are written: one of the cube's symmetries
+  glm::dmat3 places{1.0};  ///< takes them to their places in the cubemap: likewise
+};
+
 /// A labelled sphere: each of the six sides has its colour, and its axis written on it in letters that read from
 /// inside the sphere ("+X", "-Y", ...), a grid of latitudes and longitudes, edges of the faces, and an arrow
 /// towards +y on each side wall. In a mirrored picture the letters are mirrored too.
+/// Other axes change the names and colours; what is in front, on the left or above stays there.
 /// `width` x `height` texels of a lat-long. Cost: some 0.5 microseconds a texel and thread.
 /// Throws `Error`: invalid_argument out of LatLongView's range, cancelled.
-[[nodiscard]] LatLongImage test_map_lat_long(int width, int height, const Control& control = {});
+[[nodiscard]] LatLongImage test_map_lat_long(int width, int height, const Control& control = {},
+                                             const TestMapAxes& axes = {});
 
 /// The same as a cubemap in the frames of `CubemapView`.
-[[nodiscard]] CubemapImage test_map_cubemap(int size, const Control& control = {});
+[[nodiscard]] CubemapImage test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
 
 }  // namespace welkin

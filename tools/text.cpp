@@ -121,6 +121,13 @@ std::string printable_lines(const std::string& text) {
   }
 }
 
+std::string portable_path(const std::string& path) {
+  const std::filesystem::path whole = path;
+  if (!whole.is_absolute()) return path;
+  const std::filesystem::path last = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
+  return last.string();
+}
+
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
   write_bytes(path, std::as_bytes(std::span(text)));
 }

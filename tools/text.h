@@ -72,6 +72,10 @@ class NumberColumn {
 /// The same but for line feeds.
 [[nodiscard]] std::string printable_lines(const std::string& text);
 
+/// The path as it may stand in a file that others will read: as it is where it is relative; of an absolute one its last
+/// name, because folders of one machine mean nothing on another and tell who works there.
+[[nodiscard]] std::string portable_path(const std::string& path);
+
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);

@@ -94,6 +94,7 @@ void add_turn_options(Options& table, TurnOptions& options) {
                    .type = "X,Y,Z,W",
                    .list = List::commas_or_spaces,
                    .count = 4});
+  in_group(table, "Orientation");
 }
 
 glm::dmat3 turn_of_light(const TurnOptions& options, bool source_is_cubemap) {

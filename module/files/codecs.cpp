@@ -66,6 +66,9 @@ std::uint64_t write_png(const OutputPicture& /*picture*/, const WriteJob& job) {
   require_codec(Codec::png, job.file.path(), "write .hdr or .pfm");
   return 0;
 }
+void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t>& /*rgb*/, int /*width*/) {
+  require_codec(Codec::png, file.path(), "pass --no-previews");
+}
 std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgba*/, int /*size*/,
                                           const std::stop_token& /*stop*/) {
   require_codec(Codec::png, "an .env", "write .ktx2 or .dds");

@@ -268,9 +268,11 @@ int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t coun
   }
 }
 
+enum class Effort { usual, quick };
+
 class PngEncoder {
  public:
-  PngEncoder(platform::WholeFile& file, int width, int height, int bits)
+  PngEncoder(platform::WholeFile& file, int width, int height, int bits, Effort effort = Effort::usual)
       : sink_{file, {}}, context_(spng_ctx_new(SPNG_CTX_ENCODER), spng_ctx_free) {
     if (!context_) throw std::bad_alloc();
     require(spng_set_png_stream(context_.get(), write_bytes, &sink_));
@@ -282,6 +284,13 @@ class PngEncoder {
     require(spng_set_ihdr(context_.get(), &header));
     constexpr std::uint8_t kRelativeColorimetric = 1;
     require(spng_set_srgb(context_.get(), kRelativeColorimetric));
+    if (effort == Effort::quick) {
+      // One filter for all rows, and of deflate only the search for runs (zlib's Z_RLE).
+      constexpr int kRuns = 3;
+      require(spng_set_option(context_.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB));
+      require(spng_set_option(context_.get(), SPNG_IMG_COMPRESSION_LEVEL, 1));
+      require(spng_set_option(context_.get(), SPNG_IMG_COMPRESSION_STRATEGY, kRuns));
+    }
     require(
         spng_encode_image(context_.get(), nullptr, 0, SPNG_FMT_PNG, SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE));
   }
@@ -331,6 +340,15 @@ std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job) {
     encoder.write_row(data, values * static_cast<std::size_t>(bits / 8), row + 1 == picture.height());
   }
   return clamped;
+}
+
+void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t>& rgb, int width) {
+  const std::size_t row_bytes = std::size_t{3} * static_cast<std::size_t>(width);
+  const std::size_t rows = rgb.size() / row_bytes;
+  PngEncoder encoder(file, width, static_cast<int>(rows), 8, Effort::quick);
+  for (std::size_t row = 0; row < rows; ++row) {
+    encoder.write_row(rgb.data() + row * row_bytes, row_bytes, row + 1 == rows);
+  }
 }
 
 namespace {

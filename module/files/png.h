@@ -125,4 +125,9 @@ class PngSamples {
   std::optional<glm::dmat3> matrix_;
 };
 
+/// Writes RGB of 8 bits in sRGB, row by row without gaps, as a PNG: some six times as fast as `write_png`, to files a
+/// tenth larger. For pictures that are looked at once. Throws `Error` (file_access) and unsupported_file without
+/// libspng.
+void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t>& rgb, int width);
+
 }  // namespace welkin::files

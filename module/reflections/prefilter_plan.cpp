@@ -201,6 +201,7 @@ std::vector<double> roughness_of_mips(RoughnessSchedule schedule, int mips, int 
   image::require_range("mips", mips, 1, kMostMips);
   image::require_range("size of mip 0", size, 1, image::kLargestFace);
   std::vector<double> table;
+  table.reserve(static_cast<std::size_t>(mips));
   for (int mip = 0; mip < mips; ++mip) table.push_back(roughness_of_mip(schedule, mip, mips, size));
   return table;
 }

@@ -187,6 +187,7 @@ std::string calibration(const ReportCommandOptions& options) {
   CostModel costs;
   {
     ProgressBar bar;
+    begin_stage("calibrate");
     costs = report::calibrate_costs(bar.control());
   }
   Json json = Json::object();
@@ -209,6 +210,7 @@ std::string answer(ReportCommandOptions& options) {
   {
     ProgressBar bar;
     const Control control = bar.control();
+    options.run.begins = begin_stage;
     measured = report::run_report(options.run, control);
   }
   std::optional<report::Comparison> comparison;
@@ -319,10 +321,16 @@ Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
   Command command{"report", "Error against run time of every method and setting", kReportFooter};
   add_output_files(command.options, *options);
+  in_group(command.options, "Output");
   add_what_is_measured(command.options, *options);
+  in_group(command.options, "What is measured");
   add_comparisons(command.options, *options);
+  in_group(command.options, "Comparisons");
   add_stability(command.options, *options);
   add_calibration(command.options, *options);
+  in_group(command.options, "Other measurements");
+  command.everyday = {"--output",  "--json",    "--quick",     "--passes",    "--environment",
+                      "--threads", "--against", "--stability", "--calibrate", "--quiet"};
   command.run = [options](const Given& /*given*/) { print_result(answer(*options)); };
   return command;
 }

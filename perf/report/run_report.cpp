@@ -104,6 +104,7 @@ Report run_report(const ReportOptions& options, const Control& control) {
   for (const PassRunner& runner : runners) whole += runner.cost;
   double before = 0.0;
   for (const PassRunner& runner : runners) {
+    if (options.begins) options.begins(runner.pass.id);
     const Control part = control_of(control, before / whole, (before + runner.cost) / whole);
     const PassContext context{size, stopwatch, environment, file, folder.path(), peers, part};
     for (Measurement& one : runner.measure(context)) {

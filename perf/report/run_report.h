@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct ReportOptions {
   std::filesystem::path environment{};   ///< a file; empty: the built-in test light
   std::filesystem::path node_modules{};  ///< for Babylon.js and three.js; empty: without
   bool peers = true;
+  std::function<void(const std::string& pass)> begins{};  ///< called with the id of each pass before it is measured
   double budget_seconds = -1.0;  ///< of repeats, a measurement; below 0: the scale's; 0: one run, for errors alone
 };
 

@@ -89,6 +89,7 @@ std::string stability_json(const std::vector<StabilityResult>& results, const re
 
 std::string stability_text(const StabilityRequest& request) {
   ProgressBar bar;
+  begin_stage("stability");
   const std::vector<StabilityResult> results = report::run_stability(request.suite, bar.control());
   switch (request.format) {
     case StabilityFormat::json: return stability_json(results, request.origin);

@@ -1,7 +1,8 @@
 # Installs `build` below `work`, moves the installed tree (nothing in it may point to where it was), and builds and runs
 # programs against it: with CMake examples/consumer and, with welkin::core alone, tests/install/core_only; as projects of
 # C alone examples/sky_in_c with core and tests/install/c_alone with files; with pkg-config, where it is, a program in C++
-# and one in C. The installed command too, if there is one.
+# and one in C. The installed command too, if there is one, with its
+# completions and its manual page.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -86,4 +87,10 @@ endif()
 
 if(with_command)
   run(${work}/installed/bin/welkin sh --sky --json)
+  foreach(file IN ITEMS bash-completion/completions/welkin zsh/site-functions/_welkin man/man1/welkin.1)
+    file(GLOB installed ${work}/installed/share/${file})
+    if(NOT installed)
+      message(FATAL_ERROR "${file} is not installed")
+    endif()
+  endforeach()
 endif()

@@ -53,7 +53,7 @@ std::string failure(const std::string& arguments, int exit_code) {
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "some" / "where";
-  const CommandResult result = run_welkin("bake --sky -o " + quoted(folder) + kSmall);
+  const CommandResult result = run_welkin("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
   INFO(result.errors);
   REQUIRE(result.exit_code == 0);
   CHECK(result.errors.empty());
@@ -69,8 +69,8 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  const auto manifest =
-      bake_into(folder, "--sky --size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7");
+  const auto manifest = bake_into(
+      folder, "--sky --size 32 --mips 5 --roughness filament --background-size 24 --irradiance 7 --formats ktx2,env");
   const std::vector<double> wanted = roughness_of_mips(RoughnessSchedule::filament, 5, 32);
 
   const CubemapTexture specular = read_texture(folder / "specular.ktx2");
@@ -100,10 +100,10 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller one", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, "--sky --size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews");
+  bake_into(folder, "--sky --size 7 --mips 3 --irradiance 1 --brdf 3 --no-previews --formats ktx2,env");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 7);
   CHECK(read_babylon_environment(folder / "environment.env").specular.size() == 4);
-  bake_into(folder, "--sky --size 1 --irradiance 1 --brdf 1");
+  bake_into(folder, "--sky --size 1 --irradiance 1 --brdf 1 --formats ktx2,env");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.levels() == 1);
   check_manifest_matches(folder);
 }
@@ -172,7 +172,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake]") {
   bake_into(second, quoted(first / "specular.dds") + " --ktx2-format rgba32f --no-previews" + kSmall);
   CHECK(texels(read_texture(second / "specular.ktx2").cubemap, 0) == wanted);
   // Out of Babylon.js's axes and into them again: an .env of an .env keeps faces and polynomial.
-  bake_into(second, quoted(first / "environment.env") + " --no-previews" + kSmall);
+  bake_into(second, quoted(first / "environment.env") + " --no-previews --formats ktx2,env" + kSmall);
   const BabylonEnvironment before = read_babylon_environment(first / "environment.env");
   const BabylonEnvironment after = read_babylon_environment(second / "environment.env");
   // By way of the harmonics that it was made of.
@@ -251,8 +251,9 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   const TemporaryFolder scratch;
   const auto plain = scratch.path() / "plain";
   const auto babylon = scratch.path() / "babylon";
-  bake_into(plain, std::string("--sky --ktx2-format rgba32f") + kSmall);
-  bake_into(babylon, std::string("--sky --ktx2-format rgba32f --for babylon") + kSmall);
+  const std::string options = "--sky --ktx2-format rgba32f --formats ktx2,env --roughness filament";
+  bake_into(plain, options + kSmall);
+  bake_into(babylon, options + " --for babylon" + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
     const CubemapTexture straight = read_texture(plain / name);
     const CubemapTexture turned = read_texture(babylon / name);
@@ -275,14 +276,14 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
   pixels[3] = 300.0F;
   write_pfm(in, 16, 96, pixels);
   const auto folder = scratch.path() / "out";
-  const auto manifest = bake_into(folder, quoted(in) + kSmall);
+  const auto manifest = bake_into(folder, quoted(in) + " --formats ktx2,env" + kSmall);
   CHECK(file_of(manifest, "background.ktx2").at("values_clamped") == 1);
   CHECK(file_of(manifest, "environment.env").at("values_clamped").get<int>() >= 2);
   const std::string notes = manifest.at("notes").dump();
   CHECK(contains(notes, "background.ktx2: 1 value beyond +-65504 clamped: halves end there"));
   CHECK(contains(notes, "above 255 or below 0 clamped: RGBD ends there"));
 
-  const auto clamped = bake_into(folder, quoted(in) + " --clamp 200" + kSmall);
+  const auto clamped = bake_into(folder, quoted(in) + " --clamp 200 --formats ktx2,env" + kSmall);
   CHECK(clamped.at("notes").dump() == "[\"the input: 2 texels clamped at 200\"]");
   CHECK(clamped.at("diagnostics").at("clamped") == 2);
 }
@@ -377,7 +378,7 @@ TEST_CASE("bake: diffuse light of an .env is the polynomial that it stores", "[t
   write_pfm(in, 16, 96, pixels);
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
-  const std::string options = " --no-previews --ktx2-format rgba32f" + std::string(kSmall);
+  const std::string options = " --no-previews --formats ktx2,env --ktx2-format rgba32f" + std::string(kSmall);
   bake_into(first, quoted(in) + options);
   const auto radiance = [](const std::filesystem::path& folder) {
     return nlohmann::json::parse(file_text(folder / "sh.json")).at("radiance");
@@ -463,7 +464,7 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
   CHECK(contains(failure("bake --sky -o " + quoted(scratch.path() / "none") + bake + std::to_string(with_env - 1), 1),
                  "the .env's specular chain"));
   bake_into(scratch.path() / "out", "--sky" + bake + std::to_string(with_env));
-  CHECK(contains(run_welkin("bake --help").output, "are not counted"));
+  CHECK(contains(run_welkin("bake --help-all").output, "are not counted"));
 }
 
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
@@ -550,11 +551,11 @@ TEST_CASE("bake: odd names do no harm", "[tools][bake]") {
   }
 }
 
-TEST_CASE("bake: the examples of --help work", "[tools][bake]") {
+TEST_CASE("bake: the examples of --help-all work", "[tools][bake]") {
   const TemporaryFolder scratch;
   REQUIRE(run_welkin("testmap --size 64 -o " + quoted(scratch.path() / "city.hdr")).exit_code == 0);
   std::ofstream(scratch.path() / "scene.json") << R"({"glossy": null})";
-  std::istringstream help(run_welkin("bake --help").output);
+  std::istringstream help(run_welkin("bake --help-all").output);
   int examples = 0;
   for (std::string line; std::getline(help, line);) {
     if (line.rfind("  welkin bake", 0) != 0) continue;

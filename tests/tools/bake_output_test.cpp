@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "places.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
@@ -57,8 +59,15 @@ std::filesystem::path write_directions(const std::filesystem::path& folder) {
   return path;
 }
 
-constexpr int kCell = 256;   // of the cross
-constexpr int kPitch = 144;  // of the balls
+constexpr int kHeight = 512;  // of the panorama
+constexpr int kBall = 256;    // and of what lies around it:
+constexpr int kPitch = 288;
+constexpr int kRow = 320;
+
+/// Of a preview of balls: at a place of the ball in that column and row, whose middle is (0, 0) and whose rim 1 away.
+std::array<float, 3> on_ball(const Preview& balls, int column, int row, double u, double v) {
+  return balls.at(32.0 + (column + 0.5) * kPitch + 0.5 * kBall * u, row * kRow + 0.5 * kPitch - 0.5 * kBall * v);
+}
 
 }  // namespace
 
@@ -78,30 +87,21 @@ TEST_CASE("bake: previews have the size that the manifest says", "[tools][bake]"
   }
 }
 
-TEST_CASE("bake: the cross shows what one sees who faces +z", "[tools][bake]") {
+TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
-  const Preview cross(scratch.path() / "out" / "preview_environment.png");
-  REQUIRE(cross.width() == 4 * kCell);
-  REQUIRE(cross.height() == 3 * kCell);
-  const auto at = [&](double x, double y) { return cross.at(x, y, kCell); };
-  CHECK(at(0.5, 1.5)[0] > 1.5F * at(2.5, 1.5)[0]);  // +x to the left, -x to the right
-  CHECK(at(1.5, 0.5)[1] > 1.5F * at(1.5, 2.5)[1]);  // +y above, -y below
-  CHECK(at(1.5, 1.5)[2] > 1.5F * at(3.5, 1.5)[2]);  // +z in front, -z behind
-  // Inside the cells: neither mirrored nor upside down.
-  CHECK(at(1.1, 1.5)[0] > 1.2F * at(1.9, 1.5)[0]);  // front
-  CHECK(at(1.5, 1.1)[1] > 1.2F * at(1.5, 1.9)[1]);
-  CHECK(at(0.9, 1.5)[2] > 1.2F * at(0.1, 1.5)[2]);  // left: +z lies to the right of +x
-  CHECK(at(3.9, 1.5)[0] > 1.2F * at(3.1, 1.5)[0]);  // back: +x lies to the right of -z
-  CHECK(at(1.5, 0.9)[2] > 1.2F * at(1.5, 0.1)[2]);  // up: +z is next to the front
-  CHECK(at(1.5, 2.1)[2] > 1.2F * at(1.5, 2.9)[2]);  // down
-  CHECK(at(0.5, 0.5)[1] < 0.05F);                   // nothing beside the arms
-  // Without a seam where cells meet that meet on the sphere.
-  for (const double x : {1.0, 2.0, 3.0}) {
-    for (int c = 0; c < 3; ++c) {
-      const auto channel = static_cast<std::size_t>(c);
-      CHECK(std::abs(at(x - 0.004, 1.5)[channel] - at(x + 0.004, 1.5)[channel]) < 0.02F);
+  const Preview picture(scratch.path() / "out" / "preview_environment.png");
+  REQUIRE(picture.width() == 2 * kHeight);
+  REQUIRE(picture.height() == kHeight);
+  const auto at = [&](double x, double y) { return picture.at(x, y, kHeight); };
+  CHECK(at(0.5, 0.5)[0] > 1.5F * at(1.5, 0.5)[0]);   // +x to the left, -x to the right
+  CHECK(at(1.0, 0.05)[1] > 1.5F * at(1.0, 0.9)[1]);  // +y above, -y below
+  CHECK(at(1.0, 0.5)[2] > 1.5F * at(0.02, 0.5)[2]);  // +z in front, -z behind
+  // Without a seam: the directions change slowly, so that neighbours are alike, across the cube's edges too.
+  for (double x = 0.1; x < 1.9; x += 0.01) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      CHECK(std::abs(at(x, 0.3)[channel] - at(x + 0.004, 0.3)[channel]) < 0.02F);
     }
   }
 }
@@ -111,54 +111,55 @@ TEST_CASE("bake: the balls mirror what is behind the viewer, and are lit from ab
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
   const Preview balls(scratch.path() / "out" / "preview_spheres.png");
-  REQUIRE(balls.height() == 4 * kPitch);
-  REQUIRE(balls.width() == 7 * kPitch);
-  const auto at = [&](double x, double y) { return balls.at(x, y, kPitch); };
-  for (int row = 0; row < 4; ++row) {
-    for (int ball = 0; ball < 7; ++ball) {
+  REQUIRE(balls.height() == 2 * kRow);
+  REQUIRE(balls.width() == 6 * kPitch + 64);
+  for (int row = 0; row < 2; ++row) {
+    for (int ball = 0; ball < 6; ++ball) {
       INFO("row " << row << ", ball " << ball);
-      const double x = ball + 0.5;
-      const double y = row + 0.5;
-      CHECK(at(x + 0.25, y)[0] > 1.1F * at(x - 0.25, y)[0]);  // +x is to the right
-      CHECK(at(x, y - 0.25)[1] > 1.1F * at(x, y + 0.25)[1]);  // +y is up
-      CHECK(at(x, y)[2] > 1.1F * at(x + 0.43, y)[2]);         // +z is behind the viewer
+      const auto at = [&](double u, double v) { return on_ball(balls, ball, row, u, v); };
+      CHECK(at(0.55, 0.0)[0] > 1.05F * at(-0.55, 0.0)[0]);  // +x is to the right
+      CHECK(at(0.0, 0.55)[1] > 1.05F * at(0.0, -0.55)[1]);  // +y is up
+      CHECK(at(0.0, 0.0)[2] > 1.05F * at(0.9, 0.0)[2]);     // +z is behind the viewer
     }
   }
-  const auto corner = at(3.0, 0.02);  // between balls: the background, which is -z
-  CHECK(corner[2] < 0.5F * at(0.5, 0.5)[2]);
 }
 
-TEST_CASE("bake: rows of balls are metals and dielectrics, as large as --preview-size says", "[tools][bake]") {
+TEST_CASE("bake: rows of balls are a metal and a dielectric, as large as --preview-size says", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto in = scratch.path() / "grey.pfm";
   write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
-  constexpr int kSmallPitch = 36;  // of balls of 32 pixels
   const auto balls_of = [&](const std::string& options) {
-    bake_into(scratch.path() / "out", quoted(in) + " --size 16 --preview-size 32" + options);
+    bake_into(scratch.path() / "out", quoted(in) + " --size 16" + options);
     return Preview(scratch.path() / "out" / "preview_spheres.png");
   };
   const Preview balls = balls_of("");
-  CHECK(balls.width() == 7 * kSmallPitch);
-  REQUIRE(balls.height() == 4 * kSmallPitch);
-  const auto ratio = [&](int row, std::size_t channel) {  // to red, of the smoothest ball
-    const auto rgb = balls.at(0.5, row + 0.5, kSmallPitch);
-    return rgb[channel] / rgb[0];
-  };
-  CHECK(ratio(0, 2) > 0.9F);  // silver
-  CHECK(ratio(1, 2) < 0.6F);  // gold
-  CHECK(ratio(2, 1) < 0.5F);  // red
-  CHECK(ratio(3, 2) == Approx(1.0F).margin(0.01));
-  // Edges are antialiased: a row of pixels through the dark red ball's rim has values between ball and background.
-  const float inside = balls.at(0.5, 2.5, kSmallPitch)[1];
-  const float outside = balls.at(0.02, 2.02, kSmallPitch)[1];
+  const auto metal = on_ball(balls, 0, 0, 0.0, 0.0);
+  CHECK(metal[2] < 0.98F * metal[0]);  // silver is a little yellow
+  const auto plastic = on_ball(balls, 3, 1, 0.0, 0.0);
+  CHECK(plastic[2] == Approx(plastic[0]).margin(0.01));
+  CHECK(plastic[0] < 0.7F * metal[0]);
+  // Edges are antialiased: along a row of pixels through the rim there are values between ball and ground.
+  const double top = 0.5 * kPitch - 0.5 * kBall * 0.9;
+  const float ground = balls.at(2, 2)[0];
+  const float inside = balls.at(32.0 + 0.5 * kPitch, top)[0];
   int between = 0;
-  for (int column = 0; column < kSmallPitch; ++column) {
-    const float green = balls.at(column, 2 * kSmallPitch + 4)[1];
-    if (green > 1.2F * inside && green < 0.9F * outside) ++between;
+  for (int column = 0; column < kPitch; ++column) {
+    const float red = balls.at(32.0 + column, top)[0];
+    if (red > 1.3F * ground && red < 0.7F * inside) ++between;
   }
   CHECK(between >= 2);
+  CHECK(between <= 8);
+  // There is a label below each ball.
+  int inked = 0;
+  for (int column = 0; column < kPitch; ++column) {
+    if (balls.at(32.0 + column, 0.5 * kPitch + 0.5 * kBall + 1.8 * kBall / 18.0)[0] > 0.4F) ++inked;
+  }
+  CHECK(inked > 10);
+  const Preview small = balls_of(" --preview-size 32");
+  CHECK(small.width() == 6 * 36 + 8);
+  CHECK(small.height() == 2 * 40);
   // Without irradiance a dielectric cannot be shown.
-  CHECK(balls_of(" --irradiance 0").height() == 2 * kSmallPitch);
+  CHECK(balls_of(" --preview-size 32 --irradiance 0").height() == 40);
   CHECK(run_welkin("bake " + quoted(in) + " --preview-size 7 -o " + quoted(scratch.path() / "no")).exit_code == 2);
   CHECK_FALSE(std::filesystem::exists(scratch.path() / "no"));
 }
@@ -166,23 +167,87 @@ TEST_CASE("bake: rows of balls are metals and dielectrics, as large as --preview
 TEST_CASE("bake: the built-in sky's sun is in the upper half", "[tools][bake]") {
   const TemporaryFolder scratch;
   bake_into(scratch.path() / "out", "--sky --size 128");
-  const Preview cross(scratch.path() / "out" / "preview_environment.png");
+  const Preview picture(scratch.path() / "out" / "preview_environment.png");
   double weight = 0.0;
   double rows = 0.0;
-  for (int row = kCell; row < 2 * kCell; ++row) {
-    for (int column = 0; column < 4 * kCell; ++column) {
-      const auto rgb = cross.at(column, row);
+  for (int row = 0; row < kHeight - 40; ++row) {  // above the axes' names
+    for (int column = 0; column < 2 * kHeight; ++column) {
+      const auto rgb = picture.at(column, row);
       const double light = std::pow(rgb[0] * rgb[1] * rgb[2], 4.0);
       weight += light;
-      rows += light * (row - kCell);
+      rows += light * row;
     }
   }
-  CHECK(rows / weight < 0.5 * kCell);
-  const auto sky = cross.at(2.5, 1.2, kCell);
-  const auto ground = cross.at(2.5, 1.9, kCell);
+  CHECK(rows / weight < 0.5 * kHeight);
+  const auto sky = picture.at(1.6, 0.3, kHeight);
+  const auto ground = picture.at(1.6, 0.7, kHeight);
   CHECK(sky[2] > 1.3F * sky[0]);
   CHECK(ground[2] < 1.2F * ground[0]);
   CHECK(ground[2] < sky[2]);
+}
+
+// Promise: the exposure shows what is lit, whatever else is in the picture, or is what --exposure says.
+
+namespace {
+
+/// Surroundings of 64 x 32 texels: `share` of the rows from above have the light `lit`, the rest `dark`; one texel is a
+/// sun.
+std::vector<float> half_lit(double share, float lit, float dark, float sun) {
+  std::vector<float> pixels;
+  for (int row = 0; row < 32; ++row) {
+    for (int value = 0; value < 64 * 3; ++value) pixels.push_back(row < share * 32 ? lit : dark);
+  }
+  for (std::size_t channel = 0; channel < 3; ++channel) pixels[(4 * 64 + 20) * 3 + channel] = sun;
+  return pixels;
+}
+
+}  // namespace
+
+TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto in = scratch.path() / "in.pfm";
+  const auto exposure_of = [&](const std::vector<float>& pixels, const std::string& options = "") {
+    write_pfm(in, 64, 32, pixels);
+    return bake_into(scratch.path() / "out",
+                     quoted(in) + " --size 32 --irradiance 0 --no-brdf --preview-size 16" + options)
+        .at("previews")
+        .at("exposure")
+        .get<double>();
+  };
+  const double even = exposure_of(grey_picture(64, 32, 0.5F));
+  CHECK(even == Approx(0.72).epsilon(1e-6));                                           // 0.36 / 0.5
+  CHECK(exposure_of(half_lit(0.3, 0.5F, 1e-5F, 0.5F)) == Approx(even).epsilon(1e-3));  // a studio
+  CHECK(exposure_of(half_lit(0.3, 0.5F, 0.0F, 0.5F)) == Approx(even).epsilon(1e-3));
+  CHECK(exposure_of(half_lit(1.0, 0.5F, 0.5F, 1e6F)) == Approx(even).epsilon(0.1));  // a sun
+  CHECK(exposure_of(half_lit(0.0, 0.0F, 0.0F, 5.0F)) < 10.0);                        // nothing but a lamp
+  // As a camera's stops: 2^EV, whatever is there.
+  CHECK(exposure_of(grey_picture(64, 32, 0.5F), " --exposure -1.5") == Approx(std::exp2(-1.5)));
+  CHECK(exposure_of(grey_picture(64, 32, 500.0F), " --exposure 0") == 1.0);
+  CHECK(run_welkin("bake " + quoted(in) + " --exposure bright -o " + quoted(scratch.path() / "no")).exit_code == 2);
+}
+
+TEST_CASE("bake: the studios and the outdoor pictures are shown alike", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  for (const char* name : {"blender_studio.exr", "pmndrs_studio.exr", "studio_small_03_1k.hdr", "venice_sunset_1k.hdr",
+                           "blender_city.exr", "dikhololo_night_1k.hdr"}) {
+    const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
+    if (!std::filesystem::exists(path)) continue;
+    INFO(name);
+    bake_into(scratch.path() / "out", quoted(path) + " --size 64 --preview-size 16");
+    const Preview picture(scratch.path() / "out" / "preview_environment.png");
+    int white = 0;
+    int grey = 0;
+    for (int row = 0; row < kHeight; row += 4) {
+      for (int column = 0; column < 2 * kHeight; column += 4) {
+        const auto rgb = picture.at(column, row);
+        white += std::min({rgb[0], rgb[1], rgb[2]}) > 0.95F ? 1 : 0;
+        grey += rgb[1] > 0.05F && rgb[1] < 0.9F ? 1 : 0;
+      }
+    }
+    const int all = kHeight / 4 * kHeight / 2;
+    CHECK(white < all / 8);
+    CHECK(grey > all / 4);
+  }
 }
 
 TEST_CASE("bake: a map without light has black previews", "[tools][bake]") {
@@ -191,7 +256,7 @@ TEST_CASE("bake: a map without light has black previews", "[tools][bake]") {
   write_pfm(in, 8, 4, grey_picture(8, 4, 0.0F));
   bake_into(scratch.path() / "out", quoted(in) + " --size 8");
   const Preview balls(scratch.path() / "out" / "preview_spheres.png");
-  for (const float value : balls.at(72, 72)) CHECK(value == 0.0F);
+  for (const float value : on_ball(balls, 0, 0, 0.0, 0.0)) CHECK(value == 0.0F);
 }
 
 // Promise: the same input gives the same files, bit for bit, on any number of threads and every instruction set; only

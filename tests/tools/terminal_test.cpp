@@ -1,0 +1,345 @@
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "places.h"
+#include "support/catch.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+#include "welkin/reflections.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+// Promises: help fits a screen, slips are answered with what was meant, and terminals alone get colours and progress.
+
+namespace {
+
+const std::vector<std::string> kCommands = {"bake", "sh", "sky", "info", "convert", "testmap", "report"};
+
+/// As it comes out of a terminal of its own: script(1) makes one.
+std::string on_terminal(const std::string& arguments, const std::string& environment = "") {
+  const TemporaryFolder folder;
+  const auto typed = folder.path() / "typed";
+  const std::string command = environment + " TERM=xterm " + quoted(WELKIN_COMMAND) + " " + arguments;
+  const CommandResult result =
+      run_program("/usr/bin/env", "script -qec \"" + command + "\" " + quoted(typed) + " < /dev/null");
+  return result.output;
+}
+
+std::string errors_of(const std::string& arguments) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments);
+  CHECK(result.exit_code == 2);
+  CHECK(result.output.empty());
+  return result.errors;
+}
+
+}  // namespace
+
+TEST_CASE("command: --help fits a screen, and says where the rest is", "[tools]") {
+  for (const std::string& command : kCommands) {
+    const CommandResult result = run_welkin(command + " --help");
+    INFO(result.output);
+    CHECK(result.exit_code == 0);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') <= 50);
+    CHECK(contains(result.output, "Usage: welkin " + command));
+    CHECK(contains(result.output, "Examples:"));
+    CHECK(contains(result.output, "welkin " + command + " --help-all"));
+    CHECK(contains(result.output, "Exit codes:"));
+    CHECK(run_welkin("help " + command).output == result.output);
+    CHECK(run_welkin(command + " --help-all").output.size() > result.output.size());
+  }
+  const CommandResult all = run_welkin("--help");
+  CHECK(std::count(all.output.begin(), all.output.end(), '\n') <= 50);
+  for (const std::string& command : kCommands) CHECK(contains(all.output, "\n  " + command));
+  CHECK(run_welkin("help").output == all.output);
+  CHECK(run_welkin("-h").output == all.output);
+  CHECK(run_welkin("-V").output == run_welkin("--version").output);
+}
+
+TEST_CASE("command: inputs are named by their formats", "[tools]") {
+  for (const char* command : {"bake", "sh", "info", "convert"}) {
+    const std::string help = run_welkin(std::string(command) + " --help").output;
+    INFO(help);
+    for (const char* format : {"OpenEXR", ".hdr", "PFM", "PNG", "KTX2", "DDS", ".env"}) CHECK(contains(help, format));
+  }
+}
+
+TEST_CASE("command: slips are answered with the nearest right word", "[tools]") {
+  CHECK(contains(errors_of("bakee x.hdr -o out"), "there is no command bakee; did you mean bake?"));
+  CHECK(contains(errors_of("hlep"), "did you mean help?"));
+  CHECK(contains(errors_of("help bakee"), "there is no command bakee; did you mean bake?"));
+  CHECK(contains(errors_of("''"), "there is no command"));
+  CHECK(contains(errors_of("bake x.hdr --sise 256 -o out"), "there is no option --sise; did you mean --size?"));
+  CHECK(contains(errors_of("bake x.hdr --sise=256 -o out"), "there is no option --sise; did you mean --size?"));
+  CHECK(contains(errors_of("bake x.hdr --ouput out"), "there is no option --ouput; did you mean --output?"));
+  CHECK(contains(errors_of("sh x.hdr --for untiy"), "did you mean unity?"));
+  CHECK_FALSE(contains(errors_of("sh --frobnicate"), "did you mean"));
+  CHECK(contains(errors_of("sh one.exr two.exr"), "two.exr is an argument too many"));
+  CHECK(contains(errors_of("report --quik"), "did you mean --quick?"));
+}
+
+TEST_CASE("command: words are taken whatever their case", "[tools]") {
+  const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
+  CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
+  const TemporaryFolder folder;
+  const std::string small = " --size 4 --irradiance 0 --no-brdf --no-previews ";
+  const auto manifest = bake_into(folder.path() / "out", "--sky --formats KTX2,Exr --roughness Unity" + small);
+  CHECK(manifest.at("options").at("roughness") == "unity");
+  CHECK(file_of(manifest, "specular.exr").at("mips") == 3);
+}
+
+TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools]") {
+  const TemporaryFolder folder;
+  const std::string bake =
+      "bake --sky --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
+  for (const std::string& quiet :
+       {bake + " --quiet", bake + " -q", "testmap --size 4 -q -o " + quoted(folder.path() / "t.exr"), "-q " + bake}) {
+    INFO(quiet);
+    const CommandResult result = run_welkin(quiet);
+    CHECK(result.exit_code == 0);
+    CHECK(result.output.empty());
+    CHECK(result.errors.empty());
+  }
+  CHECK(nlohmann::json::parse(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
+  CHECK(contains(run_welkin("sh --sky -q").output, "radiance"));
+  const CommandResult verbose = run_welkin(bake + " --verbose");
+  CHECK(contains(verbose.output, "manifest.json"));
+  for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
+}
+
+TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
+  const std::string escape = "\033[";
+  CHECK_FALSE(contains(run_welkin("--help").output, escape));
+  CHECK_FALSE(contains(run_welkin("nonsense").errors, escape));
+  if (run_program("/usr/bin/env", "script --version").exit_code != 0) {
+    WARN("left out: there is no script(1) to make a terminal");
+    return;
+  }
+  CHECK(contains(on_terminal("--help"), escape));
+  CHECK(contains(on_terminal("nonsense"), escape));
+  CHECK_FALSE(contains(on_terminal("--help", "NO_COLOR=1"), escape));
+  CHECK_FALSE(contains(on_terminal("nonsense", "NO_COLOR=1"), escape));
+  CHECK(contains(on_terminal("--help", "NO_COLOR="), escape));  // empty is as good as not there
+}
+
+TEST_CASE("command: a terminal is told stage, share and time left", "[tools]") {
+  if (run_program("/usr/bin/env", "script --version").exit_code != 0) return;
+  const TemporaryFolder folder;
+  const std::string slow =
+      "bake --sky --size 32 --method reference --threads 1 --no-previews -o " + (folder.path() / "o").string();
+  const std::string shown = on_terminal(slow);
+  INFO(shown);
+  CHECK(contains(shown, "bake  ["));
+  CHECK(contains(shown, " % "));
+  CHECK(contains(shown, "s left"));
+  CHECK_FALSE(contains(on_terminal(slow + " --quiet"), "["));
+  CHECK(contains(on_terminal("report --scale tiny --no-peers --passes prefilter -o " + (folder.path() / "r").string()),
+                 "prefilter"));
+}
+
+// Promise: - is standard input and output, with the results of files.
+
+TEST_CASE("command: - reads standard input", "[tools]") {
+  const TemporaryFolder folder;
+  const auto in = folder.path() / "in.pfm";
+  std::vector<float> pixels = grey_picture(32, 16, 1.0F);
+  pixels[77] = 9.0F;
+  write_pfm(in, 32, 16, pixels);
+  const std::string from = " < " + quoted(in);
+  auto file = run_sh_json_without_times(quoted(in));
+  auto piped = run_sh_json_without_times("-" + from);
+  CHECK(piped.at("source").at("path") == "standard input");
+  CHECK(piped.at("radiance") == file.at("radiance"));
+  CHECK(run_sh_json_without_times("- --take-out-sun" + from).at("radiance") ==
+        run_sh_json_without_times("--take-out-sun " + quoted(in)).at("radiance"));
+  CHECK(contains(run_welkin("info -" + from).output, "32 x 16"));
+  const std::string bake = " --size 8 --irradiance 4 --brdf 4 --no-previews";
+  bake_into(folder.path() / "file", quoted(in) + bake);
+  const auto manifest = bake_into(folder.path() / "piped", "-" + bake + from);
+  CHECK(manifest.at("source").at("path") == "standard input");
+  CHECK((file_text(folder.path() / "piped" / "specular.ktx2") == file_text(folder.path() / "file" / "specular.ktx2")));
+  const CommandResult none = run_welkin("info - < /dev/null");
+  CHECK(none.exit_code == 1);
+  CHECK(contains(none.errors, "standard input"));
+  const CommandResult much = run_welkin("info --memory-limit 1KiB -" + from);
+  CHECK(much.exit_code == 1);
+  CHECK(contains(much.errors, "standard input"));
+}
+
+TEST_CASE("command: - writes standard output, and nothing else there", "[tools]") {
+  const TemporaryFolder folder;
+  const auto in = folder.path() / "in.pfm";
+  write_pfm(in, 32, 16, grey_picture(32, 16, 0.5F));
+  for (const std::string format : {"exr", "hdr", "pfm", "png"}) {
+    INFO(format);
+    const auto file = folder.path() / ("out." + format);
+    REQUIRE(run_welkin("convert " + quoted(in) + " " + quoted(file)).exit_code == 0);
+    const CommandResult piped = run_welkin("convert - - --format " + format + " < " + quoted(in));
+    CHECK(piped.exit_code == 0);
+    CHECK((piped.output == file_text(file)));
+  }
+  CHECK((run_welkin("testmap --size 16 -o -").output.substr(0, 4) == "\x76\x2f\x31\x01"));  // OpenEXR's magic number
+  CHECK(run_welkin("convert " + quoted(in) + " - --layout six-files").exit_code == 2);
+}
+
+// Promise: shells and man know what the tables know.
+
+TEST_CASE("command: bash completes commands, options and words", "[tools]") {
+  const TemporaryFolder folder;
+  const auto script = folder.path() / "welkin.bash";
+  std::ofstream(script) << run_welkin("completion bash").output;
+  const auto completed = [&](const std::string& words, int last) {
+    const std::string lines = "source " + quoted(script) + "; COMP_WORDS=(" + words +
+                              "); COMP_CWORD=" + std::to_string(last) + "; _welkin; echo \"${COMPREPLY[@]}\"";
+    std::ofstream(folder.path() / "run.bash") << lines;
+    const CommandResult result = run_program("/usr/bin/env", "bash " + quoted(folder.path() / "run.bash"));
+    CHECK(result.errors.empty());
+    return result.output;
+  };
+  CHECK(completed("welkin ba", 1) == "bake\n");
+  CHECK(contains(completed("welkin help s", 2), "sky"));
+  CHECK(completed("welkin bake --prev", 2) == "--preview-size\n");
+  CHECK(completed("welkin sh in.hdr --for un", 4) == "unity unreal\n");
+  CHECK(completed("welkin completion z", 2) == "zsh\n");
+  CHECK(completed("welkin bake --size 5", 3) == "\n");
+}
+
+TEST_CASE("command: zsh's completion is sound where zsh can tell", "[tools]") {
+  const std::string script = run_welkin("completion zsh").output;
+  CHECK(script.rfind("#compdef welkin", 0) == 0);
+  CHECK(contains(script, "'--for["));
+  CHECK(contains(script, "(welkin openexr babylon"));
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "_welkin") << script;
+  const CommandResult checked = run_program("/usr/bin/env", "zsh -n " + quoted(folder.path() / "_welkin"));
+  if (checked.exit_code == 127) {
+    WARN("left out: there is no zsh");
+    return;
+  }
+  CHECK(checked.exit_code == 0);
+}
+
+TEST_CASE("command: the manual page names every command and option", "[tools]") {
+  const TemporaryFolder folder;
+  const auto page = folder.path() / "welkin.1";
+  std::ofstream(page) << run_welkin("completion manual").output;
+  const CommandResult shown = run_program("/usr/bin/env", "groff -man -Tascii -P-cbu -ww " + quoted(page));
+  if (shown.exit_code == 127) {
+    WARN("left out: there is no groff");
+    return;
+  }
+  CHECK(shown.exit_code == 0);
+  CHECK(shown.errors.empty());
+  for (const char* part : {"NAME", "--sun-elevation", "--preview-size", "--take-out-sun", "Exit codes", "NO_COLOR"}) {
+    INFO(part);
+    CHECK(contains(shown.output, part));
+  }
+}
+
+// Promise: what is written can be given away. It says nothing of the folders of the machine that wrote it.
+
+TEST_CASE("bake: no file that is written holds an absolute path", "[tools][bake]") {
+  const TemporaryFolder folder;
+  const auto in = folder.path() / "city.pfm";
+  write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
+  const auto out = folder.path() / "out";
+  REQUIRE(run_welkin("bake " + quoted(in) + " --size 8 --irradiance 4 --brdf 4 --explain --cache " +
+                     quoted(folder.path() / "cache") + " -o " + quoted(out))
+              .exit_code == 0);
+  for (const char* name : {"manifest.json", "sh.json", "sh.h"}) {
+    INFO(name);
+    const std::string text = file_text(out / name);
+    CHECK(contains(text, "city.pfm"));
+    CHECK_FALSE(contains(text, folder.path().string()));
+  }
+  CHECK(manifest_of(out).at("source").at("path") == "city.pfm");
+  CHECK_FALSE(contains(run_welkin("sh --format c " + quoted(in)).output, folder.path().string()));
+}
+
+// Promise: what is baked for an engine has the roughness that its shader looks for.
+
+TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake]") {
+  const TemporaryFolder folder;
+  const std::string small = " --irradiance 0 --no-brdf --no-previews ";
+  const auto roughness = [&](const std::string& options) {
+    std::vector<double> table;
+    const auto manifest = bake_into(folder.path() / "out", "--sky" + small + options);
+    for (const auto& mip : manifest.at("specular")) {
+      table.push_back(mip.at("roughness").get<double>());
+    }
+    return table;
+  };
+  CHECK(roughness("--size 64 --roughness unity") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
+  CHECK(roughness("--size 64 --for unity") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
+  CHECK(roughness("--size 64 --for unreal") == roughness_of_mips(RoughnessSchedule::unreal, 7, 64));
+  CHECK(roughness("--size 64 --for unity --roughness linear") == roughness_of_mips(RoughnessSchedule::linear, 5, 64));
+  // The same default in the library.
+  const LatLongImage grey{16, 8, grey_picture(16, 8, 1.0F)};
+  std::vector<double> of_library;
+  for (const MipRecord& mip : prefilter_specular(grey.view(), {.size = 64}).mips) of_library.push_back(mip.roughness);
+  CHECK(roughness("--size 64") == of_library);
+}
+
+TEST_CASE("bake: an .env is made where it is asked for", "[tools][bake]") {
+  const TemporaryFolder folder;
+  const auto out = folder.path() / "out";
+  const std::string small = "--sky --size 8 --irradiance 0 --no-brdf --no-previews ";
+  const auto has_env = [&](const std::string& options) {
+    std::filesystem::remove_all(out);
+    bake_into(out, small + options);
+    return std::filesystem::exists(out / "environment.env");
+  };
+  CHECK_FALSE(has_env(""));
+  CHECK(has_env("--formats ktx2,env"));
+  CHECK(has_env("--for babylon"));
+  CHECK_FALSE(has_env("--for babylon --formats ktx2"));
+}
+
+// Promise: a map for an engine names that engine's axes, where the engine looks for them.
+
+TEST_CASE("testmap: --for writes the engine's axes", "[tools]") {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const std::string& options) {
+    const auto file = folder.path() / "map.exr";
+    REQUIRE(run_welkin("testmap -o " + quoted(file) + " --size 64 --type float " + options).exit_code == 0);
+    return read_environment(file);
+  };
+  // Red is x, green y, blue z, and a positive axis is the primary colour: docs/orientation.md.
+  const auto colour = [](const Environment& map, double column, double row) {
+    const auto at = static_cast<std::size_t>(row * map.info.height) * static_cast<std::size_t>(map.info.width) +
+                    static_cast<std::size_t>(column * map.info.width);
+    const float* const rgb = map.pixels.get() + 3 * at;
+    return std::string(rgb[0] > rgb[1] && rgb[0] > rgb[2] ? "r" : rgb[2] > rgb[0] && rgb[2] > rgb[1] ? "b" : "other");
+  };
+  constexpr double kLow = 0.66;                            // below the letters
+  CHECK(colour(drawn(""), 0.53, kLow) == "b");             // Welkin's centre is +z
+  CHECK(colour(drawn("--for unity"), 0.53, kLow) == "r");  // Unity's is +x,
+  CHECK(colour(drawn("--for unity"), 0.28, kLow) == "b");  // and its +z on the left (docs/orientation.md)
+  // What convert makes of the plain map for an engine lies where its own map lies.
+  for (const std::string engine : {"unity", "unreal", "three", "babylon"}) {
+    INFO(engine);
+    const auto own = drawn("--layout vertical-strip --for " + engine);
+    const auto plain = folder.path() / "plain.exr";
+    const auto turned = folder.path() / "turned.exr";
+    REQUIRE(run_welkin("testmap -o " + quoted(plain) + " --layout vertical-strip --size 64 --type float").exit_code ==
+            0);
+    REQUIRE(run_welkin("convert " + quoted(plain) + " " + quoted(turned) + " --type float --for " + engine).exit_code ==
+            0);
+    const auto other = read_environment(turned);
+    // The same lines and letters' shadows; the colours are others.
+    std::size_t alike = 0;
+    const std::size_t texels = 6 * 64 * 64;
+    for (std::size_t i = 0; i < texels; ++i) {
+      const auto lines = [i](const Environment& map) {
+        return map.pixels.get()[3 * i] > 0.7F && map.pixels.get()[3 * i + 1] > 0.7F;
+      };
+      alike += lines(own) == lines(other) ? 1 : 0;
+    }
+    CHECK(alike > texels * 9 / 10);
+  }
+}

@@ -1,0 +1,166 @@
+#include "tools/help.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "tools/arguments.h"
+#include "tools/terminal.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr std::size_t kPageWidth = 80;
+constexpr std::size_t kOptionWidth = 28;
+
+std::string broken_at(const std::string& text, std::size_t width) {
+  std::istringstream words(text);
+  std::string lines;
+  std::size_t used = 0;
+  for (std::string word; words >> word; used += word.size() + 1) {
+    const bool fits = used + word.size() < width;
+    if (!lines.empty()) lines += fits ? ' ' : '\n';
+    if (!fits) used = 0;
+    lines += word;
+  }
+  return lines;
+}
+
+}  // namespace
+
+HelpFormatter::HelpFormatter() { column_width(kOptionWidth); }
+
+std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
+  return broken_at(option->get_description(), kPageWidth - kOptionWidth);
+}
+
+std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
+  if (option->get_type_size() == 0) return "";
+  std::string text;
+  if (!option->get_type_name().empty()) text += ' ' + option->get_type_name();
+  if (option->get_required()) text += " REQUIRED";
+  if (!option->get_envname().empty()) text += " (environment: " + option->get_envname() + ')';
+  return text;
+}
+
+namespace {
+
+/// Up to the first full stop, semicolon or colon.
+std::string first_clause(const std::string& text) {
+  std::size_t end = text.size();
+  for (const char* mark : {". ", "; ", ": "}) end = std::min(end, text.find(mark));
+  return text.substr(0, end);
+}
+
+/// The paragraph of the notes that begins with a heading, and at most so many lines of it; a line that is indented
+/// more than its first belongs to the one before.
+std::string paragraph(const std::string& notes, const std::string& heading, int most) {
+  const std::size_t start = notes.find(heading);
+  if (start == std::string::npos) return "";
+  std::istringstream lines(notes.substr(start));
+  std::string text;
+  int count = 0;
+  for (std::string line; count <= most && std::getline(lines, line) && !line.empty(); ++count) text += line + '\n';
+  return text;
+}
+
+/// Names an option as the tables do: with or without its hyphens, or a place on the command line.
+bool is_named(const CLI::Option& option, const std::string& name) {
+  return option.check_name(name) || option.get_name(true) == name;
+}
+
+}  // namespace
+
+void shorten(CLI::App& command, const std::vector<std::string>& everyday) {
+  constexpr int kExamples = 5;
+  for (CLI::Option* const option : command.get_options()) {
+    const bool shown = everyday.empty() || std::ranges::any_of(everyday, [option](const std::string& name) {
+                         return is_named(*option, name);
+                       });
+    const std::string group = option->get_group();
+    const bool own_heading = group == kRunningGroup || group.ends_with("utput");
+    if (!shown) {
+      option->group("");
+    } else if (!everyday.empty() && !option->get_positional() && !own_heading) {
+      option->group("Result");  // a heading for each two options would fill the screen
+    }
+    option->description(first_clause(option->get_description()));
+  }
+  const std::string notes = command.get_footer();
+  const bool whole = command.get_parent() == nullptr;
+  const std::string all = whole ? "welkin help COMMAND" : "welkin " + command.get_name() + " --help-all";
+  const std::string more = whole ? "    all about a command\n" : "    every option, with details\n";
+  command.footer(paragraph(notes, "Examples:", kExamples) + "\n  " + all + more + '\n' +
+                 paragraph(notes, "Exit codes:", 2));
+}
+
+std::string with_headings(const std::string& text) {
+  std::istringstream lines(text);
+  std::string styled_text;
+  bool was_empty = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() && was_empty) continue;  // CLI11 parts groups by two lines
+    was_empty = line.empty();
+    const std::size_t colon = line.find(':');
+    const bool heading = !line.empty() && line.front() != ' ' && colon != std::string::npos;
+    styled_text +=
+        heading ? styled(line.substr(0, colon + 1), Style::heading, Stream::output) + line.substr(colon + 1) : line;
+    styled_text += '\n';
+  }
+  return styled_text;
+}
+
+namespace {
+
+/// Letters to be changed, added, left out or swapped with a neighbour (Damerau 1964, as optimal string alignment).
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        rows[i][j] = i + j;
+        continue;
+      }
+      const std::size_t change = a[i - 1] == b[j - 1] ? 0 : 1;
+      rows[i][j] = std::min({rows[i - 1][j] + 1, rows[i][j - 1] + 1, rows[i - 1][j - 1] + change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        rows[i][j] = std::min(rows[i][j], rows[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return rows[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+  const std::string typed = CLI::detail::to_lower(word);
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  for (const std::string& each : words) {
+    const std::size_t away = distance(typed, CLI::detail::to_lower(each));
+    if (away >= least) continue;
+    least = away;
+    nearest = each;
+  }
+  return nearest;
+}
+
+std::string nearest_command(const std::string& word, const CLI::App& program) {
+  std::vector<std::string> names = {"help"};
+  for (const CLI::App* const command : program.get_subcommands({})) names.push_back(command->get_name());
+  return nearest_word(word, names);
+}
+
+std::string nearest_option(const std::string& word, const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return nearest_word(word, names);
+}
+
+std::string did_you_mean(const std::string& nearest) {
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+}
+
+}  // namespace welkin::tool

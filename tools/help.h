@@ -1,0 +1,35 @@
+// What --help prints, and which word was meant. CLI11 lays the text out.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace welkin::tool {
+
+/// Breaks the options' descriptions at 80 columns, which CLI11's own formatter does not.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter();
+  std::string make_option_desc(const CLI::Option* option) const override;
+  /// Without the options that this one needs or excludes: who breaks the rule is told.
+  std::string make_option_opts(const CLI::Option* option) const override;
+};
+
+/// Leaves of a command's help what fits a screen: the options of these names (all of them if there are none), of each
+/// description the first clause, of the notes a few examples and the exit codes, and where the rest is found.
+void shorten(CLI::App& command, const std::vector<std::string>& everyday);
+
+/// The headings of a help text in bold, if standard output is a terminal that shows it.
+[[nodiscard]] std::string with_headings(const std::string& text);
+
+/// The word that is nearest to another by letters to be changed, added, left out or swapped with a neighbour, without
+/// regard to case. Empty if none is near: a third of the letters may be wrong.
+[[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
+[[nodiscard]] std::string nearest_command(const std::string& word, const CLI::App& program);
+[[nodiscard]] std::string nearest_option(const std::string& word, const CLI::App& command);
+
+/// "; did you mean --size?", or nothing where there is nothing.
+[[nodiscard]] std::string did_you_mean(const std::string& nearest);
+
+}  // namespace welkin::tool

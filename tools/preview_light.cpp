@@ -1,0 +1,279 @@
+#include "tools/preview_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/common.hpp>
+#include <limits>
+#include <numbers>
+
+#include "files/png.h"
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "math/elementary.h"
+#include "platform/file.h"
+#include "tools/lettering.h"
+
+namespace welkin::tool {
+namespace {
+
+double curve(double x) {
+  const double light = std::min(x > 0.0 ? x : 0.0, 1e6);  // NaN is above nothing
+  return std::min(1.0, light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14));
+}
+
+// The exposure.
+
+constexpr double kBrightSurroundings = 0.36;  // a stop above middle grey
+constexpr double kPercentile = 0.75;
+constexpr double kUnclipped = 0.99;   // what is brighter counts as much as this percentile
+constexpr double kDark = 1.0 / 32.0;  // of the mean: what is darker is not lit
+
+/// A texel's luminance, and its solid angle but for a factor.
+struct Sample {
+  double luminance;
+  double weight;
+};
+
+/// By rising luminance; what is no number, or below 0, is dark.
+std::vector<Sample> samples_of(const CubemapView& level) {
+  std::vector<Sample> samples;
+  for (const void* const face : level.faces) {
+    const auto* rgb = static_cast<const float*>(face);
+    for (int row = 0; row < level.size; ++row) {
+      const double v = (2.0 * row + 1.0) / level.size - 1.0;
+      for (int column = 0; column < level.size; ++column, rgb += 3) {
+        const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        const double u = (2.0 * column + 1.0) / level.size - 1.0;
+        const double squared = 1.0 + u * u + v * v;
+        samples.push_back({luminance > 0.0 ? luminance : 0.0, 1.0 / (squared * std::sqrt(squared))});
+      }
+    }
+  }
+  std::ranges::sort(samples, {}, &Sample::luminance);
+  return samples;
+}
+
+/// Of the samples whose luminance is at least `least`: the luminance that `share` of their solid angle does not exceed.
+double percentile(const std::vector<Sample>& samples, double share, double least) {
+  double whole = 0.0;
+  for (const Sample& sample : samples) whole += sample.luminance >= least ? sample.weight : 0.0;
+  double below = 0.0;
+  for (const Sample& sample : samples) {
+    if (sample.luminance < least) continue;
+    below += sample.weight;
+    if (below >= share * whole) return sample.luminance;
+  }
+  return samples.back().luminance;
+}
+
+double mean_luminance(const std::vector<Sample>& samples, double most) {
+  double sum = 0.0;
+  double weights = 0.0;
+  for (const Sample& sample : samples) {
+    sum += sample.weight * std::min(sample.luminance, most);
+    weights += sample.weight;
+  }
+  return sum / weights;
+}
+
+}  // namespace
+
+glm::dvec3 ToneMap::operator()(const glm::dvec3& radiance) const noexcept {
+  return {curve(exposure * radiance.x), curve(exposure * radiance.y), curve(exposure * radiance.z)};
+}
+
+double ToneMap::stops() const noexcept { return math::logarithm(exposure) / std::numbers::ln2; }
+
+ToneMap tone_map_of(const CubemapView& level) {
+  const std::vector<Sample> samples = samples_of(level);
+  const double most = percentile(samples, kUnclipped, 0.0);
+  // A lamp of less than a hundredth of the sphere before black: only itself can be shown.
+  const double mean = mean_luminance(samples, most > 0.0 ? most : samples.back().luminance);
+  const double bright = percentile(samples, kPercentile, std::max(kDark * mean, std::numeric_limits<double>::min()));
+  const double exposure = kBrightSurroundings / bright;
+  return bright > 0.0 && std::isfinite(exposure) && exposure > 0.0 ? ToneMap{exposure} : ToneMap{};
+}
+
+namespace {
+
+/// Where a direction meets the cube.
+struct Place {
+  std::size_t face;
+  float u, v;  ///< in [-1, 1]
+};
+
+/// By the frames of `CubemapView`, as `image::face_frame` has them.
+Place place_of(const glm::vec3& d) {
+  const glm::vec3 size = glm::abs(d);
+  if (size.x >= size.y && size.x >= size.z) {
+    return d.x > 0.0F ? Place{0, -d.z / size.x, -d.y / size.x} : Place{1, d.z / size.x, -d.y / size.x};
+  }
+  if (size.y >= size.z) {
+    return d.y > 0.0F ? Place{2, d.x / size.y, d.z / size.y} : Place{3, d.x / size.y, -d.z / size.y};
+  }
+  return d.z > 0.0F ? Place{4, d.x / size.z, -d.y / size.z} : Place{5, -d.x / size.z, -d.y / size.z};
+}
+
+const float* texel(const CubemapView& level, std::size_t face, int column, int row) {
+  return static_cast<const float*>(level.faces[face]) + (std::ptrdiff_t{row} * level.size + column) * 3;
+}
+
+glm::vec3 colour(const float* rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+
+int nearest(float u, int size) {
+  return std::clamp(static_cast<int>((u + 1.0F) * 0.5F * static_cast<float>(size)), 0, size - 1);
+}
+
+/// A texel that may lie one beyond the face's edge: it is then the neighbour's, and at a corner, where three faces
+/// meet and there is no fourth texel, the mean of the three.
+glm::vec3 texel_or_neighbour(const CubemapView& level, std::size_t face, int column, int row) {
+  const int size = level.size;
+  const int inner_column = std::clamp(column, 0, size - 1);
+  const int inner_row = std::clamp(row, 0, size - 1);
+  if (column == inner_column && row == inner_row) return colour(texel(level, face, column, row));
+  if (column != inner_column && row != inner_row) {
+    return (colour(texel(level, face, inner_column, inner_row)) + texel_or_neighbour(level, face, column, inner_row) +
+            texel_or_neighbour(level, face, inner_column, row)) /
+           3.0F;
+  }
+  const image::Frame& frame = image::face_frame(static_cast<int>(face));
+  const double u = (2.0 * column + 1.0) / size - 1.0;
+  const double v = (2.0 * row + 1.0) / size - 1.0;
+  const Place place = place_of(glm::vec3(frame.normal + u * frame.u + v * frame.v));
+  return colour(texel(level, place.face, nearest(place.u, size), nearest(place.v, size)));
+}
+
+glm::vec3 mixed(const glm::vec3& from, const glm::vec3& to, float share) { return from + (to - from) * share; }
+
+glm::vec3 bilinear(const CubemapView& level, const Place& place) {
+  const float half = 0.5F * static_cast<float>(level.size);
+  const float x = (place.u + 1.0F) * half + 0.5F;  // one more than the column, so that it is above 0
+  const float y = (place.v + 1.0F) * half + 0.5F;
+  const int column = static_cast<int>(x) - 1;
+  const int row = static_cast<int>(y) - 1;
+  const float right = x - static_cast<float>(column + 1);
+  const float below = y - static_cast<float>(row + 1);
+  if (column >= 0 && row >= 0 && column + 1 < level.size && row + 1 < level.size) {
+    const float* const upper = texel(level, place.face, column, row);
+    const float* const lower = upper + std::ptrdiff_t{3} * level.size;
+    return mixed(mixed(colour(upper), colour(upper + 3), right), mixed(colour(lower), colour(lower + 3), right), below);
+  }
+  const auto get = [&](int i, int j) { return texel_or_neighbour(level, place.face, column + i, row + j); };
+  return mixed(mixed(get(0, 0), get(1, 0), right), mixed(get(0, 1), get(1, 1), right), below);
+}
+
+}  // namespace
+
+glm::vec3 CubeLookup::at(const glm::vec3& direction, int level) const {
+  return bilinear(levels_[static_cast<std::size_t>(std::clamp(level, 0, levels() - 1))], place_of(direction));
+}
+
+glm::vec3 CubeLookup::at(const glm::vec3& direction, double level) const {
+  const double clamped = std::clamp(level, 0.0, static_cast<double>(levels() - 1));
+  const auto sharper = static_cast<std::size_t>(clamped);
+  const auto share = static_cast<float>(clamped - static_cast<double>(sharper));
+  const Place place = place_of(direction);
+  const glm::vec3 sharp = bilinear(levels_[sharper], place);
+  return share > 0.0F ? mixed(sharp, bilinear(levels_[sharper + 1], place), share) : sharp;
+}
+
+double CubeLookup::level_for(double radians) const {
+  const double texels = radians * levels_.front().size / (0.5 * std::numbers::pi);
+  int exponent = 0;
+  const double fraction = std::frexp(std::max(1.0, texels), &exponent);  // in [0.5, 1)
+  return exponent - 1 + (2.0 * fraction - 1.0);  // the logarithm to base 2, straight between powers: good enough here
+}
+
+namespace {
+
+/// Codes by light in fine steps: fine enough that the code is off by one at most.
+constexpr int kSteps = 1 << 14;
+
+struct SrgbTables {
+  std::vector<std::uint8_t> codes;  ///< of light, `kSteps` + 1
+  std::array<float, 256> light{};   ///< of codes
+
+  SrgbTables() {
+    for (int code = 0, step = 0; step <= kSteps; ++step) {
+      while (code < 255 && image::linear_from_srgb((code + 0.5) / 255.0) <= static_cast<double>(step) / kSteps) ++code;
+      codes.push_back(static_cast<std::uint8_t>(code));
+    }
+    for (std::size_t code = 0; code < light.size(); ++code) {
+      light[code] = static_cast<float>(image::linear_from_srgb(static_cast<double>(code) / 255.0));
+    }
+  }
+};
+
+const SrgbTables& srgb() {
+  static const SrgbTables tables;
+  return tables;
+}
+
+}  // namespace
+
+PreviewPicture::PreviewPicture(int width, int height, const glm::vec3& background)
+    : width_(width),
+      height_(height),
+      bytes_(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+  set(0, 0, background);
+  // Each pixel from the one before.
+  for (std::size_t i = 3; i < bytes_.size(); ++i) bytes_[i] = bytes_[i - 3];
+}
+
+std::size_t PreviewPicture::place(int column, int row) const noexcept {
+  return 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column));
+}
+
+void PreviewPicture::set(int column, int row, const glm::vec3& rgb) {
+  static const std::uint8_t* const codes = srgb().codes.data();
+  std::uint8_t* const pixel = bytes_.data() + place(column, row);
+  for (int c = 0; c < 3; ++c) {
+    pixel[c] = codes[static_cast<int>(std::clamp(rgb[c], 0.0F, 1.0F) * static_cast<float>(kSteps) + 0.5F)];
+  }
+}
+
+namespace {
+
+constexpr double kLetter = 6.0;   // its height in a pen's units
+constexpr double kPen = 0.42;     // half the pen's width there
+constexpr double kRim = 0.8;      // how far the dark around it reaches
+constexpr glm::vec3 kInk(0.80F);  // linear
+
+}  // namespace
+
+double label_width(std::string_view text, double height) noexcept {
+  return 2.0 * label_half_width(text) * height / kLetter;
+}
+
+void PreviewPicture::write(std::string_view text, double x, double y, double height) {
+  const double unit = height / kLetter;  // pixels
+  const double across = label_half_width(text) * unit + 2.0 * unit;
+  const double down = 0.5 * height + 2.0 * unit;
+  const int left = std::max(0, static_cast<int>(x - across));
+  const int right = std::min(width(), static_cast<int>(x + across) + 1);
+  const int top = std::max(0, static_cast<int>(y - down));
+  const int bottom = std::min(this->height(), static_cast<int>(y + down) + 1);
+  for (int row = top; row < bottom; ++row) {
+    for (int column = left; column < right; ++column) {
+      const double away = distance_to_label(text, (column + 0.5 - x) / unit, (y - row - 0.5) / unit);
+      const double ink = std::clamp(0.5 + (kPen - away) * unit, 0.0, 1.0);  // the share of the pixel under the pen
+      const double dark = std::clamp(1.0 - (away - kPen) / kRim, 0.0, 1.0);
+      if (ink == 0.0 && dark == 0.0) continue;
+      glm::vec3 shaded(0.0F);
+      for (int c = 0; c < 3; ++c) shaded[c] = srgb().light[bytes_[place(column, row) + static_cast<std::size_t>(c)]];
+      shaded *= static_cast<float>(1.0 - 0.75 * dark);
+      set(column, row, mixed(shaded, kInk, static_cast<float>(ink)));
+    }
+  }
+}
+
+void PreviewPicture::save(const std::filesystem::path& path) const {
+  platform::WholeFile file(path);
+  files::write_png_quickly(file, bytes_, width_);
+  file.finish();
+  file.commit();
+}
+
+}  // namespace welkin::tool

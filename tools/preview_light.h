@@ -1,0 +1,103 @@
+// Light to what a screen can show: exposure, curve, look-ups in cubemaps, pictures with labels.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "welkin/image.h"
+
+namespace welkin::tool {
+
+/// An exposure and a curve. The result is linear, in [0, 1]; the sRGB curve comes when it is written.
+struct ToneMap {
+  double exposure = 1.0;  ///< radiance is multiplied by it first
+
+  /// Narkowicz's fit of the ACES curve (2015), without its 0.6: x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14).
+  [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& radiance) const noexcept;
+  /// The same in floats, for 8 bits a channel.
+  [[nodiscard]] glm::vec3 operator()(const glm::vec3& radiance) const noexcept;
+
+  /// The exposure in stops: its logarithm to base 2.
+  [[nodiscard]] double stops() const noexcept;
+};
+
+inline glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
+  constexpr float kWhite = 1e4F;  // where the curve has long ended, and before three denominators overflow
+  const auto scale = static_cast<float>(exposure);
+  const auto light = [=](float x) { return std::min(x > 0.0F ? scale * x : 0.0F, kWhite); };
+  const glm::vec3 x(light(radiance.x), light(radiance.y), light(radiance.z));
+  const glm::vec3 above = x * (2.51F * x + 0.03F);
+  const glm::vec3 below = x * (2.43F * x + 0.59F) + 0.14F;
+  // One division for all three.
+  const float inverse = 1.0F / (below.x * below.y * below.z);
+  return glm::min(above * glm::vec3(below.y * below.z, below.z * below.x, below.x * below.y) * inverse,
+                  glm::vec3(1.0F));
+}
+
+/// What puts the 75th percentile of the lit surroundings' luminance, by solid angle, at 0.36: a stop above middle grey.
+/// Lit is what has at least 1/32 of the mean, for which luminance above its 99th percentile counts as that one: neither
+/// the black around a studio's lamps nor a sun moves the result. 1 if there is no light. `level` is packed rgb_f32; a
+/// small one will do.
+[[nodiscard]] ToneMap tone_map_of(const CubemapView& level);
+
+/// Looks a direction up in a cubemap as a graphics card does: bilinear, seamless across edges, linear between mips.
+class CubeLookup {
+ public:
+  /// Levels of packed rgb_f32, largest first, at least one; they are not copied.
+  explicit CubeLookup(std::vector<CubemapView> levels) : levels_(std::move(levels)) {}
+  explicit CubeLookup(const CubemapChain& chain) : CubeLookup(chain.views()) {}
+
+  [[nodiscard]] int levels() const noexcept { return static_cast<int>(levels_.size()); }
+  [[nodiscard]] int size(int level) const noexcept { return levels_[static_cast<std::size_t>(level)].size; }
+
+  /// `direction` need not be of unit length, but must not be 0; a level beyond the last one is the last one.
+  [[nodiscard]] glm::vec3 at(const glm::vec3& direction, int level) const;
+
+  /// The same between two levels, `level` being a fraction.
+  [[nodiscard]] glm::vec3 at(const glm::vec3& direction, double level) const;
+
+  /// The level whose texels are `radians` across.
+  [[nodiscard]] double level_for(double radians) const;
+
+ private:
+  std::vector<CubemapView> levels_;
+};
+
+/// A picture of 8 bits a channel in sRGB.
+class PreviewPicture {
+ public:
+  /// `background`: linear light, as in `set`.
+  PreviewPicture(int width, int height, const glm::vec3& background);
+
+  [[nodiscard]] int width() const noexcept { return width_; }
+  [[nodiscard]] int height() const noexcept { return height_; }
+
+  /// `rgb`: linear light from 0 to 1, already tone mapped.
+  void set(int column, int row, const glm::vec3& rgb);
+
+  /// Writes a label in capitals, digits and + - . with a dark rim. `x`, `y`: its middle; `height`: of its letters. All
+  /// in pixels.
+  void write(std::string_view text, double x, double y, double height);
+
+  /// As a PNG. Throws `Error`: file_access, and unsupported_file in a build without PNG.
+  void save(const std::filesystem::path& path) const;
+
+ private:
+  [[nodiscard]] std::size_t place(int column, int row) const noexcept;
+
+  int width_;
+  int height_;
+  std::vector<std::uint8_t> bytes_;  // rows from above, three a pixel
+};
+
+/// The width of a label in pixels.
+[[nodiscard]] double label_width(std::string_view text, double height) noexcept;
+
+}  // namespace welkin::tool
