@@ -177,7 +177,7 @@ std::string mip_lines(const std::vector<MipRecord>& mips) {
             pad_left(significant(mip.roughness, 4), 11) + "  " + pad_right(name(mip.method), 10) +
             pad_left(mip.bands > 0 ? std::to_string(mip.bands) : "-", 6) +
             pad_left(mip.bright_texels > 0 ? std::to_string(mip.bright_texels) : "-", 15) +
-            pad_left(significant(mip.error_estimate, 2), 22) + '\n';
+            pad_left(mip.error_estimate ? significant(*mip.error_estimate, 2) : "-", 22) + '\n';
   }
   return text;
 }

@@ -99,7 +99,7 @@ Json mip_json(const MipRecord& mip, std::size_t number) {
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
           {"samples", mip.samples},
-          {"error_estimate", mip.error_estimate},
+          {"error_estimate", mip.error_estimate ? Json(*mip.error_estimate) : Json(nullptr)},
           {"mean", json_triple(mip.mean)}};
 }
 

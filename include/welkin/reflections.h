@@ -19,7 +19,7 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< for each mip the fastest within both bounds; below roughness 0.055 sampled, which is not within
+  automatic,  ///< for each mip the fastest within both bounds: spectral, narrow where that needs too many bands
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
   sampled,    ///< filtered importance sampling (Krivanek and Colbert 2008; Karis 2013): one list of taps a mip
   reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
@@ -56,9 +56,10 @@ enum class MipMethod {
   sampled,    ///< as `PrefilterMethod::sampled`
   reference,  ///< as `PrefilterMethod::reference`
   stored,     ///< it was in the file that was baked
+  narrow,     ///< texels near by as areas, the lobe's far part by harmonics: below roughness 0.055 at default bounds
 };
 
-/// "copy", "spectral", "sampled", "reference", "stored"
+/// "copy", "spectral", "sampled", "reference", "stored", "narrow"
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
 /// How one mip was made, and how good it is.
@@ -66,12 +67,13 @@ struct MipRecord {
   int size = 0;                        ///< texels along an edge
   double roughness = 0.0;              ///< perceptual
   MipMethod method = MipMethod::copy;  ///< how it was made
-  int bands = 0;                       ///< spectral: harmonic bands that were used
+  int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
   int bright_texels = 0;               ///< spectral: texels whose lobes were added one by one
   int samples = 0;                     ///< sampled: taps a texel
-  double error_estimate = 0.0;         ///< predicted largest relative error; 0 of copies and stored mips
-  dvec3 mean{};                        ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
-  double milliseconds = 0.0;           ///< wall time
+  /// Predicted largest relative error; 0 of copies. None where nothing is known: of sampled and stored mips.
+  std::optional<double> error_estimate = std::nullopt;
+  dvec3 mean{};               ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
+  double milliseconds = 0.0;  ///< wall time
 };
 
 /// A chain of reflections.

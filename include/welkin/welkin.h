@@ -476,7 +476,8 @@ enum {
   WELKIN_PREFILTER_SPECTRAL = 1,
   WELKIN_PREFILTER_SAMPLED = 2,
   WELKIN_PREFILTER_REFERENCE = 3, /* the integral, texel by texel: slow */
-  WELKIN_PREFILTER_COPY = 4       /* of a mip that was made: roughness 0 */
+  WELKIN_PREFILTER_COPY = 4,      /* of a mip that was made: roughness 0 */
+  WELKIN_PREFILTER_NARROW = 5     /* of a mip that was made: texels near by as areas, the far part by harmonics */
 };
 
 /* Ways to spread roughness over a chain; reflections.h has the formulas. */
@@ -521,7 +522,7 @@ typedef struct welkin_mip {
   int32_t bands;                  /* spectral */
   int32_t bright_texels;          /* spectral: that were added one by one */
   int32_t samples;                /* sampled: a texel */
-  double error_estimate;          /* predicted largest relative error */
+  double error_estimate;          /* predicted largest relative error; NaN: nothing is known (sampled, stored) */
   double mean[3];                 /* by solid angle */
   double milliseconds;            /* wall time */
 } welkin_mip;

@@ -12,6 +12,8 @@
 #include "image/sphere_grid.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
+#include "reflections/narrow.h"
+#include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
@@ -93,6 +95,27 @@ std::uint64_t columns_bytes(int bands, int rings) {
   return static_cast<std::uint64_t>(bands) * groups * transforms::kColumnFloats * sizeof(float);
 }
 
+std::uint64_t grid_bytes(int bands) {
+  const transforms::GridSize grid = transforms::grid_for_bands(bands);
+  constexpr int border = 2 * image::SphereGrid::kBorder;
+  return columns_bytes(bands, grid.rings) + sizeof(float) * 4 * static_cast<std::uint64_t>(grid.rings + border) *
+                                                static_cast<std::uint64_t>(grid.columns + border);
+}
+
+reflections::NarrowSplit split_of(const SourceShape& source) {
+  return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows);
+}
+
+/// Of narrow mips: a spectrum of its own, and a grid for each.
+std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+  const reflections::NarrowSplit split = split_of(source);
+  const int rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : source.rows;
+  std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
+  if (source.cubemap) bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
+  const auto mips = std::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method);
+  return bytes + static_cast<std::uint64_t>(mips) * grid_bytes(split.bands);
+}
+
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const bool sampled = plan.uses(MipMethod::sampled);
@@ -104,14 +127,11 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
     bytes += kTexelBytes * ring_texels + columns_bytes(plan.bands, rings);
     bytes += squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
   }
+  if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
-    const transforms::GridSize grid = transforms::grid_for_bands(mip.bands.bands());
-    constexpr int border = 2 * image::SphereGrid::kBorder;
-    bytes += columns_bytes(mip.bands.bands(), grid.rings) + sizeof(float) * 4 *
-                                                                static_cast<std::uint64_t>(grid.rings + border) *
-                                                                static_cast<std::uint64_t>(grid.columns + border);
+    bytes += grid_bytes(mip.bands.bands());
   }
   // The chain that is sampled, with a border, from level 0 down.
   if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
@@ -154,6 +174,8 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     if (source.cubemap) cost += costs.ring_texel * rings * columns;
     cost += costs.bright_texel * rings * columns + transforming(rings, columns, plan.bands, costs);
   }
+  const reflections::NarrowSplit split = split_of(source);
+  if (plan.uses(MipMethod::narrow)) cost += transforming(rings, columns, split.bands, costs);
   if (plan.uses(MipMethod::sampled)) {
     cost += resampling(source, plan.size, costs) + (costs.mip_texel + costs.copy_texel) * cube_texels(plan.size);
   }
@@ -162,6 +184,10 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     cost += projecting(texels, 1, costs);  // its mean
     if (mip.method == MipMethod::copy) {
       cost += resampling(source, mip.size, costs);
+    } else if (mip.method == MipMethod::narrow) {
+      const transforms::GridSize grid = transforms::grid_for_bands(split.bands);
+      cost +=
+          transforming(grid.rings, grid.columns, split.bands, costs) + (costs.face_texel + costs.near_texel) * texels;
     } else if (mip.method == MipMethod::sampled) {
       cost += costs.tap * texels * plan.samples;
     } else if (mip.method == MipMethod::reference) {

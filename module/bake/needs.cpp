@@ -171,8 +171,7 @@ void pick_bands(const BudgetChoice<int>& choice, double budget, NeededOptions& n
 std::string unmet_words(const PrefilterChoice& choice, double budget) {
   const std::string words = "bounds as they were: ";
   const std::vector<reflections::MipPlan> mips = reflections::plan_prefilter(choice.setting).mips;
-  if (std::ranges::any_of(mips,
-                          [](const auto& mip) { return mip.method != MipMethod::copy && mip.bands.bands() == 0; }))
+  if (std::ranges::any_of(mips, [](const auto& mip) { return mip.method == MipMethod::sampled; }))
     return words + "a mip that is sampled has no estimate for the budget";
   return words + "of none is the estimated error under the budget of " + percent(budget) + ", the minimum is " +
          percent(choice.error_estimate);

@@ -32,6 +32,7 @@ constexpr std::array<double, 7> kBounds{1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4
 constexpr double kSafety = 1.5;
 constexpr double kRounding = 5e-5;
 constexpr double kUnknown = 1.0;               ///< a sampled mip: no estimate
+constexpr double kNarrow = 1e-3;               ///< rms of a narrow mip, at most: docs/reflections.md
 constexpr double kMultiplyNanoseconds = 0.05;  ///< of the transforms, DESIGN.md: 2.2 ms for 50 million
 constexpr double kTexelNanoseconds = 15.0;     ///< of a mip: interpolation and lobes of bright texels
 constexpr int kMostReducedSize = 256;
@@ -71,6 +72,11 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
     const MipPlan& mip = plan.mips[k];
     double error = 0.0;
     if (mip.method != MipMethod::copy) {
+      if (mip.method == MipMethod::narrow) {
+        errors.mips.push_back(kNarrow);
+        errors.worst = std::max(errors.worst, kNarrow);
+        continue;
+      }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
       error = known ? kSafety * budget::spectral_mip_error(mip, energies) + kRounding : kUnknown;
     }

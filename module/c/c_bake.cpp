@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -108,6 +109,7 @@ welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
     case welkin::MipMethod::spectral: return WELKIN_PREFILTER_SPECTRAL;
     case welkin::MipMethod::sampled: return WELKIN_PREFILTER_SAMPLED;
     case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
+    case welkin::MipMethod::narrow: return WELKIN_PREFILTER_NARROW;
     case welkin::MipMethod::copy:
     case welkin::MipMethod::stored: break;
   }
@@ -128,7 +130,7 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.bands = record.bands;
     values.bright_texels = record.bright_texels;
     values.samples = record.samples;
-    values.error_estimate = record.error_estimate;
+    values.error_estimate = record.error_estimate.value_or(std::numeric_limits<double>::quiet_NaN());
     write_triple(record.mean, values.mean);
     values.milliseconds = record.milliseconds;
     write_struct(mip, values, "mip");

@@ -28,6 +28,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(plan.least_alpha);
     writer.put(plan.reach);
   }
+  if (mip.method == MipMethod::narrow) writer.put(1);  // the version of its bits
   if (mip.method == MipMethod::sampled) {
     writer.put(plan.size);  // the chain that the taps read has the size of mip 0
     writer.put(plan.samples);

@@ -96,7 +96,14 @@ class ByteReader {
     }
   }
   void get(PassAction& action) { enumerator(action, PassAction::skip); }
-  void get(MipMethod& method) { enumerator(method, MipMethod::stored); }
+  template <class Value>
+  void get(std::optional<Value>& value) {
+    bool there = false;
+    get(there);
+    value.reset();
+    if (there) get(value.emplace());
+  }
+  void get(MipMethod& method) { enumerator(method, MipMethod::narrow); }
   void get(std::string& text) {
     const std::size_t length = count(1);
     text.resize(length);

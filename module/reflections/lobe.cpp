@@ -84,11 +84,16 @@ void add_block(const double* distance, const double* weight, std::vector<double>
   }
 }
 
-std::vector<double> compute_spectrum(double alpha, int bands) {
-  const Rule rule = make_rule(alpha, std::max(bands, 8));
+/// Int k P_l over what the rule integrates, for l < bands.
+std::vector<double> moments(const Rule& rule, int bands) {
   std::vector<double> sums(static_cast<std::size_t>(bands), 0.0);
   for (std::size_t i = 0; i < rule.distance.size(); i += kBlock)
     add_block(rule.distance.data() + i, rule.weight.data() + i, sums);
+  return sums;
+}
+
+std::vector<double> compute_spectrum(double alpha, int bands) {
+  std::vector<double> sums = moments(make_rule(alpha, std::max(bands, 8)), bands);
   const double whole = sums[0];
   for (double& sum : sums) sum /= whole;
   return sums;
@@ -128,6 +133,20 @@ std::vector<double> lobe_spectrum(double alpha, int bands) {
   return cache()
       .get({alpha, bands}, [&] { return std::make_shared<const Table>(Table{compute_spectrum(alpha, bands)}); })
       ->values;
+}
+
+std::vector<double> far_spectrum(double alpha, double split, int bands) {
+  Rule rule = make_rule(alpha, std::max(bands, 8));
+  const double whole = lobe_integral(alpha) / (2.0 * kPi);
+  const double q = alpha * alpha / ((1.0 - alpha) * (1.0 + alpha));
+  for (std::size_t i = 0; i < rule.distance.size(); ++i) {
+    const double u = split * (q + 0.5 * rule.distance[i]);
+    // 1 - (1 + u) e^-u; the closed form loses the digits of a small u
+    const double share = u < 0.01 ? u * u * (0.5 - u * (1.0 / 3.0 - u * (0.125 - u * (1.0 / 30.0 - u / 144.0))))
+                                  : 1.0 - (1.0 + u) * math::exponential(-u);
+    rule.weight[i] *= share / whole;
+  }
+  return moments(rule, bands);
 }
 
 namespace {

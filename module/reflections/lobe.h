@@ -15,6 +15,11 @@ namespace welkin::reflections {
 /// k_l / k_0 for l < bands, k_l = 2 pi Int k(c) P_l(c) dc: what the prefilter does to band l. In double to 1e-10.
 [[nodiscard]] std::vector<double> lobe_spectrum(double alpha, int bands);
 
+/// The far part of a lobe's spectrum, over k_0 of the whole lobe: of k (1 - (1 + u) e^-u), u = split (q + s),
+/// s = sin^2(theta / 2) = (1 - c) / 2, q = alpha^2 / (1 - alpha^2). It is a mixture of Gaussians exp(-t s) with
+/// t < split, so that band l holds e^(-l^2 / split) or less. In double to 1e-10; not kept.
+[[nodiscard]] std::vector<double> far_spectrum(double alpha, double split, int bands);
+
 // How many harmonic bands a lobe needs, and how its spectrum ends.
 
 /// What one mip's synthesis multiplies bands by.

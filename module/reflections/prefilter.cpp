@@ -20,6 +20,7 @@
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
+#include "reflections/narrow.h"
 #include "reflections/sampled.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
@@ -178,6 +179,7 @@ class Prefilter {
   PrefilteredSpecular run(const Control& control) {
     jobs::TaskGraph graph;
     if (plan_.bands > 0) graph.add(2.0, [this](const Control& part) { run_spectral(part); });
+    if (plan_.uses(MipMethod::narrow)) graph.add(50.0, [this](const Control& part) { run_narrow(part); });
     if (plan_.uses(MipMethod::sampled)) graph.add(100.0, [this](const Control& part) { run_sampled(part); });
     for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
       const MipMethod method = plan_.mips[level].method;
@@ -201,6 +203,9 @@ class Prefilter {
   void run_spectral(const Control& control);
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
                     const Control& control);
+  void run_narrow(const Control& control);
+  void narrow_mip(std::size_t level, const NarrowSplit& split, const transforms::Spectrum& spectrum,
+                  const Control& control);
   void run_sampled(const Control& control);
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
@@ -322,6 +327,59 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
 }
 
 template <class View>
+void Prefilter<View>::run_narrow(const Control& control) {
+  const Stopwatch watch;
+  const NarrowSplit split =
+      split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
+  Rings rings;
+  rings.view = source_.lat_long();
+  if (source_.cubemap()) {
+    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
+    rings.view = rings.owned.view();
+  }
+  memory_.take(rings.bytes());
+  const transforms::Spectrum spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.1));
+  note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
+  memory_.take(spectrum.bytes());
+  memory_.give_back(rings.bytes());
+  rings = {};
+
+  jobs::TaskGraph graph;
+  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
+    const MipPlan& mip = plan_.mips[level];
+    if (mip.method != MipMethod::narrow) continue;
+    graph.add(static_cast<double>(mip.size) * mip.size,
+              [this, level, &split, &spectrum](const Control& part) { narrow_mip(level, split, spectrum, part); });
+  }
+  graph.run(jobs::part_of(control, 0.1, 1.0));
+  memory_.give_back(spectrum.bytes());
+}
+
+template <class View>
+void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, const transforms::Spectrum& spectrum,
+                                 const Control& control) {
+  const Stopwatch watch;
+  const MipPlan& mip = plan_.mips[level];
+  const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
+  const transforms::GridSize grid_size = transforms::grid_for_bands(split.bands);
+  image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
+  memory_.take(grid.bytes());
+  transforms::synthesise(spectrum, far_spectrum(mip.alpha, split.split, split.bands), grid,
+                         jobs::part_of(control, 0.0, 0.1));
+  image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
+                      jobs::part_of(control, 0.1, 0.2));
+  memory_.give_back(grid.bytes());
+  const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
+  note(name + ": far part", std::to_string(grid_size.rings) + " rings", watch.milliseconds());
+  const Stopwatch near;
+  add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
+  note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
+  record(level).bands = split.bands;
+  record(level).error_estimate = narrow_error(source_, split, mip.alpha);
+  end_mip(level, watch, control);
+}
+
+template <class View>
 void Prefilter<View>::run_sampled(const Control& control) {
   const Stopwatch watch;
   CubemapChain base(plan_.size, full_chain_levels(plan_.size));
@@ -352,6 +410,7 @@ template <class View>
 void Prefilter<View>::copy_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
   fill_level(view_, result_.cubemap, static_cast<int>(level), control);
+  record(level).error_estimate = 0.0;
   end_mip(level, watch, control);
 }
 
@@ -441,6 +500,7 @@ const char* name(MipMethod method) noexcept {
     case MipMethod::sampled: return "sampled";
     case MipMethod::reference: return "reference";
     case MipMethod::stored: return "stored";
+    case MipMethod::narrow: return "narrow";
   }
   return "copy";
 }

@@ -66,7 +66,7 @@ MipMethod method_for(const PrefilterOptions& options, double reach, const MipPla
   if (options.method == PrefilterMethod::reference) return MipMethod::reference;
   const int bands = bands_for(mip.alpha, reach);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
-  if (options.method == PrefilterMethod::automatic) return MipMethod::sampled;
+  if (options.method == PrefilterMethod::automatic) return MipMethod::narrow;
   refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
                                         " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
                                         " are possible; take another method, or automatic");

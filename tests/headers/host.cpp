@@ -141,7 +141,7 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   const welkin::PrefilteredSpecular specular = welkin::prefilter_specular(cubemap.view(), {.size = 8});
   for (const welkin::MipRecord& mip : specular.mips) {
     print("mip", mip.roughness);
-    print("mip", mip.error_estimate);
+    print("mip", mip.error_estimate.value_or(-1.0));
     print("mip", glm::dvec3(mip.mean));
   }
   print("prefilter", specular.pixels);

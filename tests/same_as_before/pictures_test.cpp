@@ -157,6 +157,10 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
            }},
           {"sampled_64", [&] { return prefilter_specular(sunny.view(), sampled(16, 64)); }},
           {"sampled_300", [&] { return prefilter_specular(half.view(), sampled(13, 300)); }},
+          {"narrow",
+           [&] {
+             return prefilter_specular(texel.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
+           }},
           {"reference",
            [&] {
              return prefilter_specular(smooth.view(), prefilter(reference, 4, {0.0, 0.3, 1.0}));
@@ -205,6 +209,10 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
              return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
            }},
           {"sampled_100", [&] { return prefilter_specular(sunny.view(), sampled(16, 100)); }},
+          {"narrow",
+           [&] {
+             return prefilter_specular(sunny.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
+           }},
           {"reference",
            [&] {
              return prefilter_specular(half.view(), prefilter(reference, 4, {0.0, 0.2, 0.7}));

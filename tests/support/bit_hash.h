@@ -153,7 +153,7 @@ inline void add_bits(BitHash& hash, const Projection& projection) {
 inline void add_bits(BitHash& hash, const MipRecord& mip) {
   for (const int number : {mip.size, mip.bands, mip.bright_texels, mip.samples}) add_bits(hash, number);
   add_bits(hash, mip.roughness);
-  add_bits(hash, mip.error_estimate);
+  add_bits(hash, mip.error_estimate.value_or(0.0));
   add_bits(hash, mip.mean);
 }
 inline void add_bits(BitHash& hash, const PrefilteredSpecular& specular) {
