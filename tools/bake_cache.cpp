@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tools/arguments.h"
+#include "tools/input.h"
 #include "tools/json.h"
 #include "tools/text.h"
 #include "welkin/core.h"
