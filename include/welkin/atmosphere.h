@@ -69,7 +69,7 @@ struct Atmosphere {
   Constituent rayleigh;                                        ///< scatters by 3 / (16 pi) (1 + cos^2)
   Constituent aerosol;                                         ///< Mie
   AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< how aerosol scatters by angle
-  double aerosol_asymmetry = 0.8;                              ///< g, -0.999 to 0.999
+  double aerosol_asymmetry = 0.8;                              ///< g, -0.8 to 0.999
   std::vector<Constituent> absorbers;  ///< ozone and the like: their scattering must be none; at most 4
 
   std::vector<double> ground_albedo;           ///< at each wavelength, 0 to 1; none: black
@@ -81,8 +81,8 @@ struct Atmosphere {
 
 /// Throws `Error` (invalid_argument) that names the parameter, what was found and what would do, unless the atmosphere
 /// can be computed: everything finite, as many values as wavelengths, coefficients from 0 to 1e6, irradiances from 0 to
-/// 1e12, bottom_radius_m from 1 to 1e9, top_radius_m above it and at most 11 times it, |g| <= 0.999, at most 8 layers
-/// of thickness 0 to 1e12 and terms up to 1e15, at most 4 absorbers.
+/// 1e12, bottom_radius_m from 1 to 1e9, top_radius_m above it and at most 11 times it, g from -0.8 to 0.999, at most 8
+/// layers of thickness 0 to 1e12 and terms up to 1e15, at most 4 absorbers.
 void check(const Atmosphere& atmosphere);
 
 /// What floats in the Earth's air.

@@ -105,8 +105,8 @@ struct SkyTables {
 /// Single scattering at texels: root mean square error 1e-5 of the mean by day, 1e-4 by night (Earth, Mars). Higher
 /// orders are not integrated over directions for each direction, as Bruneton does it: radiance about a point is
 /// projected to spherical harmonics (up to 20 bands) about the vertical, where phase functions are products; the second
-/// order agrees with direct integration to 0.5 %. For |g| above 0.79 their aureoles lose detail finer than 9 degrees,
-/// no energy.
+/// order agrees with direct integration to 0.5 %. What these bands cannot carry of a forward lobe is taken for light
+/// that goes straight on (delta-M scaling), in the first order too, unless `orders` is 1.
 ///
 /// The same bits on any number of threads and instruction set. Nothing in them is negative or not finite.
 /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.

@@ -715,7 +715,7 @@ WELKIN_API welkin_status welkin_atmosphere_set_matter(welkin_atmosphere* atmosph
 typedef int32_t welkin_aerosol_phase;
 enum { WELKIN_PHASE_CORNETTE_SHANKS = 0, WELKIN_PHASE_HENYEY_GREENSTEIN = 1 };
 
-/* Sets how the aerosol scatters. `asymmetry` is g, -0.999 to 0.999. */
+/* Sets how the aerosol scatters. `asymmetry` is g, -0.8 to 0.999. */
 WELKIN_API welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere, welkin_aerosol_phase phase,
                                                              double asymmetry);
 

@@ -172,10 +172,10 @@ void check_probe(const SkyProbe& probe, const ErrorBudget& budget) {
   budget::check_suns(probe.suns);
 }
 
-/// What all larger tables still change, if differences go on falling as the last two did: by a quarter from size to
-/// size at best (interpolation of the second order), by half where that is not known or not so.
+/// What all larger tables still change, if differences go on falling as the last two did: by an eighth from size to
+/// size at best (interpolation of the third order), by half where that is not known or not so.
 double still_to_change(double last, double before) {
-  const double ratio = before > 0.0 ? std::clamp(last / before, 0.25, 0.5) : 0.5;
+  const double ratio = before > 0.0 ? std::clamp(last / before, 0.125, 0.5) : 0.5;
   return std::max(last, ratio * before) * ratio / (1.0 - ratio);
 }
 

@@ -220,7 +220,7 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands) {
   double power = 1.0;
   for (double& moment : chi) {
     moment = power;  // Henyey-Greenstein: g^l
-    power *= atmosphere.aerosol_asymmetry;
+    power *= aerosol_asymmetry(atmosphere, 0);
   }
   if (atmosphere.aerosol_phase == AerosolPhase::cornette_shanks) {
     const std::vector<double> squared = times_cosine(times_cosine(chi));
@@ -234,24 +234,35 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands) {
 PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere) {
   PhaseSpectrum spectrum;
   spectrum.aerosol = aerosol_moments(atmosphere, kMostSourceBands + 1);
-  const double left_out = std::abs(spectrum.aerosol.back());
   spectrum.bands = 3;
   while (spectrum.bands < kMostSourceBands &&
          std::abs(spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)]) > kSmallestMoment) {
     ++spectrum.bands;
   }
   if (atmosphere.aerosol.density.empty() || atmosphere.aerosol.scattering_per_m.empty()) spectrum.bands = 3;
+  const double left_out = spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)];
   spectrum.aerosol.resize(static_cast<std::size_t>(spectrum.bands));
-  if (spectrum.bands == kMostSourceBands && left_out > kSmallestMoment) {
+  if (aerosol_asymmetry(atmosphere, 0) > 0.0) {
+    spectrum.forward = left_out;
+    for (double& moment : spectrum.aerosol) moment = (moment - left_out) / (1.0 - left_out);
+  } else if (spectrum.bands == kMostSourceBands && std::abs(left_out) > kSmallestMoment) {
     for (int l = 0; l < spectrum.bands; ++l) {
       const double cosine = math::sine_cosine_of_turns(0.25 * l / spectrum.bands).cosine;
-      spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - left_out * (1.0 - cosine * cosine);
+      spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);
     }
   }
   spectrum.rayleigh.assign(static_cast<std::size_t>(spectrum.bands), 0.0);
   spectrum.rayleigh[0] = 1.0;
   spectrum.rayleigh[2] = 0.1;
   return spectrum;
+}
+
+double aerosol_asymmetry(const Atmosphere& atmosphere, std::size_t /*wavelength*/) noexcept {
+  return atmosphere.aerosol_asymmetry;
+}
+
+double forward_share(const Atmosphere& atmosphere, int orders) {
+  return orders > 1 ? phase_spectrum(atmosphere).forward : 0.0;
 }
 
 double phase_of(const std::vector<double>& moments, double cosine) noexcept {
@@ -270,7 +281,7 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
 
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere) noexcept {
   constexpr double quarter_over_pi = 0.07957747154594767;  // 1 / (4 pi)
-  const double g = atmosphere.aerosol_asymmetry;
+  const double g = aerosol_asymmetry(atmosphere, 0);
   const bool cornette = atmosphere.aerosol_phase == AerosolPhase::cornette_shanks;
   AerosolLobe lobe{};
   lobe.factor = quarter_over_pi * (1.0 - g * g) * (cornette ? 1.5 / (2.0 + g * g) : 1.0);

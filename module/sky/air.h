@@ -118,6 +118,7 @@ struct PhaseSpectrum {
   std::vector<double> rayleigh;  ///< 1, 0, 1/10
   std::vector<double> aerosol;   ///< as many as bands
   int bands = 3;
+  double forward = 0.0;  ///< share of what the aerosol scatters that is taken not to be scattered at all
 };
 
 /// chi_0 to chi_(bands - 1) of an air's aerosol: g^l for Henyey-Greenstein. Cornette-Shanks' are those of
@@ -125,10 +126,17 @@ struct PhaseSpectrum {
 /// twice.
 [[nodiscard]] std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands);
 
-/// As many bands as an air's aerosol needs for what it leaves out to be below 1 % of its last moment, up to 20.
-/// Narrower lobes (|g| above 0.79) lose detail finer than 9 degrees: their moments fade towards the end, that the cut
-/// shows less.
+/// As many bands as an air's aerosol needs for what it leaves out to be below 1 %, up to 20. A forward lobe is cut by
+/// delta-M scaling (Wiscombe 1977, "The Delta-M Method", equations 9 and 10): the share f = chi_bands is taken for
+/// light that goes straight on, and of the rest the moments are (chi_l - f) / (1 - f). A backward lobe narrower than
+/// that (g below -0.79) loses detail: its moments fade towards the end, that the cut shows less.
 [[nodiscard]] PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere);
+
+/// The asymmetry g of an air's aerosol at one of its wavelengths: whatever scatters reads it here.
+[[nodiscard]] double aerosol_asymmetry(const Atmosphere& atmosphere, std::size_t wavelength) noexcept;
+
+/// `forward` of an air's spectrum, where tables follow light beyond its first scattering; else 0.
+[[nodiscard]] double forward_share(const Atmosphere& atmosphere, int orders);
 
 /// A phase function of these moments, not below 0.
 [[nodiscard]] double phase_of(const std::vector<double>& moments, double cosine) noexcept;

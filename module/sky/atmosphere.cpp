@@ -20,7 +20,8 @@ constexpr double kLargestCoefficient = 1e6;   // 1/m
 constexpr double kLargestIrradiance = 1e12;   // W/m2/nm
 constexpr double kLargestDensityTerm = 1e15;  // any term of a layer's formula
 constexpr double kLargestThickness = 1e12;    // m
-constexpr double kLargestAsymmetry = 0.999;   // narrower lobes cannot be told from light that goes straight on
+constexpr double kLeastAsymmetry = -0.8;
+constexpr double kLargestAsymmetry = 0.999;  // narrower lobes cannot be told from light that goes straight on
 constexpr std::size_t kMostLayers = 8;
 constexpr std::size_t kMostAbsorbers = 4;
 constexpr std::size_t kFewestWavelengths = 3;
@@ -39,6 +40,17 @@ std::string text(double value) {
 void require(const std::string& what, double value, double low, double high) {
   if (value >= low && value <= high) return;
   refuse("the atmosphere's " + what + " is " + text(value) + "; it must be from " + text(low) + " to " + text(high));
+}
+
+/// A forward lobe too narrow for the bands of scattered light can be taken for light that goes straight on; one that
+/// sends light back where it came from cannot, and would make or lose light.
+void check_asymmetry(double g) {
+  if (g >= -1.0 && g < kLeastAsymmetry) {
+    refuse("the atmosphere's aerosol_asymmetry is " + text(g) + "; it must be from " + text(kLeastAsymmetry) + " to " +
+           text(kLargestAsymmetry) +
+           ", as the lobe of one that sends light back is computed only if it is no narrower");
+  }
+  require("aerosol_asymmetry", g, kLeastAsymmetry, kLargestAsymmetry);
 }
 
 std::string at(const std::string& what, std::size_t index) { return what + "[" + std::to_string(index) + "]"; }
@@ -115,7 +127,7 @@ void check(const Atmosphere& atmosphere) {
   check_constituent("rayleigh", atmosphere.rayleigh, wavelengths);
   check_constituent("aerosol", atmosphere.aerosol, wavelengths);
   check_absorbers(atmosphere);
-  require("aerosol_asymmetry", atmosphere.aerosol_asymmetry, -kLargestAsymmetry, kLargestAsymmetry);
+  check_asymmetry(atmosphere.aerosol_asymmetry);
   if (atmosphere.aerosol_phase != AerosolPhase::cornette_shanks &&
       atmosphere.aerosol_phase != AerosolPhase::henyey_greenstein) {
     refuse("the atmosphere's aerosol_phase has no known value; pass cornette_shanks or henyey_greenstein");

@@ -82,7 +82,7 @@ SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
           .nodes = nodes};
 }
 
-WavelengthGroup wavelength_group(const Air& air, std::size_t group) {
+WavelengthGroup wavelength_group(const Air& air, std::size_t group, double forward) {
   WavelengthGroup wavelengths;
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -91,7 +91,9 @@ WavelengthGroup wavelength_group(const Air& air, std::size_t group) {
       wavelengths.extinctions[c][i] = air.extinction(i, wavelength);
     }
     wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
-    wavelengths.aerosol[c] = air.scattering(kAerosol, wavelength);
+    wavelengths.aerosol_once[c] = air.scattering(kAerosol, wavelength);
+    wavelengths.aerosol[c] = (1.0 - forward) * wavelengths.aerosol_once[c];
+    wavelengths.extinctions[c][kAerosol] -= forward * wavelengths.aerosol_once[c];
     wavelengths.albedo[c] = air.albedo(wavelength);
     wavelengths.solar[c] = air.atmosphere().solar_irradiance[wavelength];
   }

@@ -66,14 +66,16 @@ struct ScatteringSource {
 /// What an atmosphere does to light of three wavelengths, computed together.
 struct WavelengthGroup {
   Extinctions extinctions{};
-  std::array<double, 3> rayleigh{};  ///< scattering, 1/m
-  std::array<double, 3> aerosol{};
+  std::array<double, 3> rayleigh{};      ///< scattering, 1/m
+  std::array<double, 3> aerosol{};       ///< likewise, without what goes straight on
+  std::array<double, 3> aerosol_once{};  ///< all of it: what light is scattered by first
   std::array<double, 3> albedo{};
   std::array<double, 3> solar{};
 };
 
-/// Wavelengths 3 `group` and the next two; beyond the last: the last again.
-[[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group);
+/// Wavelengths 3 `group` and the next two; beyond the last: the last again. Of what the aerosol scatters, the share
+/// `forward` counts neither as scattered nor as taken out (PhaseSpectrum::forward).
+[[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group, double forward);
 
 class RayLight {
  public:

@@ -118,7 +118,7 @@ struct Cubic {
 /// Directions of the quadrature at a height: over the ground, between the horizon and the horizontal, and upwards, each
 /// by Gauss and Legendre, closer together about the horizon.
 struct DirectionRule {
-  static constexpr int kGroundNodes = 8;
+  static constexpr int kGroundNodes = 16;  ///< that carry all bands of a source
   static constexpr int kLowNodes = 8;
   static constexpr int kUpperNodes = 16;
   static constexpr int kZeniths = kGroundNodes + kLowNodes + kUpperNodes;

@@ -107,10 +107,15 @@ WELKIN_KERNEL_TABLES(SolverKernels, solver_kernels)
 
 // Looking up a sky: what the kernels take.
 
+/// Colours at the ends of rays, and factors of the aureole: red, green, blue, 0.
+inline constexpr int kSkyColour = 4;
+
 /// A row of a slice: Rayleigh's and higher orders' red, green, blue, 0; the aerosol's red, green, blue, 0.
 inline constexpr int kSkyRow = 8;
-/// Colours at the ends of rays: red, green, blue, 0.
-inline constexpr int kSkyColour = 4;
+
+/// Angles between view and sun at which the aerosol's phase function is corrected (sky/aureole.h): even in the fourth
+/// root of (1 - cosine) / 2.
+inline constexpr int kAureoleAngles = 129;
 
 /// Weights of the cubic through four nodes next to each other, at 0 <= x <= 3.
 struct CubicTaps {
@@ -168,6 +173,8 @@ struct SkyRun {
   bool henyey_greenstein;
   double asymmetry;      ///< g
   double aerosol_scale;  ///< what does not depend on the angle
+  bool hazy;             ///< its phase function is to be multiplied by:
+  float aureole[kAureoleAngles * kSkyColour];
 
   const float* reach;   ///< [half][kSkyColour]: transmittance up to the ground; null: rays to the ground see none
   const float* ground;  ///< [grounds][kSkyColour]: radiance of the ground over sqrt|mu_s| with its sign
@@ -201,6 +208,7 @@ struct SkyRings {
   const float* nearness;         ///< [kSkyRings]
   const float* breadth;          ///< [kSkyRings]: product of the sines of both zenith angles
   const float* ground;           ///< [azimuths][3][kSkyRings], or null: black
+  const float* aureole;          ///< [kAureoleAngles][4]: multiplies the aerosol's phase function; null: nothing does
   float sun_weights[4];
   float lobe[3];
   float rayleigh;

@@ -272,10 +272,15 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
 void SkyProjection::add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const {
   std::array<double, kMaximumBands*(kMaximumBands + 1) / 2> basis;
   even_basis(sun.zenith_cosine, sun.zenith_sine, options_.bands, basis);
+  std::array<double, 3> losses = slice_.aureole_depths(sun.zenith_cosine);
+  for (double& loss : losses) loss = loss > 0.0 ? slice_.aureole().loss(loss) : 0.0;
   for (int l = 0; l < options_.bands; ++l) {
     for (int m = 0; m <= l; ++m) {
-      const double factor = spectrum_[static_cast<std::size_t>(l)] * basis[even_index(l, m)];
-      even[even_index(l, m)] += factor * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+      for (int c = 0; c < 3; ++c) {
+        const auto channel = static_cast<std::size_t>(c);
+        const double moment = spectrum_[static_cast<std::size_t>(l)] - losses[channel];
+        even[even_index(l, m)][c] += moment * basis[even_index(l, m)] * lobe[channel];
+      }
     }
   }
 }
@@ -354,8 +359,15 @@ double SkyProjection::lobe_integral(const SunAngles& sun) const noexcept {
   return integral * (2.0 * std::sqrt(std::numbers::pi));
 }
 
+const float* SkyProjection::aureole_under(const SunAngles& sun, float* room) const noexcept {
+  const std::array<double, 3> depths = slice_.aureole_depths(sun.zenith_cosine);
+  if (!(depths[0] > 0.0 || depths[1] > 0.0 || depths[2] > 0.0)) return nullptr;
+  slice_.aureole().factors(depths, room);
+  return room;
+}
+
 void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
-                              double aerosol, std::span<glm::dvec3> even) const {
+                              double aerosol, const float* aureole, std::span<glm::dvec3> even) const {
   alignas(64) float ground[kChunk * 3 * kRings];
   alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
   SunDistances distances;
@@ -365,6 +377,7 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   for (int k = 0; k < 4; ++k) rings.sun_weights[k] = place.taps.weights[k];
   for (std::size_t c = 0; c < 3; ++c) rings.lobe[c] = static_cast<float>(lobe[c]);
   rings.ground = group.any_ground ? ground : nullptr;
+  rings.aureole = aureole;
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
     rings.values = group.values.data() + first * rings.azimuth_step +
@@ -403,10 +416,29 @@ void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) co
   const SunPlace place = slice_.sun_place(sun.zenith_cosine);
   const Lobe lobe = lobe_at(sun, place);
   const double aerosol = aerosol_factor(sun);
-  for (const RingGroup& group : groups_) add_group(group, sun, place, lobe, aerosol, even);
+  float room[kAureoleAngles * kSkyColour];
+  const float* const aureole = aureole_under(sun, room);
+  for (const RingGroup& group : groups_) add_group(group, sun, place, lobe, aerosol, aureole, even);
   const auto fade = static_cast<double>(place.fade);
   add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }
+
+namespace {
+
+/// The aureole's factors at a cosine between view and sun.
+glm::dvec3 aureole_at(const float* aureole, double nu) {
+  const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - nu), 0.0, 1.0))) * (kAureoleAngles - 1);
+  const int node = std::min(static_cast<int>(position), kAureoleAngles - 2);
+  glm::dvec3 factors;
+  for (int c = 0; c < 3; ++c) {
+    const auto low = static_cast<double>(aureole[node * kSkyColour + c]);
+    const auto high = static_cast<double>(aureole[(node + 1) * kSkyColour + c]);
+    factors[c] = low + (position - node) * (high - low);
+  }
+  return factors;
+}
+
+}  // namespace
 
 void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> even) const {
   const std::size_t terms = even_count(options_.bands);
@@ -415,6 +447,8 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
   const Lobe lobe = slice_.outside() ? Lobe{} : lobe_at(sun, place);
   const double fade = slice_.outside() ? 1.0 : static_cast<double>(place.fade);
   const glm::dvec3 towards(0.0, sun.zenith_cosine, sun.zenith_sine);
+  float room[kAureoleAngles * kSkyColour];
+  const float* const aureole = aureole_under(sun, room);
   for (const RingGroup& group : groups_) {
     for (std::size_t i = 0; i < azimuths_.cosines.size(); ++i) {
       const double cosine = azimuths_.cosines[i];
@@ -424,7 +458,8 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
         glm::dvec3 light = view_.radiance(direction, towards);
         const double nu = direction.y * towards.y + direction.z * towards.z;
         const double aerosol = fade * slice_.aerosol_phase(nu);
-        light -= aerosol * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+        const glm::dvec3 taken = aerosol * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+        light -= aureole != nullptr ? aureole_at(aureole, nu) * taken : taken;
         double before = cosine;
         double here = azimuths_.weights[i];
         before *= here;

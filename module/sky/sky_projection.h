@@ -90,12 +90,14 @@ class SkyProjection {
 
   [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept;
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
+  /// The aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
+  [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun) const noexcept;
   [[nodiscard]] double aerosol_factor(const SunAngles& sun) const noexcept;
   void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe, double aerosol,
-                 std::span<glm::dvec3> even) const;
+                 const float* aureole, std::span<glm::dvec3> even) const;
 
   SkyView view_;
   SkyHarmonicsOptions options_;

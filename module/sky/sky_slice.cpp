@@ -9,6 +9,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
+#include "sky/ray_nodes.h"
 #include "sky/sky_curve.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
@@ -34,13 +35,15 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
       outside_(altitude_m > tables_->atmosphere.top_radius_m - tables_->atmosphere.bottom_radius_m),
       mapping_(mapping_of(*tables_)),
       inside_(outside_ ? mapping_.thickness() : altitude_m),
-      fold_(tables_->atmosphere, tables_->options.colour) {
+      fold_(tables_->atmosphere, tables_->options.colour),
+      aureole_(tables_->atmosphere, forward_share(tables_->atmosphere, tables_->options.orders)) {
   const SliceShape shape = slice_shape(tables_->options);
   views_ = shape.views;
   azimuths_ = shape.azimuths;
   suns_ = shape.suns;
   values_ = slice_rows(*tables_, mapping_, fold_, inside_);
   set_brightness();
+  if (aureole_.any() && !outside_) set_aureole_depths();
   ground_ = ground_radiances(*tables_, mapping_, fold_);
   if (options.ground) reach_ = ground_reach(*tables_, mapping_, fold_, inside_, views_ / 2);
 }
@@ -77,6 +80,35 @@ void SkySlice::set_brightness() {
   for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSliceRow % suns] += static_cast<double>(values_[i]);
   limit_falls(sums);
   brightness_ = fine_steps(sums);
+}
+
+void SkySlice::set_aureole_depths() {
+  const Air air(tables_->atmosphere);
+  RayPanels panels(air);
+  const std::vector<double>& scattering = tables_->atmosphere.aerosol.scattering_per_m;
+  std::vector<double> depths(scattering.size());
+  for (int k = 0; k < suns_; ++k) {
+    const double mu = std::max(mapping_.sun_zenith_cosine(static_cast<double>(k) / (suns_ - 1)),
+                               horizon_cosine(mapping_.bottom_radius(), inside_));
+    const double length = distance_to_top(mapping_.bottom_radius(), mapping_.thickness(), inside_, mu);
+    const double column = lengths_along(air, {inside_, mu, false, length}, panels)[kAerosol];
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = aureole_.forward() * column * scattering[i];
+    const glm::dvec3 share = fold_.share(depths);
+    aureole_depths_.push_back({share[0], share[1], share[2]});
+  }
+}
+
+std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
+  if (aureole_depths_.empty()) return {};
+  const double position = mapping_.sun_coordinate(mu_s) * (suns_ - 1);
+  const std::size_t node = std::min(static_cast<std::size_t>(position), aureole_depths_.size() - 2);
+  const double part = position - static_cast<double>(node);
+  std::array<double, 3> depths{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double low = aureole_depths_[node][c];
+    depths[c] = low + part * (aureole_depths_[node + 1][c] - low);
+  }
+  return depths;
 }
 
 SunPlace SkySlice::sun_place(double mu_s) const noexcept {
@@ -171,6 +203,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.asymmetry = g;
   run.aerosol_scale = run.henyey_greenstein ? (1.0 - g) * (1.0 + g) / (4.0 * std::numbers::pi)
                                             : 3.0 / (8.0 * std::numbers::pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g);
+  run.hazy = !aureole_depths_.empty();
+  if (run.hazy) aureole_.factors(aureole_depths(run.sun_zenith), run.aureole);
   run.reach = reach_.empty() ? nullptr : reach_.data();
   run.ground = ground_.data();
   run.grounds = kGroundNodes;
@@ -386,6 +420,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
   constexpr int order = 6;
+  const double forward = forward_share(tables.atmosphere, tables.options.orders);  // goes straight on
   const Atmosphere& atmosphere = tables.atmosphere;
   const double bottom = atmosphere.bottom_radius_m;
   const std::vector<const Constituent*> matter = matter_of(atmosphere);
@@ -423,7 +458,9 @@ std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& map
     for (std::size_t w = 0; w < shares.size(); ++w) {
       double depth = 0.0;
       for (std::size_t i = 0; i < matter.size(); ++i) {
-        depth += lengths[i] * (value_at(matter[i]->scattering_per_m, w) + value_at(matter[i]->absorption_per_m, w));
+        const double straight = matter[i] == &atmosphere.aerosol ? forward : 0.0;
+        depth += lengths[i] * ((1.0 - straight) * value_at(matter[i]->scattering_per_m, w) +
+                               value_at(matter[i]->absorption_per_m, w));
       }
       shares[w] = math::exponential(-depth);
     }

@@ -7,10 +7,12 @@
 //   fade (max(row[0..2], 0) rayleigh_phase(nu) + max(row[4..6], 0) aerosol_phase(nu)).
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <vector>
 
+#include "sky/aureole.h"
 #include "sky/sky_kernels.h"
 #include "sky/spectrum.h"
 #include "sky/table_mapping.h"
@@ -77,6 +79,10 @@ class SkySlice {
   [[nodiscard]] const TableMapping& mapping() const noexcept { return mapping_; }
   [[nodiscard]] const ColourFold& fold() const noexcept { return fold_; }
 
+  [[nodiscard]] const Aureole& aureole() const noexcept { return aureole_; }
+  /// Depths for it, of a sun at that zenith cosine (one that is down counts as on the horizon); from above the air 0.
+  [[nodiscard]] std::array<double, 3> aureole_depths(double mu_s) const noexcept;
+
   /// For the kernels, with a sun towards a unit direction; `of_sun` is left null.
   [[nodiscard]] SkyRun run(const glm::dvec3& sun) const noexcept;
 
@@ -85,6 +91,7 @@ class SkySlice {
 
  private:
   void set_brightness();
+  void set_aureole_depths();
 
   std::shared_ptr<const SkyTables> tables_;
   double altitude_ = 0.0;
@@ -98,6 +105,8 @@ class SkySlice {
   std::vector<float> reach_;
   std::vector<float> ground_;
   ColourFold fold_;
+  Aureole aureole_;
+  std::vector<std::array<double, 3>> aureole_depths_;  ///< of the nodes' suns; none: nothing to correct
 };
 
 }  // namespace welkin::sky

@@ -118,6 +118,7 @@ class Precomputation {
   void store(const WavelengthGroup& group, const Fold& fold, const float* once, const float* often, std::size_t texel,
              std::size_t i, double nu);
   void add_irradiance(const Fold& fold, const sky::SourceSolver& solver);
+  void add_straight_light(const WavelengthGroup& scaled, const WavelengthGroup& whole, const Fold& fold);
   void clip();
 
   SkyTableOptions options_;
@@ -174,7 +175,8 @@ void Precomputation::transmittance() {
 }
 
 void Precomputation::compute(std::size_t group, double from, double to) {
-  const WavelengthGroup wavelengths = sky::wavelength_group(air_, group);
+  const double forward = sky::forward_share(air_.atmosphere(), options_.orders);
+  const WavelengthGroup wavelengths = sky::wavelength_group(air_, group, forward);
   const Fold fold = fold_of(air_.atmosphere(), weights_, group);
   const sky::Sunlight light(air_, *paths_, wavelengths.extinctions);
   const double middle = from + 0.5 * (to - from);
@@ -184,6 +186,7 @@ void Precomputation::compute(std::size_t group, double from, double to) {
   timed("scattering", "along every ray of the table", [&] {
     scatter(wavelengths, fold, light, solver, part(middle, to));
     add_irradiance(fold, solver);
+    if (forward > 0.0) add_straight_light(wavelengths, sky::wavelength_group(air_, group, 0.0), fold);
   });
   result_.orders = std::max(result_.orders, solver.orders());
   result_.last_change = std::max(result_.last_change, solver.last_change());
@@ -236,7 +239,7 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
   for (std::size_t k = 0; k < 3; ++k) {
     if (once != nullptr) {
       rayleigh[k] = group.solar[k] * group.rayleigh[k] * static_cast<double>(once[8 * i + k]);
-      mie[k] = group.solar[k] * group.aerosol[k] * static_cast<double>(once[8 * i + 4 + k]);
+      mie[k] = group.solar[k] * group.aerosol_once[k] * static_cast<double>(once[8 * i + 4 + k]);
     } else {
       rayleigh[k] = static_cast<double>(often[4 * i + k]) / sky::rayleigh_phase(nu);
     }
@@ -292,6 +295,29 @@ void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& s
       for (std::size_t c = 0; c < 3; ++c) {
         for (std::size_t k = 0; k < 3; ++k) {
           irradiance_[3 * (h * suns + s) + c] += fold.weights[c][k] * irradiance[k];
+        }
+      }
+    }
+  }
+}
+
+// Sunlight that the aerosol turns by so little that the solver counts it as direct: on the ground it is the sky's.
+void Precomputation::add_straight_light(const WavelengthGroup& scaled, const WavelengthGroup& whole, const Fold& fold) {
+  sky::RayPanels panels(air_);
+  for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
+    const double altitude = mapping_.altitude(coordinate(h, options_.irradiance_heights));
+    for (std::size_t s = 0; s < index(options_.irradiance_sun_zeniths); ++s) {
+      const double cosine = mapping_.sun_zenith_cosine(coordinate(s, options_.irradiance_sun_zeniths));
+      if (!(cosine > 0.0)) continue;
+      const double length = sky::distance_to_top(air_.bottom_radius(), air_.thickness(), altitude, cosine);
+      const Amounts lengths = sky::lengths_along(air_, {altitude, cosine, false, length}, panels);
+      const double level = cosine * sky::visible_share(air_.atmosphere(), altitude, cosine);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double straight = math::exponential(-sky::optical_depth(scaled.extinctions[k], lengths)) -
+                                math::exponential(-sky::optical_depth(whole.extinctions[k], lengths));
+        for (std::size_t c = 0; c < 3; ++c) {
+          irradiance_[3 * (h * index(options_.irradiance_sun_zeniths) + s) + c] +=
+              fold.weights[c][k] * level * scaled.solar[k] * straight;
         }
       }
     }

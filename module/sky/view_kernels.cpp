@@ -26,6 +26,7 @@ struct Places {
   alignas(64) double ground[kLanes];   ///< position
   alignas(64) double rayleigh[kLanes];
   alignas(64) double aerosol[kLanes];
+  alignas(64) double aureole[kLanes];  ///< position
 };
 
 WELKIN_INLINE DoubleLanes constant(double value) { return DoubleLanes(value); }
@@ -55,6 +56,8 @@ WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places
   const DoubleLanes numerator =
       run.henyey_greenstein ? constant(run.aerosol_scale) : constant(run.aerosol_scale) * lobe;
   (numerator / denominator).store_aligned(places.aerosol + k);
+  const DoubleLanes angle = xsimd::sqrt(square_root(constant(0.5) * (constant(1.0) - nu)));
+  (angle * constant(kAureoleAngles - 1)).store_aligned(places.aureole + k);
 }
 
 /// Position and fade of suns whose zenith cosine is known.
@@ -241,6 +244,14 @@ WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps
 
 WELKIN_INLINE float positive(float value) { return value > 0.0F ? value : 0.0F; }
 
+/// Three channels times the aureole's factors at a position.
+WELKIN_INLINE void multiply_aureole(const float* aureole, float position, float* rgb) {
+  const int node = static_cast<int>(position) < kAureoleAngles - 2 ? static_cast<int>(position) : kAureoleAngles - 2;
+  const float part = position - static_cast<float>(node);
+  const float* const low = aureole + node * kSkyColour;
+  for (int c = 0; c < 3; ++c) rgb[c] = rgb[c] * (low[c] + part * (low[kSkyColour + c] - low[c]));
+}
+
 /// What the ground adds, at the end of a ray with these taps.
 WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double position, float* rgb) {
   const int limit = run.grounds - 2;
@@ -267,9 +278,11 @@ WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float
   alignas(32) float row[kSkyRow];
   interpolate(run, ends ? 0 : run.half, view, azimuth, sun, row);
   const float rayleigh = static_cast<float>(places.rayleigh[k]) * kRayleigh;
-  const auto aerosol = static_cast<float>(places.aerosol[k]);
+  float aerosol[3];
+  for (float& phase : aerosol) phase = static_cast<float>(places.aerosol[k]);
+  if (run.hazy) multiply_aureole(run.aureole, static_cast<float>(places.aureole[k]), aerosol);
   for (int c = 0; c < 3; ++c) {
-    rgb[c] = static_cast<float>(fade) * (positive(row[c]) * rayleigh + positive(row[4 + c]) * aerosol);
+    rgb[c] = static_cast<float>(fade) * (positive(row[c]) * rayleigh + positive(row[4 + c]) * aerosol[c]);
   }
   if (ends && run.reach != nullptr) add_ground(run, view, places.ground[k], rgb);
 }
@@ -328,17 +341,33 @@ WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   return xsimd::max((a + b) + (c + d), Lanes(0.0F));
 }
 
+/// Factors of a register's directions, x = 1 - cosine.
+WELKIN_INLINE void fill_aureole(const float* aureole, Lanes x, float (&factors)[3][kWidth]) {
+  alignas(64) float positions[kWidth];
+  const Lanes half = xsimd::min(xsimd::max(Lanes(0.5F) * x, Lanes(0.0F)), Lanes(1.0F));
+  (xsimd::sqrt(xsimd::sqrt(half)) * Lanes(static_cast<float>(kAureoleAngles - 1))).store_aligned(positions);
+  for (int k = 0; k < kWidth; ++k) {
+    float rgb[3] = {1.0F, 1.0F, 1.0F};
+    multiply_aureole(aureole, positions[k], rgb);
+    for (int c = 0; c < 3; ++c) factors[c][k] = rgb[c];
+  }
+}
+
 void add_sky_rings(const SkyRings& rings, float* sums) {
   for (int lane = 0; lane < kSkyRings; lane += kWidth) {
     const Lanes nearness = Lanes::load_unaligned(rings.nearness + lane);
     const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
     for (int i = 0; i < rings.azimuths; ++i) {
-      const Phases phase = phases(rings, nearness + breadth * Lanes(rings.azimuth_gaps[i]));
+      const Lanes x = nearness + breadth * Lanes(rings.azimuth_gaps[i]);
+      const Phases phase = phases(rings, x);
+      alignas(64) float aureole[3][kWidth];
+      if (rings.aureole != nullptr) fill_aureole(rings.aureole, x, aureole);
       const float* const values = rings.values + i * rings.azimuth_step + lane;
       const float* const factors = rings.azimuth_factors + static_cast<std::ptrdiff_t>(i) * rings.bands;
       for (int c = 0; c < 3; ++c) {
         const Lanes rayleigh = between_suns(rings, values + c * kSkyRings);
-        const Lanes aerosol = between_suns(rings, values + (3 + c) * kSkyRings) - Lanes(rings.lobe[c]);
+        Lanes aerosol = between_suns(rings, values + (3 + c) * kSkyRings) - Lanes(rings.lobe[c]);
+        if (rings.aureole != nullptr) aerosol = aerosol * Lanes::load_aligned(aureole[c]);
         Lanes light = phase.rayleigh * rayleigh + phase.aerosol * aerosol;
         if (rings.ground != nullptr) {
           light = light + Lanes::load_unaligned(rings.ground + (3 * i + c) * kSkyRings + lane);

@@ -93,7 +93,8 @@ TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
   must_be_refused(changed([](Atmosphere& a) { a.top_radius_m = a.bottom_radius_m; }), "must be above it");
   must_be_refused(changed([](Atmosphere& a) { a.top_radius_m = 11.1 * a.bottom_radius_m; }), "top_radius_m");
   must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = 0.9991; }), "0.9991");
-  must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -1.0; }), "-0.999 to 0.999");
+  must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -1.1; }), "-0.8 to 0.999");
+  must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -0.81; }), "sends light back");
   must_be_refused(changed([](Atmosphere& a) { a.ground_albedo[1] = 1.01; }), "ground_albedo[1] is 1.01");
   must_be_refused(changed([](Atmosphere& a) { a.sun_angular_radius_degrees = 10.1; }), "10.1");
   must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm = {680.0, 550.0}; }), "2 wavelengths");

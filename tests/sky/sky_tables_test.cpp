@@ -352,8 +352,8 @@ TEST_CASE("A caller's own floating-point environment changes no bit of sky table
 }
 
 TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
-  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x199a8baf7c97a704U);
-  CHECK(hash(precompute_sky(mars(), small_options())) == 0x26667325f6818f5cU);
+  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x6470fbf9cf18f05bU);
+  CHECK(hash(precompute_sky(mars(), small_options())) == 0x1179097c8c45d803U);
 }
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {

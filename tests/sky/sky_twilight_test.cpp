@@ -117,6 +117,33 @@ TEST_CASE("sky view: orders two to four at -6 degrees are those of paths", "[sky
   }
 }
 
+// Promise: the glow about the sun in a haze of a lobe far narrower than the solver's bands is that of paths.
+TEST_CASE("sky view: the aureole of a narrow lobe is that of paths", "[sky][haze][truth]") {
+  Atmosphere air;
+  air.aerosol.density = exponential_profile(2000.0);
+  air.aerosol.scattering_per_m.assign(3, 0.3 / 2000.0);
+  air.aerosol_phase = AerosolPhase::henyey_greenstein;
+  air.aerosol_asymmetry = 0.95;
+  air.solar_irradiance = {1.0, 1.0, 1.0};
+  SkyTableOptions options;
+  options.heights = 16;
+  options.orders = 24;
+  options.until_change = 1e-4;
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air, options)), 0.0);
+  for (const double elevation : {45.0, 10.0}) {
+    const dvec3 sun = sun_direction(elevation, 0.0);
+    for (const double off : {0.0, 1.0, 3.0, 6.0, 8.0}) {
+      const dvec3 direction = sun_direction(elevation + off, 0.0);
+      const TracedLight more =
+          trace_sky_radiance(air, 0.0, direction, sun, {.lowest_order = 2, .highest_order = 12, .paths = 6'000});
+      const double truth = reference_sky_radiance(air, 0.0, direction, sun, {1e-5, true})[1] + more.value[1];
+      const double found = view.radiance(direction, sun)[1];
+      CAPTURE(elevation, off, found / truth, more.standard_error[1] / truth);
+      CHECK(std::abs(found - truth) < 0.05 * truth + 2.0 * more.standard_error[1]);
+    }
+  }
+}
+
 // The oracle against one of another kind.
 TEST_CASE("sky Monte Carlo: its first order is the quadrature's", "[sky][twilight][truth]") {
   for (const double elevation : {40.0, 0.0, -6.0}) {

@@ -55,7 +55,7 @@ class RandomAtmospheres {
     if (chance(0.9)) air.aerosol = constituent(true);
     for (int i = whole(0, 2); i > 0; --i) air.absorbers.push_back(constituent(false));
     air.aerosol_phase = chance(0.5) ? AerosolPhase::cornette_shanks : AerosolPhase::henyey_greenstein;
-    air.aerosol_asymmetry = chance(0.2) ? (chance(0.5) ? 0.999 : -0.999) : between(-0.999, 0.999);
+    air.aerosol_asymmetry = chance(0.2) ? (chance(0.5) ? 0.999 : -0.8) : between(-0.8, 0.999);
     if (chance(0.8)) air.ground_albedo = values([this] { return chance(0.1) ? 1.0 : number(); });
     air.solar_irradiance = values([this] { return chance(0.05) ? 0.0 : scale(1e-3, 1e4); });
     air.sun_angular_radius_degrees = chance(0.2) ? 0.0 : scale(0.01, 10.0);

@@ -372,7 +372,7 @@ void add_sky_air_cases(StabilityCases& cases) {
                                        {"0.9", "0.9", 0.9},
                                        {"0.99", "0.99", 0.99},
                                        {"0.999", "0.999", 0.999},
-                                       {"minus-0.999", "-0.999", -0.999}}) {
+                                       {"minus-0.8", "-0.8", -0.8}}) {
     add(std::string("lobe-") + text, std::string("radiance about the sun and elsewhere, g = ") + words + ", rms",
         "reference_sky_radiance", 5e-3, [g = g] { return lobe_error(g); });
   }

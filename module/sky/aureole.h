@@ -1,0 +1,41 @@
+// The glow about the sun, where light is turned by little more than once (Nakajima and Tanaka 1988, "Algorithms for
+// radiative intensity calculations in moderately thick atmospheres using a truncation approximation").
+//
+// Delta-M scaling takes a share f of what the aerosol scatters for light that goes straight on: a lobe P_f whose
+// moments are 1 below the bands that are kept and chi_l / f beyond. A table's single scattering has the whole lobe P
+// and scaled transmittance T' (their TMS correction), and so f P_f once, as if what it turned were not turned again.
+// With x = f times the aerosol's scattering depth towards the sun, light that P_f turns any number of times is
+//   T' (exp(-x (1 - chi_f,l)) - exp(-x)) in band l, and not T' x chi_f,l.
+// The difference belongs to the first order's light: instead of P it is seen with P + D, D's moments being
+//   D_l = f ((exp(-x (1 - chi_f,l)) - exp(-x)) / x - chi_f,l).
+// (Their IMS correction is the first two terms in x.)
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sky/sky_kernels.h"
+#include "welkin/atmosphere.h"
+
+namespace welkin::sky {
+
+class Aureole {
+ public:
+  /// `forward`: f. Next to none: `any()` is false.
+  Aureole(const Atmosphere& atmosphere, double forward);
+
+  [[nodiscard]] bool any() const noexcept { return !table_.empty(); }
+  [[nodiscard]] double forward() const noexcept { return forward_; }
+
+  /// (P + D) / P at the angles of `kAureoleAngles`, for the depths x of three channels: [kAureoleAngles][4].
+  void factors(const std::array<double, 3>& depths, float* values) const noexcept;
+
+  /// -D_l of all bands that are kept.
+  [[nodiscard]] double loss(double depth) const noexcept;
+
+ private:
+  double forward_;
+  std::vector<double> table_;  ///< [angles][depths]
+};
+
+}  // namespace welkin::sky
