@@ -54,7 +54,7 @@ std::vector<double> roughness_in(std::string_view text, int levels) {
     double value = 0.0;
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-    if (failure != std::errc() || (!text.empty() && kSpaces.find(text.front()) == kSpaces.npos)) return {};
+    if (failure != std::errc() || (!text.empty() && kSpaces.find(text.front()) == std::string_view::npos)) return {};
     if (!(value >= (roughness.empty() ? 0.0 : roughness.back()) && value <= 1.0)) return {};
     roughness.push_back(value);
   }
