@@ -15,7 +15,12 @@ function(welkin_precompile_headers target)
     string(APPEND content " ${hash}")
   endforeach()
   string(SHA256 sum "${content} ${glm_VERSION} ${Catch2_VERSION}")
-  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/cmake_pch.hxx.gch.sum ${sum})
+  set(suffix gch)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    set(suffix pch)
+    target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")  # a new clone's headers are younger
+  endif()
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/cmake_pch.hxx.${suffix}.sum ${sum})
   # Read through a precompiled header, libstdc++ is no system header for GCC 12, which then warns of it, wrongly, where
   # strings are joined and lists of strings made (PR105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

@@ -117,7 +117,7 @@ TEST_CASE("strips and crosses that are asked for must have their shape", "[codec
       {Layout::vertical_cross, "3:4 vertical cross"},
   };
   for (const auto& [layout, words] : cases) {
-    const ThrownError error = thrown_by([&] { (void)inspect_environment(path, as(layout)); });
+    const ThrownError error = thrown_by([&, layout = layout] { (void)inspect_environment(path, as(layout)); });
     CHECK(error.code == ErrorCode::unsupported_file);
     CHECK(error.message == path.string() + ": 100 x 31 is not a " + words + " of six square faces (" + name(layout) +
                                " was asked for); pass --layout lat-long if it is one, or export the faces anew");

@@ -76,7 +76,8 @@ class Planes {
             static_cast<std::size_t>(row) * static_cast<std::size_t>(recipe_.width) + static_cast<std::size_t>(column);
         const float value = rgb[3 * texel + static_cast<std::size_t>(channel.component)];
         const half narrow(value);
-        const auto whole = static_cast<unsigned>(value);
+        // A whole number may be -99 too, which marks what is not to be read: by way of a signed number it wraps.
+        const auto whole = channel.type == Imf::UINT ? static_cast<unsigned>(static_cast<std::int64_t>(value)) : 0U;
         const void* source = channel.type == Imf::HALF    ? static_cast<const void*>(&narrow)
                              : channel.type == Imf::FLOAT ? static_cast<const void*>(&value)
                                                           : static_cast<const void*>(&whole);
