@@ -69,7 +69,7 @@ struct MipRecord {
   int bands = 0;                       ///< spectral: harmonic bands that were used
   int bright_texels = 0;               ///< spectral: texels whose lobes were added one by one
   int samples = 0;                     ///< sampled: taps a texel
-  double error_estimate = 0.0;         ///< predicted largest relative error; 0 of copies and stored mips
+  double error_estimate = 0.0;         ///< predicted rms error over the mip's rms; 0: none is predicted
   dvec3 mean{};                        ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
   double milliseconds = 0.0;           ///< wall time
 };
