@@ -4,6 +4,7 @@
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
+//   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
 //   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
 #include <benchmark/benchmark.h>
 
@@ -15,6 +16,7 @@
 
 #include "bake.h"
 #include "cancel_latency.h"
+#include "estimates.h"
 #include "irradiance_errors.h"
 #include "prefilter.h"
 #include "prefilter_errors.h"
@@ -71,6 +73,9 @@ int main(int argc, char** argv) {
   }
   if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
+  }
+  if (argc > 1 && std::string(argv[1]) == "--estimates") {
+    return perf::print_tables(0, {argv + 2, argv + argc}, perf::estimate_table);
   }
   if (argc > 1 && std::string(argv[1]) == "--scenes") {
     return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);

@@ -63,8 +63,9 @@ struct IrradianceError {
 // ---- Irradiance as a cubemap, for renderers that look it up instead of evaluating harmonics
 
 /// Irradiance (W/m2 where radiance is W/m2/sr; pi times it in a uniform environment) at each texel's centre, by the
-/// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. SIMD; the same bits
-/// everywhere. Throws `Error`: invalid_argument (size not in 1 to 4096), cancelled.
+/// sum of irradiance coefficients (of `irradiance_from_radiance`): `irradiance_cubemap(e, 64)`. Values beyond the
+/// floats (pi times a radiance of 3e38) become the largest float. SIMD; the same bits everywhere. Throws `Error`:
+/// invalid_argument (size not in 1 to 4096), cancelled.
 [[nodiscard]] CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size,
                                               const Control& control = {});
 

@@ -522,7 +522,7 @@ typedef struct welkin_mip {
   int32_t bands;                  /* spectral */
   int32_t bright_texels;          /* spectral: that were added one by one */
   int32_t samples;                /* sampled: a texel */
-  double error_estimate;          /* predicted largest relative error; NaN: nothing is known (sampled, stored) */
+  double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (sampled, stored) */
   double mean[3];                 /* by solid angle */
   double milliseconds;            /* wall time */
 } welkin_mip;

@@ -484,7 +484,8 @@ Projection LatLongProjector::finish() {
       estimate_error(projection.radiance, {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
                                                                 ? std::min(state_->width / 4.0, state_->height / 2.0)
                                                                 : 0.0,
-                                           .reduced_size = reduced ? *state_->options.target_size : 0.0});
+                                           .reduced_size = reduced ? *state_->options.target_size : 0.0,
+                                           .lat_long = true});
   return projection;
 }
 

@@ -310,13 +310,25 @@ double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& so
   const std::size_t witness = std::min<std::size_t>(2, norms.size() - 1);
   const double point_norm = std::sqrt(2.0 * static_cast<double>(witness) + 1.0) * norms[0];
   const double point_share = norms[0] > 0.0 ? std::min(1.0, norms[witness] / point_norm) : 1.0;
+  double varied_squared = 0.0;
+  for (std::size_t band = 1; band < norms.size(); ++band) varied_squared += norms[band] * norms[band];
+  const double varied = std::min(norms[0], 100.0 * std::sqrt(varied_squared));
+  if (sources.midpoint_size > 0.0) {
+    const double square = sources.midpoint_size * sources.midpoint_size;
+    add(0.12 * varied / square);
+    if (sources.lat_long && norms.size() > 2) add(0.33 * norms[0] / square);
+  }
+  if (sources.reduced_size > 0.0) {
+    const double split = sources.lat_long ? 0.15 : 0.45;
+    add(split * varied / (sources.reduced_size * sources.reduced_size));
+  }
   for (std::size_t band = 1; band < norms.size(); ++band) {
     const auto l = static_cast<double>(band);
-    if (sources.midpoint_size > 0.0) add(0.14 * l * l / (sources.midpoint_size * sources.midpoint_size) * norms[band]);
+    if (sources.midpoint_size > 0.0) add(0.5 * l * l / (sources.midpoint_size * sources.midpoint_size) * norms[band]);
     if (sources.reduced_size > 0.0) {
       const double cell = 0.5 * std::numbers::pi / sources.reduced_size;
-      add(l * (l + 1.0) * cell * cell / 24.0 * norms[band]);
-      add(0.25 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
+      add(l * (l + 1.0) * cell * cell / 7.0 * norms[band]);
+      add(0.35 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
     }
   }
   return std::sqrt(error_squared / total_squared);

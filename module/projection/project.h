@@ -70,15 +70,18 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 struct ErrorSources {
   double midpoint_size = 0.0;  ///< edge of the face that the midpoint rule was applied to
   double reduced_size = 0.0;   ///< edge of the face that the source was averaged to
+  bool lat_long = false;       ///< whether the source is one
 };
 
 /// Estimated relative error |c - c*| / |c*|.
 ///
-/// Rounding: 2e-7. Midpoint rule: band l is off by up to 0.14 l^2 / N^2 of itself (measured: 0.64 % of band 2
-/// at N = 8). Averaging over cells of angle d = pi/2 / N: smooth content loses l (l + 1) d^2 / 24 of band l;
-/// light from a point lands up to half a cell away, which moves band l by l d / 4 of what a point puts
-/// there. How much of the light is a point's is told from band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth
-/// sky far less. Meant to be right within a factor of a few, and rather too large than too small.
+/// Rounding: 2e-7. Midpoint rule: band l is off by up to 0.5 l^2 / N^2 of itself, a lat-long's band 2 by a share of
+/// band 0 as well, for equal steps of latitude do not give the integral of a constant's products. Averaging over cells
+/// of angle d = pi/2 / N: smooth content loses up to l (l + 1) d^2 / 7 of band l (a cell blurs twice, when it is
+/// averaged and when it is read as an area); light from a point lands up to half a cell away, which moves band l by up
+/// to 0.35 l d of what a point puts there. How much of the light is a point's is told from band 2: a point has |c_2|^2
+/// = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of N^-2, unless the picture is
+/// nearly uniform. Factors are such that the estimate holds for 99 % of random environments: docs/projection.md.
 [[nodiscard]] double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& sources);
 
 // Which size of an environment a projection reads.

@@ -21,6 +21,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/direct.h"
 #include "reflections/narrow.h"
+#include "reflections/prefilter_estimate.h"
 #include "reflections/sampled.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
@@ -127,7 +128,10 @@ void fill_level(const CubemapView& source, CubemapChain& chain, int level, const
 namespace {
 
 constexpr std::size_t kMostBright = 256;  ///< texels taken out
-constexpr double kRoundingError = 1e-4;   ///< of float harmonics, where it is not very dark
+/// Of the estimate, over what the sums of `spectral_rms_error` say: `welkin_perf --estimates`, docs/reflections.md.
+constexpr double kSafety = 2.4;
+constexpr double kRoundingError = 5e-7;   ///< of float harmonics
+constexpr double kLightError = 6e-5;      ///< of the points that stand for bright texels, where the horizon cuts them
 constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
 
 using Faces = std::array<float*, 6>;
@@ -217,6 +221,7 @@ class Prefilter {
   const PrefilterPlan& plan_;
   PrefilteredSpecular result_;
   std::vector<BrightTexel> bright_;
+  std::vector<double> energies_;  ///< of the harmonics, degree by degree
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
   Memory memory_;
@@ -270,6 +275,33 @@ void take_out(const std::vector<BrightTexel>& texels, const projection::Sanitize
   }
 }
 
+/// Undoes what averaging over the rings' texels and the transform's areas blur, each a box's variance of h^2 / 12 along
+/// both axes: f - (second differences of f along the row and the column) / 12, right to the fourth order of h.
+void sharpen(LatLongImage& rings) {
+  const auto columns = static_cast<std::size_t>(rings.width);
+  const std::size_t values = 3 * columns;
+  const auto row = [&](int index) { return rings.pixels.data() + values * static_cast<std::size_t>(index); };
+  std::vector<float> above(values);
+  std::vector<float> here(values);
+  const auto across_pole = [&](int index, std::vector<float>& beyond) {
+    for (std::size_t k = 0; k < values; ++k) beyond[k] = row(index)[(k + 3 * (columns / 2)) % values];
+  };
+  std::vector<float> last(values);
+  across_pole(0, above);
+  across_pole(rings.height - 1, last);
+  for (int index = 0; index < rings.height; ++index) {
+    float* const out = row(index);
+    const float* const below = index + 1 < rings.height ? row(index + 1) : last.data();
+    std::copy_n(out, values, here.data());
+    for (std::size_t k = 0; k < values; ++k) {
+      const float before = here[k >= 3 ? k - 3 : k + values - 3];
+      const float after = here[k + 3 < values ? k + 3 : k + 3 - values];
+      out[k] = here[k] - ((before + after) + (above[k] + below[k]) - 4.0F * here[k]) * (1.0F / 12.0F);
+    }
+    above.swap(here);
+  }
+}
+
 template <class View>
 void Prefilter<View>::run_spectral(const Control& control) {
   const Stopwatch watch;
@@ -277,6 +309,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
   const projection::SanitizedSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
   bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
   take_out(bright_, lat_long, rings);
+  if (source_.cubemap()) sharpen(rings.owned);
   memory_.take(rings.bytes());
   note("bright texels", std::to_string(bright_.size()) + " extracted", watch.milliseconds());
 
@@ -284,6 +317,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
   memory_.take(spectrum.bytes());
   note("analyse", std::to_string(plan_.bands) + " bands", analysis.milliseconds());
+  energies_ = energies_of(spectrum);
   const LatLongView shape = rings.view;
   memory_.give_back(rings.bytes());
   rings = {};
@@ -322,7 +356,10 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   note(name + ": lobes", std::to_string(lights.size()) + " lights", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(bright_.size());
-  record(level).error_estimate = kRoundingError + 2.0 * mip.bands.loss_at_peak;
+  const double lacking = spectral_rms_error(mip, energies_, source_.cubemap() ? rings.height : 0);
+  const double whole = rms_of_level(result_.cubemap, static_cast<int>(level));
+  record(level).error_estimate =
+      kRoundingError + (bright_.empty() ? 0.0 : kLightError) + (whole > 0.0 ? kSafety * lacking / whole : 0.0);
   end_mip(level, watch, control);
 }
 

@@ -90,7 +90,7 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
-  const double fine = std::clamp(std::numbers::pi / (0.3 * least_alpha), 64.0, 2048.0);
+  const double fine = std::clamp(std::numbers::pi / (0.2 * least_alpha), 512.0, 2048.0);
   const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
   return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
 }

@@ -47,6 +47,8 @@ class Honesty {
     std::sort(sorted.begin(), sorted.end());
     return sorted[sorted.size() / 2];
   }
+  /// Of true error over estimate.
+  [[nodiscard]] double worst() const { return worst_; }
   [[nodiscard]] const std::string& worst_case() const { return worst_case_; }
 
  private:

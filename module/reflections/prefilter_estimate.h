@@ -1,0 +1,27 @@
+// How far a spectral mip is from the truth, by what its factors leave out of the picture's own spectrum.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reflections/prefilter_plan.h"
+#include "transform/spectrum.h"
+#include "welkin/image.h"
+
+namespace welkin::reflections {
+
+/// Squares of a spectrum's coefficients, summed over orders and channels: one for each degree.
+[[nodiscard]] std::vector<double> energies_of(const transforms::Spectrum& spectrum);
+
+/// Root mean square over the sphere of what `mip`'s synthesis lacks, all three channels together, in units of radiance:
+///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi,
+/// S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings, r_l what
+/// the `source_rings` on which a cubemap was read lose (0: the source is a lat-long). Degrees beyond the spectrum count
+/// with the last quarter's mean energy.
+[[nodiscard]] double spectral_rms_error(const MipPlan& mip, std::span<const double> energies, int source_rings);
+
+/// Root mean square over the sphere of a level's radiance, all three channels together, from at most 32 x 32 texels a
+/// face.
+[[nodiscard]] double rms_of_level(const CubemapChain& chain, int level);
+
+}  // namespace welkin::reflections

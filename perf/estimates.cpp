@@ -1,0 +1,52 @@
+#include "estimates.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+
+#include "support/estimate_trials.h"
+#include "welkin/environment_file.h"
+#include "welkin/resampling.h"
+
+namespace welkin::perf {
+namespace {
+
+constexpr int kPictureSize = 64;
+
+CubemapImage reduced(const std::filesystem::path& file) {
+  const Environment environment = read_environment(file);
+  if (environment.info.layout == Layout::lat_long) return to_cubemap(environment.lat_long(), kPictureSize);
+  return to_cubemap(environment.cubemap(), kPictureSize);
+}
+
+}  // namespace
+
+std::string estimate_table(const std::vector<std::filesystem::path>& arguments) {
+  int count = 10'000;
+  std::uint32_t seed = 1;
+  std::vector<CubemapImage> pictures;
+  for (const std::filesystem::path& argument : arguments) {
+    const std::string word = argument.string();
+    if (word.rfind("--seed=", 0) == 0) {
+      seed = static_cast<std::uint32_t>(std::atoi(word.c_str() + 7));
+    } else if (!word.empty() && word.find_first_not_of("0123456789") == std::string::npos) {
+      count = std::atoi(word.c_str());
+    } else {
+      pictures.push_back(reduced(argument));
+    }
+  }
+  test::EstimateTrials trials;
+  test::add_estimate_trials(seed, count, 0.02, pictures, trials);
+  std::string table =
+      "| result | estimates | true <= estimate | median of estimate / true | worst true / estimate | worst case |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const auto& [kind, honesty] : trials) {
+    char row[160];
+    std::snprintf(row, sizeof row, " | %zu | %.1f %% | %.2g | %.2g | ", honesty->count(), 100.0 * honesty->share(),
+                  honesty->median(), honesty->worst());
+    table += "| " + kind + row + honesty->worst_case() + " |\n";
+  }
+  return table;
+}
+
+}  // namespace welkin::perf

@@ -1,0 +1,14 @@
+// How honest the estimates of errors are.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace welkin::perf {
+
+/// `[COUNT] [--seed=N] [PICTURE...]`: a table by kind of result over COUNT random environments (10 000), of which a
+/// fifth are of the pictures if there are any.
+[[nodiscard]] std::string estimate_table(const std::vector<std::filesystem::path>& arguments);
+
+}  // namespace welkin::perf
