@@ -77,10 +77,13 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowSplit
     least = std::min(least, static_cast<double>(range.least));
     mean += std::abs(range.mean) / source.rows();
   }
+  // places are rounded to some 1e-7 of a texel, of which the narrowest lobes are not much wider
+  const double texel = source.cubemap() ? 2.0 / split.columns : 2.0 * kPi / split.columns;
+  const double floor = rounding + 0x1p-22 * texel / (2.0 * alpha);
   if (!(largest > least)) return rounding;
   const double contrast = largest / std::max({least, darkest * mean, std::numeric_limits<double>::min()});
   const double tail = 0.125 * alpha * alpha * split.split;  // of the lobe's energy, beyond some texels
-  return rounding + of_tail * std::min(1.0, 10.0 * tail * contrast);
+  return floor + of_tail * std::min(1.0, 10.0 * tail * contrast);
 }
 
 namespace {
