@@ -44,6 +44,7 @@ void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, c
                    const Panorama& place, const Control& control) {
   const int width = 2 * place.height;
   std::vector<glm::dvec3> around;  // level directions: along a row only the azimuth changes
+  around.reserve(static_cast<std::size_t>(width));
   for (int column = 0; column < width; ++column) {
     around.push_back(image::lat_long_direction(width, 1, column + 0.5, 0.5));
   }
