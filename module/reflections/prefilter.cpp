@@ -16,6 +16,7 @@
 #include "image/sphere_grid.h"
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
+#include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
@@ -131,6 +132,7 @@ constexpr std::size_t kMostBright = 256;  ///< texels taken out
 /// Of the estimate, over what the sums of `spectral_rms_error` say: `welkin_perf --estimates`, docs/reflections.md.
 constexpr double kSafety = 2.4;
 constexpr double kRoundingError = 5e-7;   ///< of float harmonics
+constexpr double kCubeLightError = 8e-4;  ///< of bright texels of a cubemap, which rings have blurred
 constexpr double kLightError = 6e-5;      ///< of the points that stand for bright texels, where the horizon cuts them
 constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
 
@@ -276,27 +278,29 @@ void take_out(const std::vector<BrightTexel>& texels, const projection::Sanitize
 }
 
 /// Undoes what averaging over the rings' texels and the transform's areas blur, each a box's variance of h^2 / 12 along
-/// both axes: f - (second differences of f along the row and the column) / 12, right to the fourth order of h.
+/// both axes: f - (second differences of f along the row and the column) / 12, right to the fourth order of h. Along
+/// the column they are differences of sin(theta) f' over the row's mean sine, so that no light is lost, at poles
+/// neither.
 void sharpen(LatLongImage& rings) {
-  const auto columns = static_cast<std::size_t>(rings.width);
-  const std::size_t values = 3 * columns;
-  const auto row = [&](int index) { return rings.pixels.data() + values * static_cast<std::size_t>(index); };
+  const auto values = std::size_t{3} * static_cast<std::size_t>(rings.width);
+  const double height = std::numbers::pi / rings.height;
+  const auto edge = [&](int row) { return math::sine_cosine_of_turns(row / (2.0 * rings.height)); };
   std::vector<float> above(values);
   std::vector<float> here(values);
-  const auto across_pole = [&](int index, std::vector<float>& beyond) {
-    for (std::size_t k = 0; k < values; ++k) beyond[k] = row(index)[(k + 3 * (columns / 2)) % values];
-  };
-  std::vector<float> last(values);
-  across_pole(0, above);
-  across_pole(rings.height - 1, last);
   for (int index = 0; index < rings.height; ++index) {
-    float* const out = row(index);
-    const float* const below = index + 1 < rings.height ? row(index + 1) : last.data();
+    float* const out = rings.pixels.data() + values * static_cast<std::size_t>(index);
+    const bool last = index + 1 == rings.height;
+    const float* const below = last ? out : out + values;
+    const double sine = (edge(index).cosine - edge(index + 1).cosine) / height;
+    const auto up = static_cast<float>(index == 0 ? 0.0 : edge(index).sine / sine);
+    const auto down = static_cast<float>(last ? 0.0 : edge(index + 1).sine / sine);
     std::copy_n(out, values, here.data());
     for (std::size_t k = 0; k < values; ++k) {
       const float before = here[k >= 3 ? k - 3 : k + values - 3];
       const float after = here[k + 3 < values ? k + 3 : k + 3 - values];
-      out[k] = here[k] - ((before + after) + (above[k] + below[k]) - 4.0F * here[k]) * (1.0F / 12.0F);
+      const float along = (before - here[k]) + (after - here[k]);
+      const float across = up * (above[k] - here[k]) + down * (below[k] - here[k]);
+      out[k] = here[k] - (along + across) * (1.0F / 12.0F);
     }
     above.swap(here);
   }
@@ -358,8 +362,9 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   record(level).bright_texels = static_cast<int>(bright_.size());
   const double lacking = spectral_rms_error(mip, energies_, source_.cubemap() ? rings.height : 0);
   const double whole = rms_of_level(result_.cubemap, static_cast<int>(level));
-  record(level).error_estimate =
-      kRoundingError + (bright_.empty() ? 0.0 : kLightError) + (whole > 0.0 ? kSafety * lacking / whole : 0.0);
+  record(level).error_estimate = kRoundingError +
+                                 (bright_.empty() ? 0.0 : (source_.cubemap() ? kCubeLightError : kLightError)) +
+                                 (whole > 0.0 ? kSafety * lacking / whole : 0.0);
   end_mip(level, watch, control);
 }
 

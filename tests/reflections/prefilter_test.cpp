@@ -535,6 +535,20 @@ TEST_CASE("Cubemaps of few texels are blurred as areas", "[specular][prefilter][
   }
 }
 
+TEST_CASE("A lone bright texel of a small cubemap is blurred to within the default bounds",
+          "[specular][prefilter][truth]") {
+  // In a face, beside a pole, in a corner.
+  for (const std::size_t texel :
+       {std::size_t{5 * 32 + 7}, std::size_t{2 * 1024 + 16 * 32 + 15}, std::size_t{4 * 1024 + 31 * 32 + 31}}) {
+    CAPTURE(texel);
+    CubemapImage source{32, std::vector<float>(std::size_t{18} * 32 * 32, 1.0F)};
+    for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] = 1e4F;
+    const LevelError worst = worst_level(source.view(), {.size = 16, .roughness = {0.3, 0.5, 0.8}});
+    CHECK(worst.rms < 1e-3);
+    CHECK(worst.maximum < 1e-2);
+  }
+}
+
 TEST_CASE("Values at the end of the floats do not end at infinity", "[specular][prefilter]") {
   TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
   TestLatLong huge = source;
