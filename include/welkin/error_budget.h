@@ -120,8 +120,8 @@ struct PrefilterChoice : BudgetChoice<PrefilterOptions> {
 /// 1e-1 with `method` automatic. Errors are rms, of the worst mip that is not a copy.
 ///
 /// One analysis of the environment gives the energy of each band; what a setting's truncation, taper and interpolation
-/// do to each is known, so no setting is run. Mips below roughness 0.055 at default bounds are sampled, which has no
-/// estimate: they count as not met unless the budget is 1. `source_sizes`: whether to look for `MipNeed::source_size`
+/// do to each is known, so no setting is run. Mips below roughness 0.055 at default bounds are narrow, whose
+/// error counts as 1e-3. `source_sizes`: whether to look for `MipNeed::source_size`
 /// as well, which takes an analysis for each size tried.
 /// Throws `Error` as `prefilter_specular`.
 [[nodiscard]] PrefilterChoice choose_prefilter(const LatLongView& source, const PrefilterOptions& options = {},

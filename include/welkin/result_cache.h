@@ -118,7 +118,7 @@ struct LightChange {
 /// A specular chain is kept mip by mip, for prefilters and bakes alike. Whatever chain a mip was made for, it serves
 /// all in which its bits are the same: same source and policies for its pixels, same size and roughness, same method,
 /// and
-/// - copied (roughness below 0.001) and reference mips: nothing else;
+/// - copied (roughness below 0.001), narrow and reference mips: nothing else;
 /// - sampled ones: same `samples`, same size of mip 0, whose mips the taps read;
 /// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain, those that are
 ///   left out too. It decides which bright texels are taken out, and which rings a cubemap goes through.

@@ -131,7 +131,8 @@ class Outputs {
   }
   [[nodiscard]] glm::dvec3 direction(std::int64_t texel) const noexcept {
     const auto place = static_cast<int>(texel % (std::int64_t{size_} * size_));
-    return image::face_direction(size_, face(texel), place % size_ + 0.5, place / size_ + 0.5);
+    const int row = place / size_;
+    return image::face_direction(size_, face(texel), place % size_ + 0.5, row + 0.5);
   }
   [[nodiscard]] int face(std::int64_t texel) const noexcept {
     return static_cast<int>(texel / (std::int64_t{size_} * size_));
@@ -197,8 +198,8 @@ void add_run(const Work& work, const float* rgb, int first, int count, int parts
 /// The source as a lat-long.
 class LatLongNear {
  public:
-  explicit LatLongNear(const Work& work) : work_(work), columns_(work.split.columns), rows_(work.split.rows) {
-    half_ = columns_ / 2;
+  explicit LatLongNear(const Work& work)
+      : work_(work), columns_(work.split.columns), rows_(work.split.rows), half_(work.split.columns / 2) {
     for (int m = -half_; m <= columns_ - half_; ++m) add(column_table_, 0.5 * m / columns_);
     for (int m = -rows_; m <= rows_; ++m) add(row_table_, 0.25 * m / rows_);
   }
@@ -293,7 +294,7 @@ class LatLongNear {
   const Work& work_;
   int columns_;
   int rows_;
-  int half_ = 0;
+  int half_;
   std::vector<float> column_table_;
   std::vector<float> row_table_;
 };

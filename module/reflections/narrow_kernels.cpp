@@ -16,7 +16,7 @@ WELKIN_INLINE Lanes at(const float* values, int index) { return Lanes::load_alig
 /// e^-u for 0 <= u, taken as 16 beyond: a sixteenth of it by its series, 16 times with itself.
 WELKIN_INLINE Lanes decay(Lanes u) {
   const Lanes x = xsimd::min(u, Lanes(16.0F)) * Lanes(-1.0F / 16.0F);
-  Lanes sum = Lanes(1.0F / 40320.0F);
+  auto sum = Lanes(1.0F / 40320.0F);
   sum = sum * x + Lanes(1.0F / 5040.0F);
   sum = sum * x + Lanes(1.0F / 720.0F);
   sum = sum * x + Lanes(1.0F / 120.0F);
@@ -35,7 +35,7 @@ WELKIN_INLINE Lanes decay(Lanes u) {
 WELKIN_INLINE Lanes far_density(const SplitLobe& lobe, Lanes square) {
   const Lanes quarter = square * Lanes(0.25F);
   const Lanes u = Lanes(lobe.offset) + Lanes(lobe.split) * (quarter / (Lanes(1.0F) + quarter));
-  Lanes series = Lanes(1.0F / 403200.0F);
+  auto series = Lanes(1.0F / 403200.0F);
   series = series * u - Lanes(1.0F / 45360.0F);
   series = series * u + Lanes(1.0F / 5760.0F);
   series = series * u - Lanes(1.0F / 840.0F);
@@ -55,7 +55,7 @@ WELKIN_INLINE Lanes angle_of(Lanes y, Lanes x) {
   const Lanes wide = xsimd::abs(x);
   const Lanes z = xsimd::min(tall, wide) / xsimd::max(xsimd::max(tall, wide), Lanes(kTiny));
   const Lanes w = z * z;
-  Lanes sum = Lanes(0.0028662257F);
+  auto sum = Lanes(0.0028662257F);
   sum = sum * w - Lanes(0.0161657367F);
   sum = sum * w + Lanes(0.0429096138F);
   sum = sum * w - Lanes(0.0752896400F);
