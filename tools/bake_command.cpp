@@ -101,7 +101,7 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
   for (const auto* file : {&options.scene.file, &options.scene.costs_file}) {
     if (*file) files.emplace_back(**file);
   }
-  if (!options.input) return files;
+  if (!options.input || is_standard_stream(*options.input)) return files;
   const std::vector<std::filesystem::path> input = input_files(options);
   files.insert(files.end(), input.begin(), input.end());
   return files;

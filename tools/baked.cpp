@@ -409,7 +409,7 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
 /// what they need, are known only then.
 void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
   if (!options.input || needs.error_budget) return;
-  const StoredEnvironment file = probe_environment(*options.input, options.common.read);
+  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
   const Plan planned = plan(file.shape, needs, whole, options.scene.costs());
   const EnvChain chain = env_chain(options, whole, planned);
   BakeMemory memory{*options.input,

@@ -227,7 +227,7 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   const welkin_cubemap view = c_view(cube.view());
   // Limits of memory stay, so that no noise asks for minutes of work: what is large is refused by them.
   auto sound_bake = c_struct<welkin_bake_options>();
-  sound_bake.memory_limit_bytes = 1 << 24;
+  sound_bake.memory_limit_bytes = 1 << 26;
   auto sound_specular = c_struct<welkin_prefilter_options>();
   sound_specular.size = 4;
   auto sound_tables = c_struct<welkin_sky_table_options>();

@@ -106,7 +106,8 @@ TEST_CASE("sky view: orders two to four at -6 degrees are those of paths", "[sky
   const dvec3 all = SkyView(four_orders(), 0.0).irradiance(sun);
   SkyTableOptions one;
   one.orders = 1;
-  const dvec3 single = SkyView(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), one)), 0.0).irradiance(sun);
+  const dvec3 single =
+      SkyView(std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), one)), 0.0).irradiance(sun);
   const TracedLight traced =
       trace_sky_irradiance(earth_bruneton(), 0.0, sun, {.lowest_order = 2, .highest_order = 4, .paths = 150'000});
   for (int c = 0; c < 3; ++c) {
@@ -149,8 +150,8 @@ TEST_CASE("sky Monte Carlo: its first order is the quadrature's", "[sky][twiligh
   for (const double elevation : {40.0, 0.0, -6.0}) {
     const dvec3 sun = sun_direction(elevation, 0.0);
     const dvec3 direction = sun_direction(20.0, 30.0);
-    const TracedLight traced =
-        trace_sky_radiance(earth_bruneton(), 0.0, direction, sun, {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
+    const TracedLight traced = trace_sky_radiance(earth_bruneton(), 0.0, direction, sun,
+                                                  {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
     const std::vector<double> truth = reference_sky_radiance(earth_bruneton(), 0.0, direction, sun, {1e-5, true});
     for (std::size_t c = 0; c < 3; ++c) {
       CAPTURE(elevation, c, traced.value[c] / truth[c], traced.standard_error[c] / truth[c]);

@@ -70,9 +70,9 @@ class Trial {
     const PrefilteredSpecular result = prefilter_specular(view, options);
     for (std::size_t level = 0; level < result.mips.size(); ++level) {
       const MipRecord& mip = result.mips[level];
-      if (mip.error_estimate == 0.0) continue;
+      if (mip.error_estimate.value_or(0.0) == 0.0) continue;
       const double truth = rms_error(view, result.cubemap, static_cast<int>(level), mip.roughness);
-      add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth, mip.error_estimate,
+      add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth, *mip.error_estimate,
           " roughness " + std::to_string(mip.roughness) + ", " + std::to_string(mip.size) + " texels");
     }
   }

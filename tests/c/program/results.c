@@ -274,7 +274,7 @@ static welkin_sky_table_options small_tables(void) {
 static void atmospheres_that_are_refused(void) {
   welkin_atmosphere* air = NULL;
   double numbers[4] = {500.0, 500.0, 500.0, 500.0};
-  REFUSED("planet", welkin_atmosphere_create(4, &air));
+  REFUSED("planet", welkin_atmosphere_create(8, &air));
   REFUSED("atmosphere", welkin_atmosphere_create(WELKIN_PLANET_EARTH, NULL));
   REFUSED("wavelengths_nm", welkin_atmosphere_create_earth(NULL, 3, &air));
   REFUSED("wavelengths_nm", welkin_atmosphere_create_earth(numbers, 97, &air));
