@@ -155,6 +155,11 @@ TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
            [] {
              return precompute_sky(earth_bruneton({400.0, 500.0, 600.0, 700.0}), folded(2));
            }},
+          {"clear", [] { return precompute_sky(earth(), tables_of(2)); }},
+          {"dusty",
+           [] {
+             return precompute_sky(earth({680.0, 550.0, 440.0}, AerosolKind::dusty), tables_of(2));
+           }},
           {"earth_of_hillaire", [] { return precompute_sky(earth_hillaire(), tables_of(2)); }},
           {"mars", [] { return precompute_sky(mars(), tables_of(3)); }},
           {"without_aerosol", [] { return precompute_sky(without_aerosol(earth_bruneton()), tables_of(2)); }},
