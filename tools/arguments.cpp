@@ -171,7 +171,7 @@ std::string unknown_words(const CLI::App& program, const std::vector<std::string
   for (const std::string& word : arguments) {
     if (!is_left(word) || word.size() < 2 || word.front() != '-') continue;
     const std::string option = word.substr(0, word.find('='));
-    return who + "there is no option " + option + did_you_mean(nearest_option(option, asked));
+    return (who + "there is no option ").append(option).append(did_you_mean(nearest_option(option, asked)));
   }
   for (const std::string& word : arguments) {
     if (is_left(word)) return who + word + " is an argument too many";

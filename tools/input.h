@@ -87,7 +87,7 @@ struct Source {
   std::vector<std::string> notes;  ///< what was done to the pixels on the way in
 };
 
-[[nodiscard]] Source source_of(const std::string& path, const EnvironmentInfo& info);
+[[nodiscard]] Source source_of(const std::string& named, const EnvironmentInfo& info);
 
 /// An environment in memory, where more is asked of it than one pass over its rows.
 struct Pixels {
