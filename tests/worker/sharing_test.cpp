@@ -33,8 +33,8 @@ struct Square {
   Log* log = nullptr;
 
   int operator()(const Control& control) const {
-    ++log->runs;
     control.progress(0.5);
+    ++log->runs;  // after the progress, which whoever waits for the run reads
     // As `Gate::pass`, but ends when it is told to.
     while (!log->gate.is_open()) {
       if (control.stop.stop_requested()) {
