@@ -138,7 +138,7 @@ void add_command(CLI::App& program, const Command& command) {
   CLI::App& added = *program.add_subcommand(command.name, command.summary);
   added.get_option("--help")->group(kRunningGroup);
   added.get_option("--help-all")->group(kRunningGroup);
-  added.footer(command.notes);
+  added.footer(with_exit_codes(command.notes));
   for (const Option& option : command.options) add_option(added, option);
   for (const Option& option : command.options) {
     const std::string name = option.names.substr(0, option.names.find(','));
@@ -212,7 +212,7 @@ bool has_command(const Program& program, const std::string& name) {
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
-  parser.footer(program.notes);
+  parser.footer(with_exit_codes(program.notes));
   parser.set_help_all_flag("--help-all", "Print every option, and all that there is to know");
   parser.set_version_flag("-V,--version", version_text, "Print the version and the instruction sets that run here");
   parser.formatter(std::make_shared<HelpFormatter>());
@@ -279,10 +279,11 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
   try {
     return work();
   } catch (const Error& error) {
-    constexpr int kSignalBase = 128;  // as shells count
-    if (const int signal = caught_signal(); signal != 0 && error.code() == ErrorCode::cancelled) {
-      return complain(static_cast<ExitCode>(kSignalBase + signal),
-                      std::string("stopped (") + strsignal(signal) + "); what was not finished is not there");
+    if (const int signal = caught_signal(); signal != 0) {
+      constexpr int kSignalBase = 128;  // as shells count
+      const auto code = static_cast<ExitCode>(kSignalBase + signal);
+      if (error.code() != ErrorCode::cancelled) return complain(code, error.what());
+      return complain(code, std::string("stopped (") + strsignal(signal) + "); what was not finished is not there");
     }
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());

@@ -132,7 +132,8 @@ enum ExitCode : int {
   success = 0,
   bad_input = 1,  ///< a file or its pixels, or no memory or output device for the work
   bad_usage = 2,  ///< an unknown option, or a value that no input could make valid
-  // And 128 more than a signal's number if that stopped the work: 130 for Ctrl-C, 143 for SIGTERM.
+  // And 128 more than a signal's number if that stopped the work: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP, 153
+  // for SIGXFSZ, a file larger than the process may write.
 };
 
 /// Turns whatever `work` throws into a message on standard error and an exit code.

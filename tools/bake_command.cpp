@@ -80,9 +80,7 @@ Memory: --memory-limit is checked before the bake. It covers source, results,
 
 Units: radiance is in the file's unit; irradiance in even light is pi times
   that. Roughness is perceptual roughness; GGX's alpha is its square. Values that
-  a format cannot hold are clamped and counted, file by file.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+  a format cannot hold are clamped and counted, file by file.)";
 
 // A bake must not write over what it reads.
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/help.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
@@ -206,7 +207,8 @@ std::string manual_page(const Program& program) {
                      ".SH NAME\nwelkin \\- environments to light\n"
                      ".SH SYNOPSIS\n.B welkin\n.I COMMAND\n.RI [ OPTIONS ]\n"
                      ".SH DESCRIPTION\n" +
-                     roff(program.summary) + "\n.PP\n.nf\n" + roff(program.notes) + "\n.fi\n.SH COMMANDS\n";
+                     roff(program.summary) + "\n.PP\n.nf\n" + roff(with_exit_codes(program.notes)) +
+                     "\n.fi\n.SH COMMANDS\n";
   for (const Command& command : program.commands) {
     text += ".TP\n.B " + command.name + '\n' + roff(command.summary) + ".\n";
   }

@@ -70,6 +70,13 @@ bool is_named(const CLI::Option& option, const std::string& name) {
 
 }  // namespace
 
+std::string with_exit_codes(const std::string& notes) {
+  return notes + R"(
+
+Exit codes: 0 done; 1 a bad file; 2 a bad command line; 128 + n: signal n.
+  130 is Ctrl-C, 143 SIGTERM, 129 SIGHUP, 153 a file beyond its limit.)";
+}
+
 void shorten(CLI::App& command, const std::vector<std::string>& everyday) {
   constexpr int kExamples = 5;
   for (CLI::Option* const option : command.get_options()) {
@@ -90,7 +97,7 @@ void shorten(CLI::App& command, const std::vector<std::string>& everyday) {
   const std::string all = whole ? "welkin help COMMAND" : "welkin " + command.get_name() + " --help-all";
   const std::string more = whole ? "    all about a command\n" : "    every option, with details\n";
   command.footer(paragraph(notes, "Examples:", kExamples) + "\n  " + all + more + '\n' +
-                 paragraph(notes, "Exit codes:", 2));
+                 paragraph(notes, "Exit codes:", 0));
 }
 
 std::string with_headings(const std::string& text) {

@@ -16,6 +16,9 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_option_opts(const CLI::Option* option) const override;
 };
 
+/// The notes of a program or a command, and what exit codes mean.
+[[nodiscard]] std::string with_exit_codes(const std::string& notes);
+
 /// Leaves of a command's help what fits a screen: the options of these names (all of them if there are none), of each
 /// description the first clause, of the notes a few examples and the exit codes, and where the rest is found.
 void shorten(CLI::App& command, const std::vector<std::string>& everyday);

@@ -28,9 +28,7 @@ Examples:
 
 Units: values are those of the file. The mean is weighted by solid angle; the
   total radiance is the integral over the sphere, 4 pi times the mean. Rows count
-  from the top and columns from the left, both from 0.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+  from the top and columns from the left, both from 0.)";
 
 /// What was found, before it is put into words or JSON.
 struct InfoReport {

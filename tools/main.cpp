@@ -38,9 +38,7 @@ Directions: y is up, and a lat-long's centre looks along +z.
 
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;
-WELKIN_ISA=sse2|avx2|avx512 in the environment picks an instruction set.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+WELKIN_ISA=sse2|avx2|avx512 in the environment picks an instruction set.)";
 
 /// In the list of commands; what follows its name is for the program that it is.
 Command report_command() {

@@ -48,9 +48,7 @@ Examples:
 
 Units: values are those of the file, linear; a PNG is sRGB. Values that a format
   cannot hold are clamped and counted: .exr half ends at 65504, .hdr holds no
-  negative values, .png holds 0 to 1.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+  negative values, .png holds 0 to 1.)";
 
 constexpr const char* kTestmapFooter =
     R"(What it does:
@@ -73,9 +71,7 @@ Examples:
   welkin testmap -o unity.exr --for unity --layout vertical-strip
   welkin testmap -o face.png --layout six-files         face_px.png, face_nx.png..
 
-Units: linear values from 0 to 1; a PNG is sRGB.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+Units: linear values from 0 to 1; a PNG is sRGB.)";
 
 // What both share.
 

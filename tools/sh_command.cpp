@@ -64,9 +64,7 @@ JSON: {"source": {path, layout, width, height, format, notes}, "axes", "bands",
        "babylon": {x, y, z, xx, yy, zz, yz, zx, xy}, "engine": {name, form,
        formula, terms, vectors (unity, unreal)} or null, "window",
        "dominant_light", "sun", "irradiance_errors", "diagnostics": {...}};
-  coefficient (l, m) is element l (l + 1) + m. All are in the same axes.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+  coefficient (l, m) is element l (l + 1) + m. All are in the same axes.)";
 
 constexpr int kLargestTargetSize = 16384;
 

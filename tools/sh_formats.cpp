@@ -514,22 +514,29 @@ std::string sun_arrays(const std::string& name, const Sun& sun) {
          array_start(name + "_sun", 2) + row(sun.direction, "direction") + row(sun.irradiance, "irradiance") + "};\n";
 }
 
-}  // namespace
-
-std::string sh_c_header(const ShReport& report) {
-  const std::string name = identifier(report.source.path);
-  std::string text = comment("Light of " + printable(portable_path(report.source.path)) +
-                             ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes +
-                             "\nEach row is r, g, b where nothing else is said.") +
-                     "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n";
-  text += report.engine_light ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)
-                              : harmonics_arrays(name, report);
+/// The arrays that a header of this name has.
+std::string arrays(const std::string& name, const ShReport& report) {
+  std::string text = report.engine_light
+                         ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)
+                         : harmonics_arrays(name, report);
   for (const EngineLight& light : report.engine_lights) {
     text += comment(std::string(convention(light.engine).title) + ", axes: " + convention(light.engine).axes) +
             engine_array(name + '_' + convention(light.engine).name, light);
   }
   if (report.sun) text += sun_arrays(name, *report.sun);
-  return text + "\n#endif\n";
+  return text;
+}
+
+}  // namespace
+
+std::string sh_c_header(const ShReport& report) try {
+  const std::string name = identifier(report.source.path);
+  return comment("Light of " + printable(portable_path(report.source.path)) +
+                 ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes +
+                 "\nEach row is r, g, b where nothing else is said.") +
+         "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n" + arrays(name, report) + "\n#endif\n";
+} catch (const Error& error) {
+  throw Error(error.code(), printable(report.source.path) + ": " + error.what());
 }
 
 }  // namespace welkin::tool

@@ -59,9 +59,7 @@ JSON: as 'welkin sh --json' prints it, the sun always in "sun" {direction,
   "sky" {atmosphere, unit, colour, sun_elevation_degrees, sun_azimuth_degrees,
   altitude_m, orders, last_change, ground, sky_irradiance, quadrature, tables,
   parameters}. error_estimate is that of the quadrature alone; docs/sky.md has
-  the tables' errors.
-
-Exit codes: 0 done; 1 a file or its pixels are bad; 2 the command line is.)";
+  the tables' errors.)";
 
 constexpr double kFullTurns = 1e6;
 constexpr double kHighest = 1e9;

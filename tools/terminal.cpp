@@ -75,6 +75,12 @@ extern "C" void note_signal(int number) {
   errno = before;
 }
 
+/// A file has outgrown its limit: the write fails, which stops the work with an error that names the file.
+extern "C" void note_file_limit(int number) {
+  int none = 0;
+  caught.compare_exchange_strong(none, number);
+}
+
 /// Hands on to the stop source what a handler may not touch.
 void watch_pipe(std::stop_source source) {
   char byte = 0;
@@ -85,9 +91,9 @@ void watch_pipe(std::stop_source source) {
 
 /// Where there is no thread or pipe to watch, signals end the program as ever.
 void watch_signals(const std::stop_source& source) {
-  struct sigaction ignored {};
-  ignored.sa_handler = SIG_IGN;
-  sigaction(SIGXFSZ, &ignored, nullptr);
+  struct sigaction limited {};
+  limited.sa_handler = note_file_limit;
+  sigaction(SIGXFSZ, &limited, nullptr);
   if (pipe2(signal_pipe.data(), O_CLOEXEC) != 0) return;
   try {
     std::thread(watch_pipe, source).detach();

@@ -52,9 +52,8 @@ Examples:
   welkin report --node-modules build/release/tests/engine
 
 Units: errors are relative, 0.01 is 1 %; the text below each table defines rms
-  and maximum. Times are seconds in JSON and CSV.
-
-Exit codes: 0 done, regressions or not; 1 a file is bad; 2 the command line is.)";
+  and maximum. Times are seconds in JSON and CSV. Regressions leave the exit code
+  at 0.)";
 
 constexpr const char* kDefaultPage = "report.html";
 

@@ -209,7 +209,7 @@ TEST_CASE("command: bash completes commands, options and words", "[tools]") {
   CHECK(completed("welkin bake --size 5", 3) == "\n");
 }
 
-TEST_CASE("command: zsh's completion is sound where zsh can tell", "[tools]") {
+TEST_CASE("command: zsh completes commands, options and words where there is a zsh", "[tools]") {
   const std::string script = run_welkin("completion zsh").output;
   CHECK(script.rfind("#compdef welkin", 0) == 0);
   CHECK(contains(script, "'--for["));
@@ -222,6 +222,16 @@ TEST_CASE("command: zsh's completion is sound where zsh can tell", "[tools]") {
     return;
   }
   CHECK(checked.exit_code == 0);
+  const auto completes = [&](const std::string& typed, const std::string& word) {
+    return run_program("/usr/bin/env", "timeout 60 zsh -f " +
+                                           quoted(std::filesystem::path(WELKIN_TEST_DATA) / "../tools/complete.zsh") +
+                                           ' ' + quoted(folder.path()) + " '" + typed + "' " + word)
+               .exit_code == 0;
+  };
+  CHECK(completes("welkin ba", "bake"));
+  CHECK(completes("welkin bake --si", "--size"));
+  CHECK(completes("welkin sh in.hdr --for ", "unity"));
+  CHECK(completes("welkin help ", "testmap"));
 }
 
 TEST_CASE("command: the manual page names every command and option", "[tools]") {

@@ -86,14 +86,14 @@ TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no tempo
   }
 }
 
-TEST_CASE("A file that outgrows its limit is an error, not a signal", "[command][unlucky]") {
+TEST_CASE("A file that outgrows its limit ends the command by the error that names it", "[command][unlucky]") {
   const TemporaryFolder folder;
   const std::filesystem::path input = large_picture(folder);
   const std::filesystem::path out = folder.path() / "made.pfm";
   const CommandResult result = run_program(
       "/bin/sh", "-c 'ulimit -f 100; exec " WELKIN_COMMAND " convert " + input.string() + ' ' + out.string() + "'");
   INFO(result.errors);
-  CHECK(result.exit_code == 1);
+  CHECK(result.exit_code == 128 + SIGXFSZ);
   CHECK(contains(result.errors, "made.pfm: could not be written"));
   CHECK_FALSE(std::filesystem::exists(out));
   CHECK_FALSE(has_temporary(folder.path()));
@@ -197,6 +197,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   const CommandResult header = run_welkin("sh --format c " + quoted(bright));
   CHECK(header.exit_code == 1);
   CHECK(header.output.empty());
+  CHECK(contains(header.errors, "bright.pfm: a number of the light is"));
   CHECK(contains(header.errors, "no float of a C header holds"));
 
   const std::filesystem::path out = folder.path() / "out";
