@@ -315,6 +315,17 @@ TEST_CASE("A quota of control groups of version 1 counts", "[jobs]") {
   }
 }
 
+TEST_CASE("Nothing outside the mounted control groups sets a quota", "[jobs]") {
+  const FakeSystem system;
+  system.add("proc/self/cgroup", "0::/../other\n");  // as a process of another namespace sees it
+  system.add("proc/self/mountinfo", kVersion2);
+  system.add("sys/fs/other/cpu.max", "100000 100000\n");
+  system.add("sys/fs/cpu.max", "100000 100000\n");
+  CHECK(system.quota() == 0);
+  system.add("sys/fs/cgroup/cpu.max", "300000 100000\n");
+  CHECK(system.quota() == 3);
+}
+
 TEST_CASE("Files of control groups that make no sense set no quota", "[jobs]") {
   const FakeSystem system;
   system.add("proc/self/cgroup", "0::/a\n");
