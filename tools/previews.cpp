@@ -101,33 +101,47 @@ PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, in
 
 namespace {
 
-/// Bilinear in the table, clamped at its edges.
-glm::dvec2 brdf_at(const BrdfTable& table, double cosine, double roughness) {
-  const int width = table.options.width;
-  const int height = table.options.height;
-  const double x = std::clamp(cosine * width - 0.5, 0.0, width - 1.0);
-  const double y = std::clamp(roughness * height - 0.5, 0.0, height - 1.0);
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const auto texel = [&](int i, int j) {
-    const auto at = static_cast<std::size_t>(std::min(row + j, height - 1)) * static_cast<std::size_t>(width) +
-                    static_cast<std::size_t>(std::min(column + i, width - 1));
-    const float* const values = table.values.data() + at * static_cast<std::size_t>(table.channels);
-    return glm::dvec2(values[0], values[1]);
-  };
-  const double right = x - column;
-  const double below = y - row;
-  return (1.0 - below) * ((1.0 - right) * texel(0, 0) + right * texel(1, 0)) +
-         below * ((1.0 - right) * texel(0, 1) + right * texel(1, 1));
-}
+/// The share of even light that a surface of one roughness reflects without the light entering it, by N.V.
+class SpecularAlbedo {
+ public:
+  /// Without a table it is f0.
+  SpecularAlbedo(const PreviewMaterial& material, double roughness, const BrdfTable* table) {
+    if (table == nullptr) {
+      columns_.emplace_back(material.f0);
+      return;
+    }
+    const int height = table->options.height;
+    const double y = std::clamp(roughness * height - 0.5, 0.0, height - 1.0);
+    const int row = static_cast<int>(y);
+    const double below = y - row;
+    for (int column = 0; column < table->options.width; ++column) {
+      const glm::dvec2 terms = (1.0 - below) * terms_at(*table, column, row) +
+                               below * terms_at(*table, column, std::min(row + 1, height - 1));
+      const bool split_sum = table->options.model == BrdfModel::split_sum;
+      columns_.emplace_back(split_sum ? material.f0 * terms.x + terms.y
+                                      : (1.0 - material.f0) * terms.x + material.f0 * terms.y);
+    }
+  }
 
-/// The share of even light that the surface reflects without the light entering it.
-glm::dvec3 specular_albedo(const glm::dvec3& f0, const BrdfTable* table, double cosine, double roughness) {
-  if (table == nullptr) return f0;
-  const glm::dvec2 terms = brdf_at(*table, cosine, roughness);
-  if (table->options.model == BrdfModel::split_sum) return f0 * terms.x + terms.y;
-  return (1.0 - f0) * terms.x + f0 * terms.y;
-}
+  /// Linear between the centres of the table's columns.
+  [[nodiscard]] glm::vec3 at(float cosine) const {
+    const auto width = static_cast<float>(columns_.size());
+    const float x = std::clamp(cosine * width - 0.5F, 0.0F, width - 1.0F);
+    const auto column = static_cast<std::size_t>(x);
+    const float right = x - static_cast<float>(column);
+    return (1.0F - right) * columns_[column] + right * columns_[std::min(column + 1, columns_.size() - 1)];
+  }
+
+ private:
+  static glm::dvec2 terms_at(const BrdfTable& table, int column, int row) {
+    const auto texel = static_cast<std::size_t>(row) * static_cast<std::size_t>(table.options.width) +
+                       static_cast<std::size_t>(column);
+    const float* const values = table.values.data() + texel * static_cast<std::size_t>(table.channels);
+    return {values[0], values[1]};
+  }
+
+  std::vector<glm::vec3> columns_;
+};
 
 /// What the balls are lit by.
 class Light {
@@ -146,11 +160,13 @@ class Light {
     return table_.size() > 1 ? mip_of_roughness(table_, roughness) : 0.0;
   }
 
+  [[nodiscard]] const BrdfTable* brdf() const noexcept { return light_.brdf.get(); }
+
   /// Radiance of a ball's point. The viewer is towards +z, so that N.V is the normal's z. `mip`: of the roughness.
-  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, double roughness, double mip,
+  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, const SpecularAlbedo& albedo, double mip,
                                const glm::vec3& normal) const {
     const glm::vec3 reflected = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
-    const glm::vec3 share(specular_albedo(material.f0, light_.brdf.get(), normal.z, roughness));
+    const glm::vec3 share = albedo.at(normal.z);
     const glm::vec3 mirrored = reflection(reflected, mip, normal.z) * share;
     if (material.is_metal()) return mirrored;
     constexpr auto kShown = static_cast<float>(1.0 / std::numbers::pi);
@@ -193,8 +209,8 @@ struct Grid {
 
 struct Ball {
   const PreviewMaterial& material;
-  double roughness;
-  double mip;  ///< of that roughness
+  SpecularAlbedo albedo;
+  double mip;  ///< of its roughness
   glm::dvec2 centre;
   double radius;
 };
@@ -217,7 +233,7 @@ void draw_row(PreviewPicture& picture, const Ball& ball, const Light& light, con
     const double u = across * inside / ball.radius;
     const double v = -down * inside / ball.radius;
     const glm::vec3 normal(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
-    const glm::vec3 seen(tone_map(light.ball(ball.material, ball.roughness, ball.mip, normal)));
+    const glm::vec3 seen(tone_map(light.ball(ball.material, ball.albedo, ball.mip, normal)));
     picture.set(column, row, kGround + (seen - kGround) * static_cast<float>(covered));
   }
 }
@@ -243,15 +259,18 @@ PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map,
     if (material.is_metal() || lit.has_irradiance()) rows.push_back(&material);
   }
   const std::span<const double> columns = preview_roughness();
-  std::vector<double> mips;
-  for (const double roughness : columns) mips.push_back(lit.mip_of(roughness));
+  std::vector<std::vector<Ball>> balls(rows.size());
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const double roughness = columns[column];
+      balls[row].push_back({*rows[row], SpecularAlbedo(*rows[row], roughness, lit.brdf()), lit.mip_of(roughness),
+                            grid.centre(static_cast<int>(column), static_cast<int>(row)), 0.5 * ball});
+    }
+  }
   PreviewPicture picture(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
                          static_cast<int>(rows.size()) * grid.row_height(), kGround);
   for_rows(picture.height(), picture.width(), control, [&](int row) {
-    const int material = row / grid.row_height();
-    for (std::size_t column = 0; column < columns.size(); ++column) {
-      const Ball each{*rows[static_cast<std::size_t>(material)], columns[column], mips[column],
-                      grid.centre(static_cast<int>(column), material), 0.5 * ball};
+    for (const Ball& each : balls[static_cast<std::size_t>(row / grid.row_height())]) {
       draw_row(picture, each, lit, tone_map, row);
     }
   });
