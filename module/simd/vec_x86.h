@@ -29,10 +29,13 @@ struct TexelsOf {
   Register part[static_cast<std::size_t>(kLanes) / Register::size];
 };
 
-/// Asks for the line-th cache line after an address; no address is wrong.
+/// Asks for the line-th cache line after an address, which need not be that of anything. Hence whole numbers: a pointer
+/// must not leave its array.
 WELKIN_INLINE void fetch_line(const char* address, int line) {
-  constexpr int line_bytes = 64;
-  _mm_prefetch(address + static_cast<std::ptrdiff_t>(line) * line_bytes, _MM_HINT_T0);
+  constexpr std::uintptr_t line_bytes = 64;
+  const std::uintptr_t place =
+      reinterpret_cast<std::uintptr_t>(address) + static_cast<std::uintptr_t>(line) * line_bytes;
+  _mm_prefetch(reinterpret_cast<const char*>(place), _MM_HINT_T0);  // NOLINT(performance-no-int-to-ptr): see above
 }
 
 /// The first double plus the second.
