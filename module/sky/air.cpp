@@ -260,7 +260,7 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
 std::vector<PhaseSpectrum> phase_spectra(const Atmosphere& atmosphere, const std::array<double, 3>& asymmetries) {
   std::vector<PhaseSpectrum> spectra{phase_spectrum(atmosphere, asymmetries[0])};
   if (all_equal(asymmetries)) return spectra;
-  for (const std::size_t c : {1, 2}) spectra.push_back(phase_spectrum(atmosphere, asymmetries[c]));
+  for (std::size_t c = 1; c < 3; ++c) spectra.push_back(phase_spectrum(atmosphere, asymmetries[c]));
   const int bands = std::max({spectra[0].bands, spectra[1].bands, spectra[2].bands});
   for (PhaseSpectrum& spectrum : spectra) {
     spectrum.bands = bands;

@@ -335,12 +335,16 @@ void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, in
   }
 }
 
+namespace {
+
 /// The same of the night's light, which is the same at all azimuths.
-void SkyProjection::fill_night(const RingGroup& group, int count, float* light) const noexcept {
+void fill_night(const RingGroup& group, int count, float* light) noexcept {
   for (int i = 0; i < 3 * count; ++i) {
     for (int lane = 0; lane < kRings; ++lane) light[i * kRings + lane] = static_cast<float>(group.night[lane][i % 3]);
   }
 }
+
+}  // namespace
 
 /// What kernels need of a group under a sun, all but values, azimuths and ground.
 SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept {

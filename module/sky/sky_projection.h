@@ -95,7 +95,6 @@ class SkyProjection {
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
   /// The aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
   [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
-  void fill_night(const RingGroup& group, int count, float* light) const noexcept;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept;
