@@ -153,4 +153,30 @@ TEST_CASE("sky view: light by deep suns is that of paths", "[sky][twilight][nigh
   }
 }
 
+// Light at night has been scattered often.
+TEST_CASE("sky view: eight orders hold the light of deep twilight to 1 %", "[sky][twilight][night]") {
+  SkyTableOptions options;
+  options.heights = 12;
+  options.view_zeniths = 32;
+  options.sun_zeniths = 32;
+  const auto zenith = [&](int orders) {
+    options.orders = orders;
+    const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
+    std::vector<dvec3> light;
+    for (const double elevation : {-9.0, -12.0, -15.0, -18.0}) {
+      light.push_back(view.radiance(kUp, sun_direction(elevation, 0.0)));
+    }
+    return light;
+  };
+  const std::vector<dvec3> eight = zenith(8);
+  const std::vector<dvec3> all = zenith(20);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      CAPTURE(k, c, eight[k][c] / all[k][c]);
+      CHECK(eight[k][c] > 0.99 * all[k][c]);
+      CHECK(eight[k][c] <= all[k][c]);
+    }
+  }
+}
+
 }  // namespace welkin::test
