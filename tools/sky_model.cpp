@@ -84,6 +84,7 @@ Atmosphere atmosphere_of(const Json& json) {
                {"aerosol_phase",
                 [&](const Json& value, const std::string& where) { read_phase(value, where, air.aerosol_phase); }},
                number("aerosol_asymmetry", air.aerosol_asymmetry),
+               numbers("aerosol_asymmetries", air.aerosol_asymmetries),
                {"absorbers",
                 [&](const Json& value, const std::string& where) {
                   air.absorbers.clear();
@@ -93,7 +94,8 @@ Atmosphere atmosphere_of(const Json& json) {
                 }},
                numbers("ground_albedo", air.ground_albedo),
                numbers("solar_irradiance", air.solar_irradiance),
-               number("sun_angular_radius_degrees", air.sun_angular_radius_degrees)});
+               number("sun_angular_radius_degrees", air.sun_angular_radius_degrees),
+               number("night_zenith_luminance", air.night_zenith_luminance)});
   return air;
 }
 
@@ -125,10 +127,12 @@ Json atmosphere_json(const Atmosphere& atmosphere) {
           {"aerosol", constituent_json(atmosphere.aerosol)},
           {"aerosol_phase", name(atmosphere.aerosol_phase)},
           {"aerosol_asymmetry", atmosphere.aerosol_asymmetry},
+          {"aerosol_asymmetries", atmosphere.aerosol_asymmetries},
           {"absorbers", absorbers},
           {"ground_albedo", atmosphere.ground_albedo},
           {"solar_irradiance", atmosphere.solar_irradiance},
-          {"sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees}};
+          {"sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees},
+          {"night_zenith_luminance", atmosphere.night_zenith_luminance}};
 }
 
 namespace {
@@ -242,12 +246,20 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
        .text = "The share of light that the ground reflects, 0 to 1; default: that of the preset, earth 0.1",
        .type = "A",
        .bounds = finite_between(0.0, 1.0)});
+  table.push_back({.names = "--night",
+                   .target = &choice.night_luminance,
+                   .text =
+                       "Add the light of a night without a moon (airglow, stars): the zenith's luminance in cd/m2, 0 "
+                       "to 1; a dark place has 2e-4. Default: none",
+                   .type = "CD",
+                   .bounds = finite_between(0.0, 1.0)});
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
   check_choice(choice);
   Atmosphere atmosphere = atmosphere_before_changes(choice, colour);
   if (choice.ground_albedo) atmosphere = with_ground_albedo(std::move(atmosphere), *choice.ground_albedo);
+  if (choice.night_luminance) atmosphere.night_zenith_luminance = *choice.night_luminance;
   check(atmosphere);
   const std::size_t wavelengths = atmosphere.wavelengths_nm.size();
   if (colour == SkyColour::spectral && wavelengths != 3) {

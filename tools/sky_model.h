@@ -29,9 +29,10 @@ struct AtmosphereChoice {
   std::vector<double> wavelengths_nm;   ///< none: the preset's; folded to colours, Earth's are a spectrum
   std::optional<double> aerosol_depth;  ///< vertical, at 550 nm
   std::optional<double> ground_albedo;
+  std::optional<double> night_luminance;  ///< of the zenith, cd/m2
 };
 
-/// --preset, --atmosphere, --wavelengths, --aerosol, --ground-albedo.
+/// --preset, --atmosphere, --wavelengths, --aerosol, --ground-albedo, --night.
 void add_atmosphere_options(Options& table, AtmosphereChoice& choice);
 
 /// Of a file, what is missing is as in a default `Atmosphere`. Throws `Error`: file_access, limit_exceeded (more than a

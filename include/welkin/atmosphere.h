@@ -46,6 +46,9 @@ enum class AerosolPhase {
   henyey_greenstein,  ///< Henyey and Greenstein 1941
 };
 
+/// Luminance of the zenith in a dark place without a moon, cd/m2: 21.8 magnitudes per square arcsecond.
+inline constexpr double kDarkNightZenithLuminance = 2e-4;
+
 /// A planet's air, its ground and its sun. The model of all of Welkin's skies, the tables as well as the truth that
 /// they are tested against:
 /// - Light propagates along straight lines in spherical shells. Sunlight at a point x is solar irradiance times
@@ -70,11 +73,20 @@ struct Atmosphere {
   Constituent aerosol;                                         ///< Mie
   AerosolPhase aerosol_phase = AerosolPhase::cornette_shanks;  ///< how aerosol scatters by angle
   double aerosol_asymmetry = 0.8;                              ///< g, -0.8 to 0.999
+  /// g at each wavelength in place of the one above, likewise; none: that one at all. Dust whose lobe is narrower in
+  /// blue gives Mars its blue aureole. Where spectra are folded to colours each channel has one lobe, of its
+  /// wavelengths' mean g.
+  std::vector<double> aerosol_asymmetries;
   std::vector<Constituent> absorbers;  ///< ozone and the like: their scattering must be none; at most 4
 
   std::vector<double> ground_albedo;           ///< at each wavelength, 0 to 1; none: black
   std::vector<double> solar_irradiance;        ///< above the atmosphere, on a surface facing the sun, W/m2/nm
   double sun_angular_radius_degrees = 0.2678;  ///< 0 (a point) to 10
+
+  /// Light of a night without a moon (airglow, zodiacal light, faint stars), which is there by day too: luminance of
+  /// the zenith as seen from the ground, in cd/m2, 0 (none) to 1. Views from within the air add it, their irradiance,
+  /// harmonics and curves included; tables and truth do not have it. docs/sky.md has its colour and its shape.
+  double night_zenith_luminance = 0.0;
 
   friend bool operator==(const Atmosphere&, const Atmosphere&) = default;
 };

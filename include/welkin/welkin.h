@@ -719,6 +719,15 @@ enum { WELKIN_PHASE_CORNETTE_SHANKS = 0, WELKIN_PHASE_HENYEY_GREENSTEIN = 1 };
 WELKIN_API welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere, welkin_aerosol_phase phase,
                                                              double asymmetry);
 
+/* The aerosol's g by wavelength, -0.8 to 0.999: one value for each. `count` 0: again the one that
+ * `welkin_atmosphere_set_aerosol_phase` and `welkin_atmosphere_set_aerosol` set, which those calls come back to. */
+WELKIN_API welkin_status welkin_atmosphere_set_aerosol_asymmetries(welkin_atmosphere* atmosphere,
+                                                                   const double* asymmetries, int32_t count);
+
+/* Airglow and stars, by day and night: luminance of the zenith as seen from the ground, 0 (none, the default) to 1
+ * cd/m2. A dark place without a moon has 2e-4. atmosphere.h says more. */
+WELKIN_API welkin_status welkin_atmosphere_set_night(welkin_atmosphere* atmosphere, double zenith_luminance);
+
 /* Sets the radii of the ground, 1 to 1e9 m, and of the top of the air, above it and at most 11 times it. */
 WELKIN_API welkin_status welkin_atmosphere_set_radii(welkin_atmosphere* atmosphere, double bottom_m, double top_m);
 

@@ -156,6 +156,24 @@ welkin_status welkin_atmosphere_set_aerosol_phase(welkin_atmosphere* atmosphere,
     welkin::Atmosphere& air = air_of(atmosphere);
     air.aerosol_phase = enumerator("phase", phase, welkin::AerosolPhase::henyey_greenstein);
     air.aerosol_asymmetry = asymmetry;
+    air.aerosol_asymmetries.clear();
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_atmosphere_set_aerosol_asymmetries(welkin_atmosphere* atmosphere, const double* asymmetries,
+                                                        int32_t count) {
+  return guarded([&] {
+    welkin::Atmosphere& air = air_of(atmosphere);
+    air.aerosol_asymmetries =
+        count == 0 ? std::vector<double>{} : read_list(asymmetries, count, kMostWavelengths, "asymmetries");
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_atmosphere_set_night(welkin_atmosphere* atmosphere, double zenith_luminance) {
+  return guarded([&] {
+    air_of(atmosphere).night_zenith_luminance = zenith_luminance;
     return WELKIN_OK;
   });
 }

@@ -376,11 +376,11 @@ ContentHash hash_options(const SkyTableOptions& options) {
 
 ContentHash hash_options(const Atmosphere& atmosphere) {
   const auto& [name, wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry,
-               absorbers, ground_albedo, solar_irradiance, sun_angular_radius] = atmosphere;
+               aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius, night] = atmosphere;
   static_cast<void>(name);
   OptionWriter writer("atmosphere");
-  writer.all(wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry, absorbers,
-             ground_albedo, solar_irradiance, sun_angular_radius);
+  writer.all(wavelengths, bottom_radius, top_radius, rayleigh, aerosol, aerosol_phase, aerosol_asymmetry,
+             aerosol_asymmetries, absorbers, ground_albedo, solar_irradiance, sun_angular_radius, night);
   return writer.hash();
 }
 

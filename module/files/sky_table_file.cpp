@@ -28,7 +28,7 @@ using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
 /// 1 had a table of single Mie scattering for air without aerosol too; 2 had other suns at its nodes.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;
@@ -137,7 +137,8 @@ template <class Archive, class Tables>
 void parameters(Archive&& each, Tables& tables) {
   auto& air = tables.atmosphere;
   each(air.name, air.wavelengths_nm, air.bottom_radius_m, air.top_radius_m, air.rayleigh, air.aerosol,
-       air.aerosol_asymmetry, air.ground_albedo, air.solar_irradiance, air.sun_angular_radius_degrees);
+       air.aerosol_asymmetry, air.aerosol_asymmetries, air.ground_albedo, air.solar_irradiance,
+       air.sun_angular_radius_degrees, air.night_zenith_luminance);
   auto& options = tables.options;
   each(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles, options.transmittance_heights,
        options.transmittance_zeniths, options.irradiance_heights, options.irradiance_sun_zeniths,

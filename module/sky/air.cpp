@@ -215,12 +215,12 @@ std::vector<double> times_cosine(const std::vector<double>& chi) {
 
 }  // namespace
 
-std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands) {
+std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int bands) {
   std::vector<double> chi(static_cast<std::size_t>(bands) + 2);
   double power = 1.0;
   for (double& moment : chi) {
     moment = power;  // Henyey-Greenstein: g^l
-    power *= aerosol_asymmetry(atmosphere, 0);
+    power *= g;
   }
   if (atmosphere.aerosol_phase == AerosolPhase::cornette_shanks) {
     const std::vector<double> squared = times_cosine(times_cosine(chi));
@@ -231,9 +231,9 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands) {
   return chi;
 }
 
-PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere) {
+PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   PhaseSpectrum spectrum;
-  spectrum.aerosol = aerosol_moments(atmosphere, kMostSourceBands + 1);
+  spectrum.aerosol = aerosol_moments(atmosphere, g, kMostSourceBands + 1);
   spectrum.bands = 3;
   while (spectrum.bands < kMostSourceBands &&
          std::abs(spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)]) > kSmallestMoment) {
@@ -242,7 +242,7 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere) {
   if (atmosphere.aerosol.density.empty() || atmosphere.aerosol.scattering_per_m.empty()) spectrum.bands = 3;
   const double left_out = spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)];
   spectrum.aerosol.resize(static_cast<std::size_t>(spectrum.bands));
-  if (aerosol_asymmetry(atmosphere, 0) > 0.0) {
+  if (g > 0.0) {
     spectrum.forward = left_out;
     for (double& moment : spectrum.aerosol) moment = (moment - left_out) / (1.0 - left_out);
   } else if (spectrum.bands == kMostSourceBands && std::abs(left_out) > kSmallestMoment) {
@@ -257,12 +257,36 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere) {
   return spectrum;
 }
 
-double aerosol_asymmetry(const Atmosphere& atmosphere, std::size_t /*wavelength*/) noexcept {
-  return atmosphere.aerosol_asymmetry;
+std::vector<PhaseSpectrum> phase_spectra(const Atmosphere& atmosphere, const std::array<double, 3>& asymmetries) {
+  std::vector<PhaseSpectrum> spectra{phase_spectrum(atmosphere, asymmetries[0])};
+  if (all_equal(asymmetries)) return spectra;
+  for (std::size_t c = 1; c < 3; ++c) spectra.push_back(phase_spectrum(atmosphere, asymmetries[c]));
+  const int bands = std::max({spectra[0].bands, spectra[1].bands, spectra[2].bands});
+  for (PhaseSpectrum& spectrum : spectra) {
+    spectrum.bands = bands;
+    spectrum.rayleigh.resize(static_cast<std::size_t>(bands));
+    spectrum.aerosol.resize(static_cast<std::size_t>(bands));
+  }
+  return spectra;
 }
 
-double forward_share(const Atmosphere& atmosphere, int orders) {
-  return orders > 1 ? phase_spectrum(atmosphere).forward : 0.0;
+double aerosol_asymmetry(const Atmosphere& atmosphere, std::size_t wavelength) noexcept {
+  return atmosphere.aerosol_asymmetries.empty() ? atmosphere.aerosol_asymmetry
+                                                : atmosphere.aerosol_asymmetries[wavelength];
+}
+
+double forward_share(const Atmosphere& atmosphere, double g, int orders) {
+  return orders > 1 ? phase_spectrum(atmosphere, g).forward : 0.0;
+}
+
+std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders) {
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < atmosphere.wavelengths_nm.size(); ++i) {
+    const double g = aerosol_asymmetry(atmosphere, i);
+    const bool as_before = i > 0 && g == aerosol_asymmetry(atmosphere, i - 1);
+    shares.push_back(as_before ? shares.back() : forward_share(atmosphere, g, orders));
+  }
+  return shares;
 }
 
 double phase_of(const std::vector<double>& moments, double cosine) noexcept {
@@ -279,16 +303,16 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
   return std::max(0.0, sum / (4.0 * std::numbers::pi));
 }
 
-AerosolLobe aerosol_lobe(const Atmosphere& atmosphere) noexcept {
+AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {
   constexpr double quarter_over_pi = 0.07957747154594767;  // 1 / (4 pi)
-  const double g = aerosol_asymmetry(atmosphere, 0);
+  const double ahead = backwards ? -g : g;
   const bool cornette = atmosphere.aerosol_phase == AerosolPhase::cornette_shanks;
   AerosolLobe lobe{};
   lobe.factor = quarter_over_pi * (1.0 - g * g) * (cornette ? 1.5 / (2.0 + g * g) : 1.0);
-  lobe.gap = (1.0 - std::abs(g)) * (1.0 - std::abs(g));
-  lobe.slope = 2.0 * std::abs(g);
+  lobe.gap = (1.0 - ahead) * (1.0 - ahead);
+  lobe.slope = 2.0 * ahead;
   lobe.even = cornette ? 1.0 : 0.0;
-  lobe.backwards = g < 0.0;
+  lobe.backwards = backwards;
   return lobe;
 }
 

@@ -121,37 +121,49 @@ struct PhaseSpectrum {
   double forward = 0.0;  ///< share of what the aerosol scatters that is taken not to be scattered at all
 };
 
-/// chi_0 to chi_(bands - 1) of an air's aerosol: g^l for Henyey-Greenstein. Cornette-Shanks' are those of
-/// 3/2 (1 + cosine^2) / (2 + g^2) times it, cosine P_l = ((l + 1) P_(l + 1) + l P_(l - 1)) / (2 l + 1) being applied
+/// chi_0 to chi_(bands - 1) of an air's aerosol with asymmetry g: g^l for Henyey-Greenstein. Cornette-Shanks' are those
+/// of 3/2 (1 + cosine^2) / (2 + g^2) times it, cosine P_l = ((l + 1) P_(l + 1) + l P_(l - 1)) / (2 l + 1) being applied
 /// twice.
-[[nodiscard]] std::vector<double> aerosol_moments(const Atmosphere& atmosphere, int bands);
+[[nodiscard]] std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int bands);
 
 /// As many bands as an air's aerosol needs for what it leaves out to be below 1 %, up to 20. A forward lobe is cut by
 /// delta-M scaling (Wiscombe 1977, "The Delta-M Method", equations 9 and 10): the share f = chi_bands is taken for
 /// light that goes straight on, and of the rest the moments are (chi_l - f) / (1 - f). A backward lobe narrower than
 /// that (g below -0.79) loses detail: its moments fade towards the end, that the cut shows less.
-[[nodiscard]] PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere);
+[[nodiscard]] PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g);
+
+/// Of wavelengths that are computed together: one spectrum if all have the same g, else each one's own, the aerosol's
+/// filled up with zeros to as many bands as the widest has.
+[[nodiscard]] std::vector<PhaseSpectrum> phase_spectra(const Atmosphere& atmosphere,
+                                                       const std::array<double, 3>& asymmetries);
 
 /// The asymmetry g of an air's aerosol at one of its wavelengths: whatever scatters reads it here.
 [[nodiscard]] double aerosol_asymmetry(const Atmosphere& atmosphere, std::size_t wavelength) noexcept;
 
-/// `forward` of an air's spectrum, where tables follow light beyond its first scattering; else 0.
-[[nodiscard]] double forward_share(const Atmosphere& atmosphere, int orders);
+/// `forward` of an air's spectrum with that g, where tables follow light beyond its first scattering; else 0.
+[[nodiscard]] double forward_share(const Atmosphere& atmosphere, double g, int orders);
+/// The same at each wavelength.
+[[nodiscard]] std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders);
+
+/// Whether all three are the same.
+[[nodiscard]] constexpr bool all_equal(const std::array<double, 3>& values) noexcept {
+  return values[0] == values[1] && values[0] == values[2];
+}
 
 /// A phase function of these moments, not below 0.
 [[nodiscard]] double phase_of(const std::vector<double>& moments, double cosine) noexcept;
 
 // The aerosol's phase function as quadratures need it.
 
-/// factor (1 + even nu^2) / (gap + slope x)^1.5, x = 1 - nu or, if it scatters backwards, 1 + nu.
+/// factor (1 + even nu^2) / (gap + slope x)^1.5, x = 1 - nu or, if `backwards`, 1 + nu.
 struct AerosolLobe {
   double factor;
-  double gap;    ///< (1 - |g|)^2
-  double slope;  ///< 2 |g|
+  double gap;    ///< (1 - g)^2; if `backwards`, (1 + g)^2
+  double slope;  ///< 2 g; if `backwards`, -2 g
   double even;   ///< 1: Cornette-Shanks; 0: Henyey-Greenstein
   bool backwards;
 };
 
-[[nodiscard]] AerosolLobe aerosol_lobe(const Atmosphere& atmosphere) noexcept;
+[[nodiscard]] AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept;
 
 }  // namespace welkin::sky

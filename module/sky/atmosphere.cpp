@@ -44,23 +44,25 @@ void require(const std::string& what, double value, double low, double high) {
 
 /// A forward lobe too narrow for the bands of scattered light can be taken for light that goes straight on; one that
 /// sends light back where it came from cannot, and would make or lose light.
-void check_asymmetry(double g) {
+void check_asymmetry(const std::string& what, double g) {
   if (g >= -1.0 && g < kLeastAsymmetry) {
-    refuse("the atmosphere's aerosol_asymmetry is " + text(g) + "; it must be from " + text(kLeastAsymmetry) + " to " +
+    refuse("the atmosphere's " + what + " is " + text(g) + "; it must be from " + text(kLeastAsymmetry) + " to " +
            text(kLargestAsymmetry) +
            ", as the lobe of one that sends light back is computed only if it is no narrower");
   }
-  require("aerosol_asymmetry", g, kLeastAsymmetry, kLargestAsymmetry);
+  require(what, g, kLeastAsymmetry, kLargestAsymmetry);
 }
 
 std::string at(const std::string& what, std::size_t index) { return what + "[" + std::to_string(index) + "]"; }
 
+void check_count(const std::string& what, const std::vector<double>& values, std::size_t wavelengths) {
+  if (values.empty() || values.size() == wavelengths) return;
+  refuse("the atmosphere's " + what + " has " + std::to_string(values.size()) + " values for " +
+         std::to_string(wavelengths) + " wavelengths; it must have one for each, or none");
+}
+
 void check_values(const std::string& what, const std::vector<double>& values, std::size_t wavelengths, double highest) {
-  if (values.empty()) return;
-  if (values.size() != wavelengths) {
-    refuse("the atmosphere's " + what + " has " + std::to_string(values.size()) + " values for " +
-           std::to_string(wavelengths) + " wavelengths; it must have one for each, or none");
-  }
+  check_count(what, values, wavelengths);
   for (std::size_t i = 0; i < values.size(); ++i) require(at(what, i), values[i], 0.0, highest);
 }
 
@@ -127,7 +129,11 @@ void check(const Atmosphere& atmosphere) {
   check_constituent("rayleigh", atmosphere.rayleigh, wavelengths);
   check_constituent("aerosol", atmosphere.aerosol, wavelengths);
   check_absorbers(atmosphere);
-  check_asymmetry(atmosphere.aerosol_asymmetry);
+  check_asymmetry("aerosol_asymmetry", atmosphere.aerosol_asymmetry);
+  check_count("aerosol_asymmetries", atmosphere.aerosol_asymmetries, wavelengths);
+  for (std::size_t i = 0; i < atmosphere.aerosol_asymmetries.size(); ++i) {
+    check_asymmetry(at("aerosol_asymmetries", i), atmosphere.aerosol_asymmetries[i]);
+  }
   if (atmosphere.aerosol_phase != AerosolPhase::cornette_shanks &&
       atmosphere.aerosol_phase != AerosolPhase::henyey_greenstein) {
     refuse("the atmosphere's aerosol_phase has no known value; pass cornette_shanks or henyey_greenstein");
@@ -138,6 +144,7 @@ void check(const Atmosphere& atmosphere) {
   }
   check_values("solar_irradiance", atmosphere.solar_irradiance, wavelengths, kLargestIrradiance);
   require("sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees, 0.0, 10.0);
+  require("night_zenith_luminance", atmosphere.night_zenith_luminance, 0.0, 1.0);
 }
 
 std::vector<DensityLayer> exponential_profile(double scale_height_m) {
@@ -164,6 +171,7 @@ std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m) {
 
 Atmosphere without_aerosol(Atmosphere atmosphere) {
   atmosphere.aerosol = {};
+  atmosphere.aerosol_asymmetries.clear();
   return atmosphere;
 }
 

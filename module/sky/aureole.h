@@ -21,21 +21,27 @@ namespace welkin::sky {
 
 class Aureole {
  public:
-  /// `forward`: f. Next to none: `any()` is false.
-  Aureole(const Atmosphere& atmosphere, double forward);
+  /// Of three channels whose aerosol has the asymmetries g. Next to no share that goes straight on: `any()` is false.
+  Aureole(const Atmosphere& atmosphere, const std::array<double, 3>& asymmetries, int orders);
 
-  [[nodiscard]] bool any() const noexcept { return !table_.empty(); }
-  [[nodiscard]] double forward() const noexcept { return forward_; }
+  [[nodiscard]] bool any() const noexcept;
 
   /// (P + D) / P at the angles of `kAureoleAngles`, for the depths x of three channels: [kAureoleAngles][4].
   void factors(const std::array<double, 3>& depths, float* values) const noexcept;
 
   /// -D_l of all bands that are kept.
-  [[nodiscard]] double loss(double depth) const noexcept;
+  [[nodiscard]] double loss(std::size_t channel, double depth) const noexcept;
 
  private:
-  double forward_;
-  std::vector<double> table_;  ///< [angles][depths]
+  /// One of all channels, or each one's own.
+  struct Lobe {
+    double forward = 0.0;       ///< f
+    std::vector<double> table;  ///< [angles][depths]; none: nothing to correct
+  };
+
+  [[nodiscard]] const Lobe& lobe(std::size_t channel) const noexcept { return lobes_[lobes_.size() > 1 ? channel : 0]; }
+
+  std::vector<Lobe> lobes_;
 };
 
 }  // namespace welkin::sky

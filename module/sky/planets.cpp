@@ -159,6 +159,7 @@ Atmosphere with_aerosol(Atmosphere atmosphere, const AerosolModel& aerosol) {
   atmosphere.aerosol = {exponential_profile(aerosol.scale_height_m), {}, {}};
   atmosphere.aerosol_phase = AerosolPhase::henyey_greenstein;
   atmosphere.aerosol_asymmetry = aerosol.asymmetry;
+  atmosphere.aerosol_asymmetries.clear();
   const double at_reference = aerosol.optical_depth / column_m(atmosphere, aerosol.scale_height_m);
   for (const double wavelength : atmosphere.wavelengths_nm) {
     // Angstrom's law: depth falls like a power of the wavelength.
@@ -212,10 +213,33 @@ Atmosphere earth_hillaire() {
   return air;
 }
 
+namespace {
+
+// Mean cosine of the angle that Martian dust turns light by, in bands of 240 to 400, 400 to 800 and 800 to 1310 nm,
+// each at its middle: Ockert-Bell et al. 1997 ("Absorption and scattering properties of the Martian dust in the solar
+// wavelengths"), weighted by the sun's spectrum, as the Mars climate model of NASA Ames has it (its array gv1). Between
+// them straight lines: 0.688, 0.728 and 0.789 at 680, 550 and 440 nm. (Others at 650 nm: 0.691, the T-matrix dust of
+// the LMD's model after Wolff et al. 2009; 0.685 from skies over Gale crater, Chen-Chen et al. 2019.)
+struct AsymmetryAt {
+  double wavelength_nm;
+  double value;
+};
+
+constexpr std::array<AsymmetryAt, 3> kDustAsymmetry{{{320.0, 0.856}, {600.0, 0.700}, {1055.0, 0.634}}};
+
+double dust_asymmetry(double wavelength_nm) {
+  const std::size_t low = wavelength_nm < kDustAsymmetry[1].wavelength_nm ? 0 : 1;
+  const auto& [start, first] = kDustAsymmetry[low];
+  const auto& [end, last] = kDustAsymmetry[low + 1];
+  return first + (wavelength_nm - start) / (end - start) * (last - first);
+}
+
+}  // namespace
+
 // Radius 3389.5 km, scale height 11.1 km, sunlight 586.2 / 1361.0 of the Earth's: NASA's Mars fact sheet. Dust of
 // optical depth 0.5, the clearest that Viking's landers saw (Appelbaum, Landis and Sherman 1991), mixed with the air;
-// it scatters 94, 86 and 76 % at 680, 550 and 440 nm, forward with a mean cosine of 0.65: rounded from the ranges of
-// the landers' cameras (Pollack et al. 1995; Tomasko et al. 1999). Rusty ground.
+// it scatters 94, 86 and 76 % at 680, 550 and 440 nm: rounded from the ranges of the landers' cameras (Pollack et al.
+// 1995; Tomasko et al. 1999). Rusty ground.
 Atmosphere mars() {
   const platform::FloatingPointScope floating_point;
   Atmosphere air;
@@ -227,7 +251,8 @@ Atmosphere mars() {
   air.rayleigh.density = exponential_profile(scale_height);
   air.aerosol.density = exponential_profile(scale_height);
   air.aerosol_phase = AerosolPhase::henyey_greenstein;
-  air.aerosol_asymmetry = 0.65;
+  air.aerosol_asymmetry = kDustAsymmetry[1].value;
+  for (const double wavelength : air.wavelengths_nm) air.aerosol_asymmetries.push_back(dust_asymmetry(wavelength));
   constexpr double dust_extinction = 0.5 / scale_height;
   for (const double albedo : {0.94, 0.86, 0.76}) {
     air.aerosol.scattering_per_m.push_back(albedo * dust_extinction);

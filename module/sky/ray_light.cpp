@@ -82,7 +82,7 @@ SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
           .nodes = nodes};
 }
 
-WavelengthGroup wavelength_group(const Air& air, std::size_t group, double forward) {
+WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward) {
   WavelengthGroup wavelengths;
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -92,8 +92,10 @@ WavelengthGroup wavelength_group(const Air& air, std::size_t group, double forwa
     }
     wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
     wavelengths.aerosol_once[c] = air.scattering(kAerosol, wavelength);
-    wavelengths.aerosol[c] = (1.0 - forward) * wavelengths.aerosol_once[c];
-    wavelengths.extinctions[c][kAerosol] -= forward * wavelengths.aerosol_once[c];
+    const double straight = forward.empty() ? 0.0 : forward[wavelength];
+    wavelengths.aerosol[c] = (1.0 - straight) * wavelengths.aerosol_once[c];
+    wavelengths.extinctions[c][kAerosol] -= straight * wavelengths.aerosol_once[c];
+    wavelengths.asymmetry[c] = aerosol_asymmetry(air.atmosphere(), wavelength);
     wavelengths.albedo[c] = air.albedo(wavelength);
     wavelengths.solar[c] = air.atmosphere().solar_irradiance[wavelength];
   }

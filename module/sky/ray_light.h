@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "platform/memory.h"
@@ -69,13 +70,14 @@ struct WavelengthGroup {
   std::array<double, 3> rayleigh{};      ///< scattering, 1/m
   std::array<double, 3> aerosol{};       ///< likewise, without what goes straight on
   std::array<double, 3> aerosol_once{};  ///< all of it: what light is scattered by first
+  std::array<double, 3> asymmetry{};     ///< g of the aerosol
   std::array<double, 3> albedo{};
   std::array<double, 3> solar{};
 };
 
-/// Wavelengths 3 `group` and the next two; beyond the last: the last again. Of what the aerosol scatters, the share
-/// `forward` counts neither as scattered nor as taken out (PhaseSpectrum::forward).
-[[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group, double forward);
+/// Wavelengths 3 `group` and the next two; beyond the last: the last again. Of what the aerosol scatters, a
+/// wavelength's share of `forward` (`forward_shares`; none: 0) counts neither as scattered nor as taken out.
+[[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward);
 
 class RayLight {
  public:

@@ -35,6 +35,7 @@ struct SourceSolver::Worker {
         rays(3 * kAzimuths * kSunBlock),
         values(pair_count(bands)),
         harmonics(pair_count(bands) * 3 * kSunBlock),
+        lobed(harmonics.size()),
         rayleigh(index(bands) * 3 * kSunBlock),
         aerosol(rayleigh.size()) {}
 
@@ -42,6 +43,7 @@ struct SourceSolver::Worker {
   std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
   std::vector<float> values;     ///< [pairs]
   std::vector<float> harmonics;  ///< [pairs][3][block]
+  std::vector<float> lobed;      ///< likewise, each wavelength's times its own lobe's moments, where lobes differ
   std::vector<float> rayleigh;   ///< [m][3][block]: for one zenith, folded
   std::vector<float> aerosol;
 };
@@ -53,7 +55,9 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       light_(light),
       group_(group),
       shape_(shape),
-      spectrum_(phase_spectrum(air.atmosphere())),
+      spectra_(phase_spectra(air.atmosphere(), group.asymmetry)),
+      bands_(spectra_.front().bands),
+      ones_(index(bands_), 1.0),
       with_aerosol_(scatters(air.atmosphere().aerosol)),
       radiance_(index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns)),
       source_(shape, with_aerosol_),
@@ -72,7 +76,7 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
 }
 
 void SourceSolver::set_rules() {
-  const int bands = spectrum_.bands;
+  const int bands = bands_;
   for (int k = 0; k < shape_.suns; ++k) {
     sun_cosines_.push_back(mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1)));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
@@ -119,16 +123,18 @@ void SourceSolver::set_rules() {
       }
     }
   }
-  for (int k = 0; k < kPhaseNodes; ++k) {
-    const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
-    aerosol_phase_.push_back(phase_of(spectrum_.aerosol, cosine));
+  for (std::size_t lobe = 0; lobe < spectra_.size(); ++lobe) {
+    for (int k = 0; k < kPhaseNodes; ++k) {
+      const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
+      aerosol_phase_.push_back(phase_of(spectra_[lobe].aerosol, cosine));
+    }
+    set_lobe_scale(lobe);
   }
-  set_lobe_scale();
 }
 
 // A lobe narrower than the directions lie apart would be counted too often or too seldom: the sum of the phase function
 // over the directions is made 1, as it is over the sphere (Wiscombe 1976).
-void SourceSolver::set_lobe_scale() {
+void SourceSolver::set_lobe_scale(std::size_t lobe) {
   const std::size_t suns = index(shape_.suns);
   for (std::size_t h = 0; h < rules_.size(); ++h) {
     for (std::size_t s = 0; s < suns; ++s) {
@@ -138,8 +144,8 @@ void SourceSolver::set_lobe_scale() {
         const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
         const double weight = rules_[h].weights[i] * 2.0 * pi / static_cast<double>(kAzimuths);
         for (const double azimuth : ray_azimuths_) {
-          sum +=
-              weight * aerosol_phase(std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0));
+          const double nu = std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0);
+          sum += weight * aerosol_phase(lobe, nu);
         }
       }
       lobe_scale_.push_back(sum > kSmallestLobe ? 1.0 / sum : 1.0);
@@ -147,12 +153,12 @@ void SourceSolver::set_lobe_scale() {
   }
 }
 
-double SourceSolver::aerosol_phase(double cosine) const noexcept {
+double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexcept {
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
   const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
-  return aerosol_phase_[node] +
-         (position - static_cast<double>(node)) * (aerosol_phase_[node + 1] - aerosol_phase_[node]);
+  const double* const phase = aerosol_phase_.data() + lobe * kPhaseNodes;
+  return phase[node] + (position - static_cast<double>(node)) * (phase[node + 1] - phase[node]);
 }
 
 std::size_t SourceSolver::radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept {
@@ -194,7 +200,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
 void SourceSolver::march(bool single, const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   std::vector<Worker> scratch;
-  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, spectrum_.bands);
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, bands_);
   jobs::run_tiles(index(shape_.heights) * kZeniths, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     march_ray(single, tile / kZeniths, tile % kZeniths, scratch[worker]);
@@ -231,11 +237,14 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
   const float* const sums = ray.sunlight(kernels, air_, light_);
   for (std::size_t i = 0; i < count; ++i) {
     const double nu = ray.angle_cosine(i);
-    const double aerosol = lobe_scale_[height * suns + i % suns] * aerosol_phase(nu);
+    std::array<double, 3> aerosol{};
     for (std::size_t c = 0; c < 3; ++c) {
+      aerosol[c] = c < spectra_.size()
+                       ? lobe_scale_[(c * rules_.size() + height) * suns + i % suns] * aerosol_phase(c, nu)
+                       : aerosol[0];
       const double value =
           group_.solar[c] * (group_.rayleigh[c] * rayleigh_phase(nu) * static_cast<double>(sums[8 * i + c]) +
-                             group_.aerosol[c] * aerosol * static_cast<double>(sums[8 * i + 4 + c]));
+                             group_.aerosol[c] * aerosol[c] * static_cast<double>(sums[8 * i + 4 + c]));
       radiance_[radiance_index(height, zenith, c) + i] = static_cast<float>(value);
     }
   }
@@ -246,7 +255,7 @@ void SourceSolver::gather(const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   const std::size_t blocks = index(shape_.suns) / kSunBlock;
   std::vector<Worker> scratch;
-  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, spectrum_.bands);
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, bands_);
   jobs::run_tiles(index(shape_.heights) * blocks, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
@@ -272,7 +281,7 @@ void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& wo
                  .azimuths = static_cast<int>(kAzimuths),
                  .azimuth_cosines = azimuth_cosines_.data(),
                  .values = worker.values.data(),
-                 .bands = spectrum_.bands};
+                 .bands = bands_};
     if (reflects && i < index(DirectionRule::kGroundNodes)) {
       add_ground(height, i, first_sun, worker);
       ring.radiance = worker.rays.data();
@@ -347,11 +356,28 @@ void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_
   }
 }
 
+// chi_l c(l, m), where the wavelengths' chi_l differ.
+void SourceSolver::multiply_lobes(Worker& worker) const {
+  std::copy(worker.harmonics.begin(), worker.harmonics.end(), worker.lobed.begin());
+  for (int m = 0; m < bands_; ++m) {
+    for (int l = m; l < bands_; ++l) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        float* const harmonic = worker.lobed.data() + (pair_index(bands_, l, m) * 3 + c) * kSunBlock;
+        const auto moment = static_cast<float>(spectra_[c].aerosol[index(l)]);
+        for (std::size_t s = 0; s < kSunBlock; ++s) harmonic[s] *= moment;
+      }
+    }
+  }
+}
+
 // J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
 void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
   const SolverKernels& kernels = solver_kernels();
-  const int bands = spectrum_.bands;
-  const auto fold_with = [&](int z, const std::vector<double>& moments, int used, std::vector<float>& by_order) {
+  const int bands = bands_;
+  const bool lobed = with_aerosol_ && spectra_.size() > 1;
+  if (lobed) multiply_lobes(worker);
+  const auto fold_with = [&](int z, const std::vector<float>& harmonics, const std::vector<double>& moments, int used,
+                             std::vector<float>& by_order) {
     const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
     for (int m = 0; m < used; ++m) {
       for (int l = m; l < used; ++l) {
@@ -359,7 +385,7 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
             static_cast<float>(values[pair_index(bands, l, m)] * moments[index(l)]);
       }
     }
-    kernels.fold_orders(worker.harmonics.data(), worker.values.data(), bands, used, by_order.data());
+    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, used, by_order.data());
   };
   // The mean of all directions is that of the harmonic that is the same everywhere, Y(0, 0) = 1 / sqrt(4 pi).
   for (std::size_t s = 0; s < kSunBlock; ++s) {
@@ -368,8 +394,11 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
     source_.brightness[height * index(shape_.suns) + first_sun + s] = std::max(0.0, mean / std::sqrt(36.0 * pi));
   }
   for (int z = 0; z < shape_.zeniths; ++z) {
-    fold_with(z, spectrum_.rayleigh, kRayleighBands, worker.rayleigh);
-    if (with_aerosol_) fold_with(z, spectrum_.aerosol, bands, worker.aerosol);
+    fold_with(z, worker.harmonics, spectra_.front().rayleigh, kRayleighBands, worker.rayleigh);
+    if (with_aerosol_) {
+      fold_with(z, lobed ? worker.lobed : worker.harmonics, lobed ? ones_ : spectra_.front().aerosol, bands,
+                worker.aerosol);
+    }
     const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
       const std::size_t at = place + 4 * index(a) * index(shape_.suns);

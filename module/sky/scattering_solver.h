@@ -46,14 +46,15 @@ class SourceSolver {
   struct Worker;
   [[nodiscard]] std::size_t radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept;
   void set_rules();
-  void set_lobe_scale();
-  [[nodiscard]] double aerosol_phase(double cosine) const noexcept;
+  void set_lobe_scale(std::size_t lobe);
+  [[nodiscard]] double aerosol_phase(std::size_t lobe, double cosine) const noexcept;
   void march(bool single, const Control& control);
   void march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker);
   void gather(const Control& control);
   void project(std::size_t height, std::size_t first_sun, Worker& worker);
   void measure();
   void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
+  void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double total_scattered() const noexcept;
@@ -63,7 +64,9 @@ class SourceSolver {
   const Sunlight& light_;
   WavelengthGroup group_;
   SourceShape shape_;
-  PhaseSpectrum spectrum_;
+  std::vector<PhaseSpectrum> spectra_;  ///< one, or one of each wavelength where their lobes differ
+  int bands_;                           ///< of all of them
+  std::vector<double> ones_;            ///< as many
   bool with_aerosol_;
 
   std::vector<DirectionRule> rules_;  ///< [heights]
@@ -74,8 +77,8 @@ class SourceSolver {
   std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
   std::vector<double> ray_azimuths_;                         ///< cos phi
   std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
-  std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles
-  std::vector<double> lobe_scale_;                           ///< of it: [heights][suns]
+  std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles: [spectra][nodes]
+  std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]
   std::vector<double> ground_distance_;
 

@@ -171,14 +171,19 @@ struct SkyRun {
   const float* of_sun;  ///< `reduce_sky` of them, or null: then it is done on the way
 
   bool henyey_greenstein;
-  double asymmetry;      ///< g
-  double aerosol_scale;  ///< what does not depend on the angle
-  bool hazy;             ///< its phase function is to be multiplied by:
+  int lobes;                ///< 1: the first of the three below is all channels'; 3: each has its own
+  double asymmetry[3];      ///< g
+  double aerosol_scale[3];  ///< what does not depend on the angle
+  bool hazy;                ///< its phase function is to be multiplied by:
   float aureole[kAureoleAngles * kSkyColour];
 
   const float* reach;   ///< [half][kSkyColour]: transmittance up to the ground; null: rays to the ground see none
   const float* ground;  ///< [grounds][kSkyColour]: radiance of the ground over sqrt|mu_s| with its sign
   int grounds;
+
+  const float* night;   ///< [nights][kSkyColour]: added to what rays to the sky see; null: nothing is
+  double night_lowest;  ///< the zenith's cosine at its first node; 1 at its last
+  int nights;
 };
 
 /// of_sun[2 half][azimuths][kSkyRow] = the rows weighted by the sun's taps.
@@ -192,12 +197,19 @@ using SkyRadiance = void (*)(const SkyRun& run, const double* directions, int co
 inline constexpr int kSkyRings = 16;
 inline constexpr int kSkyChannels = 6;  ///< Rayleigh's red, green, blue, then the aerosol's
 
+/// The aerosol's phase function of a channel: aerosol (1 + even (1 - x)^2) / (gap + slope x)^1.5.
+struct SkyLobe {
+  float aerosol;
+  float gap;    ///< (1 - |g|)^2
+  float slope;  ///< 2 |g|
+};
+
 /// Sixteen rings under one sun. A lane is a ring.
 ///
 /// With x = 1 - cos(angle to the lobe's axis), which is the sun or, where the aerosol scatters backwards, the point
 /// opposite: x = nearness + breadth * gap(azimuth), so that it has its digits where the lobe is sharp. Radiance is
-///   rayleigh (1 + (1 - x)^2) value(c) + aerosol (value(3 + c) - lobe(c)) (1 + even (1 - x)^2) / d^1.5 + ground(c),
-///   d = gap + slope x, value = max(weighted sum of four suns', 0).
+///   rayleigh (1 + (1 - x)^2) value(c) + phase(c) (value(3 + c) - lobe(c)) + ground(c),
+///   value = max(weighted sum of four suns', 0), phase the channel's of `lobes`.
 struct SkyRings {
   int azimuths;
   int bands;
@@ -207,21 +219,21 @@ struct SkyRings {
   const float* azimuth_factors;  ///< [azimuths][bands]: weight times cos(m azimuth)
   const float* nearness;         ///< [kSkyRings]
   const float* breadth;          ///< [kSkyRings]: product of the sines of both zenith angles
-  const float* ground;           ///< [azimuths][3][kSkyRings], or null: black
+  const float* ground;           ///< [azimuths][3][kSkyRings]: light of the ground or the night; null: black
   const float* aureole;          ///< [kAureoleAngles][4]: multiplies the aerosol's phase function; null: nothing does
   float sun_weights[4];
   float lobe[3];
   float rayleigh;
-  float aerosol;
-  float gap;    ///< (1 - |g|)^2
-  float slope;  ///< 2 |g|
-  float even;   ///< Cornette-Shanks: 1; Henyey-Greenstein: 0
+  int lobe_count;    ///< 1: the first is all channels'; 3: each has its own
+  SkyLobe lobes[3];  ///< gap and slope are those of a lobe about the axis; one that is turned away from it has
+                     ///< (1 + |g|)^2 and -2 |g|
+  float even;        ///< Cornette-Shanks: 1; Henyey-Greenstein: 0
 };
 
 /// Adds to sums[bands][3][kSkyRings]: radiance times each azimuth's factors.
 using AddSkyRings = void (*)(const SkyRings& rings, float* sums);
 
-/// Adds to sums[kSkyRings]: the aerosol's phase function times each azimuth's first factor.
+/// Adds to sums[kSkyRings]: the first lobe's phase function times each azimuth's first factor.
 using AddSkyLobe = void (*)(const SkyRings& rings, float* sums);
 
 struct ViewKernels {

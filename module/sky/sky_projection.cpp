@@ -148,19 +148,26 @@ SkyProjection::SkyProjection(SkyView view, const SkyHarmonicsOptions& options)
     : view_(std::move(view)),
       options_(options),
       slice_(SkyViewAccess::slice(view_)),
-      aerosol_(aerosol_lobe(view_.tables()->atmosphere)),
-      spectrum_(aerosol_moments(view_.tables()->atmosphere, kMaximumBands)),
+      asymmetries_(slice_.fold().asymmetries()),
+      one_lobe_(all_equal(asymmetries_)),
+      backwards_(*std::max_element(asymmetries_.begin(), asymmetries_.end()) < 0.0),
       bottom_(view_.tables()->atmosphere.bottom_radius_m),
       radius_(1.0 + slice_.altitude() / bottom_),
       horizon_(horizon_cosine(bottom_, slice_.altitude())) {
   prepare_turns();
   const Atmosphere& atmosphere = view_.tables()->atmosphere;
-  const SkyRule rule = sky_rule(options, horizon_, top_cosine(slice_, atmosphere), atmosphere.aerosol_asymmetry);
+  for (std::size_t c = 0; c < 3; ++c) {
+    aerosol_[c] = aerosol_lobe(atmosphere, asymmetries_[c], backwards_);
+    spectra_[c] = aerosol_moments(atmosphere, asymmetries_[c], kMaximumBands);
+  }
+  const double sharpest = *std::max_element(asymmetries_.begin(), asymmetries_.end(),
+                                            [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const SkyRule rule = sky_rule(options, horizon_, top_cosine(slice_, atmosphere), sharpest);
   azimuths_ = rule.azimuths;
   directions_ = options.azimuths * static_cast<int>(rule.above.cosines.size() + rule.below.cosines.size());
   check_size(rule.above.cosines.size() + rule.below.cosines.size());
   for (std::size_t i = 0; i < azimuths_.cosines.size(); ++i) {
-    gaps_.push_back(static_cast<float>(aerosol_.backwards ? azimuths_.from_opposite[i] : azimuths_.from_sun[i]));
+    gaps_.push_back(static_cast<float>(backwards_ ? azimuths_.from_opposite[i] : azimuths_.from_sun[i]));
     double before = azimuths_.cosines[i];
     double here = 1.0;  // cos(m azimuth) by Chebyshev's recurrence
     for (int m = 0; m < options.bands; ++m) {
@@ -215,6 +222,10 @@ void SkyProjection::fill_values(RingGroup& group) const {
   for (std::size_t lane = 0; lane < kRings; ++lane) {
     const ViewPlace place = slice_.view_place(group.cosines[lane]);
     slice_.view_rows(place.taps, rows.data());
+    if (!place.ground && slice_.night().any()) {
+      group.any_night = true;
+      group.night[lane] = slice_.night().radiance(group.cosines[lane]);
+    }
     if (place.ground) {
       group.ground[lane].distance = place.distance;
       for (int c = 0; c < 3; ++c) {
@@ -243,13 +254,11 @@ void SkyProjection::fill_values(RingGroup& group) const {
 /// which a straight horizon cuts into 1/2 + atan(elevation / w) / pi.
 SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace& place) const noexcept {
   Lobe lobe{};
-  if (options_.quadrature != SkyQuadrature::gauss_split || aerosol_.backwards) return lobe;
+  if (options_.quadrature != SkyQuadrature::gauss_split || backwards_) return lobe;
   const double horizon_sine = std::sqrt((1.0 - horizon_) * (1.0 + horizon_));
   const double above = sun.zenith_cosine * horizon_sine - sun.zenith_sine * horizon_;  // sine of the elevation over it
   const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
   const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
-  const double share =
-      0.5 + 2.0 * math::turns_of(angle, std::sqrt(aerosol_.gap / std::max(0.5 * aerosol_.slope, 1e-3)));
   const ViewPlace view = slice_.view_place(std::max(sun.zenith_cosine, horizon_));
   const Taps azimuth = slice_.azimuth_taps(1.0);
   const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
@@ -265,7 +274,11 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
       }
     }
   }
-  for (double& value : lobe) value = static_cast<double>(static_cast<float>(share * std::max(value, 0.0)));
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double width = std::sqrt(aerosol_[c].gap / std::max(0.5 * aerosol_[c].slope, 1e-3));
+    const double share = asymmetries_[c] < 0.0 ? 0.0 : 0.5 + 2.0 * math::turns_of(angle, width);
+    lobe[c] = static_cast<double>(static_cast<float>(share * std::max(lobe[c], 0.0)));
+  }
   return lobe;
 }
 
@@ -273,12 +286,12 @@ void SkyProjection::add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<g
   std::array<double, kMaximumBands*(kMaximumBands + 1) / 2> basis;
   even_basis(sun.zenith_cosine, sun.zenith_sine, options_.bands, basis);
   std::array<double, 3> losses = slice_.aureole_depths(sun.zenith_cosine);
-  for (double& loss : losses) loss = loss > 0.0 ? slice_.aureole().loss(loss) : 0.0;
+  for (std::size_t c = 0; c < 3; ++c) losses[c] = losses[c] > 0.0 ? slice_.aureole().loss(c, losses[c]) : 0.0;
   for (int l = 0; l < options_.bands; ++l) {
     for (int m = 0; m <= l; ++m) {
       for (int c = 0; c < 3; ++c) {
         const auto channel = static_cast<std::size_t>(c);
-        const double moment = spectrum_[static_cast<std::size_t>(l)] - losses[channel];
+        const double moment = spectra_[channel][static_cast<std::size_t>(l)] - losses[channel];
         even[even_index(l, m)][c] += moment * basis[even_index(l, m)] * lobe[channel];
       }
     }
@@ -322,9 +335,20 @@ void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, in
   }
 }
 
+namespace {
+
+/// The same of the night's light, which is the same at all azimuths.
+void fill_night(const RingGroup& group, int count, float* light) noexcept {
+  for (int i = 0; i < 3 * count; ++i) {
+    for (int lane = 0; lane < kRings; ++lane) light[i * kRings + lane] = static_cast<float>(group.night[lane][i % 3]);
+  }
+}
+
+}  // namespace
+
 /// What kernels need of a group under a sun, all but values, azimuths and ground.
 SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept {
-  const double side = aerosol_.backwards ? -1.0 : 1.0;
+  const double side = backwards_ ? -1.0 : 1.0;
   for (int k = 0; k < kRings; ++k) {
     const double along = group.cosines[k] * sun.zenith_cosine;
     const double across = group.sines[k] * sun.zenith_sine;
@@ -340,20 +364,24 @@ SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, S
   rings.nearness = distances.nearness;
   rings.breadth = distances.breadth;
   rings.rayleigh = static_cast<float>(rayleigh_phase(0.0));
-  rings.aerosol = static_cast<float>(aerosol_.factor);
-  rings.gap = static_cast<float>(aerosol_.gap);
-  rings.slope = static_cast<float>(aerosol_.slope);
-  rings.even = static_cast<float>(aerosol_.even);
+  rings.lobe_count = one_lobe_ ? 1 : 3;
+  for (std::size_t c = 0; c < 3; ++c) {
+    rings.lobes[c] = {static_cast<float>(aerosol_[c].factor), static_cast<float>(aerosol_[c].gap),
+                      static_cast<float>(aerosol_[c].slope)};
+  }
+  rings.even = static_cast<float>(aerosol_[0].even);
   return rings;
 }
 
-/// The quadrature's own integral of the aerosol's phase function over the sphere.
-double SkyProjection::lobe_integral(const SunAngles& sun) const noexcept {
+/// The quadrature's own integral of a channel's phase function over the sphere.
+double SkyProjection::lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept {
   SunDistances distances;
   double integral = 0.0;
   for (const RingGroup& group : groups_) {
     alignas(64) float sums[kRings] = {};
-    view_kernels().add_lobe(rings_of(group, sun, distances), sums);
+    SkyRings rings = rings_of(group, sun, distances);
+    rings.lobes[0] = rings.lobes[channel];
+    view_kernels().add_lobe(rings, sums);
     for (std::size_t k = 0; k < kRings; ++k) integral += group.basis[k] * static_cast<double>(sums[k]);
   }
   return integral * (2.0 * std::sqrt(std::numbers::pi));
@@ -367,16 +395,17 @@ const float* SkyProjection::aureole_under(const SunAngles& sun, float* room) con
 }
 
 void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
-                              double aerosol, const float* aureole, std::span<glm::dvec3> even) const {
+                              const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const {
   alignas(64) float ground[kChunk * 3 * kRings];
   alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
   SunDistances distances;
   SkyRings rings = rings_of(group, sun, distances);
   rings.rayleigh *= place.fade;
-  rings.aerosol = static_cast<float>(aerosol) * place.fade;
+  for (std::size_t c = 0; c < 3; ++c) rings.lobes[c].aerosol = static_cast<float>(aerosol[c]) * place.fade;
   for (int k = 0; k < 4; ++k) rings.sun_weights[k] = place.taps.weights[k];
   for (std::size_t c = 0; c < 3; ++c) rings.lobe[c] = static_cast<float>(lobe[c]);
-  rings.ground = group.any_ground ? ground : nullptr;
+  rings.ground = group.any_ground || group.any_night ? ground : nullptr;
+  if (group.any_night) fill_night(group, std::min(kChunk, options_.azimuths), ground);
   rings.aureole = aureole;
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
@@ -400,13 +429,19 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   }
 }
 
-/// The phase function's factor. Nodes that hit a lobe that is too sharp for them see too much of it: it is scaled by
+/// The phase functions' factors. Nodes that hit a lobe that is too sharp for them see too much of it: it is scaled by
 /// their own integral of it, if that is above 1.
-double SkyProjection::aerosol_factor(const SunAngles& sun) const noexcept {
+SkyProjection::Lobe SkyProjection::aerosol_factors(const SunAngles& sun) const noexcept {
   constexpr double sharp = 0.85;
   const bool split = options_.quadrature == SkyQuadrature::gauss_split;
-  if (!split || std::abs(view_.tables()->atmosphere.aerosol_asymmetry) <= sharp) return aerosol_.factor;
-  return aerosol_.factor / std::max(lobe_integral(sun), 1.0);
+  Lobe factors{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool as_before = one_lobe_ && c > 0;
+    const bool scaled = !as_before && split && std::abs(asymmetries_[c]) > sharp;
+    factors[c] = as_before ? factors[0] : aerosol_[c].factor;
+    if (scaled) factors[c] /= std::max(lobe_integral(sun, c), 1.0);
+  }
+  return factors;
 }
 
 void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) const {
@@ -415,7 +450,7 @@ void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) co
   for (std::size_t k = 0; k < terms; ++k) even[k] = glm::dvec3(0.0);
   const SunPlace place = slice_.sun_place(sun.zenith_cosine);
   const Lobe lobe = lobe_at(sun, place);
-  const double aerosol = aerosol_factor(sun);
+  const Lobe aerosol = aerosol_factors(sun);
   float room[kAureoleAngles * kSkyColour];
   const float* const aureole = aureole_under(sun, room);
   for (const RingGroup& group : groups_) add_group(group, sun, place, lobe, aerosol, aureole, even);
@@ -457,8 +492,7 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
         const glm::dvec3 direction(group.sines[ring] * sine, group.cosines[ring], group.sines[ring] * cosine);
         glm::dvec3 light = view_.radiance(direction, towards);
         const double nu = direction.y * towards.y + direction.z * towards.z;
-        const double aerosol = fade * slice_.aerosol_phase(nu);
-        const glm::dvec3 taken = aerosol * glm::dvec3(lobe[0], lobe[1], lobe[2]);
+        const glm::dvec3 taken = fade * slice_.aerosol_phase(nu) * glm::dvec3(lobe[0], lobe[1], lobe[2]);
         light -= aureole != nullptr ? aureole_at(aureole, nu) * taken : taken;
         double before = cosine;
         double here = azimuths_.weights[i];

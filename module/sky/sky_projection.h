@@ -38,7 +38,8 @@ struct SkyRule {
 };
 
 /// `horizon`: cosine of its zenith angle. `top`: that of the highest ring that has any light: 1 inside the air, from
-/// space its upper edge. `asymmetry`: the aerosol's g. Throws `Error` (invalid_argument) for options out of range.
+/// space its upper edge. `asymmetry`: the aerosol's g, the sharpest of several. Throws `Error` (invalid_argument) for
+/// options out of range.
 [[nodiscard]] SkyRule sky_rule(const SkyHarmonicsOptions& options, double horizon, double top, double asymmetry);
 
 // A quadrature over a sky, ready for any sun.
@@ -56,6 +57,8 @@ struct RingGroup {
   std::vector<double> basis;  ///< [even_count(bands)][16]: weight times Y(l, m) at azimuth 0
   bool below = false;
   bool any_ground = false;
+  bool any_night = false;
+  glm::dvec3 night[16]{};  ///< radiance
   GroundRay ground[16];
   platform::AlignedBuffer<float> values;  ///< [azimuths][suns][6][16]; none from outside the air
 };
@@ -76,7 +79,7 @@ class SkyProjection {
   [[nodiscard]] int directions() const noexcept { return directions_; }
 
  private:
-  using Lobe = std::array<double, 3>;
+  using Lobe = std::array<double, 3>;  ///< by channel
 
   /// Of sixteen rings from the sun (SkyRings).
   struct SunDistances {
@@ -94,16 +97,19 @@ class SkyProjection {
   [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
-  [[nodiscard]] double lobe_integral(const SunAngles& sun) const noexcept;
-  [[nodiscard]] double aerosol_factor(const SunAngles& sun) const noexcept;
-  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe, double aerosol,
-                 const float* aureole, std::span<glm::dvec3> even) const;
+  [[nodiscard]] double lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept;
+  [[nodiscard]] Lobe aerosol_factors(const SunAngles& sun) const noexcept;
+  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
+                 const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const;
 
   SkyView view_;
   SkyHarmonicsOptions options_;
   const SkySlice& slice_;
-  AerosolLobe aerosol_;
-  std::vector<double> spectrum_;
+  std::array<double, 3> asymmetries_;
+  bool one_lobe_;                               ///< of all channels
+  bool backwards_;                              ///< the lobes' axis is the point opposite to the sun
+  std::array<AerosolLobe, 3> aerosol_;          ///< by channel
+  std::array<std::vector<double>, 3> spectra_;  ///< likewise
   AzimuthRule azimuths_;
   std::vector<float> gaps_;     ///< of the azimuths, from the lobe's axis
   std::vector<float> factors_;  ///< [azimuths][bands]

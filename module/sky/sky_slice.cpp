@@ -36,7 +36,8 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
       mapping_(mapping_of(*tables_)),
       inside_(outside_ ? mapping_.thickness() : altitude_m),
       fold_(tables_->atmosphere, tables_->options.colour),
-      aureole_(tables_->atmosphere, forward_share(tables_->atmosphere, tables_->options.orders)) {
+      aureole_(tables_->atmosphere, fold_.asymmetries(), tables_->options.orders),
+      night_(*tables_, inside_) {
   const SliceShape shape = slice_shape(tables_->options);
   views_ = shape.views;
   azimuths_ = shape.azimuths;
@@ -86,13 +87,14 @@ void SkySlice::set_aureole_depths() {
   const Air air(tables_->atmosphere);
   RayPanels panels(air);
   const std::vector<double>& scattering = tables_->atmosphere.aerosol.scattering_per_m;
+  const std::vector<double> forward = forward_shares(tables_->atmosphere, tables_->options.orders);
   std::vector<double> depths(scattering.size());
   for (int k = 0; k < suns_; ++k) {
     const double mu = std::max(mapping_.sun_zenith_cosine(static_cast<double>(k) / (suns_ - 1)),
                                horizon_cosine(mapping_.bottom_radius(), inside_));
     const double length = distance_to_top(mapping_.bottom_radius(), mapping_.thickness(), inside_, mu);
     const double column = lengths_along(air, {inside_, mu, false, length}, panels)[kAerosol];
-    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = aureole_.forward() * column * scattering[i];
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = forward[i] * column * scattering[i];
     const glm::dvec3 share = fold_.share(depths);
     aureole_depths_.push_back({share[0], share[1], share[2]});
   }
@@ -130,9 +132,10 @@ SunPlace SkySlice::sun_place(double mu_s) const noexcept {
   return place;
 }
 
-double SkySlice::aerosol_phase(double nu) const noexcept {
-  const Atmosphere& air = tables_->atmosphere;
-  return sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, nu);
+glm::dvec3 SkySlice::aerosol_phase(double nu) const noexcept {
+  const auto phase = [&](double g) { return sky::aerosol_phase(tables_->atmosphere.aerosol_phase, g, nu); };
+  const std::array<double, 3>& g = fold_.asymmetries();
+  return {phase(g[0]), phase(g[1]), phase(g[2])};
 }
 
 glm::dvec3 SkySlice::ground_radiance(double mu_s) const noexcept {
@@ -165,7 +168,7 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   const double shortest = thickness - inside_;
   const int half = views_ / 2;
   const Atmosphere& air = tables_->atmosphere;
-  const double g = air.aerosol_asymmetry;
+  const std::array<double, 3>& asymmetries = fold_.asymmetries();
   SkyRun run{};
   run.bottom = bottom;
   run.radius = bottom + inside_;
@@ -200,14 +203,22 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.suns = suns_;
   run.rows = values_.data();
   run.henyey_greenstein = air.aerosol_phase == AerosolPhase::henyey_greenstein;
-  run.asymmetry = g;
-  run.aerosol_scale = run.henyey_greenstein ? (1.0 - g) * (1.0 + g) / (4.0 * std::numbers::pi)
-                                            : 3.0 / (8.0 * std::numbers::pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g);
+  run.lobes = all_equal(asymmetries) ? 1 : 3;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double g = asymmetries[c];
+    run.asymmetry[c] = g;
+    run.aerosol_scale[c] = run.henyey_greenstein
+                               ? (1.0 - g) * (1.0 + g) / (4.0 * std::numbers::pi)
+                               : 3.0 / (8.0 * std::numbers::pi) * (1.0 - g) * (1.0 + g) / (2.0 + g * g);
+  }
   run.hazy = !aureole_depths_.empty();
   if (run.hazy) aureole_.factors(aureole_depths(run.sun_zenith), run.aureole);
   run.reach = reach_.empty() ? nullptr : reach_.data();
   run.ground = ground_.data();
   run.grounds = kGroundNodes;
+  run.night = night_.any() && !outside_ ? night_.nodes().data() : nullptr;
+  run.night_lowest = night_.lowest();
+  run.nights = kNightNodes;
   return run;
 }
 
@@ -402,10 +413,11 @@ std::vector<double> panels_of(const std::vector<const Constituent*>& matter, dou
 std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold) {
   std::vector<float> radiances(std::size_t{4} * kGroundNodes);
   const glm::dvec3 albedo = fold.share(tables.atmosphere.ground_albedo);
+  const glm::dvec3 night = NightLight(tables, 0.0).irradiance();
   for (int node = 0; node < kGroundNodes; ++node) {
     const double root = 2.0 * node / (kGroundNodes - 1) - 1.0;
     const double mu_s = root * std::abs(root);
-    glm::dvec3 irradiance = sky_irradiance(tables, mapping, 0.0, mu_s);
+    glm::dvec3 irradiance = sky_irradiance(tables, mapping, 0.0, mu_s) + night;
     if (mu_s > 0.0) irradiance += mu_s * fold.sunlight() * sun_share(tables, mapping, 0.0, mu_s);
     for (int c = 0; c < 3; ++c) {
       radiances[static_cast<std::size_t>(4 * node + c)] =
@@ -420,7 +432,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& mapping, const ColourFold& fold,
                                 double altitude, int half) {
   constexpr int order = 6;
-  const double forward = forward_share(tables.atmosphere, tables.options.orders);  // goes straight on
+  const std::vector<double> forward = forward_shares(tables.atmosphere, tables.options.orders);  // goes straight on
   const Atmosphere& atmosphere = tables.atmosphere;
   const double bottom = atmosphere.bottom_radius_m;
   const std::vector<const Constituent*> matter = matter_of(atmosphere);
@@ -458,7 +470,7 @@ std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& map
     for (std::size_t w = 0; w < shares.size(); ++w) {
       double depth = 0.0;
       for (std::size_t i = 0; i < matter.size(); ++i) {
-        const double straight = matter[i] == &atmosphere.aerosol ? forward : 0.0;
+        const double straight = matter[i] == &atmosphere.aerosol ? forward[w] : 0.0;
         depth += lengths[i] * ((1.0 - straight) * value_at(matter[i]->scattering_per_m, w) +
                                value_at(matter[i]->absorption_per_m, w));
       }

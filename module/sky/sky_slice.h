@@ -4,7 +4,8 @@
 // blue, 0; all without phase functions. Between nodes values are cubics along each axis: taps are four rows one after
 // the other and their weights, the result is the plain weighted sum, not below 0. (Over suns light falls by decades:
 // there the cubic is of rows relative to their sun's brightness, the mean of all views.) What is seen is
-//   fade (max(row[0..2], 0) rayleigh_phase(nu) + max(row[4..6], 0) aerosol_phase(nu)).
+//   fade (max(row[0..2], 0) rayleigh_phase(nu) + max(row[4..6], 0) aerosol_phase(nu)),
+// the aerosol's phase function being each channel's own, and on top of it the light of the night.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "sky/aureole.h"
+#include "sky/night_light.h"
 #include "sky/sky_kernels.h"
 #include "sky/spectrum.h"
 #include "sky/table_mapping.h"
@@ -67,8 +69,8 @@ class SkySlice {
   /// By the cosine between sun and zenith.
   [[nodiscard]] SunPlace sun_place(double mu_s) const noexcept;
 
-  /// The aerosol's phase function at a cosine between view and sun, 1/sr.
-  [[nodiscard]] double aerosol_phase(double nu) const noexcept;
+  /// The aerosol's phase function at a cosine between view and sun, 1/sr, in each channel.
+  [[nodiscard]] glm::dvec3 aerosol_phase(double nu) const noexcept;
 
   /// Radiance that leaves the ground where the sun's zenith cosine is `mu_s`: a ray of length d from radius r ends
   /// where that is (r mu_s + d nu) / R. Times the view's `transmittance` it is what is seen.
@@ -82,6 +84,9 @@ class SkySlice {
   [[nodiscard]] const Aureole& aureole() const noexcept { return aureole_; }
   /// Depths for it, of a sun at that zenith cosine (one that is down counts as on the horizon); from above the air 0.
   [[nodiscard]] std::array<double, 3> aureole_depths(double mu_s) const noexcept;
+
+  /// Of the slice's altitude, on top of all that rows hold; from above the air it is not seen.
+  [[nodiscard]] const NightLight& night() const noexcept { return night_; }
 
   /// For the kernels, with a sun towards a unit direction; `of_sun` is left null.
   [[nodiscard]] SkyRun run(const glm::dvec3& sun) const noexcept;
@@ -106,6 +111,7 @@ class SkySlice {
   std::vector<float> ground_;
   ColourFold fold_;
   Aureole aureole_;
+  NightLight night_;
   std::vector<std::array<double, 3>> aureole_depths_;  ///< of the nodes' suns; none: nothing to correct
 };
 

@@ -175,7 +175,7 @@ void Precomputation::transmittance() {
 }
 
 void Precomputation::compute(std::size_t group, double from, double to) {
-  const double forward = sky::forward_share(air_.atmosphere(), options_.orders);
+  const std::vector<double> forward = sky::forward_shares(air_.atmosphere(), options_.orders);
   const WavelengthGroup wavelengths = sky::wavelength_group(air_, group, forward);
   const Fold fold = fold_of(air_.atmosphere(), weights_, group);
   const sky::Sunlight light(air_, *paths_, wavelengths.extinctions);
@@ -186,7 +186,9 @@ void Precomputation::compute(std::size_t group, double from, double to) {
   timed("scattering", "along every ray of the table", [&] {
     scatter(wavelengths, fold, light, solver, part(middle, to));
     add_irradiance(fold, solver);
-    if (forward > 0.0) add_straight_light(wavelengths, sky::wavelength_group(air_, group, 0.0), fold);
+    if (*std::max_element(forward.begin(), forward.end()) > 0.0) {
+      add_straight_light(wavelengths, sky::wavelength_group(air_, group, {}), fold);
+    }
   });
   result_.orders = std::max(result_.orders, solver.orders());
   result_.last_change = std::max(result_.last_change, solver.last_change());

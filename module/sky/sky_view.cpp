@@ -141,7 +141,7 @@ glm::dvec3 SkyView::irradiance(const glm::dvec3& sun) const {
   const sky::SkySlice& slice = slice_->slice;
   const double mu_s = sky::sun_unit(sun).y;
   if (slice.outside()) return {};
-  return sky::sky_irradiance(*tables(), slice.mapping(), altitude_m(), mu_s);
+  return sky::sky_irradiance(*tables(), slice.mapping(), altitude_m(), mu_s) + slice.night().irradiance();
 }
 
 }  // namespace welkin

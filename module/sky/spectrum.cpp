@@ -204,6 +204,25 @@ ColourFold::ColourFold(const Atmosphere& atmosphere, SkyColour colour) : weights
     sunlight_ += weights_[i];
   }
   for (int c = 0; c < 3; ++c) sunlight_[c] = std::max(sunlight_[c], 0.0);
+  set_asymmetries(atmosphere, colour);
+}
+
+void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour) {
+  asymmetries_.fill(atmosphere.aerosol_asymmetry);
+  const std::vector<double>& given = atmosphere.aerosol_asymmetries;
+  if (given.empty()) return;
+  const auto [least, most] = std::minmax_element(given.begin(), given.end());
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0.0;
+    double scattered = 0.0;
+    for (std::size_t i = 0; i < given.size() && i < atmosphere.aerosol.scattering_per_m.size(); ++i) {
+      const double weight = weights_[i][static_cast<glm::length_t>(c)] * atmosphere.aerosol.scattering_per_m[i];
+      sum += weight * given[i];
+      scattered += weight;
+    }
+    const double mean = scattered > 0.0 ? sum / scattered : 0.5 * (*least + *most);
+    asymmetries_[c] = colour == SkyColour::spectral ? given[c] : std::clamp(mean, *least, *most);
+  }
 }
 
 glm::dvec3 ColourFold::share(std::span<const double> values) const noexcept {

@@ -1,6 +1,7 @@
 // What every list of wavelengths must be.
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -26,9 +27,16 @@ class ColourFold {
   /// sunlight() times it is what is left. Not below 0.
   [[nodiscard]] glm::dvec3 share(std::span<const double> values) const noexcept;
 
+  /// g of the aerosol's lobe in each channel: that of its wavelength, or the mean of those folded to it, weighted by
+  /// how much they scatter.
+  [[nodiscard]] const std::array<double, 3>& asymmetries() const noexcept { return asymmetries_; }
+
  private:
+  void set_asymmetries(const Atmosphere& atmosphere, SkyColour colour);
+
   std::vector<glm::dvec3> weights_;  ///< sunlight of each wavelength
   glm::dvec3 sunlight_{};
+  std::array<double, 3> asymmetries_{};
 };
 
 }  // namespace welkin::sky

@@ -24,9 +24,10 @@ struct Places {
   alignas(64) double hit[kLanes];      ///< 0: a ray that misses the air
   alignas(64) double ends[kLanes];     ///< 1: on the ground
   alignas(64) double ground[kLanes];   ///< position
+  alignas(64) double night[kLanes];    ///< position
   alignas(64) double rayleigh[kLanes];
-  alignas(64) double aerosol[kLanes];
-  alignas(64) double aureole[kLanes];  ///< position
+  alignas(64) double aerosol[3][kLanes];  ///< of the run's lobes
+  alignas(64) double aureole[kLanes];     ///< position
 };
 
 WELKIN_INLINE DoubleLanes constant(double value) { return DoubleLanes(value); }
@@ -49,13 +50,16 @@ WELKIN_INLINE DoubleLanes to_top(DoubleLanes along, double shell) {
 WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places& places) {
   const DoubleLanes lobe = constant(1.0) + nu * nu;
   lobe.store_aligned(places.rayleigh + k);
-  const double size = run.asymmetry < 0.0 ? -run.asymmetry : run.asymmetry;
-  const DoubleLanes ahead = run.asymmetry < 0.0 ? constant(1.0) + nu : constant(1.0) - nu;
-  const DoubleLanes square = constant((1.0 - size) * (1.0 - size)) + constant(2.0 * size) * ahead;
-  const DoubleLanes denominator = square * xsimd::sqrt(square);
-  const DoubleLanes numerator =
-      run.henyey_greenstein ? constant(run.aerosol_scale) : constant(run.aerosol_scale) * lobe;
-  (numerator / denominator).store_aligned(places.aerosol + k);
+  for (int c = 0; c < run.lobes; ++c) {
+    const double g = run.asymmetry[c];
+    const double size = g < 0.0 ? -g : g;
+    const DoubleLanes ahead = g < 0.0 ? constant(1.0) + nu : constant(1.0) - nu;
+    const DoubleLanes square = constant((1.0 - size) * (1.0 - size)) + constant(2.0 * size) * ahead;
+    const DoubleLanes denominator = square * xsimd::sqrt(square);
+    const DoubleLanes scale = constant(run.aerosol_scale[c]);
+    const DoubleLanes numerator = run.henyey_greenstein ? scale : scale * lobe;
+    (numerator / denominator).store_aligned(places.aerosol[c] + k);
+  }
   const DoubleLanes angle = xsimd::sqrt(square_root(constant(0.5) * (constant(1.0) - nu)));
   (angle * constant(kAureoleAngles - 1)).store_aligned(places.aureole + k);
 }
@@ -97,6 +101,10 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   DoubleLanes along = constant(run.radius) * mu;
   DoubleLanes discriminant = along * along - constant(run.rho_squared);
   DoubleLanes cosine = level / xsimd::max(sine * constant(run.sun_sine), constant(kTiny));
+  if (run.night != nullptr) {
+    const DoubleLanes share = (mu - constant(run.night_lowest)) / constant(1.0 - run.night_lowest);
+    (between(share, 0.0, 1.0) * constant(run.nights - 1)).store_aligned(places.night + k);
+  }
   if (run.outside) {
     // b: how near the ray's line comes to the centre. It comes in where its zenith's sine is b / top.
     const DoubleLanes b = constant(run.viewer_radius) * sine;
@@ -267,6 +275,14 @@ WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double p
   }
 }
 
+/// What the night adds.
+WELKIN_INLINE void add_night(const SkyRun& run, double position, float* rgb) {
+  const int node = static_cast<int>(position) < run.nights - 2 ? static_cast<int>(position) : run.nights - 2;
+  const auto t = static_cast<float>(position - node);
+  const float* const low = run.night + node * kSkyColour;
+  for (int c = 0; c < 3; ++c) rgb[c] = rgb[c] + (low[c] + t * (low[kSkyColour + c] - low[c]));
+}
+
 WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float* rgb) {
   const double fade = run.outside ? places.fade[k] : static_cast<double>(run.fade);
   const bool ends = places.ends[k] > 0.0;
@@ -279,12 +295,13 @@ WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float
   interpolate(run, ends ? 0 : run.half, view, azimuth, sun, row);
   const float rayleigh = static_cast<float>(places.rayleigh[k]) * kRayleigh;
   float aerosol[3];
-  for (float& phase : aerosol) phase = static_cast<float>(places.aerosol[k]);
+  for (int c = 0; c < 3; ++c) aerosol[c] = static_cast<float>(places.aerosol[run.lobes > 1 ? c : 0][k]);
   if (run.hazy) multiply_aureole(run.aureole, static_cast<float>(places.aureole[k]), aerosol);
   for (int c = 0; c < 3; ++c) {
     rgb[c] = static_cast<float>(fade) * (positive(row[c]) * rayleigh + positive(row[4 + c]) * aerosol[c]);
   }
   if (ends && run.reach != nullptr) add_ground(run, view, places.ground[k], rgb);
+  if (!ends && run.night != nullptr) add_night(run, places.night[k], rgb);
 }
 
 void reduce_sky(const SkyRun& run, float* of_sun) {
@@ -318,17 +335,18 @@ void sky_radiance(const SkyRun& run, const double* directions, int count, float*
 
 // A sky's light on rings of equal zenith angle, summed over azimuths.
 
-struct Phases {
-  Lanes rayleigh, aerosol;
-};
-
-WELKIN_INLINE Phases phases(const SkyRings& rings, Lanes x) {
+WELKIN_INLINE Lanes lobe_phase(const SkyRings& rings, const SkyLobe& lobe, Lanes x) {
   const Lanes one(1.0F);
   const Lanes cosine = one - x;
   const Lanes square = cosine * cosine;
-  const Lanes d = Lanes(rings.gap) + Lanes(rings.slope) * x;
-  return {Lanes(rings.rayleigh) * (one + square),
-          Lanes(rings.aerosol) * (one + Lanes(rings.even) * square) / (d * xsimd::sqrt(d))};
+  const Lanes d = Lanes(lobe.gap) + Lanes(lobe.slope) * x;
+  return Lanes(lobe.aerosol) * (one + Lanes(rings.even) * square) / (d * xsimd::sqrt(d));
+}
+
+WELKIN_INLINE Lanes rayleigh_phase(const SkyRings& rings, Lanes x) {
+  const Lanes one(1.0F);
+  const Lanes cosine = one - x;
+  return Lanes(rings.rayleigh) * (one + cosine * cosine);
 }
 
 /// Of one channel between four suns; `values` are the first one's of this register's rings.
@@ -359,7 +377,8 @@ void add_sky_rings(const SkyRings& rings, float* sums) {
     const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
     for (int i = 0; i < rings.azimuths; ++i) {
       const Lanes x = nearness + breadth * Lanes(rings.azimuth_gaps[i]);
-      const Phases phase = phases(rings, x);
+      const Lanes molecules = rayleigh_phase(rings, x);
+      Lanes phase = lobe_phase(rings, rings.lobes[0], x);
       alignas(64) float aureole[3][kWidth];
       if (rings.aureole != nullptr) fill_aureole(rings.aureole, x, aureole);
       const float* const values = rings.values + i * rings.azimuth_step + lane;
@@ -368,7 +387,8 @@ void add_sky_rings(const SkyRings& rings, float* sums) {
         const Lanes rayleigh = between_suns(rings, values + c * kSkyRings);
         Lanes aerosol = between_suns(rings, values + (3 + c) * kSkyRings) - Lanes(rings.lobe[c]);
         if (rings.aureole != nullptr) aerosol = aerosol * Lanes::load_aligned(aureole[c]);
-        Lanes light = phase.rayleigh * rayleigh + phase.aerosol * aerosol;
+        if (rings.lobe_count > 1 && c > 0) phase = lobe_phase(rings, rings.lobes[c], x);
+        Lanes light = molecules * rayleigh + phase * aerosol;
         if (rings.ground != nullptr) {
           light = light + Lanes::load_unaligned(rings.ground + (3 * i + c) * kSkyRings + lane);
         }
@@ -387,8 +407,8 @@ void add_sky_lobe(const SkyRings& rings, float* sums) {
     const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
     Lanes sum = Lanes::load_unaligned(sums + lane);
     for (int i = 0; i < rings.azimuths; ++i) {
-      const Phases phase = phases(rings, nearness + breadth * Lanes(rings.azimuth_gaps[i]));
-      sum = sum + Lanes(rings.azimuth_factors[static_cast<std::ptrdiff_t>(i) * rings.bands]) * phase.aerosol;
+      const Lanes phase = lobe_phase(rings, rings.lobes[0], nearness + breadth * Lanes(rings.azimuth_gaps[i]));
+      sum = sum + Lanes(rings.azimuth_factors[static_cast<std::ptrdiff_t>(i) * rings.bands]) * phase;
     }
     sum.store_unaligned(sums + lane);
   }

@@ -348,6 +348,7 @@ Atmosphere varied_earth(RandomAtmospheres& random) {
   for (double& value : air.aerosol.scattering_per_m) value *= hazier;
   for (double& value : air.aerosol.absorption_per_m) value *= hazier;
   air.aerosol_asymmetry = random.between(0.3, 0.95);
+  air.aerosol_asymmetries.clear();
   for (double& value : air.ground_albedo) value = random.number();
   return air;
 }

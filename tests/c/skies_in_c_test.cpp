@@ -166,6 +166,15 @@ TEST_CASE("C: an atmosphere of the caller's own is what was set", "[c_interface]
   REQUIRE(welkin_atmosphere_set_sun(air.handle, wanted.solar_irradiance.data(),
                                     static_cast<std::int32_t>(wanted.solar_irradiance.size()),
                                     wanted.sun_angular_radius_degrees) == WELKIN_OK);
+  const std::vector<double> asymmetries{0.5, 0.6, 0.7};
+  REQUIRE(welkin_atmosphere_set_aerosol_asymmetries(air.handle, asymmetries.data(), 3) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_night(air.handle, 3e-4) == WELKIN_OK);
+  REQUIRE(air.handle->air.aerosol_asymmetries == asymmetries);
+  REQUIRE(air.handle->air.night_zenith_luminance == 3e-4);
+  REQUIRE(welkin_atmosphere_set_night(air.handle, 2.0) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_check(air.handle) == WELKIN_INVALID_ARGUMENT);
+  REQUIRE(welkin_atmosphere_set_night(air.handle, 0.0) == WELKIN_OK);
+  REQUIRE(welkin_atmosphere_set_aerosol_asymmetries(air.handle, nullptr, 0) == WELKIN_OK);
   Atmosphere renamed = wanted;
   renamed.name.clear();
   REQUIRE(air.handle->air == renamed);

@@ -251,7 +251,11 @@ TEST_CASE("options: every field of an atmosphere counts, but its name") {
                 [](Options& o) { o.rayleigh.density[0].linear_term_per_m += 1.0; },
                 [](Options& o) { o.rayleigh.density[0].constant_term += 1.0; }, [](Options& o) { o.aerosol = {}; },
                 [](Options& o) { o.aerosol_phase = AerosolPhase::cornette_shanks; },
-                [](Options& o) { o.aerosol_asymmetry = 0.1; }, [](Options& o) { o.absorbers.clear(); },
+                [](Options& o) { o.aerosol_asymmetry = 0.1; },
+                [](Options& o) {
+                  o.aerosol_asymmetries = {0.1, 0.2, 0.3};
+                },
+                [](Options& o) { o.night_zenith_luminance = 2e-4; }, [](Options& o) { o.absorbers.clear(); },
                 [](Options& o) { o.ground_albedo.clear(); }, [](Options& o) { o.solar_irradiance[0] *= 2.0; },
                 [](Options& o) { o.sun_angular_radius_degrees = 1.0; }});
   check_without_effect<Options>(earth(), [](Options& o) { o.name = std::string("another"); });

@@ -66,14 +66,15 @@ inline void add_bits(BitHash& hash, const Constituent& constituent) {
   add_bits(hash, constituent.absorption_per_m);
 }
 inline void add_bits(BitHash& hash, const Atmosphere& atmosphere) {
-  for (const auto* values : {&atmosphere.wavelengths_nm, &atmosphere.ground_albedo, &atmosphere.solar_irradiance}) {
+  for (const auto* values : {&atmosphere.wavelengths_nm, &atmosphere.aerosol_asymmetries, &atmosphere.ground_albedo,
+                             &atmosphere.solar_irradiance}) {
     add_bits(hash, *values);
   }
   add_bits(hash, atmosphere.rayleigh);
   add_bits(hash, atmosphere.aerosol);
   add_bits(hash, atmosphere.absorbers);
   for (const double value : {atmosphere.bottom_radius_m, atmosphere.top_radius_m, atmosphere.aerosol_asymmetry,
-                             atmosphere.sun_angular_radius_degrees}) {
+                             atmosphere.sun_angular_radius_degrees, atmosphere.night_zenith_luminance}) {
     add_bits(hash, value);
   }
 }

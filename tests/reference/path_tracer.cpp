@@ -189,8 +189,8 @@ void PathTracer::add_sun_on_air(Path& path, Spectrum& radiance) const {
   const double cosine = std::clamp(glm::dot(path.direction, sun_), -1.0, 1.0);
   for (std::size_t kind = 0; kind < scatterers_.size(); ++kind) {
     if (scatterers_[kind] == nullptr) continue;
-    const double part = share * air_.phase(*scatterers_[kind], cosine) * path.densities[scatterer_indices_[kind]];
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+      const double part = share * air_.phase(*scatterers_[kind], i, cosine) * path.densities[scatterer_indices_[kind]];
       radiance[i] += path.weight[i] * part * scatterers_[kind]->scattering[i] * air_.atmosphere().solar_irradiance[i] *
                      transmittance[i];
     }
@@ -223,18 +223,18 @@ bool PathTracer::scatter(Path& path, PathRandom& random) const {
   const Atmosphere& atmosphere = air_.atmosphere();
   const bool rayleigh = random.number() * all < chance[0];
   const double cosine = rayleigh ? sky::draw_rayleigh(random)
-                                 : sky::draw_aerosol(atmosphere.aerosol_phase, atmosphere.aerosol_asymmetry, random);
-  std::array<double, 2> phase{};
+                                 : sky::draw_aerosol(atmosphere.aerosol_phase, air_.drawn_asymmetry(), random);
   double density = 0.0;
   for (std::size_t kind = 0; kind < scatterers_.size(); ++kind) {
     if (scatterers_[kind] == nullptr) continue;
-    phase[kind] = air_.phase(*scatterers_[kind], cosine) * path.densities[scatterer_indices_[kind]];
-    density += chance[kind] / all * air_.phase(*scatterers_[kind], cosine);
+    density += chance[kind] / all * air_.drawn_phase(*scatterers_[kind], cosine);
   }
   for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
     double scattered = 0.0;
     for (std::size_t kind = 0; kind < scatterers_.size(); ++kind) {
-      if (scatterers_[kind] != nullptr) scattered += phase[kind] * scatterers_[kind]->scattering[i];
+      if (scatterers_[kind] == nullptr) continue;
+      scattered += air_.phase(*scatterers_[kind], i, cosine) * path.densities[scatterer_indices_[kind]] *
+                   scatterers_[kind]->scattering[i];
     }
     path.weight[i] *= scattered / density;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "reference/reference_quadrature.h"
 #include "sky/air.h"
@@ -24,8 +25,13 @@ void sort_unique(std::vector<double>& values) {
 ReferenceAir::ReferenceAir(const Atmosphere& atmosphere)
     : atmosphere_(atmosphere),
       thickness_(atmosphere.top_radius_m - atmosphere.bottom_radius_m),
-      sun_radius_(atmosphere.sun_angular_radius_degrees * std::numbers::pi / 180.0) {
+      sun_radius_(atmosphere.sun_angular_radius_degrees * std::numbers::pi / 180.0),
+      drawn_asymmetry_(atmosphere.aerosol_asymmetry) {
   check(atmosphere);
+  const std::vector<double>& own = atmosphere.aerosol_asymmetries;
+  if (!own.empty()) {
+    drawn_asymmetry_ = std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
+  }
   atmosphere_.ground_albedo = or_zeros(atmosphere.ground_albedo, wavelengths());
   add_matter(atmosphere.rayleigh, true);
   add_matter(atmosphere.aerosol, false);
@@ -139,9 +145,14 @@ double ReferenceAir::optical_depth(const Columns& columns, std::size_t wavelengt
   return sum;
 }
 
-double ReferenceAir::phase(const Matter& matter, double cosine) const noexcept {
-  return matter.rayleigh ? rayleigh_phase(cosine)
-                         : aerosol_phase(atmosphere_.aerosol_phase, atmosphere_.aerosol_asymmetry, cosine);
+double ReferenceAir::phase(const Matter& matter, std::size_t wavelength, double cosine) const noexcept {
+  const std::vector<double>& own = atmosphere_.aerosol_asymmetries;
+  const double g = own.empty() ? atmosphere_.aerosol_asymmetry : own[wavelength];
+  return matter.rayleigh ? rayleigh_phase(cosine) : aerosol_phase(atmosphere_.aerosol_phase, g, cosine);
+}
+
+double ReferenceAir::drawn_phase(const Matter& matter, double cosine) const noexcept {
+  return matter.rayleigh ? rayleigh_phase(cosine) : aerosol_phase(atmosphere_.aerosol_phase, drawn_asymmetry_, cosine);
 }
 
 double ReferenceAir::sun_elevation(double square, double sun_slope) const noexcept {

@@ -66,7 +66,10 @@ class ReferenceAir {
   [[nodiscard]] Columns columns(const AirRay& ray, double relative_error) const;
 
   [[nodiscard]] double optical_depth(const Columns& columns, std::size_t wavelength) const noexcept;
-  [[nodiscard]] double phase(const Matter& matter, double cosine) const noexcept;
+  [[nodiscard]] double phase(const Matter& matter, std::size_t wavelength, double cosine) const noexcept;
+  /// The phase function that directions are drawn by: of an aerosol whose g differs by wavelength, that of the mean.
+  [[nodiscard]] double drawn_phase(const Matter& matter, double cosine) const noexcept;
+  [[nodiscard]] double drawn_asymmetry() const noexcept { return drawn_asymmetry_; }
 
   /// Elevation of the sun's centre over a point's own horizon, radians nearly: (mu_s - mu_h) r / R.
   /// `sun_slope` is r mu_s.
@@ -85,6 +88,7 @@ class ReferenceAir {
   Atmosphere atmosphere_;
   double thickness_;
   double sun_radius_;  ///< radians
+  double drawn_asymmetry_;
   std::vector<Matter> matter_;
   std::vector<double> altitudes_;
 };

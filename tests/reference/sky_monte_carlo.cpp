@@ -37,6 +37,10 @@ constexpr int kGuessSuns = 128;
 constexpr double kLowSun = 0.1;           ///< sine of an elevation below which directions are drawn towards the sun
 constexpr double kTowardsSun = 0.5;       ///< share of them
 constexpr double kSunsetAsymmetry = 0.7;  ///< of their lobe about the horizon below the sun
+constexpr double kDeepSun = -0.1;  ///< sine of an elevation below which places are drawn by how much light is there
+constexpr double kDeepAsymmetry = 0.85;  ///< of the lobe about the horizon then
+constexpr double kFullNight = -0.35;     ///< likewise, below which they are not any more
+constexpr double kDusk = 46.0;           ///< of the logarithm of light, a radian of the sun's depth: 0.8 a degree
 
 /// A point and a direction in the air.
 struct Place {
@@ -52,6 +56,7 @@ struct Piece {
   double to;
   double scatters;                  ///< estimate of what it scatters to the ray's start, mean of the wavelengths
   double lit;                       ///< likewise, of sunlight
+  double dusk;                      ///< how much more light there is there than where the path began, at night
   sky::PathShells::Columns before;  ///< matter between the ray's start and `from`
 };
 
@@ -61,6 +66,7 @@ class MonteCarlo {
       : air_(air), shells_(air), sun_(sun), options_(options) {
     const double level = std::sqrt(sun.x * sun.x + sun.z * sun.z);
     if (sun.y < kLowSun && level > 0.0) sunset_ = dvec3(sun.x / level, 0.0, sun.z / level);
+    if (sun.y < kDeepSun) sunset_asymmetry_ = kDeepAsymmetry;
     guess_sunlight();
     for (const ReferenceAir::Matter& matter : air.matter()) {
       if (std::any_of(matter.scattering.begin(), matter.scattering.end(), [](double b) { return b > 0.0; })) {
@@ -167,6 +173,12 @@ class MonteCarlo {
     return share * guess_[h * kGuessSuns + k];
   }
 
+  /// Light that has been scattered grows like this towards where the sun has set less deep: a guess likewise.
+  [[nodiscard]] double dusk(const Place& place) const {
+    const double elevation = std::asin(std::clamp(glm::dot(place.up, sun_), kFullNight, kDeepSun));
+    return math::exponential(kDusk * (elevation - std::asin(kDeepSun)));
+  }
+
   void cut(const AirRay& ray, const Place& place, std::vector<Piece>& pieces) const {
     pieces.clear();
     PathShells::Columns before{};
@@ -177,7 +189,7 @@ class MonteCarlo {
       const double step = (walk.end() - from) / parts;
       for (int part = 0; part < parts && step > 0.0; ++part) {
         const double low = from + part * step;
-        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, before}, lit_here, before, pieces);
+        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, before}, lit_here, before, pieces);
       }
       from = walk.end();
       if (walk.last()) return;
@@ -190,7 +202,9 @@ class MonteCarlo {
     const PathShells::Columns inside = shells_.columns(ray, piece.shell, piece.from, piece.to);
     const double lit_before = lit_here;
     lit_here = guess(moved(place, ray, piece.to));
-    const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(moved(place, ray, piece.from + 0.5 * step));
+    const Place middle = moved(place, ray, piece.from + 0.5 * step);
+    const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(middle);
+    if (sun_.y < kDeepSun) piece.dusk = dusk(middle);
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       double scatters = 0.0;
       for (const std::size_t k : scatterers_) scatters += inside[k] * air_.matter()[k].scattering[i];
@@ -244,8 +258,9 @@ class MonteCarlo {
       reach(ray, *piece, s, through, densities);
       const double cosine = std::clamp(glm::dot(place.direction, sun_), -1.0, 1.0);
       for (const std::size_t k : scatterers_) {
-        const double part = densities[k] * air_.phase(air_.matter()[k], cosine) * (piece->to - piece->from) / chance;
         for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
+          const double part =
+              densities[k] * air_.phase(air_.matter()[k], i, cosine) * (piece->to - piece->from) / chance;
           radiance[i] += weights[i] * part * air_.matter()[k].scattering[i] * through[i] * light[i];
         }
       }
@@ -294,7 +309,7 @@ class MonteCarlo {
     }
     double chance = 0.0;
     const Piece* const piece = draw_piece(
-        pieces, [](const Piece& p) { return p.scatters; }, random, chance);
+        pieces, [](const Piece& p) { return p.scatters * p.dusk; }, random, chance);
     if (piece == nullptr) return false;
     const double s = piece->from + random.number() * (piece->to - piece->from);
     PathShells::Columns densities{};
@@ -308,13 +323,13 @@ class MonteCarlo {
   double draw_upwards(const dvec3& up, dvec3& direction, PathRandom& random) const {
     const bool low = sunset_ != dvec3(0.0);
     const bool towards = low && random.number() < kTowardsSun;
-    direction = towards ? sky::turned(sunset_, sky::draw_henyey_greenstein(kSunsetAsymmetry, random), random)
+    direction = towards ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                         : sky::turned(up, std::sqrt(random.number()), random);
     const double cosine = glm::dot(up, direction);
     if (!(cosine > 0.0)) return 0.0;
     if (!low) return 1.0;
     const double density = (1.0 - kTowardsSun) * cosine / pi +
-                           kTowardsSun * sky::henyey_greenstein_phase(kSunsetAsymmetry, glm::dot(sunset_, direction));
+                           kTowardsSun * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, direction));
     return cosine / pi / density;
   }
 
@@ -333,19 +348,19 @@ class MonteCarlo {
     const bool low = sunset_ != dvec3(0.0);
     const dvec3 old = place.direction;
     place.direction = low && random.number() < kTowardsSun
-                          ? sky::turned(sunset_, sky::draw_henyey_greenstein(kSunsetAsymmetry, random), random)
+                          ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                           : drawn_by_phase(shares, all, old, random);
     const double cosine = std::clamp(glm::dot(old, place.direction), -1.0, 1.0);
     double density = 0.0;
-    for (const std::size_t k : scatterers_) density += shares[k] / all * air_.phase(air_.matter()[k], cosine);
+    for (const std::size_t k : scatterers_) density += shares[k] / all * air_.drawn_phase(air_.matter()[k], cosine);
     if (low) {
       density = (1.0 - kTowardsSun) * density +
-                kTowardsSun * sky::henyey_greenstein_phase(kSunsetAsymmetry, glm::dot(sunset_, place.direction));
+                kTowardsSun * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, place.direction));
     }
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       double scattered = 0.0;
       for (const std::size_t k : scatterers_) {
-        scattered += densities[k] * air_.phase(air_.matter()[k], cosine) * air_.matter()[k].scattering[i];
+        scattered += densities[k] * air_.phase(air_.matter()[k], i, cosine) * air_.matter()[k].scattering[i];
       }
       weights[i] *= through[i] * scattered / (density * chance);
     }
@@ -364,7 +379,7 @@ class MonteCarlo {
     const Atmosphere& atmosphere = air_.atmosphere();
     const double cosine = air_.matter()[kind].rayleigh
                               ? sky::draw_rayleigh(random)
-                              : sky::draw_aerosol(atmosphere.aerosol_phase, atmosphere.aerosol_asymmetry, random);
+                              : sky::draw_aerosol(atmosphere.aerosol_phase, air_.drawn_asymmetry(), random);
     return sky::turned(old, cosine, random);
   }
 
@@ -372,6 +387,7 @@ class MonteCarlo {
   PathShells shells_;
   dvec3 sun_;
   dvec3 sunset_{0.0};
+  double sunset_asymmetry_ = kSunsetAsymmetry;
   PathTracingOptions options_;
   std::vector<std::size_t> scatterers_;
   std::vector<double> guess_;

@@ -42,7 +42,9 @@ class SingleScattering {
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += part[k];
       columns_.push_back(sum);
     }
-    for (const ReferenceAir::Matter& matter : air.matter()) phases_.push_back(air.phase(matter, sun_cosine));
+    for (const ReferenceAir::Matter& matter : air.matter()) {
+      for (std::size_t i = 0; i < air.wavelengths(); ++i) phases_.push_back(air.phase(matter, i, sun_cosine));
+    }
   }
 
   Radiances::Values scattered() const {
@@ -110,13 +112,15 @@ class SingleScattering {
     const ReferenceAir::Columns view = columns_before(s);
     const ReferenceAir::Columns sun = air_.columns(air_.sun_ray(square, slope), column_error());
     const double altitude = air_.altitude_of(square);
-    ReferenceAir::Columns weight{};
-    for (std::size_t k = 0; k < phases_.size(); ++k) {
-      weight[k] = share * phases_[k] * sky::density(air_.matter()[k].density, altitude);
+    ReferenceAir::Columns densities{};
+    for (std::size_t k = 0; k < air_.matter().size(); ++k) {
+      densities[k] = sky::density(air_.matter()[k].density, altitude);
     }
     for (std::size_t i = 0; i < count; ++i) {
       double scattering = 0.0;
-      for (std::size_t k = 0; k < phases_.size(); ++k) scattering += weight[k] * air_.matter()[k].scattering[i];
+      for (std::size_t k = 0; k < air_.matter().size(); ++k) {
+        scattering += share * phases_[k * count + i] * densities[k] * air_.matter()[k].scattering[i];
+      }
       const double depth = air_.optical_depth(view, i) + air_.optical_depth(sun, i);
       values[i] = air_.atmosphere().solar_irradiance[i] * scattering * std::exp(-depth);
     }
@@ -129,7 +133,7 @@ class SingleScattering {
   double error_;
   std::vector<double> ends_;
   std::vector<ReferenceAir::Columns> columns_;  ///< from the eye to each end
-  std::vector<double> phases_;
+  std::vector<double> phases_;                  ///< [matter][wavelengths]
 };
 
 double horizontal(const glm::dvec3& direction) {
@@ -244,7 +248,11 @@ SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double 
   // From space the highest ring that has any light is the air's upper edge.
   const double above = altitude_m - (atmosphere.top_radius_m - radius);
   const double top = above > 0.0 ? sky::horizon_cosine(atmosphere.top_radius_m, above) : 1.0;
-  const sky::SkyRule rule = sky::sky_rule(places, horizon, top, atmosphere.aerosol_asymmetry);
+  double sharpest = atmosphere.aerosol_asymmetry;
+  for (const double g : atmosphere.aerosol_asymmetries) {
+    if (std::abs(g) > std::abs(sharpest)) sharpest = g;
+  }
+  const sky::SkyRule rule = sky::sky_rule(places, horizon, top, sharpest);
   const std::vector<Ring> rings = rings_of(rule);
   const glm::dvec3 ahead = ahead_of(sun);
   const glm::dvec3 aside(ahead.z, 0.0, -ahead.x);

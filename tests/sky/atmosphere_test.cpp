@@ -41,6 +41,7 @@ std::vector<Parameter> parameters() {
       {"aerosol.absorption_per_m[1]", [](Atmosphere& a) -> double& { return a.aerosol.absorption_per_m[1]; }},
       {"absorbers[0].absorption_per_m[1]", [](Atmosphere& a) -> double& { return a.absorbers[0].absorption_per_m[1]; }},
       {"aerosol_asymmetry", [](Atmosphere& a) -> double& { return a.aerosol_asymmetry; }, true},
+      {"night_zenith_luminance", [](Atmosphere& a) -> double& { return a.night_zenith_luminance; }},
       {"ground_albedo[2]", [](Atmosphere& a) -> double& { return a.ground_albedo[2]; }},
       {"solar_irradiance[0]", [](Atmosphere& a) -> double& { return a.solar_irradiance[0]; }},
       {"sun_angular_radius_degrees", [](Atmosphere& a) -> double& { return a.sun_angular_radius_degrees; }},
@@ -95,6 +96,14 @@ TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
   must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = 0.9991; }), "0.9991");
   must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -1.1; }), "-0.8 to 0.999");
   must_be_refused(changed([](Atmosphere& a) { a.aerosol_asymmetry = -0.81; }), "sends light back");
+  const auto by_wavelength = [&](std::vector<double> values) {
+    return changed([&](Atmosphere& a) { a.aerosol_asymmetries = std::move(values); });
+  };
+  must_be_refused(by_wavelength({0.5, 0.6}), "aerosol_asymmetries has 2 values for 3 wavelengths");
+  must_be_refused(by_wavelength({0.5, 0.6, 0.9991}), "aerosol_asymmetries[2] is 0.9991");
+  must_be_refused(by_wavelength({0.5, kNan, 0.6}), "aerosol_asymmetries[1]");
+  must_be_refused(by_wavelength({-0.81, 0.5, 0.6}), "sends light back");
+  must_be_refused(changed([](Atmosphere& a) { a.night_zenith_luminance = 1.1; }), "from 0 to 1");
   must_be_refused(changed([](Atmosphere& a) { a.ground_albedo[1] = 1.01; }), "ground_albedo[1] is 1.01");
   must_be_refused(changed([](Atmosphere& a) { a.sun_angular_radius_degrees = 10.1; }), "10.1");
   must_be_refused(changed([](Atmosphere& a) { a.wavelengths_nm = {680.0, 550.0}; }), "2 wavelengths");

@@ -118,7 +118,7 @@ class Leaving {
       const bool has_mie = !tables_.single_mie.empty();
       value += weight * (static_cast<double>(tables_.scattering[4 * at]) * sky::rayleigh_phase(nu) +
                          (has_mie ? static_cast<double>(tables_.single_mie[4 * at]) : 0.0) *
-                             sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, nu));
+                             sky::aerosol_phase(air.aerosol_phase, sky::aerosol_asymmetry(air, 0), nu));
     }
     return value;
   }

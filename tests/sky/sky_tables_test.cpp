@@ -230,7 +230,7 @@ TEST_CASE("an aerosol's spectrum is the integral of its phase function", "[sky][
       Atmosphere air = earth_bruneton();
       air.aerosol_phase = phase;
       air.aerosol_asymmetry = g;
-      const auto spectrum = sky::aerosol_moments(air, kMaximumBands);
+      const auto spectrum = sky::aerosol_moments(air, g, kMaximumBands);
       for (const int l : {0, 1, 2, 7, 15}) {
         double integral = 0.0;
         double high = 2.0;
@@ -353,12 +353,13 @@ TEST_CASE("A caller's own floating-point environment changes no bit of sky table
 
 TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
   CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x6470fbf9cf18f05bU);
-  CHECK(hash(precompute_sky(mars(), small_options())) == 0x1179097c8c45d803U);
+  CHECK(hash(precompute_sky(mars(), small_options())) == 0xc83b074649556404U);
 }
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {
   forget_allocations_in_tiles();
   static_cast<void>(precompute_sky(earth_bruneton(), small_options()));
+  static_cast<void>(precompute_sky(mars(), small_options()));  // its wavelengths have lobes of their own
   CHECK(allocations_in_tiles() == 0);
 }
 

@@ -71,7 +71,7 @@ double radiance(const SkyTables& tables, const Texel& t, std::size_t channel) {
   const double rayleigh = static_cast<double>(tables.scattering[4 * t.index + channel]);
   const double mie = static_cast<double>(tables.single_mie[4 * t.index + channel]);
   return rayleigh * sky::rayleigh_phase(t.nu()) +
-         mie * sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, t.nu());
+         mie * sky::aerosol_phase(air.aerosol_phase, sky::aerosol_asymmetry(air, channel), t.nu());
 }
 
 }  // namespace
@@ -188,7 +188,7 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
           const double turned = glm::dot(from, t.direction());
           for (std::size_t c = 0; c < 3; ++c) {
             rayleigh[c] += solid * light[c] * sky::rayleigh_phase(turned);
-            mie[c] += solid * light[c] * sky::aerosol_phase(air.aerosol_phase, air.aerosol_asymmetry, turned);
+            mie[c] += solid * light[c] * sky::aerosol_phase(air.aerosol_phase, sky::aerosol_asymmetry(air, c), turned);
           }
         }
       }

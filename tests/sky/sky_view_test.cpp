@@ -190,7 +190,7 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
   for (int k = 0; k < 3; ++k) {
     const double aureole = std::lerp(factor(low, k), factor(low + 1, k), step - static_cast<double>(low));
     rgb[k] = static_cast<double>(under.fade) * (std::max(row[k], 0.0) * sky::rayleigh_phase(nu) +
-                                                std::max(row[4 + k], 0.0) * aureole * slice.aerosol_phase(nu));
+                                                std::max(row[4 + k], 0.0) * aureole * slice.aerosol_phase(nu)[k]);
     if (place.ground) rgb[k] += static_cast<double>(place.transmittance[k]) * ground[k];
   }
   return rgb;

@@ -59,6 +59,9 @@ class RandomAtmospheres {
     if (chance(0.8)) air.ground_albedo = values([this] { return chance(0.1) ? 1.0 : number(); });
     air.solar_irradiance = values([this] { return chance(0.05) ? 0.0 : scale(1e-3, 1e4); });
     air.sun_angular_radius_degrees = chance(0.2) ? 0.0 : scale(0.01, 10.0);
+    // By a copy: what is drawn next must not depend on it.
+    RandomAtmospheres apart = *this;
+    if (apart.chance(0.3)) air.aerosol_asymmetries = values([&] { return apart.between(-0.8, 0.999); });
     return air;
   }
 

@@ -49,6 +49,7 @@ TEST_CASE("command: sky --help names every option", "[tools][sky]") {
                              "--atmosphere FILE",
                              "--wavelengths",
                              "--ground-albedo",
+                             "--night CD",
                              "--print-atmosphere",
                              "--orders",
                              "--until-change",

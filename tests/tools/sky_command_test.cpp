@@ -165,6 +165,9 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky]") {
   };
   const SkyTableOptions small = small_sky_options();
   check("--ground-albedo 0.7", with_ground_albedo(earth(), 0.7), small);
+  Atmosphere at_night = earth();
+  at_night.night_zenith_luminance = kDarkNightZenithLuminance;
+  check("--night 2e-4", at_night, small);
   check("--preset no-aerosol", without_aerosol(earth()), small);
   check("--preset earth-hillaire", earth_hillaire(), small);
   const std::vector<double> rgb{680.0, 550.0, 440.0};

@@ -271,6 +271,9 @@ TEST_CASE("sky: air that makes no sense is refused, and the member named", "[too
   refused("/aerosol_phase", 0, "aerosol_phase");
   refused("/aerosol_asymmetry", "0.8", "aerosol_asymmetry is no number");
   refused("/aerosol_asymmetry", 1.0, "");
+  refused("/aerosol_asymmetries", 0.8, "aerosol_asymmetries is no list");
+  refused("/aerosol_asymmetries", {0.8, 0.7}, "aerosol_asymmetries has 2 values");
+  refused("/night_zenith_luminance", -1.0, "night_zenith_luminance");
   refused("/aerosol", {1, 2}, "aerosol is no object");
   refused("/absorbers", {{"density", 1}}, "absorbers is no list");
   refused("/name", 7, "name is no text");

@@ -282,6 +282,8 @@ static void atmospheres_that_are_refused(void) {
   REFUSED("atmosphere", welkin_atmosphere_set_wavelengths(NULL, numbers, 3));
   REFUSED("atmosphere", welkin_atmosphere_set_matter(NULL, 0, NULL));
   REFUSED("atmosphere", welkin_atmosphere_set_aerosol_phase(NULL, 0, 0.5));
+  REFUSED("atmosphere", welkin_atmosphere_set_aerosol_asymmetries(NULL, numbers, 3));
+  REFUSED("atmosphere", welkin_atmosphere_set_night(NULL, 2e-4));
   REFUSED("atmosphere", welkin_atmosphere_set_radii(NULL, 1.0, 2.0));
   REFUSED("atmosphere", welkin_atmosphere_set_ground_albedo(NULL, numbers, 1));
   REFUSED("atmosphere", welkin_atmosphere_set_sun(NULL, numbers, 3, 0.2));
@@ -296,6 +298,8 @@ static void atmospheres_that_are_refused(void) {
   REFUSED("struct_size", welkin_atmosphere_set_matter(air, WELKIN_MATTER_AEROSOL, &matter));
   REFUSED("wavelengths_nm", welkin_atmosphere_set_wavelengths(air, NULL, 3));
   REFUSED("phase", welkin_atmosphere_set_aerosol_phase(air, 2, 0.5));
+  REFUSED("asymmetries", welkin_atmosphere_set_aerosol_asymmetries(air, NULL, 3));
+  REFUSED("asymmetries", welkin_atmosphere_set_aerosol_asymmetries(air, numbers, -1));
   REFUSED("albedo", welkin_atmosphere_set_ground_albedo(air, NULL, 1));
   REFUSED("albedo", welkin_atmosphere_set_ground_albedo(air, numbers, -1));
   REFUSED("irradiance", welkin_atmosphere_set_sun(air, NULL, 3, 0.2));
