@@ -315,6 +315,7 @@ std::vector<std::string> without_help_command(std::vector<std::string> arguments
 
 ExitCode run_program(const Program& program, const std::vector<std::string>& arguments) {
   words_of_program = arguments;
+  reserve_standard_streams();
   return run_guarded([&] { return run(program, without_help_command(arguments)); });
 }
 

@@ -1,6 +1,7 @@
 #include "tools/bake_cache.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <fstream>
@@ -24,13 +25,14 @@ constexpr const char* kTimes = "\n  \"times\": ";  // the last member of a manif
 
 ContentHash hash_text(std::string_view text) { return hash_bytes(text.data(), text.size()); }
 
-/// The command line without what changes no byte of a file but where it goes and how fast.
+/// The command line without what changes no byte of a file but where it goes, how fast, and what is said of it.
 std::string words_that_count() {
+  constexpr std::array<std::string_view, 4> kSaid = {"--json", "-q", "--quiet", "--verbose"};
   std::string text;
   const std::vector<std::string>& words = command_words();
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json") continue;
+    if (std::ranges::find(kSaid, word) != kSaid.end()) continue;
     bool has_value = false;
     bool left_out = false;
     for (const std::string_view option : {"-o", "--output", "--cache", "--threads"}) {
@@ -143,7 +145,7 @@ std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options
 
 BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
   if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
-  if (options.input && is_standard_stream(*options.input)) return;  // which cannot be hashed before it is read
+  if (options.input && is_stream(*options.input)) return;  // which cannot be hashed before it is read
   cache_.emplace(CacheOptions{.folder = options.common.cache, .memory_bytes = 0});
   key_ = key();
 }

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <vector>
 
+#include "jobs/control.h"
 #include "tools/bake_cache.h"
 #include "tools/bake_manifest.h"
 #include "tools/bake_write.h"
@@ -99,7 +100,7 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
   for (const auto* file : {&options.scene.file, &options.scene.costs_file}) {
     if (*file) files.emplace_back(**file);
   }
-  if (!options.input || is_standard_stream(*options.input)) return files;
+  if (!options.input || is_stream(*options.input)) return files;
   const std::vector<std::filesystem::path> input = input_files(options);
   files.insert(files.end(), input.begin(), input.end());
   return files;
@@ -110,6 +111,7 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
 std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
   const int background = bake.background->size.value_or(bake.specular->size);
   std::vector<std::string> names = {kManifestName};
+  if (!options.picture_name.empty()) names.push_back(options.picture_name);
   for (const Container container : options.containers) {
     const bool textures = container == Container::ktx2 || container == Container::dds;
     if (!textures) names.push_back(std::string("environment.") + name(container));
@@ -137,7 +139,7 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
   const std::vector<std::string> names = names_to_write(options, bake);
   for (const std::filesystem::path& input : files_read(options)) {
     for (const std::string& name : names) {
-      if (!std::filesystem::equivalent(input, folder / name, none)) continue;
+      if (!is_same_file(input, folder / name)) continue;
       throw Error(ErrorCode::file_access, input.string() + ": is read, and this bake would write over it as " + name +
                                               "; pass another folder to -o, or move the input");
     }
@@ -149,7 +151,7 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
 std::string size_text(std::uint64_t bytes) {
   constexpr double kKibi = 1024.0;
   const double kibibytes = static_cast<double>(bytes) / kKibi;
-  return kibibytes < kKibi ? significant(kibibytes, 3) + " KiB" : significant(kibibytes / kKibi, 3) + " MiB";
+  return kibibytes < kKibi ? rough(kibibytes) + " KiB" : rough(kibibytes / kKibi) + " MiB";
 }
 
 std::string file_lines(const OutputFolder& folder) {
@@ -266,10 +268,11 @@ void run(BakeCommandOptions options) {
 }
 
 /// The files of a bake that was made before.
-std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options) {
+std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, const Control& control) {
   const auto start = std::chrono::steady_clock::now();
-  OutputFolder folder(options.directory);
+  OutputFolder folder(options.directory, control);
   for (const KeptBake::File& file : kept.files) {
+    jobs::throw_if_cancelled(control.stop);
     write_bytes(folder.place(file.about.name), file.contents);
     folder.add(file.about);
   }
@@ -289,9 +292,9 @@ std::string bake_to_folder(const BakeCommandOptions& options) {
   ProgressBar bar;
   const Control control = bar.control();
   BakeFolderCache cache(options);
-  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options);
+  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options, control);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
-  OutputFolder folder(options.directory);
+  OutputFolder folder(options.directory, part_of(control, kBaked, 1.0));
   const ToneMap tone_map = tone_map_of(baked, options);
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);

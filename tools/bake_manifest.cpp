@@ -1,9 +1,12 @@
 #include "tools/bake_manifest.h"
 
 #include <algorithm>
+#include <chrono>
 #include <system_error>
+#include <thread>
 #include <utility>
 
+#include "jobs/control.h"
 #include "tools/bake_write.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -173,13 +176,27 @@ void check_output_folder(const std::filesystem::path& path) {
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
 }
 
-OutputFolder::OutputFolder(std::filesystem::path path) : path_(std::move(path)) {
+OutputFolder::OutputFolder(std::filesystem::path path, const Control& control) : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
   if (trouble) fail_folder(path_, "cannot be made", trouble.message());
   check_output_folder(path_);
+  wait_for_others(control);
   std::filesystem::remove(place(kManifestName), trouble);
   if (trouble) fail_folder(place(kManifestName), "cannot be replaced", trouble.message());
+}
+
+void OutputFolder::wait_for_others(const Control& control) {
+  constexpr std::chrono::milliseconds kPause{10};
+  lock_.emplace(path_);
+  if (lock_->take()) return;
+  begin_stage("wait for another bake");
+  do {
+    jobs::throw_if_cancelled(control.stop);
+    if (control.progress) control.progress(0.0);
+    std::this_thread::sleep_for(kPause);
+  } while (!lock_->take());
+  begin_stage("");
 }
 
 void OutputFolder::add(WrittenFile file) {

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "platform/file.h"
 #include "tools/baked.h"
 #include "tools/json.h"
 #include "tools/previews.h"
@@ -27,13 +29,14 @@ struct WrittenFile {
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
 void check_output_folder(const std::filesystem::path& path);
 
-/// What is in it besides stays there.
+/// What is in it besides stays there. As long as this lives, no other bake has the folder: two at a time would leave
+/// the files of both in it, and in caches each other's.
 class OutputFolder {
  public:
-  /// Makes the folder, and those above it. Takes away the manifest of an earlier bake: until this one's is written, as
-  /// the last file, nobody shall take the folder for a finished one. Throws `Error` (file_access) if that cannot be
-  /// done.
-  explicit OutputFolder(std::filesystem::path path);
+  /// Makes the folder, and those above it, and waits until other bakes have left it. Takes away the manifest of an
+  /// earlier bake: until this one's is written, as the last file, nobody shall take the folder for a finished one.
+  /// Throws `Error`: file_access if that cannot be done; cancelled if `control` says so while it waits.
+  OutputFolder(std::filesystem::path path, const Control& control);
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   [[nodiscard]] const std::vector<WrittenFile>& files() const noexcept { return files_; }
@@ -46,7 +49,10 @@ class OutputFolder {
   [[nodiscard]] std::vector<std::string> clamp_notes() const;
 
  private:
+  void wait_for_others(const Control& control);
+
   std::filesystem::path path_;
+  std::optional<platform::FolderLock> lock_;
   std::vector<WrittenFile> files_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -75,10 +77,17 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
                    .excludes = {kInput}});
 }
 
+bool is_stream(const std::string& named) {
+  std::error_code unknown;
+  return is_standard_stream(named) || std::filesystem::is_fifo(named, unknown);
+}
+
 FileInput input_of(const std::string& named, const ReadOptions& read) {
-  if (!is_standard_stream(named)) return named;
-  static const std::vector<std::byte> bytes = read_standard_input(read.memory_limit_bytes);
-  return {bytes, kStandardInput};
+  if (!is_stream(named)) return named;
+  // A command has one input.
+  static const std::vector<std::byte> bytes =
+      read_to_end(is_standard_stream(named) ? std::nullopt : std::optional(named), read.memory_limit_bytes);
+  return {bytes, is_standard_stream(named) ? kStandardInput : named};
 }
 
 void require_input(const std::string& command, const std::optional<std::string>& input, bool sky) {

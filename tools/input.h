@@ -35,12 +35,15 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
 /// the input is an empty text. An unset shell variable gives either, and must not become a sky.
 void require_input(const std::string& command, const std::optional<std::string>& input, bool sky);
 
-/// The file that was named, or the bytes of standard input for "-": they are read once, whole, and kept. Throws
-/// `Error`: limit_exceeded if they are more than the options' memory limit, file_access.
+/// The file that was named, or the bytes of a pipe or, for "-", of standard input: they are read once, whole, and kept.
+/// A command has one input. Throws `Error`: limit_exceeded if they are more than the options' memory limit,
+/// file_access.
 [[nodiscard]] FileInput input_of(const std::string& named, const ReadOptions& read);
 
-/// Whether that is standard input.
+/// Whether that is standard input or standard output.
 [[nodiscard]] inline bool is_standard_stream(const std::string& named) { return named == "-"; }
+/// Whether that can be read once only: standard input or a pipe.
+[[nodiscard]] bool is_stream(const std::string& named);
 
 void add_json_option(Options& table, CommonOptions& options);
 void add_threads_option(Options& table, CommonOptions& options);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "platform/file.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
@@ -164,7 +165,11 @@ Json& Json::operator[](const std::string& name) {
 }
 
 std::string Json::one_line() const {
-  return JsonAccess::to_library(*this).dump(-1, ' ', false, Library::error_handler_t::replace);
+  const Library value = JsonAccess::to_library(*this);
+  std::string text = value.dump(-1, ' ', false, Library::error_handler_t::replace);
+  // It may go to a terminal, and JSON itself has escapes for the first 32 control characters alone.
+  if (platform::without_controls(text) == text) return text;
+  return value.dump(-1, ' ', true, Library::error_handler_t::replace);
 }
 
 Json json_triple(const glm::dvec3& rgb) { return Json::array({rgb.x, rgb.y, rgb.z}); }

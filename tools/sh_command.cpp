@@ -182,7 +182,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const EnvironmentInfo info = inspect_environment(input, read);
   report.source = source_of(*options.input, info);
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
-    const bool keeps = cache != nullptr && !is_standard_stream(*options.input);  // the cache knows files by their paths
+    const bool keeps = cache != nullptr && !is_stream(*options.input);  // the cache knows files by their paths
     report.projection = keeps ? cache->project_file(*options.input, read, options.projection, control)
                               : project_file(input, read, options.projection, control);
   });

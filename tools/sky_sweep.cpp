@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -163,10 +164,21 @@ std::string head_lines(const Sky& sky, const SweepOptions& options) {
          pad_right("     horizon opposite", 33) + pad_right("     sun", 33) + "   exposure\n";
 }
 
-void check(const SweepOptions& options) {
+std::filesystem::path text_beside(const SweepOptions& options) {
+  return std::filesystem::path(options.path).replace_extension(".txt");
+}
+
+void check(const SkyParameters& parameters, const SweepOptions& options) {
   const std::filesystem::path path = options.path;
   if (path.extension() != ".png") {
     throw Error(ErrorCode::invalid_argument, options.path + ": --sweep draws a PNG; give a name that ends with .png");
+  }
+  for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
+    for (const std::filesystem::path& written : {path, text_beside(options)}) {
+      if (!read || !is_same_file(*read, written)) continue;
+      throw Error(ErrorCode::file_access, *read + ": is read, and --sweep would write over it as " + written.string() +
+                                              "; give the picture another name");
+    }
   }
 }
 
@@ -184,7 +196,7 @@ std::vector<double> sweep_elevations(const SweepOptions& options) {
 }
 
 std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
-  check(options);
+  check(parameters, options);
   begin_stage("tables");
   const Sky sky = make_sky(parameters, part_of(control, 0.0, kTables));
   const Control drawing = part_of(control, kTables, 1.0);
@@ -206,7 +218,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
   picture.save(options.path);
-  write_text_file(std::filesystem::path(options.path).replace_extension(".txt"), text);
+  write_text_file(text_beside(options), text);
   return text;
 }
 

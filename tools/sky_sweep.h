@@ -22,7 +22,7 @@ struct SweepOptions {
 };
 
 /// Draws and writes the picture, a PNG, and a text beside it that says of each tile where the sun stands and how bright
-/// the sky is; returns the text. Throws `Error`.
+/// the sky is; returns the text. Throws `Error`: file_access if one of them would be written over a file that is read.
 [[nodiscard]] std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options,
                                       const Control& control);
 

@@ -1,6 +1,7 @@
 #include "tools/terminal.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -156,23 +157,69 @@ void print_result(const std::string& text) {
   if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written");
 }
 
-std::vector<std::byte> read_standard_input(std::uint64_t most) {
+void reserve_standard_streams() noexcept {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    // It gets the lowest number that is free, which is this one.
+    static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+  }
+}
+
+namespace {
+
+/// Until there is something to read, or nothing will come any more. A signal would not end a read that waits: who
+/// handles it goes on reading.
+void wait_for_bytes(int descriptor) {
+  constexpr int kPatienceMilliseconds = 50;
+  pollfd waited{descriptor, POLLIN, 0};
+  do {
+    if (stop_on_signals().stop_requested()) throw Error(ErrorCode::cancelled, "stopped by a signal");
+  } while (poll(&waited, 1, kPatienceMilliseconds) <= 0);
+}
+
+/// Closed where it was opened.
+class PipeEnd {
+ public:
+  /// Opening waits for nobody to write; reading does.
+  explicit PipeEnd(const std::optional<std::string>& name)
+      : named_(name), descriptor_(name ? open(name->c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) : STDIN_FILENO) {}
+  ~PipeEnd() {
+    if (named_ && descriptor_ >= 0) close(descriptor_);
+  }
+  PipeEnd(const PipeEnd&) = delete;
+  PipeEnd& operator=(const PipeEnd&) = delete;
+
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+
+ private:
+  bool named_;
+  int descriptor_;
+};
+
+}  // namespace
+
+std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
+  const std::string name = pipe.value_or("standard input");
+  const auto fail = [&name] {
+    throw Error(ErrorCode::file_access, name + ": cannot be read (" + std::strerror(errno) + ")");
+  };
+  const PipeEnd end(pipe);
+  if (end.descriptor() < 0) fail();
   std::vector<std::byte> bytes;
   constexpr std::size_t kBlock = std::size_t{1} << 20U;
-  for (;;) {
+  for (ssize_t count = 1; count != 0;) {
+    wait_for_bytes(end.descriptor());
     const std::size_t before = bytes.size();
     bytes.resize(before + kBlock);
-    const ssize_t count = read(STDIN_FILENO, bytes.data() + before, kBlock);
-    if (count < 0 && errno != EINTR) {
-      throw Error(ErrorCode::file_access, std::string("standard input: cannot be read (") + std::strerror(errno) + ")");
-    }
+    count = read(end.descriptor(), bytes.data() + before, kBlock);
+    if (count < 0 && errno != EINTR && errno != EAGAIN) fail();
     bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    if (count == 0) return bytes;
     if (bytes.size() > most) {
-      throw Error(ErrorCode::limit_exceeded, "standard input: has more than the " + std::to_string(most) +
+      throw Error(ErrorCode::limit_exceeded, name + ": has more than the " + std::to_string(most) +
                                                  " bytes that --memory-limit allows; raise it, or pass a file");
     }
   }
+  return bytes;
 }
 
 void begin_stage(const std::string& name) {

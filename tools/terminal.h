@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -44,8 +45,13 @@ void print_result(const std::string& text);
 /// The part [from, to] of a control's progress, and its stop token. `control` must outlive what is returned.
 [[nodiscard]] Control part_of(const Control& control, double from, double to);
 
-/// All of standard input. Throws `Error`: limit_exceeded if that is more than so many bytes, file_access.
-[[nodiscard]] std::vector<std::byte> read_standard_input(std::uint64_t most);
+/// Gives /dev/null the numbers of standard input, output and error where the caller has closed them, so that no file
+/// that is opened gets them and is written into. Reading and writing them fails as before.
+void reserve_standard_streams() noexcept;
+
+/// All that comes out of a pipe, by its name; of standard input without one. Throws `Error`: limit_exceeded if that is
+/// more than so many bytes; cancelled by a signal; file_access.
+[[nodiscard]] std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most);
 
 /// Says what the work of the whole process is at from now on, such as "prefilter": the progress bar shows it, and with
 /// --verbose a line on standard error says how long each stage took.

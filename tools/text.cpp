@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <system_error>
 
 #include "platform/file.h"
 
@@ -24,6 +25,10 @@ std::string degrees(double radians) { return significant(std::abs(radians) * 180
 
 std::string significant(double value, int digits) {
   return formatted(value + 0.0, std::chars_format::general, digits);  // + 0.0: no "-0"
+}
+
+std::string rough(double value) {
+  return value < 999.5 ? significant(value, 3) : formatted(value, std::chars_format::fixed, 0);
 }
 
 std::string significant(const glm::dvec3& rgb, int digits) {
@@ -57,8 +62,8 @@ std::string counted(std::initializer_list<Count> counts) {
 }
 
 std::string duration(double milliseconds) {
-  if (milliseconds < 1000.0) return significant(milliseconds, 3) + " ms";
-  return significant(milliseconds / 1000.0, 3) + " s";
+  if (milliseconds < 999.5) return rough(milliseconds) + " ms";
+  return rough(milliseconds / 1000.0) + " s";
 }
 
 std::string pad_left(std::string_view text, std::size_t width) {
@@ -126,6 +131,14 @@ std::string portable_path(const std::string& path) {
   if (!whole.is_absolute()) return path;
   const std::filesystem::path last = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
   return last.string();
+}
+
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
+  std::error_code unknown;
+  const auto place = [&](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
+  };
+  return std::filesystem::equivalent(one, other, unknown) || (place(one) == place(other) && !place(one).empty());
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

@@ -15,6 +15,9 @@ namespace welkin::tool {
 /// The number with so many significant digits, no trailing zeros: "0.25", "1.3e-08".
 [[nodiscard]] std::string significant(double value, int digits = 6);
 
+/// With three significant digits, or all that stand before the point: "0.25", "1023".
+[[nodiscard]] std::string rough(double value);
+
 /// Three of them: "0.2  0.25  0.4".
 [[nodiscard]] std::string significant(const glm::dvec3& rgb, int digits = 6);
 
@@ -75,6 +78,9 @@ class NumberColumn {
 /// The path as it may stand in a file that others will read: as it is where it is relative; of an absolute one its last
 /// name, because folders of one machine mean nothing on another and tell who works there.
 [[nodiscard]] std::string portable_path(const std::string& path);
+
+/// Whether both name one file, or would if it were there.
+[[nodiscard]] bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
 
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);

@@ -90,7 +90,9 @@ void ByteFile::read_stream(void* bytes, std::size_t count) {
 
 namespace {
 
-/// The length of the character of UTF-8 that the text begins with; 0: these bytes are none.
+/// The length of the character of UTF-8 that the text begins with; 0: these bytes are none. (RFC 3629, section 4: some
+/// first bytes leave less room for the second, which keeps out longer forms of other characters, halves of UTF-16's
+/// pairs and what is above U+10FFFF.)
 std::size_t character_bytes(std::string_view text) {
   constexpr unsigned kContinuation = 0x80;
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -104,13 +106,20 @@ std::size_t character_bytes(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xC0U) != kContinuation) return 0;
   }
-  return length;
+  const unsigned second = length > 1 ? byte(1) : 0;
+  const bool is_another = (first == 0xE0 && second < 0xA0) || (first == 0xED && second >= 0xA0) ||
+                          (first == 0xF0 && second < 0x90) || (first == 0xF4 && second >= 0x90);
+  return is_another ? 0 : length;
 }
 
+/// What turns the direction of the text after it, U+202A to U+202E and U+2066 to U+2069, is one too: with it a name
+/// reads as another.
 bool is_control(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return first < 0x20 || first == 0x7F;
-  return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
+  if (character.size() == 2) return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
+  return (character >= "\xE2\x80\xAA" && character <= "\xE2\x80\xAE") ||
+         (character >= "\xE2\x81\xA6" && character <= "\xE2\x81\xA9");
 }
 
 }  // namespace
@@ -167,6 +176,15 @@ bool SharedFile::read(void* bytes, std::size_t count) const noexcept {
 }
 
 void SharedFile::touch() const noexcept { static_cast<void>(futimens(descriptor_, nullptr)); }
+
+FolderLock::FolderLock(const std::filesystem::path& folder) noexcept
+    : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool FolderLock::take() const noexcept { return flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
 namespace {
 

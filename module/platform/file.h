@@ -53,7 +53,7 @@ class ByteFile {
 };
 
 /// Text for a terminal: what could steer one becomes '?', that is control characters, of the upper half too (U+0080 to
-/// U+009F), and bytes that are no UTF-8.
+/// U+009F), those that turn the direction of text, and bytes that are no UTF-8.
 [[nodiscard]] std::string without_controls(std::string_view text);
 
 /// An `Error` whose message begins with the file's name, without control characters.
@@ -82,6 +82,21 @@ class SharedFile {
 
   /// Sets the time of its last change to now, where the system allows it.
   void touch() const noexcept;
+
+ private:
+  int descriptor_;
+};
+
+/// A folder that one at a time writes to, of all who take it, in this process and in others.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder) noexcept;
+  ~FolderLock();  ///< gives the folder back, as the end of the process does
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// Without waiting: false if another has it. Whose folder cannot be locked has it at once.
+  [[nodiscard]] bool take() const noexcept;
 
  private:
   int descriptor_;

@@ -66,6 +66,18 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
   check_manifest_matches(folder);
 }
 
+TEST_CASE("bake: sizes of files have no exponents", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  // 128 texels and four mips as halves: 1023.5 KiB.
+  const CommandResult result =
+      run_welkin("bake --sky --size 128 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
+                 quoted(scratch.path() / "out"));
+  INFO(result.output);
+  REQUIRE(result.exit_code == 0);
+  CHECK(contains(result.output, " 1024 KiB"));
+  CHECK_FALSE(contains(result.output, "e+0"));
+}
+
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";

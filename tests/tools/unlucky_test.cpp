@@ -13,9 +13,11 @@
 #include <limits>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "places.h"
+#include "platform/file.h"
 #include "support/catch.h"
 #include "support/sanitized.h"
 #include "tools/baked_folder.h"
@@ -169,6 +171,7 @@ TEST_CASE("A repeated bake with a cache takes its files from there, at least ten
   };
   const auto first = timed("first");
   auto again = timed("again");
+  CHECK(bake_into(folder.path() / "quiet", bake + " --quiet").at("times").size() == 1);  // the same files
   for (int i = 0; i < 2; ++i) again = std::min(again, timed("again"));
   CHECK(std::filesystem::exists(folder.path() / "again/environment.env"));
   CHECK(std::filesystem::exists(folder.path() / "again/preview_spheres.png"));
@@ -188,6 +191,146 @@ TEST_CASE("A repeated bake with a cache takes its files from there, at least ten
   CHECK(other.at("times").size() > 1);
   CHECK(file_text(folder.path() / "other/specular.ktx2") != before);
   CHECK(bake_into(folder.path() / "size", bake + " --size 32").at("times").size() > 1);
+}
+
+TEST_CASE("Two bakes into one folder come one after the other, and caches keep none of the other's files",
+          "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path input = folder.path() / "map.hdr";
+  REQUIRE(run_welkin("testmap --size 64 -o " + quoted(input)).exit_code == 0);
+  const auto bake = [&](const std::string& size, const std::string& out) {
+    return "bake " + quoted(input) + " -q --irradiance 4 --brdf 8 --preview-size 32 --formats ktx2,env,exr --size " +
+           size + " -o " + quoted(folder.path() / out);
+  };
+  REQUIRE(run_welkin(bake("16", "alone16")).exit_code == 0);
+  REQUIRE(run_welkin(bake("32", "alone32")).exit_code == 0);
+  const auto differ = [&](const std::string& one, const std::string& other) {
+    std::string names;
+    for (const std::string& name : names_in(folder.path() / one)) {
+      const bool same = file_text(folder.path() / one / name) == file_text(folder.path() / other / name);
+      if (name != "manifest.json" && !same) names += name + ' ';
+    }
+    return names;
+  };
+  for (int run = 0; run < 4; ++run) {
+    const std::string cache = " --cache " + quoted(folder.path() / ("cache" + std::to_string(run)));
+    const std::string both = "'" WELKIN_COMMAND "' " + bake("16", "both") + cache + " & '" WELKIN_COMMAND "' " +
+                             bake("32", "both") + cache + " & wait";
+    write_text(folder.path() / "both.sh", both);
+    REQUIRE(run_program("/bin/sh", quoted(folder.path() / "both.sh")).exit_code == 0);
+    const int size = manifest_of(folder.path() / "both").at("options").at("size");
+    CHECK(differ("both", "alone" + std::to_string(size)).empty());
+    for (const std::string& kept : {std::string("16"), std::string("32")}) {
+      REQUIRE(run_welkin(bake(kept, "kept") + cache).exit_code == 0);
+      REQUIRE(manifest_of(folder.path() / "kept").at("times").size() == 1);  // all of it is from the cache
+      CHECK(differ("kept", "alone" + kept).empty());
+    }
+  }
+}
+
+TEST_CASE("A bake that waits for another in its folder ends by a signal", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  const platform::FolderLock other(out);
+  REQUIRE(other.take());
+  const std::string line = "timeout -s INT 2 '" WELKIN_COMMAND
+                           "' bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
+                           quoted(out);
+  write_text(folder.path() / "run.sh", line + "; test $? = 124");
+  const CommandResult result = run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+  INFO(result.errors);
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.errors, "welkin: stopped ("));
+  CHECK(names_in(out).empty());
+}
+
+TEST_CASE("Standard streams that the caller has closed become nobody's", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& command, const std::string& closed) {
+    write_text(folder.path() / "run.sh", "exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
+    return run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+  };
+  // What --verbose says would otherwise go to whatever was opened first: to the pipe by which signals stop the work.
+  const std::string bake =
+      "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
+  for (const std::string closed : {">&- 2>&-", "<&- >&- 2>&-", "<&- >&-", "2>&-"}) {
+    const std::filesystem::path out = folder.path() / "out";
+    const CommandResult result = run(bake + quoted(out), closed);
+    INFO(closed);
+    const bool has_output = closed == "2>&-";
+    CHECK(result.exit_code == (has_output ? 0 : 1));  // the table has nowhere to go
+    REQUIRE(std::filesystem::exists(out / "manifest.json"));
+    for (const auto& file : manifest_of(out).at("files")) {
+      CHECK(std::filesystem::file_size(out / file.at("name").get<std::string>()) == file.at("bytes"));
+    }
+    std::filesystem::remove_all(out);
+  }
+  CHECK(run("info -", "<&-").exit_code == 1);
+}
+
+TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path input = folder.path() / "in.pfm";
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  write_pfm(input, 8, 4, grey_picture(8, 4, 0.5F));
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const auto run = [&](const std::string& command) {
+    write_text(folder.path() / "run.sh", "cat " + quoted(input) + " >" + quoted(pipe) +
+                                             " & timeout 60 '" WELKIN_COMMAND "' " + command + ' ' + quoted(pipe));
+    return run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+  };
+  const std::string out = quoted(folder.path() / "out");
+  for (const std::string& command :
+       {std::string("info"), std::string("sh --json"), "sh --cache " + quoted(folder.path() / "cache"),
+        "bake --size 8 --irradiance 2 --brdf 8 --no-previews --cache " + quoted(folder.path() / "cache") + " -o " +
+            out}) {
+    const CommandResult result = run(command);
+    INFO(command << result.errors);
+    CHECK(result.exit_code == 0);
+  }
+  CHECK(manifest_of(folder.path() / "out").at("source").at("layout") == "lat-long");
+}
+
+TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  for (const std::string& command : {std::string("sleep 20 | timeout -s INT 1 '" WELKIN_COMMAND "' sh -"),
+                                     "timeout -s INT 1 '" WELKIN_COMMAND "' bake -o out " + quoted(pipe)}) {
+    write_text(folder.path() / "run.sh", command);
+    // Killed later, it would not say so.
+    const CommandResult result = run_program("timeout", "-s KILL 10 /bin/sh " + quoted(folder.path() / "run.sh"));
+    INFO(command << result.errors);
+    CHECK(contains(result.errors, "welkin: stopped (Interrupt)"));
+  }
+}
+
+TEST_CASE("A sky writes over no file that it reads", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const CommandResult printed = run_welkin("sky --print-atmosphere");
+  REQUIRE(printed.exit_code == 0);
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  const auto in = [&](const std::string& name) { return quoted(folder.path() / name); };
+  const std::string sky = "sky --table-size 8,16,16,4 --orders 2 ";
+  const std::string sweep = " --sweep-tiles 2 --sweep-size 16 --sweep " + in("day.png");
+  const std::string bake = " --size 16 --picture-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
+  // The text beside a sweep's picture, the picture of a bake.
+  for (const auto& [name, rest] :
+       {std::pair(std::string("day.txt"), sweep), std::pair(std::string("out/sky.exr"), bake)}) {
+    write_text(folder.path() / name, printed.output);
+    const CommandResult result = run_welkin(sky + "--atmosphere " + in(name) + rest);
+    INFO(name << result.errors);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "is read, and"));
+    CHECK(file_text(folder.path() / name) == printed.output);
+    std::filesystem::remove(folder.path() / name);
+    // Tables that are to be made there.
+    CHECK(run_welkin(sky + "--tables " + in(name) + rest).exit_code == 1);
+    CHECK_FALSE(std::filesystem::exists(folder.path() / name));
+  }
+  CHECK(run_welkin(sky + "--tables " + in("day.tables") + sweep).exit_code == 0);
 }
 
 TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
@@ -252,7 +395,7 @@ TEST_CASE("Control characters in names of files never reach a terminal", "[comma
   const TemporaryFolder folder;
   const std::string name =
       "a\x1b[31m\x07\xc2\x9b"
-      "2J\nb\x9b\xc3\xa9";
+      "2J\nb\x9b\xe2\x80\xae\xed\xa0\x80\xc3\xa9";
   const std::filesystem::path there = folder.path() / (name + ".pfm");
   write_pfm(there, 8, 4, grey_picture(8, 4, 0.5F));
   const std::filesystem::path broken = folder.path() / (name + "x.pfm");
@@ -261,7 +404,8 @@ TEST_CASE("Control characters in names of files never reach a terminal", "[comma
   const auto clean = [](const std::string& text) {
     return std::none_of(text.begin(), text.end(),
                         [](char c) { return (c >= 0 && c < ' ' && c != '\n') || c == '\x7f'; }) &&
-           !contains(text, "\xc2\x9b") && !contains(text, "b\x9b");
+           !contains(text, "\xc2\x9b") && !contains(text, "b\x9b") && !contains(text, "\xe2\x80\xae") &&
+           !contains(text, "\xed\xa0\x80");
   };
   for (const std::filesystem::path& file : {there, broken, absent}) {
     for (const std::string& command :
@@ -272,9 +416,14 @@ TEST_CASE("Control characters in names of files never reach a terminal", "[comma
       INFO(command << result.output << result.errors);
       CHECK(clean(result.output));
       CHECK(clean(result.errors));
-      CHECK((result.output + result.errors).find("a?[31m??2J?b?\xc3\xa9") != std::string::npos);
+      CHECK((result.output + result.errors).find("a?[31m??2J?b?????\xc3\xa9") != std::string::npos);
     }
   }
+  // JSON has them as escapes, so that programs read the name itself.
+  const CommandResult json = run_welkin("sh --json " + quoted(there));
+  CHECK(clean(json.output));
+  CHECK(
+      contains(nlohmann::json::parse(json.output).at("source").at("path").get<std::string>(), "a\x1b[31m\x07\xc2\x9b"));
 }
 
 }  // namespace welkin::test
