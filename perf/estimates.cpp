@@ -1,5 +1,6 @@
 #include "estimates.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -12,11 +13,25 @@ namespace welkin::perf {
 namespace {
 
 constexpr int kPictureSize = 64;
+constexpr int kAtATime = 500;  ///< environments from table to table
 
 CubemapImage reduced(const std::filesystem::path& file) {
   const Environment environment = read_environment(file);
   if (environment.info.layout == Layout::lat_long) return to_cubemap(environment.lat_long(), kPictureSize);
   return to_cubemap(environment.cubemap(), kPictureSize);
+}
+
+std::string table_of(const test::EstimateTrials& trials) {
+  std::string table =
+      "| result | estimates | true <= estimate | median of estimate / true | worst true / estimate | worst case |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const auto& [kind, honesty] : trials) {
+    char row[160];
+    std::snprintf(row, sizeof row, " | %zu | %.1f %% | %.2g | %.2g | ", honesty->count(), 100.0 * honesty->share(),
+                  honesty->median(), honesty->worst());
+    table += "| " + kind + row + honesty->worst_case() + " |\n";
+  }
+  return table;
 }
 
 }  // namespace
@@ -36,17 +51,13 @@ std::string estimate_table(const std::vector<std::filesystem::path>& arguments) 
     }
   }
   test::EstimateTrials trials;
-  test::add_estimate_trials(seed, count, 0.02, pictures, trials);
-  std::string table =
-      "| result | estimates | true <= estimate | median of estimate / true | worst true / estimate | worst case |\n"
-      "|---|---|---|---|---|---|\n";
-  for (const auto& [kind, honesty] : trials) {
-    char row[160];
-    std::snprintf(row, sizeof row, " | %zu | %.1f %% | %.2g | %.2g | ", honesty->count(), 100.0 * honesty->share(),
-                  honesty->median(), honesty->worst());
-    table += "| " + kind + row + honesty->worst_case() + " |\n";
+  for (int done = 0; done < count;) {
+    const int some = std::min(kAtATime, count - done);
+    test::add_estimate_trials(seed + static_cast<std::uint32_t>(done), some, 0.02, pictures, trials);
+    done += some;
+    if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
   }
-  return table;
+  return table_of(trials);
 }
 
 }  // namespace welkin::perf

@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kNormals = 400;
+constexpr double kPeakOfMany = 5.0;  ///< over the rms, of light from many places; of one sun's the first bound is less
 constexpr double kBetweenNormals = 1.1;  ///< a maximum over 400 normals may miss the peak by a tenth of it
 /// An rms over a few hundred normals, as who checks it will take, differs from that over all by some percent.
 constexpr double kSampledNormals = 1.05;
@@ -127,7 +128,8 @@ BudgetChoice<int> choose_irradiance_bands(const SphericalHarmonics& radiance, co
   const LobeTail lobe = lobe_tail(radiance.bands());
   const double root = std::sqrt(high.energy);
   const double rest_rms = std::min(lobe.rms * high.absolute, lobe.largest_band * root / std::sqrt(4.0 * kPi));
-  const double rest_maximum = std::min(lobe.maximum * high.absolute, lobe.rms * std::sqrt(4.0 * kPi) * root);
+  const double rest_maximum = std::min({lobe.maximum * high.absolute, lobe.rms * std::sqrt(4.0 * kPi) * root,
+                                        kPeakOfMany * lobe.largest_band * root / std::sqrt(4.0 * kPi)});
   const double whole = known.rms(0);
   BudgetChoice<int> choice;
   choice.relative_to = "root mean square of the irradiance over all normals";

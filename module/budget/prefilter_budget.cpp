@@ -13,8 +13,10 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
+#include "reflections/prefilter_estimate.h"
 #include "transform/transform_kernels.h"
 #include "welkin/resampling.h"
 
@@ -109,7 +111,7 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
         std::all_of(needs.begin(), needs.end(), [](const MipNeed& need) { return need.source_size > 0; });
     if (size > kMostReducedSize || all_found) break;
     const LatLongImage rings =
-        reflections::rings_of_cubemap(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
+        budget::sharpened_rings(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
     const Spectrum spectrum = transforms::analyse(rings.view(), bands, {control.stop, {}});
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
@@ -222,6 +224,12 @@ std::vector<double> sum_squares(int bands, const Value& value) {
 
 }  // namespace
 
+LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control) {
+  LatLongImage rings = reflections::rings_of_cubemap(cube, rows, control);
+  reflections::RingSharpener(rows, cube.size).sharpen(rings);
+  return rings;
+}
+
 std::vector<double> band_energies(const Spectrum& spectrum) {
   return sum_squares(spectrum.bands(), [&](int m, int k) { return static_cast<double>(spectrum.order(m)[k]); });
 }
@@ -239,7 +247,7 @@ namespace {
 /// to twice as many, and at most the difference to half as many.
 std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spectrum& spectrum, const Control& quiet) {
   const bool finer = 2 * rows <= kMostRings;
-  const LatLongImage other = reflections::rings_of_cubemap(cube, finer ? 2 * rows : rows / 2, quiet);
+  const LatLongImage other = sharpened_rings(cube, finer ? 2 * rows : rows / 2, quiet);
   std::vector<double> lost = difference_energies(transforms::analyse(other.view(), spectrum.bands(), quiet), spectrum);
   if (finer) {
     for (double& energy : lost) energy *= 4.0;
@@ -261,20 +269,25 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
     for (int row = 0; row < image.height; ++row)
       image.pixels.insert(image.pixels.end(), source.row(row), source.row(row) + std::ptrdiff_t{3} * image.width);
   }
+  const projection::SanitizedSource sanitized(image.view(), {}, quiet);
+  energies.width = image.width;
+  energies.height = image.height;
+  energies.bright = reflections::find_bright_texels(sanitized, plan.least_alpha, kMostBright, quiet);
+  LatLongImage rest = energies.bright.empty() ? LatLongImage{} : image;
+  for (const reflections::BrightTexel& texel : energies.bright) {
+    const auto place = 3 * (std::ptrdiff_t{texel.row} * image.width + texel.column);
+    std::copy(texel.rest.begin(), texel.rest.end(), rest.pixels.begin() + place);
+  }
+  if (source.cubemap()) {
+    const reflections::RingSharpener sharpener(image.height, source.columns());
+    sharpener.sharpen(image);
+    if (!energies.bright.empty()) sharpener.sharpen(rest);
+  }
   energies.spectrum = transforms::analyse(image.view(), bands, quiet);
   energies.whole = band_energies(energies.spectrum);
   if (source.cubemap()) energies.rings = ring_energies(source.cube(), image.height, energies.spectrum, quiet);
-  const projection::SanitizedSource sanitized(image.view(), {}, quiet);
-  const auto bright = reflections::find_bright_texels(sanitized, plan.least_alpha, kMostBright, quiet);
-  if (bright.empty()) {
-    energies.rest = energies.whole;
-    return energies;
-  }
-  for (const reflections::BrightTexel& texel : bright) {
-    const auto place = 3 * (std::ptrdiff_t{texel.row} * image.width + texel.column);
-    std::copy(texel.rest.begin(), texel.rest.end(), image.pixels.begin() + place);
-  }
-  energies.rest = band_energies(transforms::analyse(image.view(), bands, quiet));
+  energies.rest =
+      energies.bright.empty() ? energies.whole : band_energies(transforms::analyse(rest.view(), bands, quiet));
   return energies;
 }
 
@@ -300,7 +313,10 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings)) / whole;
+  const auto lights = reflections::lobe_lights(energies.bright, energies.width, energies.height, mip.alpha);
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings) +
+          reflections::horizon_error(lights, mip.alpha)) /
+         whole;
 }
 
 }  // namespace welkin::budget

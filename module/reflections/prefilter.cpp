@@ -20,6 +20,7 @@
 #include "platform/float_environment.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/direct.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
@@ -129,11 +130,6 @@ void fill_level(const CubemapView& source, CubemapChain& chain, int level, const
 namespace {
 
 constexpr std::size_t kMostBright = 256;  ///< texels taken out
-/// Of the estimate, over what the sums of `spectral_rms_error` say: `welkin_perf --estimates`, docs/reflections.md.
-constexpr double kSafety = 2.4;
-constexpr double kRoundingError = 5e-7;   ///< of float harmonics
-constexpr double kCubeLightError = 8e-4;  ///< of bright texels of a cubemap, which rings have blurred
-constexpr double kLightError = 6e-5;      ///< of the points that stand for bright texels, where the horizon cuts them
 constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
 
 using Faces = std::array<float*, 6>;
@@ -223,6 +219,7 @@ class Prefilter {
   const PrefilterPlan& plan_;
   PrefilteredSpecular result_;
   std::vector<BrightTexel> bright_;
+  std::size_t extracted_ = 0;     ///< texels of the picture; of a cubemap those stand for some more
   std::vector<double> energies_;  ///< of the harmonics, degree by degree
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
@@ -277,35 +274,6 @@ void take_out(const std::vector<BrightTexel>& texels, const projection::Sanitize
   }
 }
 
-/// Undoes what averaging over the rings' texels and the transform's areas blur, each a box's variance of h^2 / 12 along
-/// both axes: f - (second differences of f along the row and the column) / 12, right to the fourth order of h. Along
-/// the column they are differences of sin(theta) f' over the row's mean sine, so that no light is lost, at poles
-/// neither.
-void sharpen(LatLongImage& rings) {
-  const auto values = std::size_t{3} * static_cast<std::size_t>(rings.width);
-  const double height = std::numbers::pi / rings.height;
-  const auto edge = [&](int row) { return math::sine_cosine_of_turns(row / (2.0 * rings.height)); };
-  std::vector<float> above(values);
-  std::vector<float> here(values);
-  for (int index = 0; index < rings.height; ++index) {
-    float* const out = rings.pixels.data() + values * static_cast<std::size_t>(index);
-    const bool last = index + 1 == rings.height;
-    const float* const below = last ? out : out + values;
-    const double sine = (edge(index).cosine - edge(index + 1).cosine) / height;
-    const auto up = static_cast<float>(index == 0 ? 0.0 : edge(index).sine / sine);
-    const auto down = static_cast<float>(last ? 0.0 : edge(index + 1).sine / sine);
-    std::copy_n(out, values, here.data());
-    for (std::size_t k = 0; k < values; ++k) {
-      const float before = here[k >= 3 ? k - 3 : k + values - 3];
-      const float after = here[k + 3 < values ? k + 3 : k + 3 - values];
-      const float along = (before - here[k]) + (after - here[k]);
-      const float across = up * (above[k] - here[k]) + down * (below[k] - here[k]);
-      out[k] = here[k] - (along + across) * (1.0F / 12.0F);
-    }
-    above.swap(here);
-  }
-}
-
 template <class View>
 void Prefilter<View>::run_spectral(const Control& control) {
   const Stopwatch watch;
@@ -313,9 +281,14 @@ void Prefilter<View>::run_spectral(const Control& control) {
   const projection::SanitizedSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
   bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
   take_out(bright_, lat_long, rings);
-  if (source_.cubemap()) sharpen(rings.owned);
+  extracted_ = bright_.size();
+  if (source_.cubemap()) {
+    const RingSharpener sharpener(rings.view.height, source_.columns());
+    sharpener.sharpen(rings.owned);
+    bright_ = sharpener.sharpened(bright_);
+  }
   memory_.take(rings.bytes());
-  note("bright texels", std::to_string(bright_.size()) + " extracted", watch.milliseconds());
+  note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
 
   const Stopwatch analysis;
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
@@ -359,12 +332,10 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   add_lobe_lights(lights, mip.alpha, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
   note(name + ": lobes", std::to_string(lights.size()) + " lights", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
-  record(level).bright_texels = static_cast<int>(bright_.size());
-  const double lacking = spectral_rms_error(mip, energies_, source_.cubemap() ? rings.height : 0);
-  const double whole = rms_of_level(result_.cubemap, static_cast<int>(level));
-  record(level).error_estimate = kRoundingError +
-                                 (bright_.empty() ? 0.0 : (source_.cubemap() ? kCubeLightError : kLightError)) +
-                                 (whole > 0.0 ? kSafety * lacking / whole : 0.0);
+  record(level).bright_texels = static_cast<int>(extracted_);
+  const SpectralSource source{energies_, source_.cubemap() ? source_.columns() : 0, rings.height};
+  record(level).error_estimate =
+      spectral_rms_error(mip, source, lights, rms_of_level(result_.cubemap, static_cast<int>(level)));
   end_mip(level, watch, control);
 }
 

@@ -1,9 +1,11 @@
 #include "reflections/prefilter_estimate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 
 #include "image/geometry.h"
 #include "reflections/lobe.h"
@@ -22,16 +24,37 @@ double spline_loss(int l, int rings) {
   return x * x * x * x * (0.24 + 0.2 * x + 0.65 * x * x);
 }
 
-/// Share of degree l that the means over rings of height h = pi / rings lose at edges between a cube's texels, which
-/// lie anywhere in a ring's texel; l (l + 1) h^2 / 24 is what a box of that width takes from the degree.
-double ring_loss(int l, int rings) {
-  if (rings == 0) return 0.0;
-  const double height = kPi / rings;
-  return l * (l + 1.0) * height * height / 24.0;
-}
+/// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
+/// This and the shares are fits to `welkin_perf --estimates`, docs/reflections.md.
+constexpr double kSafety = 1.8;
+constexpr double kRingSafety = 2.5;    ///< the same of cubemaps, whose edges rings meet by chance
+constexpr double kSplineMean = 0.5;    ///< of the loss half way between rings, over all places
+constexpr double kFourthOrder = 0.07;  ///< of (l h)^4, which sharpened rings of height h lose of degree l
+constexpr double kCrossed = 0.0125;    ///< of l (l + 1) h^2 at edges that rings cross at all places, by chance
+constexpr double kScattered = 0.0042;  ///< of l h^2, by which such edges scatter finer degrees' energy to degree l
+constexpr double kRounding = 2e-7;     ///< of float harmonics
+constexpr double kHorizon = 0.04;      ///< of a point's kink at the horizon, times its half width^1.5
+constexpr double kMoved = 0.04;        ///< of h^2 over a cube's texel: how far rings move its light
 
-/// Share of the picture's finest detail that its steps across rings fold into a lobe, by measurement.
-constexpr double kFolded = 1e-3;
+/// Rings of height h that a cubemap of `size` was read on.
+struct Rings {
+  explicit Rings(int rows, int face_size) : height(kPi / rows), texel(0.5 * kPi / face_size) {}
+
+  /// Share of degree l that is lost at edges.
+  [[nodiscard]] double lost(int l) const {
+    const double phase = l * height;
+    const double by_chance = kCrossed * phase * phase * std::sqrt(height / texel);
+    return std::hypot(kFourthOrder * phase * phase * phase * phase, by_chance);
+  }
+  [[nodiscard]] double scattered(int l) const { return kScattered * l * height * height; }
+
+  double height;
+  double texel;
+};
+
+double norm(const std::array<double, 3>& colour) {
+  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
+}
 
 }  // namespace
 
@@ -49,27 +72,83 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
   return energies;
 }
 
-double spectral_rms_error(const MipPlan& mip, std::span<const double> energies, int source_rings) {
+double horizon_error(std::span<const LobeLight> lights, double alpha) {
+  const double width = 0.5 * (1.0 + alpha * alpha);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
+  std::array<double, 3> sum{};
+  for (const LobeLight& light : lights) {
+    const auto half = static_cast<double>(light.half_width);
+    const double blurred = half * std::sqrt(half) / (width * width);
+    sum[0] += blurred * static_cast<double>(light.red);
+    sum[1] += blurred * static_cast<double>(light.green);
+    sum[2] += blurred * static_cast<double>(light.blue);
+  }
+  return kHorizon * norm(sum);
+}
+
+namespace {
+
+/// Square of the error by what the spectrum knows, times 4 pi.
+double spectral_square(const MipPlan& mip, std::span<const double> lobe, std::span<const double> energies,
+                       const std::optional<Rings>& source) {
   const int bands = mip.bands.bands();
   const auto known = static_cast<int>(energies.size());
-  const int last = bands + bands / 2;
-  const std::vector<double> lobe = lobe_spectrum(mip.alpha, last);
   const int rings = transforms::grid_for_bands(bands).rings;
   double tail = 0.0;
   for (int l = known - known / 4; l < known; ++l)
     tail += energies[static_cast<std::size_t>(l)] / std::max(1, known / 4);
   double sum = 0.0;
-  for (int l = 0; l < last; ++l) {
+  double finer = 0.0;
+  for (int l = static_cast<int>(lobe.size()); l < known; ++l) finer += energies[static_cast<std::size_t>(l)];
+  for (int l = static_cast<int>(lobe.size()) - 1; l >= 0; --l) {
     const auto degree = static_cast<std::size_t>(l);
     const double zonal = l < bands ? mip.bands.zonal[degree] : 0.0;
     const double truncated = lobe[degree] - zonal;
-    const double interpolated = zonal * spline_loss(l, rings);
-    const double moved = zonal * ring_loss(l, source_rings);
+    const double interpolated = kSplineMean * zonal * spline_loss(l, rings);
+    const double lost = source ? zonal * source->lost(l) : 0.0;
     const double energy = l < known ? energies[degree] : tail;
-    sum += energy * (truncated * truncated + interpolated * interpolated + moved * moved);
-    if (source_rings > 0) sum += zonal * zonal * kFolded * kFolded * tail * (l + 0.5) / known;
+    sum += energy * (truncated * truncated + interpolated * interpolated + lost * lost);
+    if (source) {
+      const double scattered = zonal * source->scattered(l);
+      sum += scattered * scattered * (2.0 * l + 1.0) * finer;
+    }
+    if (l < known) finer += energy;
   }
-  return std::sqrt(sum / (4.0 * kPi));
+  return sum;
+}
+
+/// The same of their moved places on a cubemap's rings: rms of the lights' field, as if all were one, times the share
+/// of a lobe's width that they moved.
+double place_error(std::span<const LobeLight> lights, std::span<const double> lobe, double alpha, const Rings& source) {
+  std::array<double, 3> power{};
+  for (const LobeLight& light : lights) {
+    power[0] += static_cast<double>(light.red);
+    power[1] += static_cast<double>(light.green);
+    power[2] += static_cast<double>(light.blue);
+  }
+  const double whole = lobe_integral(alpha) * kPi / (alpha * alpha);  // undoes the constant in a light's colour
+  double squares = 0.0;
+  for (std::size_t l = 0; l < lobe.size(); ++l) squares += (2.0 * static_cast<double>(l) + 1.0) * lobe[l] * lobe[l];
+  const double field = norm(power) * whole * std::sqrt(squares) / (4.0 * kPi);
+  return kMoved * source.height * source.height / (source.texel * alpha) * field;
+}
+
+}  // namespace
+
+double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, std::span<const LobeLight> lights,
+                          double rms) {
+  if (!(rms > 0.0)) return kRounding;
+  const int bands = mip.bands.bands();
+  const std::vector<double> lobe = lobe_spectrum(mip.alpha, bands + bands / 2);
+  const std::optional<Rings> rings =
+      source.face_size > 0 ? std::optional(Rings(source.rings, source.face_size)) : std::nullopt;
+  double square = spectral_square(mip, lobe, source.energies, rings) / (4.0 * kPi);
+  const double horizon = horizon_error(lights, mip.alpha);
+  square += horizon * horizon;
+  if (rings) {
+    const double moved = place_error(lights, lobe, mip.alpha, *rings);
+    square += moved * moved;
+  }
+  return (rings ? kRingSafety : kSafety) * (kRounding + std::sqrt(square) / rms);
 }
 
 double rms_of_level(const CubemapChain& chain, int level) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "reflections/lobe_kernels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
@@ -13,12 +14,24 @@ namespace welkin::reflections {
 /// Squares of a spectrum's coefficients, summed over orders and channels: one for each degree.
 [[nodiscard]] std::vector<double> energies_of(const transforms::Spectrum& spectrum);
 
-/// Root mean square over the sphere of what `mip`'s synthesis lacks, all three channels together, in units of radiance:
-///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi,
-/// S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings, r_l what
-/// the `source_rings` on which a cubemap was read lose (0: the source is a lat-long). Degrees beyond the spectrum count
-/// with the last quarter's mean energy.
-[[nodiscard]] double spectral_rms_error(const MipPlan& mip, std::span<const double> energies, int source_rings);
+/// Root mean square over the sphere of what lights that stand for texels err where the horizon cuts them.
+[[nodiscard]] double horizon_error(std::span<const LobeLight> lights, double alpha);
+
+/// What spectral mips are made of.
+struct SpectralSource {
+  std::span<const double> energies;  ///< of what was left in the picture
+  int face_size = 0;                 ///< of a cubemap; 0: the picture is a lat-long
+  int rings = 0;                     ///< that it was read on
+};
+
+/// Root mean square error of `mip` over `rms`, its own, all three channels together:
+///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi
+/// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
+/// r_l what a cubemap's rings lose; energy that those scatter; `lights` (those of the bright texels) cut by the horizon
+/// or moved by a cubemap's rings. docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
+/// energy.
+[[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source,
+                                        std::span<const LobeLight> lights, double rms);
 
 /// Root mean square over the sphere of a level's radiance, all three channels together, from at most 32 x 32 texels a
 /// face.

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "image/geometry.h"
 #include "reference/reference_projection.h"
 #include "support/random_environments.h"
+#include "welkin/error_budget.h"
+#include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
@@ -15,7 +18,8 @@
 namespace welkin::test {
 namespace {
 
-constexpr int kProbes = 24;         ///< texels of a mip that are held to the truth
+constexpr int kProbes = 48;         ///< texels of a mip that are held to the truth; of up to 96 texels, all
+constexpr int kNormals = 100;       ///< of irradiance
 constexpr double kRounding = 1e-7;  ///< true errors below this say nothing of how careful an estimate is
 
 double distance_between(const SphericalHarmonics& found, const SphericalHarmonics& truth) {
@@ -29,23 +33,161 @@ double distance_between(const SphericalHarmonics& found, const SphericalHarmonic
   return whole > 0.0 ? std::sqrt(squares / whole) : 0.0;
 }
 
+/// Texels of a level, and what each stands for in a mean over all.
+struct Probes {
+  std::vector<int> texels;
+  std::vector<glm::dvec3> directions;
+  std::vector<double> weights;  ///< of all texels the sum is 1, of some it is so in the mean
+};
+
+glm::dvec3 direction_of(int size, int texel) {
+  const int row = texel / size;
+  return image::face_direction(size, row / size, texel % size + 0.5, row % size + 0.5);
+}
+
+glm::dvec3 value_of(const CubemapChain& chain, int level, int texel) {
+  const float* const rgb = chain.face(level, 0) + std::ptrdiff_t{3} * texel;
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+/// Solid angles of all texels over the whole.
+std::vector<double> shares_of(int size) {
+  std::vector<double> shares;
+  double whole = 0.0;
+  for (int texel = 0; texel < 6 * size * size; ++texel) {
+    const glm::dvec3 d = direction_of(size, texel);
+    const double longest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    shares.push_back(longest * longest * longest);  // a texel's solid angle falls with its distance's cube
+    whole += shares.back();
+  }
+  for (double& share : shares) share /= whole;
+  return shares;
+}
+
+/// Squares of the differences to the texels on either side within the face.
+double gradient_square(const CubemapChain& chain, int level, int texel) {
+  const int size = chain.level_size(level);
+  const int column = texel % size;
+  const int row = texel / size % size;
+  const glm::dvec3 own = value_of(chain, level, texel);
+  double sum = 0.0;
+  const auto add = [&](bool inside, int step) {
+    if (!inside) return;
+    const glm::dvec3 difference = value_of(chain, level, texel + step) - own;
+    sum += glm::dot(difference, difference);
+  };
+  add(column > 0, -1);
+  add(column + 1 < size, 1);
+  add(row > 0, -size);
+  add(row + 1 < size, size);
+  return sum;
+}
+
+/// A chain's mip by its root mean square, and the square of its error at probes.
+class MipTruth {
+ public:
+  MipTruth(const CubemapChain& chain, int level, RandomEnvironments& random)
+      : chain_(chain), level_(level), shares_(shares_of(chain.level_size(level))) {
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+      const glm::dvec3 value = value_of(chain, level, static_cast<int>(k));
+      square_ += shares_[k] * glm::dot(value, value);
+    }
+    if (shares_.size() <= std::size_t{2} * kProbes) {
+      for (std::size_t k = 0; k < shares_.size(); ++k) add_probe(k, shares_[k]);
+    } else {
+      draw(random);
+    }
+  }
+
+  template <class View>
+  [[nodiscard]] double error(const View& view, double roughness) const {
+    const std::vector<glm::dvec3> truth = reference_specular(view, roughness, probes_.directions);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      const glm::dvec3 difference = value_of(chain_, level_, probes_.texels[k]) - truth[k];
+      sum += probes_.weights[k] * glm::dot(difference, difference);
+    }
+    return square_ > 0.0 ? std::sqrt(sum / square_) : 0.0;
+  }
+
+ private:
+  void add_probe(std::size_t texel, double weight) {
+    probes_.texels.push_back(static_cast<int>(texel));
+    probes_.directions.push_back(direction_of(chain_.level_size(level_), static_cast<int>(texel)));
+    probes_.weights.push_back(weight);
+  }
+
+  /// Two fifths of the draws even over the sphere, the others where it is bright and where it changes: errors are
+  /// there.
+  void draw(RandomEnvironments& random) {
+    std::vector<double> steep;
+    double all_steep = 0.0;
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+      steep.push_back(shares_[k] * gradient_square(chain_, level_, static_cast<int>(k)));
+      all_steep += steep.back();
+    }
+    std::vector<double> ends;
+    double end = 0.0;
+    for (std::size_t k = 0; k < shares_.size(); ++k) {
+      const glm::dvec3 value = value_of(chain_, level_, static_cast<int>(k));
+      end += 0.4 * shares_[k];
+      if (square_ > 0.0) end += 0.3 * shares_[k] * glm::dot(value, value) / square_;
+      if (all_steep > 0.0) end += 0.3 * steep[k] / all_steep;
+      ends.push_back(end);
+    }
+    const double offset = random.number();
+    for (int i = 0; i < kProbes; ++i) {
+      const double place = (i + offset) / kProbes * end;
+      const auto found = std::min<std::ptrdiff_t>(std::lower_bound(ends.begin(), ends.end(), place) - ends.begin(),
+                                                  static_cast<std::ptrdiff_t>(ends.size()) - 1);
+      const auto texel = static_cast<std::size_t>(found);
+      const double chance = (ends[texel] - (texel > 0 ? ends[texel - 1] : 0.0)) / end;
+      add_probe(texel, shares_[texel] / (chance * kProbes));
+    }
+  }
+
+  const CubemapChain& chain_;
+  int level_;
+  std::vector<double> shares_;
+  double square_ = 0.0;
+  Probes probes_;
+};
+
+/// Texels from an eighth to one and a half times as wide as it takes to show a lobe.
+int size_for(double roughness, RandomEnvironments& random) {
+  const double wanted = 0.5 * std::numbers::pi / (roughness * roughness) * random.scale(0.125, 1.5);
+  const int most = roughness < 0.055 ? 32 : 128;  // narrow mips take a microsecond a texel
+  int size = 4;
+  while (size < most && 1.4 * size < wanted) size *= 2;
+  return size;
+}
+
 class Trial {
  public:
   Trial(std::uint32_t seed, double least_roughness, RandomEnvironments& random, EstimateTrials& trials)
       : seed_(seed), least_roughness_(least_roughness), random_(random), trials_(trials) {}
 
-  template <class View>
-  void run(const View& view, const std::string& layout) {
-    project_it(view, layout);
-    prefilter_it(view, layout);
+  void run(const CubemapView& view) {
+    project_it(view, "cubemap");
+    prefilter_it(view, "cubemap");
+    if (random_.chance(0.3)) project_levels(view);
+    if (random_.chance(0.2)) pick_bands(view);
+  }
+
+  void run(const LatLongView& view) {
+    project_it(view, "lat-long");
+    prefilter_it(view, "lat-long");
+    if (random_.chance(0.2)) pick_bands(view);
   }
 
  private:
   void add(const std::string& kind, double truth, double estimate, const std::string& more) {
     auto& honesty = trials_[kind];
     if (!honesty) honesty = std::make_unique<Honesty>(kind);
-    honesty->add(truth, estimate, "seed " + std::to_string(seed_) + ", " + random_.description() + more, kRounding);
+    honesty->add(truth, estimate, "seed " + std::to_string(seed_) + ", " + what() + more, kRounding);
   }
+
+  [[nodiscard]] std::string what() const { return random_.description().empty() ? "a picture" : random_.description(); }
 
   template <class View>
   void project_it(const View& view, const std::string& layout) {
@@ -63,46 +205,58 @@ class Trial {
     add(kind + ", " + layout, distance_between(projection.radiance, truth), projection.diagnostics.error_estimate, "");
   }
 
-  template <class View>
-  void prefilter_it(const View& view, const std::string& layout) {
-    PrefilterOptions options{.size = 1 << random_.whole(2, 6), .mips = 1};
-    options.roughness = {random_.scale(least_roughness_, 1.0)};
-    const PrefilteredSpecular result = prefilter_specular(view, options);
-    for (std::size_t level = 0; level < result.mips.size(); ++level) {
-      const MipRecord& mip = result.mips[level];
-      if (mip.error_estimate.value_or(0.0) == 0.0) continue;
-      const double truth = rms_error(view, result.cubemap, static_cast<int>(level), mip.roughness);
-      add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth, *mip.error_estimate,
-          " roughness " + std::to_string(mip.roughness) + ", " + std::to_string(mip.size) + " texels");
-    }
+  /// A level of a mip chain, by `project` and by a budget.
+  void project_levels(const CubemapView& view) {
+    const SphericalHarmonics truth = reference_projection(view);
+    const CubemapChain chain = build_mips(view, MipFilter::solid_angle);
+    if (chain.levels() < 3) return;
+    const std::vector<CubemapView> views = chain.views();
+    const int level = random_.whole(1, chain.levels() - 2);
+    const Projection projection = project(views, {.target_size = chain.level_size(level)});
+    add("projection, level of a mip chain", distance_between(projection.radiance, truth),
+        projection.diagnostics.error_estimate, ", level " + std::to_string(level));
+    const auto choice = choose_projection(views, {}, {random_.scale(1e-5, 0.3)});
+    add("budget, level of a mip chain", distance_between(project(views, choice.setting).radiance, truth),
+        choice.error_estimate, "");
   }
 
-  /// By solid angle, at random texels of a level.
   template <class View>
-  double rms_error(const View& view, const CubemapChain& chain, int level, double roughness) {
-    const int size = chain.level_size(level);
-    const int texels = 6 * size * size;
-    std::vector<int> probes;
-    for (int k = 0; k < std::min(texels, kProbes); ++k)
-      probes.push_back(texels <= kProbes ? k : random_.whole(0, texels - 1));
-    std::vector<glm::dvec3> directions;
-    for (const int texel : probes) {
-      const int row = texel / size;
-      directions.push_back(image::face_direction(size, row / size, texel % size + 0.5, row % size + 0.5));
-    }
-    const std::vector<glm::dvec3> truth = reference_specular(view, roughness, directions);
-    double squares = 0.0;
-    double whole = 0.0;
-    for (std::size_t k = 0; k < probes.size(); ++k) {
-      const double longest =
-          std::max({std::abs(directions[k].x), std::abs(directions[k].y), std::abs(directions[k].z)});
-      const double weight = longest * longest * longest;  // a texel's solid angle falls with its distance's cube
-      const float* const found = chain.face(level, 0) + std::ptrdiff_t{3} * probes[k];
-      const glm::dvec3 difference = glm::dvec3(found[0], found[1], found[2]) - truth[k];
-      squares += weight * glm::dot(difference, difference);
-      whole += weight * glm::dot(truth[k], truth[k]);
-    }
-    return whole > 0.0 ? std::sqrt(squares / whole) : 0.0;
+  void pick_bands(const View& view) {
+    const bool largest = random_.chance(0.5);
+    const auto choice =
+        choose_irradiance_bands(view, {random_.scale(1e-3, 0.3), largest ? ErrorMeasure::maximum : ErrorMeasure::rms});
+    if (choice.setting > 15) return;
+    const auto errors = irradiance_errors(view, project(view, {.bands = choice.setting}).radiance, kNormals);
+    const IrradianceError& error = errors.back();
+    constexpr double kTruthError = 1e-5;  // of the integrals that these are held to
+    add(std::string("budget, bands of irradiance, ") + (largest ? "largest" : "rms"),
+        std::max(0.0, (largest ? error.maximum : error.rms) - kTruthError), choice.error_estimate,
+        ", " + std::to_string(choice.setting) + " bands");
+  }
+
+  template <class View>
+  void prefilter_it(const View& view, const std::string& layout) {
+    PrefilterOptions options{.mips = 1};
+    options.roughness = {random_.scale(least_roughness_, 1.0)};
+    options.size = size_for(options.roughness[0], random_);
+    const PrefilteredSpecular result = prefilter_specular(view, options);
+    const std::string place =
+        " roughness " + std::to_string(options.roughness[0]) + ", " + std::to_string(options.size) + " texels";
+    const MipRecord& mip = result.mips[0];
+    if (mip.error_estimate.value_or(0.0) == 0.0) return;
+    const MipTruth truth(result.cubemap, 0, random_);
+    add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth.error(view, mip.roughness),
+        *mip.error_estimate, place);
+    if (mip.method != MipMethod::spectral || !random_.chance(0.1)) return;
+    pick_bounds(view, options, place);
+  }
+
+  template <class View>
+  void pick_bounds(const View& view, PrefilterOptions options, const std::string& place) {
+    const PrefilterChoice choice = choose_prefilter(view, options, {random_.scale(1e-3, 0.1)});
+    const PrefilteredSpecular result = prefilter_specular(view, choice.setting);
+    const MipTruth truth(result.cubemap, 0, random_);
+    add("budget, bounds of the prefilter", truth.error(view, options.roughness[0]), choice.error_estimate, place);
   }
 
   std::uint32_t seed_;
@@ -125,24 +279,25 @@ void add_estimate_trials(std::uint32_t seed, int count, double least_roughness,
     RandomEnvironments random(own);
     const bool real = !pictures.empty() && random.chance(0.2);
     const double exposure = random.chance(0.2) ? random.scale(1e-6, 1e-2) : 1.0;
+    const bool large = random.chance(0.1);
     const auto expose = [&](std::vector<float>& pixels) {
       for (float& value : pixels) value *= static_cast<float>(exposure);
     };
     CubemapImage cube;
     if (real) cube = picture_of(pictures, random);
     if (random.chance(0.5)) {
-      if (!real) cube = random.cubemap(4, 20);
+      if (!real) cube = random.cubemap(4, large ? 40 : 16);
       expose(cube.pixels);
-      Trial(own, least_roughness, random, trials).run(cube.view(), "cubemap");
+      Trial(own, least_roughness, random, trials).run(cube.view());
     } else {
       LatLongImage image;
       if (real) {
         image = to_lat_long(cube.view(), 4 * cube.size, 2 * cube.size);
       } else {
-        image = random.lat_long(6, 32);
+        image = random.lat_long(6, large ? 64 : 24);
       }
       expose(image.pixels);
-      Trial(own, least_roughness, random, trials).run(image.view(), "lat-long");
+      Trial(own, least_roughness, random, trials).run(image.view());
     }
   }
 }

@@ -1,0 +1,132 @@
+#include "reflections/cube_rings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kShare = 1.0 / 12.0;  ///< the mean of x (1 - x) / 2
+constexpr double kOnEdge = 1e-9;       ///< columns: rounding
+
+}  // namespace
+
+RingSharpener::RingSharpener(int rows, int face_size)
+    : rows_(rows), even_(face_size % 2 == 0), columns_(static_cast<std::size_t>(2 * rows)) {
+  for (int side = 0; side < 4; ++side) {
+    for (int edge = 0; edge < face_size; ++edge) {
+      const double place = (2.0 * edge - face_size) / face_size;  // on the face, -1 to 1
+      const double turns = 0.25 * side + math::turns_of(place, 1.0);
+      // The meridian leaves the face at tan(latitude) = cos(longitude); one through its middle goes on to the pole.
+      const double reach =
+          2 * edge == face_size ? std::numeric_limits<double>::infinity() : 1.0 / std::sqrt(1.0 + place * place);
+      add_meridian(turns, reach);
+    }
+  }
+}
+
+void RingSharpener::add_meridian(double turns, double reach) {
+  const auto count = static_cast<double>(columns_.size());
+  const double column = (turns - std::floor(turns)) * count;
+  const double whole = std::floor(column + kOnEdge);
+  const double part = std::max(0.0, column - whole);
+  const auto flow = static_cast<float>(0.5 * part * (1.0 - part) / kShare);
+  const std::size_t first = static_cast<std::size_t>(whole) % columns_.size();
+  columns_[first] = {flow, reach};
+  if (part > kOnEdge) columns_[(first + 1) % columns_.size()] = {flow, reach};
+}
+
+math::SineCosine RingSharpener::edge_of(int row) const { return math::sine_cosine_of_turns(row / (2.0 * rows_)); }
+
+double RingSharpener::mean_sine(int row) const {
+  return (edge_of(row).cosine - edge_of(row + 1).cosine) * rows_ / std::numbers::pi;
+}
+
+double RingSharpener::steepness(int row) const {
+  const math::SineCosine middle = math::sine_cosine_of_turns((row + 0.5) / (2.0 * rows_));
+  return std::abs(middle.cosine) / middle.sine;
+}
+
+double RingSharpener::flow_above(int row) const {
+  const bool pole = row == 0 || row == rows_;
+  return pole || (even_ && 2 * row == rows_) ? 0.0 : edge_of(row).sine;
+}
+
+float RingSharpener::flow_before(int column, double steepness) const {
+  const ColumnEdge& edge = columns_[static_cast<std::size_t>(column)];
+  return steepness < edge.reach ? edge.flow : 1.0F;
+}
+
+void RingSharpener::sharpen(LatLongImage& rings) const {
+  const int width = rings.width;
+  const auto values = std::size_t{3} * static_cast<std::size_t>(width);
+  std::vector<float> flows(static_cast<std::size_t>(width));
+  std::vector<float> above(values);
+  std::vector<float> here(values);
+  for (int row = 0; row < rows_; ++row) {
+    float* const out = rings.pixels.data() + values * static_cast<std::size_t>(row);
+    const float* const below = row + 1 == rows_ ? out : out + values;
+    // Along the column differences flow by the edge's sine over the row's mean: no light is lost.
+    const double sine = mean_sine(row);
+    const auto up = static_cast<float>(flow_above(row) / sine);
+    const auto down = static_cast<float>(flow_above(row + 1) / sine);
+    const double steep = steepness(row);
+    for (int column = 0; column < width; ++column) flows[static_cast<std::size_t>(column)] = flow_before(column, steep);
+    std::copy_n(out, values, here.data());
+    for (int column = 0; column < width; ++column) {
+      const int left = column > 0 ? column - 1 : width - 1;
+      const int right = column + 1 < width ? column + 1 : 0;
+      const float before = flows[static_cast<std::size_t>(column)];
+      const float after = flows[static_cast<std::size_t>(right)];
+      for (int c = 0; c < 3; ++c) {
+        const auto k = static_cast<std::size_t>(3 * column + c);
+        const float own = here[k];
+        const float along = before * (here[static_cast<std::size_t>(3 * left + c)] - own) +
+                            after * (here[static_cast<std::size_t>(3 * right + c)] - own);
+        const float across = up * (above[k] - own) + down * (below[k] - own);
+        out[k] = own - (along + across) * static_cast<float>(kShare);
+      }
+    }
+    above.swap(here);
+  }
+}
+
+std::vector<BrightTexel> RingSharpener::sharpened(const std::vector<BrightTexel>& texels) const {
+  const int width = static_cast<int>(columns_.size());
+  std::map<std::pair<int, int>, BrightTexel> found;  // in the order of rows: the same bits everywhere
+  for (const BrightTexel& texel : texels) {
+    const auto add = [&](int row, int column, double share) {
+      BrightTexel& to = found[{row, column}];
+      to.row = row;
+      to.column = column;
+      for (std::size_t c = 0; c < 3; ++c)
+        to.excess[c] += static_cast<float>(share * static_cast<double>(texel.excess[c]));
+    };
+    const double steep = steepness(texel.row);
+    const int right = (texel.column + 1) % width;
+    const double before = kShare * static_cast<double>(flow_before(texel.column, steep));
+    const double after = kShare * static_cast<double>(flow_before(right, steep));
+    const double sine = mean_sine(texel.row);
+    const double up = kShare * flow_above(texel.row);
+    const double down = kShare * flow_above(texel.row + 1);
+    add(texel.row, texel.column, 1.0 + before + after + (up + down) / sine);
+    add(texel.row, (texel.column + width - 1) % width, -before);
+    add(texel.row, right, -after);
+    if (up > 0.0) add(texel.row - 1, texel.column, -up / mean_sine(texel.row - 1));
+    if (down > 0.0) add(texel.row + 1, texel.column, -down / mean_sine(texel.row + 1));
+  }
+  std::vector<BrightTexel> all;
+  for (const auto& [place, texel] : found) {
+    const auto& [red, green, blue] = texel.excess;
+    if (red != 0.0F || green != 0.0F || blue != 0.0F) all.push_back(texel);
+  }
+  return all;
+}
+
+}  // namespace welkin::reflections
