@@ -252,11 +252,6 @@ struct LatLongProjector::State {
     for (int f = 0; f < functions; ++f) identity[static_cast<std::size_t>(f)] = f;
     for (std::size_t worker = 0; worker < workers; ++worker) scratch.emplace_back(orders, functions);
     static_cast<void>(transforms::lat_long_transform(options_.bands));  // built here, not inside a block
-    if (!is_reduced(width_, height_, options_)) return;
-    ProjectionOptions exact = options_;
-    exact.target_size.reset();
-    exact.quadrature = Quadrature::exact;
-    unreduced = std::make_unique<LatLongProjector>(width_, height_, exact, workers);
   }
 
   static bool is_reduced(int width, int height, const ProjectionOptions& options) {
@@ -293,7 +288,6 @@ struct LatLongProjector::State {
   std::vector<int> identity;  ///< the local sums are in canonical order already
   TileSums sums;
   std::vector<Scratch> scratch;
-  std::unique_ptr<LatLongProjector> unreduced;  ///< of a target size: without it, as what it costs is measured
 };
 
 void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& room) noexcept {
@@ -476,7 +470,6 @@ int LatLongProjector::block_count() const noexcept { return state_->block_count;
 
 void LatLongProjector::project_block(int block, const LatLongView& rows, std::size_t worker) noexcept {
   state_->project_block(block, rows, state_->scratch[worker]);
-  if (state_->unreduced) state_->unreduced->project_block(block, rows, worker);
 }
 
 Projection LatLongProjector::finish() {
@@ -486,14 +479,13 @@ Projection LatLongProjector::finish() {
   projection.diagnostics = diagnostics_of(projection.radiance, record, 1.0);
   projection.diagnostics.texels =
       static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
-  if (state_->unreduced) {
-    projection.diagnostics.error_estimate = measured_error(projection.radiance, state_->unreduced->finish().radiance);
-  } else {
-    const bool midpoint = state_->options.quadrature == Quadrature::midpoint;
-    projection.diagnostics.error_estimate = estimate_error(
-        projection.radiance,
-        {.midpoint_size = midpoint ? std::min(state_->width / 4.0, state_->height / 2.0) : 0.0, .lat_long = true});
-  }
+  const bool reduced = State::is_reduced(state_->width, state_->height, state_->options);
+  projection.diagnostics.error_estimate =
+      estimate_error(projection.radiance, {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
+                                                                ? std::min(state_->width / 4.0, state_->height / 2.0)
+                                                                : 0.0,
+                                           .reduced_size = reduced ? *state_->options.target_size : 0.0,
+                                           .lat_long = true});
   return projection;
 }
 

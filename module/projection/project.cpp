@@ -192,50 +192,32 @@ void check_chain(std::span<const CubemapView> mips) {
   }
 }
 
-/// A target size on the fly: all texels are read anyway, so what it costs is measured.
-Projection with_measured_error(Projection projection, const CubemapView& cubemap, ProjectionOptions options,
-                               const Control& control) {
-  options.target_size.reset();
-  options.quadrature = Quadrature::exact;
-  const Projection whole = projection::project_cubemap(cubemap, options, control);
-  projection.diagnostics.error_estimate = projection::measured_error(projection.radiance, whole.radiance);
-  return projection;
-}
-
-/// Babylon.js's way: averaged as pixels, read by their centres.
-Projection project_box(const CubemapView& cubemap, int target, ProjectionOptions options, const Control& control) {
-  const Stopwatch reducing;
-  options.target_size.reset();
-  const projection::ReducedCubemap reduced =
-      projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, 0.9));
-  const double milliseconds = reducing.milliseconds();
-  const Stopwatch projecting;
-  Projection projection = projection::project_cubemap(reduced.view, options, jobs::part_of(control, 0.9, 1.0));
-  projection::describe_projection(projection, target, options);
-  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
-  projection.diagnostics.texels =
-      std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
-  projection.diagnostics.passes.insert(
-      projection.diagnostics.passes.begin(),
-      {"reduce", PassAction::run, "plain box to " + std::to_string(target) + ", before gamma and clamp", milliseconds});
-  return projection;
-}
-
 Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
-  options.target_size = projection::effective_target(cubemap.size, options);
-  const bool reduced = options.target_size.has_value();
-  const Control first = jobs::part_of(control, 0.0, reduced ? 0.6 : 1.0);
-  Projection projection;
-  if (reduced && options.quadrature == Quadrature::midpoint) {
-    projection = project_box(cubemap, *options.target_size, options, first);
-  } else {
-    const Stopwatch projecting;
-    projection = projection::project_cubemap(cubemap, options, first);
-    projection::describe_projection(projection, cubemap.size, options);
-    projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  const std::optional<int> target = projection::effective_target(cubemap.size, options);
+  const bool midpoint = options.quadrature == Quadrature::midpoint;
+  options.target_size = midpoint ? std::nullopt : target;
+  if (target && midpoint) {
+    const Stopwatch reducing;
+    constexpr double reading_share = 0.9;
+    const projection::ReducedCubemap reduced =
+        projection::reduce_by_box(cubemap, *target, options, jobs::part_of(control, 0.0, reading_share));
+    const double milliseconds = reducing.milliseconds();
+    Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
+    projection.diagnostics.texels =
+        std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
+    projection.diagnostics.error_estimate =
+        projection::estimate_error(projection.radiance, {static_cast<double>(*target), static_cast<double>(*target)});
+    projection.diagnostics.passes.insert(
+        projection.diagnostics.passes.begin(),
+        {"reduce", PassAction::run, "plain box to " + std::to_string(*target) + ", before gamma and clamp",
+         milliseconds});
+    return projection;
   }
-  if (!reduced) return projection;
-  return with_measured_error(std::move(projection), cubemap, options, jobs::part_of(control, 0.6, 1.0));
+  const Stopwatch projecting;
+  Projection projection = projection::project_cubemap(cubemap, options, control);
+  projection::describe_projection(projection, cubemap.size, options);
+  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  return projection;
 }
 
 }  // namespace
@@ -350,17 +332,6 @@ double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& so
     }
   }
   return std::sqrt(error_squared / total_squared);
-}
-
-double measured_error(const SphericalHarmonics& found, const SphericalHarmonics& exact) {
-  double squares = 0.0;
-  double whole = 0.0;
-  for (std::size_t k = 0; k < exact.coefficients().size(); ++k) {
-    const glm::dvec3 difference = found.coefficients()[k] - exact.coefficients()[k];
-    squares += glm::dot(difference, difference);
-    whole += glm::dot(exact.coefficients()[k], exact.coefficients()[k]);
-  }
-  return whole > 0.0 ? std::sqrt(squares / whole) + 2.0 * kRounding : 0.0;
 }
 
 std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept {

@@ -84,9 +84,6 @@ struct ErrorSources {
 /// nearly uniform. Factors are such that the estimate holds for 99 % of random environments: docs/projection.md.
 [[nodiscard]] double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& sources);
 
-/// The same of a reduced projection beside the one of all texels, `exact`: their difference, and rounding of both.
-[[nodiscard]] double measured_error(const SphericalHarmonics& found, const SphericalHarmonics& exact);
-
 // Which size of an environment a projection reads.
 
 /// The target face size as the quadrature understands it for a face of `size` texels (Babylon.js rounds down to a

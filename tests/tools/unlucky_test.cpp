@@ -296,10 +296,11 @@ TEST_CASE("A signal ends a command that waits for its input", "[command][unlucky
   const TemporaryFolder folder;
   const std::filesystem::path pipe = folder.path() / "pipe";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-  for (const std::string& command : {std::string("sleep 20 | timeout -s INT 1 '" WELKIN_COMMAND "' sh -"),
-                                     "timeout -s INT 1 '" WELKIN_COMMAND "' bake -o out " + quoted(pipe)}) {
+  for (const std::string& command :
+       {std::string("sleep 20 | timeout --foreground -s INT 1 '" WELKIN_COMMAND "' sh -"),
+        "timeout --foreground -s INT 1 '" WELKIN_COMMAND "' bake -o out " + quoted(pipe)}) {
     write_text(folder.path() / "run.sh", command);
-    // Killed later, it would not say so.
+    // Killed later, it would not say so. (Without --foreground timeout sends each signal twice.)
     const CommandResult result = run_program("timeout", "-s KILL 10 /bin/sh " + quoted(folder.path() / "run.sh"));
     INFO(command << result.errors);
     CHECK(contains(result.errors, "welkin: stopped (Interrupt)"));
