@@ -169,7 +169,8 @@ class SkyView {
   /// while it sets), mean radiance, solid angle of its disc. `texels` and total radiances are not set.
   [[nodiscard]] Sun sun(const dvec3& sun) const;
 
-  /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table; 0 from above the air.
+  /// Irradiance of the sky (no direct sun) on a horizontal surface facing up, from the table, with the light of the
+  /// night if the atmosphere has any; 0 from above the air.
   [[nodiscard]] dvec3 irradiance(const dvec3& sun) const;
 
  private:

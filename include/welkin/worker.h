@@ -134,7 +134,8 @@ struct WorkerLoad {
 ///
 /// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
 /// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
-/// leaves all as it is. A fork may make a worker of its own.
+/// leaves all as it is. A fork may make a worker of its own, if no thread of its parent was inside oneTBB when it
+/// forked: otherwise that worker may wait for ever (docs/threading.md).
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.

@@ -39,15 +39,6 @@ std::vector<float> texels(const CubemapChain& chain, int level) {
   return values;
 }
 
-std::string failure(const std::string& arguments, int exit_code) {
-  const CommandResult result = run_welkin(arguments);
-  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
-  CHECK(result.exit_code == exit_code);
-  CHECK(result.output.empty());
-  CHECK(result.errors.rfind("welkin: ", 0) == 0);
-  return result.errors;
-}
-
 }  // namespace
 
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake]") {
@@ -300,66 +291,6 @@ TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][b
   CHECK(clamped.at("diagnostics").at("clamped") == 2);
 }
 
-TEST_CASE("bake: an input that would be written over is refused before any work, and kept", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto own = scratch.path() / "own";
-  const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
-  bake_into(own, "--sky" + all);
-  const auto refused = [&](const std::string& input, const std::string& folder, const std::string& options,
-                           const std::filesystem::path& kept) {
-    const std::string before = file_text(kept);
-    const std::string message = failure("bake " + input + " -o " + folder + options, 1);
-    INFO(message);
-    CHECK(contains(message, "would write over it"));
-    CHECK(contains(message, "another folder"));
-    CHECK((file_text(kept) == before));
-    CHECK(std::filesystem::exists(own / "manifest.json"));  // the old folder is as good as it was
-  };
-  for (const std::string& name : names_in(own)) {
-    if (name == "manifest.json" || name.substr(0, 3) == "sh." || name.substr(0, 5) == "brdf.") continue;  // no spheres
-    INFO(name);
-    const std::string plain = name.substr(0, 8) == "preview_" ? " --layout lat-long" : "";
-    refused(quoted(own / name), quoted(own), plain + all, own / name);
-  }
-  refused(quoted(own / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
-
-  // By other names: a link there, a link here, a way round.
-  std::filesystem::create_symlink(own / "environment.hdr", scratch.path() / "link.hdr");
-  refused(quoted(scratch.path() / "link.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
-  refused(quoted(own / ".." / "own" / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
-  const auto photograph = scratch.path() / "photograph.hdr";
-  std::filesystem::copy_file(own / "environment.hdr", photograph);
-  std::filesystem::remove(own / "environment.hdr");
-  std::filesystem::create_symlink(photograph, own / "environment.hdr");
-  refused(quoted(photograph), quoted(own), " --formats hdr", photograph);
-
-  // What is not written may be read from there.
-  bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
-}
-
-TEST_CASE("bake: none of six files is written over", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto faces = scratch.path() / "faces";
-  const auto own = scratch.path() / "own";
-  std::filesystem::create_directory(faces);
-  std::filesystem::create_directory(own);
-  for (const std::string face : {"px", "nx", "py", "ny", "pz", "nz"}) {
-    write_pfm(faces / (face + ".pfm"), 8, 8, some_pixels(8, 8));
-  }
-  std::filesystem::create_symlink(faces / "nz.pfm", own / "specular.pfm");
-  const std::string before = file_text(faces / "nz.pfm");
-  const std::string options = " --formats pfm --no-previews --size 8 --mips 1 --irradiance 8 --brdf 8";
-  for (const std::string& input : {quoted(faces / "py.pfm") + " --layout six-files", quoted(faces)}) {
-    INFO(input);
-    const std::string message = failure("bake " + input + " -o " + quoted(own) + options, 1);
-    CHECK(contains(message, "nz.pfm: is read"));
-    CHECK(contains(message, "as specular.pfm"));
-    CHECK(names_in(own) == std::vector<std::string>{"specular.pfm"});
-    CHECK((file_text(faces / "nz.pfm") == before));
-  }
-  bake_into(scratch.path() / "other", quoted(faces) + options);
-}
-
 TEST_CASE("bake: textures and .env files are read as every command reads them", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto first = scratch.path() / "first";
@@ -479,73 +410,6 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
   CHECK(contains(run_welkin("bake --help-all").output, "are not counted"));
 }
 
-TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const std::string start = "bake --sky -o " + quoted(out) + " ";
-  CHECK(contains(failure("bake", 2), "--output"));
-  for (const char* option : {"--size 0",
-                             "--size 8193",
-                             "--mips 15",
-                             "--mips -1",
-                             "--mips 0",
-                             "--mips some",
-                             "--roughness 0,2",
-                             "--roughness rough",
-                             "--roughness 0,0.5,0.2",
-                             "--irradiance -1",
-                             "--brdf 0",
-                             "--brdf-model x",
-                             "--no-brdf --brdf 8",
-                             "--bands 17",
-                             "--method magic",
-                             "--samples 0",
-                             "--formats ktx3",
-                             "--formats ''",
-                             "--ktx2-format bc6h",
-                             "--supercompression rar",
-                             "--layout lat-long",
-                             "--clamp 0",
-                             "--gamma --take-out-sun",
-                             "--threads -1",
-                             "--size 4 --mips 4",
-                             "--mips 3 --roughness 0,1",
-                             "--for blender"}) {
-    INFO(option);
-    failure(start + option, 2);
-    CHECK_FALSE(std::filesystem::exists(out));
-  }
-}
-
-TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const std::string start = "bake -o " + quoted(out) + " ";
-  CHECK(contains(failure(start + quoted(scratch.path() / "missing.exr"), 1), "missing.exr"));
-  const auto text = scratch.path() / "text.ktx2";
-  std::ofstream(text) << "\xABKTX 20\xBB\r\n\x1A\n and no more";
-  CHECK(contains(failure(start + quoted(text), 1), "text.ktx2"));
-  const auto nan = scratch.path() / "nan.pfm";
-  std::vector<float> pixels = grey_picture(8, 4, 1.0F);
-  pixels[(2 * 8 + 5) * 3] = std::numeric_limits<float>::quiet_NaN();
-  write_pfm(nan, 8, 4, pixels);
-  CHECK(contains(failure(start + "--nan reject " + quoted(nan), 1), "row 2"));
-  CHECK(contains(failure(start + "--sky --memory-limit 100kB", 1), "limit"));
-  CHECK_FALSE(std::filesystem::exists(out));
-  CHECK(bake_into(out, quoted(nan) + kSmall).at("diagnostics").at("nans_replaced") == 1);
-}
-
-TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto file = scratch.path() / "file";
-  std::ofstream(file) << "no folder";
-  CHECK(contains(failure("bake --sky -o " + quoted(file), 1), file.string()));
-  CHECK(contains(failure("bake --sky -o " + quoted(file / "below"), 1), file.string()));
-  CHECK(contains(failure("bake --sky -o ''", 1), "-o"));
-  CHECK(contains(failure("bake --sky -o /proc/welkin", 1), "/proc/welkin"));
-  CHECK(file_text(file) == "no folder");
-}
-
 TEST_CASE("bake: odd names do no harm", "[tools][bake]") {
   const TemporaryFolder scratch;
   for (const std::string name :
@@ -583,25 +447,4 @@ TEST_CASE("bake: the examples of --help-all work", "[tools][bake]") {
     CHECK(result.exit_code == 0);
   }
   CHECK(examples >= 8);
-}
-
-TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  const auto out = scratch.path() / "out";
-  const std::string to_folder = " -o " + quoted(out);
-  // As a shell passes $INPUT and "$INPUT" where the variable is not set.
-  for (const std::string start : {"bake $NOT_SET", "bake \"$NOT_SET\"", "bake ''", "bake --plan-only"}) {
-    INFO(start);
-    const std::string message = failure(start + to_folder, 2);
-    CHECK(contains(message, "INPUT"));
-    CHECK(contains(message, "--sky"));
-    CHECK_FALSE(std::filesystem::exists(out));
-  }
-}
-
-TEST_CASE("bake: an input and --sky exclude each other", "[tools][bake]") {
-  const TemporaryFolder scratch;
-  CHECK(contains(failure("bake some.hdr --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK(contains(failure("bake '' --sky -o " + quoted(scratch.path() / "both"), 2), "--sky"));
-  CHECK_FALSE(std::filesystem::exists(scratch.path() / "both"));
 }

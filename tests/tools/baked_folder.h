@@ -34,6 +34,16 @@ inline nlohmann::json bake_into(const std::filesystem::path& folder, const std::
   return manifest_of(folder);
 }
 
+/// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
+inline std::string failure(const std::string& arguments, int exit_code) {
+  const CommandResult result = run_welkin(arguments);
+  INFO("welkin " << arguments << "\nstandard error: " << result.errors);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.output.empty());
+  CHECK(result.errors.rfind("welkin: ", 0) == 0);
+  return result.errors;
+}
+
 inline std::vector<std::string> names_in(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
