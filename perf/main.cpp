@@ -2,16 +2,20 @@
 //   welkin_perf [Google Benchmark options]
 //   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
-//   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B] LATLONG... docs/reflections.md
+//   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
+//     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
 //   welkin_perf --estimates [COUNT] [--seed=N] [PICTURE...]   docs/reflections.md
 //   welkin_perf --scenes [--runs=N] [--explain]      docs/plans.md
+//   welkin_perf --schedule                          bakes on 1 to 64 workers, from the tiles of one
+//   welkin_perf --page [Google Benchmark options]    every figure that Welkin is held to, beside its limit
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bake.h"
@@ -29,10 +33,12 @@
 #include "resampling.h"
 #include "result_cache.h"
 #include "scenes.h"
+#include "schedule.h"
 #include "sky_errors.h"
 #include "sky_harmonics.h"
 #include "sky_tables.h"
 #include "sky_view.h"
+#include "speed_page.h"
 #include "tables.h"
 #include "target_sizes.h"
 #include "transform.h"
@@ -80,6 +86,9 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--scenes") {
     return perf::print_tables(1, {argv + 2, argv + argc}, perf::scene_table);
   }
+  if (argc > 1 && std::string(argv[1]) == "--schedule") {
+    return perf::print_tables(1, {argv + 2, argv + argc}, perf::schedule_tables);
+  }
   benchmark::AddCustomContext("welkin", WELKIN_VERSION_STRING);
   benchmark::AddCustomContext("instruction_set", name(active_instruction_set()));
   const std::vector<int> sizes{32, 64, 128, 256, 512, 1024, 2048};
@@ -104,8 +113,18 @@ int main(int argc, char** argv) {
   perf::add_worker_throughput(thread_counts);
   perf::add_worker_costs();
   perf::add_cancel_latency(thread_counts);
+  const bool page = argc > 1 && std::string(argv[1]) == "--page";
+  if (page) {  // the rest is Google Benchmark's
+    std::swap(argv[0], argv[1]);
+    ++argv;
+    --argc;
+  }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  if (page) {
+    std::cout << perf::speed_page();
+    return 0;
+  }
   perf::RatioReporter reporter;
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();

@@ -33,6 +33,24 @@ void add(const std::string& variant, int size, int threads, const PrefilterOptio
       });
 }
 
+/// A chain of which no mip is wider than roughness 0.054.
+PrefilterOptions narrow(int size) {
+  constexpr double widest = 0.054;
+  PrefilterOptions options{.size = size};
+  const int mips = full_chain_levels(size);
+  for (int mip = 1; mip <= mips; ++mip) options.roughness.push_back(widest * mip / mips);
+  return options;
+}
+
+void add_cubemap(const std::string& variant, int size, int threads, const PrefilterOptions& options) {
+  const double texels = 6.0 * size * size * 4.0 / 3.0;
+  add_benchmark("Prefilter", variant, std::to_string(size), threads, texels, 12.0 * texels,
+                [=]() -> std::function<void()> {
+                  const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
+                  return [=] { benchmark::DoNotOptimize(prefilter_specular(view, options)); };
+                });
+}
+
 }  // namespace
 
 void add_prefilter(const std::vector<int>& thread_counts) {
@@ -40,7 +58,11 @@ void add_prefilter(const std::vector<int>& thread_counts) {
     for (const int size : {256, 512}) {
       add("spectral", size, threads, {.size = size}, false);
       add("spectral-bright", size, threads, {.size = size}, true);
+      add("narrow", size, threads, narrow(size), false);
+      add("narrow-bright", size, threads, narrow(size), true);
     }
+    add_cubemap("cubemap", 256, threads, {.size = 256});
+    add_cubemap("cubemap-narrow", 256, threads, narrow(256));
     add("sampled", 256, threads, {.size = 256, .method = PrefilterMethod::sampled, .samples = 64}, false);
   }
 }

@@ -1,7 +1,9 @@
 #include "project_cubemap.h"
 
+#include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "reference/reference_projection.h"
 #include "subjects.h"
@@ -34,6 +36,39 @@ void add_instruction_set(InstructionSet set, int size) {
                     force_instruction_set(before);
                   };
                 });
+}
+
+/// `count` probes of 64 halves, 64 different ones over and over: in one call, or in a call for each, on one thread or
+/// as tasks of our own.
+void add_many(int count, int threads) {
+  constexpr int kSize = 64;
+  constexpr std::size_t kDifferent = 64;
+  const double texels = texels_of(kSize) * count;
+  const std::string size = "64x" + std::to_string(count);
+  const auto probes = [count] {
+    const CubemapView noise = noise_cubemap(PixelFormat::rgba16f, 512);  // 64 probes
+    const auto* const pixels = static_cast<const std::byte*>(noise.faces[0]);
+    constexpr std::size_t kFaceBytes = std::size_t{kSize} * kSize * 8;
+    std::vector<CubemapView> views;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      CubemapView view{{}, kSize, 0, PixelFormat::rgba16f};
+      for (std::size_t face = 0; face < 6; ++face)
+        view.faces[face] = pixels + (6 * (k % kDifferent) + face) * kFaceBytes;
+      views.push_back(view);
+    }
+    return views;
+  };
+  add_benchmark("ProjectMany", "rgba16f", size, threads, texels, 8.0 * texels, [=]() -> std::function<void()> {
+    return [views = probes(), light = std::vector<dvec3>(9 * static_cast<std::size_t>(count))]() mutable {
+      benchmark::DoNotOptimize(project_many(views, light));
+    };
+  });
+  if (threads > 1) return;
+  add_benchmark("ProjectMany", "rgba16f-single-calls", size, 1, texels, 8.0 * texels, [=]() -> std::function<void()> {
+    return [views = probes()] {
+      for (const CubemapView& view : views) benchmark::DoNotOptimize(project(view));
+    };
+  });
 }
 
 }  // namespace
@@ -69,6 +104,7 @@ void add_project_cubemap(const std::vector<int>& sizes, const std::vector<int>& 
     const std::string variant = quadrature == Quadrature::exact ? "rgb32f-target64" : "rgb32f-target64-midpoint";
     add(variant, PixelFormat::rgb32f, 1024, 1, options);
   }
+  for (const int threads : thread_counts) add_many(10'000, threads);
   for (const InstructionSet set : available_instruction_sets()) {
     for (const int size : {64, 1024}) add_instruction_set(set, size);
   }

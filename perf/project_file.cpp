@@ -1,12 +1,15 @@
 #include "project_file.h"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "files/row_source.h"
 #include "scratch_files.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
@@ -44,6 +47,18 @@ void read_bytes(const std::filesystem::path& path, std::vector<char>& block) {
   benchmark::DoNotOptimize(sum);
 }
 
+/// The decoder alone: rows to floats in one thread, each block of them forgotten.
+void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
+  const std::unique_ptr<files::RowSource> source = files::open_picture(path, ReadOptions{});
+  const int rows = source->natural_rows() * std::max(1, 16 / source->natural_rows());
+  rgb.resize(std::size_t{3} * kWidth * static_cast<std::size_t>(rows));
+  const std::unique_ptr<files::RowReader> reader = source->open_reader();
+  for (int row = 0; row < kHeight; row += rows) {
+    reader->read(row, std::min(rows, kHeight - row), rgb.data());
+    benchmark::DoNotOptimize(rgb.data());
+  }
+}
+
 }  // namespace
 
 void add_project_file(const std::vector<int>& thread_counts) {
@@ -57,6 +72,10 @@ void add_project_file(const std::vector<int>& thread_counts) {
                       return [path] { benchmark::DoNotOptimize(project_file(path)); };
                     });
     }
+    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
+      const std::filesystem::path path = file_of(variant);
+      return [path, rgb = std::vector<float>()]() mutable { decode(path, rgb); };
+    });
     add_benchmark("ReadFile", variant.name, size, 1, texels, 12.0 * texels, [&variant]() -> std::function<void()> {
       const std::filesystem::path path = file_of(variant);
       return [path, block = std::vector<char>(std::size_t{1} << 20U)]() mutable { read_bytes(path, block); };

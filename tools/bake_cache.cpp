@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "cache/recipe.h"
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/json.h"
@@ -151,12 +152,12 @@ BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(o
 }
 
 ContentHash BakeFolderCache::key() const {
-  std::vector<ContentHash> parts = {hash_text("bake folder " WELKIN_VERSION_STRING), hash_text(words_that_count()),
-                                    hash_text(scene_text(options_.scene))};
+  std::vector<ContentHash> files;
   if (options_.input) {
-    for (const std::filesystem::path& file : input_files(options_)) parts.push_back(hash_file(file));
+    for (const std::filesystem::path& file : input_files(options_)) files.push_back(hash_file(file));
   }
-  return combine(parts);
+  return cache::result_key("bake folder",
+                           {hash_text(words_that_count()), hash_text(scene_text(options_.scene)), combine(files)});
 }
 
 std::optional<KeptBake> BakeFolderCache::find() {

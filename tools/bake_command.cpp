@@ -139,9 +139,7 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
   const std::vector<std::string> names = names_to_write(options, bake);
   for (const std::filesystem::path& input : files_read(options)) {
     for (const std::string& name : names) {
-      if (!is_same_file(input, folder / name)) continue;
-      throw Error(ErrorCode::file_access, input.string() + ": is read, and this bake would write over it as " + name +
-                                              "; pass another folder to -o, or move the input");
+      require_kept(input, folder / name, "this bake", "pass another folder to -o, or move the input");
     }
   }
 }

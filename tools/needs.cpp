@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -16,8 +17,8 @@ void read_range(const Json& value, const std::string& where, std::optional<Rough
   RoughnessRange range;
   read_object(value, where, {number("minimum", range.minimum), number("maximum", range.maximum)});
   if (!(range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0)) {
-    throw Flaw{where + " goes from " + std::to_string(range.minimum) + " to " + std::to_string(range.maximum) +
-               "; roughness must rise, from 0 to 1"};
+    throw Flaw{where + " goes from " + platform::number_text(range.minimum) + " to " +
+               platform::number_text(range.maximum) + "; roughness must rise, from 0 to 1"};
   }
   target = range;
 }

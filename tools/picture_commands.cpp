@@ -2,12 +2,14 @@
 // and `welkin testmap`, one that shows by itself how it is turned.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "files/write_environment.h"
 #include "tools/commands.h"
 #include "tools/input.h"
 #include "tools/terminal.h"
@@ -252,12 +254,23 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
   return write_output(options.output, result.view(), last);
 }
 
+/// Throws `Error` (file_access) if OUT is a file that is read: of six files and of a folder any of them.
+void check_input_is_kept(const ConvertOptions& options, const EnvironmentInfo& input) {
+  if (is_standard_stream(options.input) || is_standard_stream(options.output.path)) return;
+  std::vector<std::filesystem::path> read{options.input};
+  if (input.layout == Layout::six_files) read.assign(input.faces.begin(), input.faces.end());
+  for (const auto& written : files::files_to_write(options.output.path, options.output.write.layout)) {
+    for (const auto& file : read) require_kept(file, written, "the conversion", "give OUT another name");
+  }
+}
+
 std::string convert(const ConvertOptions& options) {
   ProgressBar bar;
   const Control control = bar.control();
   const FileInput input = input_of(options.input, options.common.read);
-  const bool reads_cubemap = inspect_environment(input, options.common.read).layout != Layout::lat_long;
-  check_output(options.output, wants_cubemap(options.output, reads_cubemap));
+  const EnvironmentInfo info = inspect_environment(input, options.common.read);
+  check_output(options.output, wants_cubemap(options.output, info.layout != Layout::lat_long));
+  check_input_is_kept(options, info);
   begin_stage("read");
   Environment source = read_environment(input, options.common.read, part_of(control, 0.0, kRead));
   const bool is_cubemap = source.face_size() > 0;

@@ -216,7 +216,8 @@ const SrgbTables& srgb() {
 PreviewPicture::PreviewPicture(int width, int height, const glm::vec3& background)
     : width_(width),
       height_(height),
-      bytes_(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+      bytes_(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      codes_(srgb().codes.data()) {
   set(0, 0, background);
   // Each pixel from the one before.
   for (std::size_t i = 3; i < bytes_.size(); ++i) bytes_[i] = bytes_[i - 3];
@@ -227,10 +228,9 @@ std::size_t PreviewPicture::place(int column, int row) const noexcept {
 }
 
 void PreviewPicture::set(int column, int row, const glm::vec3& rgb) {
-  static const std::uint8_t* const codes = srgb().codes.data();
   std::uint8_t* const pixel = bytes_.data() + place(column, row);
   for (int c = 0; c < 3; ++c) {
-    pixel[c] = codes[static_cast<int>(std::clamp(rgb[c], 0.0F, 1.0F) * static_cast<float>(kSteps) + 0.5F)];
+    pixel[c] = codes_[static_cast<int>(std::clamp(rgb[c], 0.0F, 1.0F) * static_cast<float>(kSteps) + 0.5F)];
   }
 }
 

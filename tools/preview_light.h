@@ -95,6 +95,7 @@ class PreviewPicture {
   int width_;
   int height_;
   std::vector<std::uint8_t> bytes_;  // rows from above, three a pixel
+  const std::uint8_t* codes_;        // of light in fine steps
 };
 
 /// The width of a label in pixels.

@@ -162,30 +162,32 @@ class Light {
 
   [[nodiscard]] const BrdfTable* brdf() const noexcept { return light_.brdf.get(); }
 
-  /// Radiance of a ball's point. The viewer is towards +z, so that N.V is the normal's z. `mip`: of the roughness.
-  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, const SpecularAlbedo& albedo, double mip,
-                               const glm::vec3& normal) const {
-    const glm::vec3 reflected = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
-    const glm::vec3 share = albedo.at(normal.z);
-    const glm::vec3 mirrored = reflection(reflected, mip, normal.z) * share;
-    if (material.is_metal()) return mirrored;
-    constexpr auto kShown = static_cast<float>(1.0 / std::numbers::pi);
-    return mirrored + (1.0F - share) * glm::vec3(material.diffuse_albedo) * irradiance_->at(normal, 0) * kShown;
-  }
-
- private:
-  /// From the mips by roughness, as a shader does it. Mip 0 is not blurred, and near a ball's rim a pixel reflects many
-  /// of its texels; their mean comes from the background's plain mips. Reflected directions turn twice as fast as
-  /// normals, and these turn along the radius by 1 / cosine of the radius' own change.
-  [[nodiscard]] glm::vec3 reflection(const glm::vec3& direction, double mip, float cosine) const {
+  /// What a ball reflects at `normal`, before its material takes a share. The viewer is towards +z, so that N.V is the
+  /// normal's z. `mip`: of the roughness. Mips are looked up by roughness, as a shader does it. Mip 0 is not blurred,
+  /// and near a ball's rim a pixel reflects many of its texels; their mean comes from the background's plain mips.
+  /// Reflected directions turn twice as fast as normals, and these turn along the radius by 1 / cosine of the radius'
+  /// own change.
+  [[nodiscard]] glm::vec3 reflection(const glm::vec3& normal, double mip) const {
+    const glm::vec3 direction = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
     if (mip >= 1.0 || !sharp_) return specular_.at(direction, mip);
-    const float pixel = 4.0F / (static_cast<float>(ball_) * std::sqrt(std::max(cosine, 0.02F)));  // mean of both ways
+    const float pixel = 4.0F / (static_cast<float>(ball_) * std::sqrt(std::max(normal.z, 0.02F)));  // mean of both ways
     const glm::vec3 sharp = sharp_->at(direction, sharp_->level_for(pixel));
     if (mip == 0.0) return sharp;
     const auto blurred = static_cast<float>(mip);
     return (1.0F - blurred) * sharp + blurred * specular_.at(direction, 1);
   }
 
+  /// Radiance of a ball's point. `reflected`: of `reflection` there.
+  [[nodiscard]] glm::vec3 ball(const PreviewMaterial& material, const SpecularAlbedo& albedo, const glm::vec3& normal,
+                               const glm::vec3& reflected) const {
+    const glm::vec3 share = albedo.at(normal.z);
+    const glm::vec3 mirrored = reflected * share;
+    if (material.is_metal()) return mirrored;
+    constexpr auto kShown = static_cast<float>(1.0 / std::numbers::pi);
+    return mirrored + (1.0F - share) * glm::vec3(material.diffuse_albedo) * irradiance_->at(normal, 0) * kShown;
+  }
+
+ private:
   const BakeResult& light_;
   CubeLookup specular_;
   std::optional<CubeLookup> sharp_;
@@ -210,31 +212,40 @@ struct Grid {
 struct Ball {
   const PreviewMaterial& material;
   SpecularAlbedo albedo;
-  double mip;  ///< of its roughness
-  glm::dvec2 centre;
-  double radius;
+  int top;  ///< the picture's row in which row 0 of the ball's cell lies
 };
 
-/// The pixels of one row of the picture that the ball covers, some only in part: an edge is as soft as a pixel.
-void draw_row(PreviewPicture& picture, const Ball& ball, const Light& light, const ToneMap& tone_map, int row) {
-  const double down = row + 0.5 - ball.centre.y;
-  const double reach = ball.radius + 0.5;
+/// Balls of one roughness, one below the other: they reflect the same, of which each material takes its share.
+struct BallColumn {
+  double mip;         ///< of the roughness
+  glm::dvec2 centre;  ///< of the first one, and so of each in its cell
+  double radius;
+  std::vector<Ball> balls;
+};
+
+/// The pixels of one row that the balls of a column cover, some only in part: an edge is as soft as a pixel.
+void draw_row(PreviewPicture& picture, const BallColumn& column, const Light& light, const ToneMap& tone_map, int row) {
+  const double down = row + 0.5 - column.centre.y;
+  const double reach = column.radius + 0.5;
   if (std::abs(down) >= reach) return;
   const double half = std::sqrt(reach * reach - down * down);
-  const int first = std::max(0, static_cast<int>(std::floor(ball.centre.x - half)));
-  const int last = std::min(picture.width() - 1, static_cast<int>(ball.centre.x + half));
-  for (int column = first; column <= last; ++column) {
-    const double across = column + 0.5 - ball.centre.x;
+  const int first = std::max(0, static_cast<int>(std::floor(column.centre.x - half)));
+  const int last = std::min(picture.width() - 1, static_cast<int>(column.centre.x + half));
+  for (int x = first; x <= last; ++x) {
+    const double across = x + 0.5 - column.centre.x;
     const double away = std::sqrt(across * across + down * down);
-    const double covered = std::clamp(ball.radius - away + 0.5, 0.0, 1.0);
+    const double covered = std::clamp(column.radius - away + 0.5, 0.0, 1.0);
     if (covered == 0.0) continue;
     // A pixel that the rim crosses shows what is seen just inside of it.
-    const double inside = std::min(1.0, (ball.radius - 0.25) / std::max(away, 1e-9));
-    const double u = across * inside / ball.radius;
-    const double v = -down * inside / ball.radius;
+    const double inside = std::min(1.0, (column.radius - 0.25) / std::max(away, 1e-9));
+    const double u = across * inside / column.radius;
+    const double v = -down * inside / column.radius;
     const glm::vec3 normal(u, v, std::sqrt(std::max(0.0, 1.0 - u * u - v * v)));
-    const glm::vec3 seen(tone_map(light.ball(ball.material, ball.albedo, ball.mip, normal)));
-    picture.set(column, row, kGround + (seen - kGround) * static_cast<float>(covered));
+    const glm::vec3 reflected = light.reflection(normal, column.mip);
+    for (const Ball& ball : column.balls) {
+      const glm::vec3 seen(tone_map(light.ball(ball.material, ball.albedo, normal, reflected)));
+      picture.set(x, ball.top + row, kGround + (seen - kGround) * static_cast<float>(covered));
+    }
   }
 }
 
@@ -258,26 +269,24 @@ PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map,
   for (const PreviewMaterial& material : preview_materials()) {
     if (material.is_metal() || lit.has_irradiance()) rows.push_back(&material);
   }
-  const std::span<const double> columns = preview_roughness();
-  std::vector<std::vector<Ball>> balls(rows.size());
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t column = 0; column < columns.size(); ++column) {
-      const double roughness = columns[column];
-      balls[row].push_back({*rows[row], SpecularAlbedo(*rows[row], roughness, lit.brdf()), lit.mip_of(roughness),
-                            grid.centre(static_cast<int>(column), static_cast<int>(row)), 0.5 * ball});
+  const std::span<const double> roughness = preview_roughness();
+  std::vector<BallColumn> columns;
+  for (std::size_t column = 0; column < roughness.size(); ++column) {
+    columns.push_back({lit.mip_of(roughness[column]), grid.centre(static_cast<int>(column), 0), 0.5 * ball, {}});
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      columns.back().balls.push_back({*rows[row], SpecularAlbedo(*rows[row], roughness[column], lit.brdf()),
+                                      static_cast<int>(row) * grid.row_height()});
     }
   }
   PreviewPicture picture(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
                          static_cast<int>(rows.size()) * grid.row_height(), kGround);
-  for_rows(picture.height(), picture.width(), control, [&](int row) {
-    for (const Ball& each : balls[static_cast<std::size_t>(row / grid.row_height())]) {
-      draw_row(picture, each, lit, tone_map, row);
-    }
+  for_rows(grid.row_height(), picture.width() * static_cast<int>(rows.size()), control, [&](int row) {
+    for (const BallColumn& column : columns) draw_row(picture, column, lit, tone_map, row);
   });
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const glm::dvec2 centre = grid.centre(static_cast<int>(column), static_cast<int>(row));
-      const std::string label = std::string(rows[row]->name) + ' ' + significant(columns[column], 2);
+      const std::string label = std::string(rows[row]->name) + ' ' + significant(roughness[column], 2);
       picture.write(label, centre.x, centre.y + 0.5 * ball + 1.8 * grid.letters(), grid.letters());
     }
   }

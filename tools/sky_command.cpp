@@ -131,6 +131,9 @@ void add_table_options(Options& table, SkyOptions& options) {
                "0: never",
        .type = "SHARE",
        .bounds = finite_between(0.0, 1.0)});
+  table.push_back({.names = "--exact-orders",
+                   .target = OnFlag([&tables] { tables.exact_orders = true; }),
+                   .text = "Leave out light of more than --orders orders, which is otherwise estimated"});
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
       "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm (default), or luminance in linear sRGB, cd/m2 "

@@ -299,6 +299,7 @@ Json tables_json(const SkyReport& report) {
           {"minimum_sun_elevation_degrees", tables.minimum_sun_elevation_degrees},
           {"orders_asked_for", tables.orders},
           {"until_change", tables.until_change},
+          {"exact_orders", tables.exact_orders},
           {"bytes", report.table_bytes}};
 }
 

@@ -175,9 +175,7 @@ void check(const SkyParameters& parameters, const SweepOptions& options) {
   }
   for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
     for (const std::filesystem::path& written : {path, text_beside(options)}) {
-      if (!read || !is_same_file(*read, written)) continue;
-      throw Error(ErrorCode::file_access, *read + ": is read, and --sweep would write over it as " + written.string() +
-                                              "; give the picture another name");
+      if (read) require_kept(*read, written, "--sweep", "give the picture another name");
     }
   }
 }

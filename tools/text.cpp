@@ -4,42 +4,32 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <system_error>
 
 #include "platform/file.h"
+#include "platform/text.h"
 
 namespace welkin::tool {
 namespace {
-
-std::string formatted(double value, std::chars_format format, int precision) {
-  std::array<char, 512> text{};  // DBL_MAX in fixed point takes 309 digits
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, format, precision);
-  return {text.data(), result.ptr};
-}
 
 std::string degrees(double radians) { return significant(std::abs(radians) * 180.0 / std::numbers::pi, 4); }
 
 }  // namespace
 
 std::string significant(double value, int digits) {
-  return formatted(value + 0.0, std::chars_format::general, digits);  // + 0.0: no "-0"
+  return platform::number_text(value + 0.0, std::chars_format::general, digits);  // + 0.0: no "-0"
 }
 
 std::string rough(double value) {
-  return value < 999.5 ? significant(value, 3) : formatted(value, std::chars_format::fixed, 0);
+  return value < 999.5 ? significant(value, 3) : platform::number_text(value, std::chars_format::fixed, 0);
 }
 
 std::string significant(const glm::dvec3& rgb, int digits) {
   return significant(rgb.x, digits) + "  " + significant(rgb.y, digits) + "  " + significant(rgb.z, digits);
 }
 
-std::string all_digits(double value) {
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
-  return {text.data(), result.ptr};
-}
+std::string all_digits(double value) { return platform::number_text(value + 0.0); }
 
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
@@ -84,7 +74,7 @@ NumberColumn::NumberColumn(double largest_magnitude) {
 
 std::string NumberColumn::cell(double value, std::size_t width) const {
   const auto format = scientific_ ? std::chars_format::scientific : std::chars_format::fixed;
-  const std::string text = formatted(value, format, decimals_);
+  const std::string text = platform::number_text(value, format, decimals_);
   const bool is_zero = text.find_first_of("123456789") == std::string::npos;
   // A rounded-away negative would print as "-0.0000", which reads as a claim about its sign.
   const std::string unsigned_zero = is_zero && text.front() == '-' ? text.substr(1) : text;
@@ -139,6 +129,13 @@ bool is_same_file(const std::filesystem::path& one, const std::filesystem::path&
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
   };
   return std::filesystem::equivalent(one, other, unknown) || (place(one) == place(other) && !place(one).empty());
+}
+
+void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,
+                  const std::string& remedy) {
+  if (!is_same_file(read, written)) return;
+  throw Error(ErrorCode::file_access, read.string() + ": is read, and " + writer + " would write over it as " +
+                                          written.filename().string() + "; " + remedy);
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

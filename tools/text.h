@@ -82,6 +82,11 @@ class NumberColumn {
 /// Whether both name one file, or would if it were there.
 [[nodiscard]] bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
 
+/// Throws `Error` (file_access) if both are one file: `writer` ("this bake") would write over what it reads. `remedy`:
+/// what would do instead.
+void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,
+                  const std::string& remedy);
+
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "welkin/core.h"
@@ -125,5 +126,28 @@ void bake_into(BakeResult& result, const CubemapView& source, const BakeOptions&
                                  const Control& control = {});
 [[nodiscard]] BakeResult bake_to(const BakeTargets& targets, const CubemapView& source, const BakeOptions& options = {},
                                  const Control& control = {});
+
+// Many at once: the probes of a level, each with its coefficients and reflections
+//
+//   const welkin::PrefilterOptions options{.size = 64, .mips = 5};
+//   std::vector<welkin::CubemapTarget> targets;             // five a probe, in memory of the caller's
+//   std::vector<welkin::dvec3> light(9 * probes.size());    // nine a probe
+//   welkin::bake_many(probes, targets, light, options);
+
+/// Bakes reflections and harmonics of many cubemaps, of any sizes and formats, into memory of the caller's. `specular`:
+/// the targets of each mip of the first probe's chain, then of the second's, and so on; texels are those that
+/// `store_texels` writes of `prefilter_specular`. `coefficients`: bands^2 of each probe, as `project_many` writes them;
+/// with 0 bands none. `options` and its pixel policy are those of all probes.
+///
+/// Small probes (to 129 texels an edge) are baked whole by one thread each, side by side, if there are two or more for
+/// each thread; others one after the other by all threads. The result has no cubemaps: its diagnostics are as
+/// `project_many` has them, `values_clamped` is of all targets, `peak_bytes` of the working memory of all threads. The
+/// same bits as single calls, on any number of threads.
+///
+/// Throws `Error` as `bake` and `bake_to`, the message beginning with the number of the first probe that is refused or
+/// rejected. Arguments are looked at before anything is written; after other errors what was written is any.
+BakeResult bake_many(std::span<const CubemapView> probes, std::span<const CubemapTarget> specular,
+                     std::span<dvec3> coefficients, const PrefilterOptions& options = {}, int bands = 3,
+                     const Control& control = {});
 
 }  // namespace welkin

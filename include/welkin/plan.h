@@ -89,7 +89,7 @@ struct CostModel {
   double legendre_term = 0.5;          ///< a ring's share of one degree and order, either way, three channels
   double face_texel = 16.0;            ///< a texel of a mip, looked up in rings
   double near_texel = 3000.0;          ///< a texel of a narrow mip: source texels near by, each as an area
-  double tap = 35.0;                   ///< a tap of a texel of the sampled method
+  double tap = 8.5;                    ///< a tap of a texel of the sampled method
   double reference_pair = 5.0;         ///< a texel of the source for a texel of the reference method,
   double reference_direction = 6.5e6;  ///< and once for each of these: source texels near its peak are divided
 

@@ -160,6 +160,25 @@ struct Projection {
 [[nodiscard]] Projection project(const LatLongView& lat_long, const ProjectionOptions& options = {},
                                  const Control& control = {});
 
+// ---- Many at once: the probes of a level
+//
+//   std::vector<welkin::dvec3> light(9 * probes.size());
+//   welkin::project_many(probes, light);                        // the very bits of project(probes[k]) from 9 k on
+
+/// Projects many cubemaps, of any sizes and formats: bands^2 coefficients of `probes[k]` are written from
+/// `coefficients[bands^2 k]` on, in the order of `SphericalHarmonics::coefficients`.
+///
+/// Small ones (to 129 texels an edge) are projected whole by one thread each, side by side, and take no memory of
+/// their own (but where the midpoint rule reduces them to a target size); larger ones one after the other by all
+/// threads. The diagnostics are of all probes together: counts and total radiance are sums, the error estimate is the
+/// largest. The same bits on any number of threads.
+///
+/// Throws as `project`, the message beginning with the number of the first probe that is refused or rejected, and
+/// invalid_argument unless there is room for bands^2 coefficients of each probe. Arguments are looked at before
+/// anything is written; after other errors the coefficients are any.
+ProjectionDiagnostics project_many(std::span<const CubemapView> probes, std::span<dvec3> coefficients,
+                                   const ProjectionOptions& options = {}, const Control& control = {});
+
 // ---- Face by face: when one face changes, one face is projected again
 //
 //   welkin::FaceHarmonics kept = welkin::project_faces(cubemap);

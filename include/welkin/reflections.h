@@ -68,10 +68,9 @@ struct MipRecord {
   double roughness = 0.0;              ///< perceptual
   MipMethod method = MipMethod::copy;  ///< how it was made
   int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
-  int bright_texels = 0;               ///< spectral: texels whose lobes were added one by one
+  int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the harmonics
   int samples = 0;                     ///< sampled: taps a texel
-  /// Predicted rms error over the mip's rms; 0 of copies. Of narrow mips a bound of the largest relative error, far
-  /// above the rms. None where nothing is known: of sampled and stored mips.
+  /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of sampled and stored mips.
   std::optional<double> error_estimate = std::nullopt;
   dvec3 mean{};               ///< by solid angle: in truth the same on every mip (the kernel keeps energy)
   double milliseconds = 0.0;  ///< wall time

@@ -60,6 +60,10 @@ struct SkyTableOptions {
   /// of the three.
   double until_change = 0.0;
 
+  /// Of orders beyond `orders` nothing is in the tables. Off: if there is more than one order, what all further ones
+  /// add is estimated, as light in deep twilight has been scattered often.
+  bool exact_orders = false;
+
   SkyColour colour = SkyColour::spectral;                      ///< wavelengths, or three primaries
   std::uint64_t memory_limit_bytes = std::uint64_t{4} << 30U;  ///< tables that need more are refused
 
@@ -104,9 +108,9 @@ struct SkyTables {
 ///
 /// Single scattering at texels: root mean square error 1e-5 of the mean by day, 1e-4 by night (Earth, Mars). Higher
 /// orders are not integrated over directions for each direction, as Bruneton does it: radiance about a point is
-/// projected to spherical harmonics (up to 20 bands) about the vertical, where phase functions are products; the second
-/// order agrees with direct integration to 0.5 %. What these bands cannot carry of a forward lobe is taken for light
-/// that goes straight on (delta-M scaling), in the first order too, unless `orders` is 1.
+/// projected to spherical harmonics (20 bands, of narrow lobes 28) about the vertical, where phase functions are
+/// products; the second order agrees with direct integration to 0.5 %. What these bands cannot carry of a forward lobe
+/// is taken for light that goes straight on (delta-M scaling), in the first order too, unless `orders` is 1.
 ///
 /// The same bits on any number of threads and instruction set. Nothing in them is negative or not finite.
 /// Throws `Error`: invalid_argument, limit_exceeded, cancelled.

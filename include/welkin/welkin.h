@@ -258,7 +258,15 @@ WELKIN_API welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int3
                                                 const welkin_projection_options* options, const welkin_control* control,
                                                 welkin_projection* projection);
 
-/* The same of a lat-long. */
+/* Projects `probe_count` cubemaps of any sizes and formats, all of one `struct_size`: 3 bands^2 doubles of each are
+ * written to `coefficients`, one probe after the other, with the bits of `welkin_project_cubemap`. Nothing is taken
+ * from the heap for a small probe. `totals` (may be null) gets the sums over all probes, the largest error estimate,
+ * no bands and no coefficients. Errors name the number of the probe. */
+WELKIN_API welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_count,
+                                             const welkin_projection_options* options, const welkin_control* control,
+                                             double* coefficients, welkin_projection* totals);
+
+/* The same as `welkin_project_cubemap`, of a lat-long. */
 WELKIN_API welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long,
                                                  const welkin_projection_options* options,
                                                  const welkin_control* control, welkin_projection* projection);
@@ -608,6 +616,16 @@ typedef struct welkin_bake_options {
   uint64_t memory_limit_bytes;                /* results and working memory together; 0: 8 GiB */
 } welkin_bake_options;
 
+/* Bakes reflections and harmonics of `probe_count` cubemaps of any sizes and formats, all of one `struct_size`, into
+ * memory of the caller's. `targets`, also of one `struct_size`, RGBA_F16 or RGBA_F32: one for each mip of the first
+ * probe's chain, then of the second's, and so on; `target_count` is the number of mips times `probe_count`.
+ * `coefficients` gets 3 bands^2 doubles of each probe; with 0 bands it may be null. `totals` as `welkin_project_many`,
+ * `values_clamped` (may be null too) of all targets. Errors name the number of the probe. bake.h says more. */
+WELKIN_API welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count,
+                                          const welkin_prefilter_options* options, const welkin_control* control,
+                                          const welkin_cubemap_target* targets, int64_t target_count, int32_t bands,
+                                          double* coefficients, welkin_projection* totals, uint64_t* values_clamped);
+
 /* What a bake made. */
 typedef struct welkin_bake_result welkin_bake_result;
 
@@ -773,6 +791,7 @@ typedef struct welkin_sky_table_options {
   double minimum_sun_elevation_degrees; /* that the tables hold, -90 up to below 0; 0: -30 */
   double until_change;                  /* stop before `orders` when one added less than this share; 0: never */
   uint64_t memory_limit_bytes;          /* 0: 4 GiB */
+  int32_t exact_orders;                 /* not 0: nothing of orders beyond `orders`; 0: they are estimated */
 } welkin_sky_table_options;
 
 /* All that a planet's sky can look like: precomputed scattering. */

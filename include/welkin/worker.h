@@ -134,14 +134,15 @@ struct WorkerLoad {
 ///
 /// The worker's threads stay in the process that made it. In a fork of that process its members and those of its jobs
 /// that would need them throw `Error` (stopped) instead of waiting for ever; `cancel` returns false, and the destructor
-/// leaves all as it is. A fork may make a worker of its own, if no thread of its parent was inside oneTBB when it
-/// forked: otherwise that worker may wait for ever (docs/threading.md).
+/// leaves all as it is. A fork may make a worker of its own, unless its parent had one or a call of it computed when it
+/// forked, or another thread was inside oneTBB: then the constructor throws (docs/threading.md).
 ///
 /// All members may be called from any thread, from the worker's own too. Whatever goes wrong in a request, running out
 /// of memory included, arrives through its job.
 class Worker {
  public:
-  /// Throws `Error` (invalid_argument) for options out of range, std::system_error if no thread can be made.
+  /// Throws `Error` (invalid_argument) for options out of range, `Error` (stopped) in a fork that has locks which
+  /// nobody opens, std::system_error if no thread can be made.
   explicit Worker(WorkerOptions options = {});
 
   /// `terminate()`; callbacks that were not drained are dropped.

@@ -12,7 +12,9 @@
 #include "image/sphere_grid.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
+#include "reflections/far_parts.h"
 #include "reflections/narrow.h"
+#include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
@@ -95,8 +97,7 @@ std::uint64_t columns_bytes(int bands, int rings) {
   return static_cast<std::uint64_t>(bands) * groups * transforms::kColumnFloats * sizeof(float);
 }
 
-std::uint64_t grid_bytes(int bands) {
-  const transforms::GridSize grid = transforms::grid_for_bands(bands);
+std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
   constexpr int border = 2 * image::SphereGrid::kBorder;
   return columns_bytes(bands, grid.rings) + sizeof(float) * 4 * static_cast<std::uint64_t>(grid.rings + border) *
                                                 static_cast<std::uint64_t>(grid.columns + border);
@@ -106,14 +107,14 @@ reflections::NarrowSplit split_of(const SourceShape& source) {
   return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows);
 }
 
-/// Of narrow mips: a spectrum of its own, and a grid for each.
+/// Of narrow mips: a spectrum of its own, and some grids.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const reflections::NarrowSplit split = split_of(source);
   const int rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : source.rows;
   std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
   if (source.cubemap) bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
-  const auto mips = std::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method);
-  return bytes + static_cast<std::uint64_t>(mips) * grid_bytes(split.bands);
+  return bytes + reflections::far_alphas(split, plan.narrow_alphas).size() *
+                     grid_bytes(split.bands, reflections::grid_of_far_part(source.cubemap, split));
 }
 
 /// What the prefilter holds when all of its mips are being made.
@@ -123,7 +124,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
   if (plan.bands > 0) {
-    if (source.cubemap) bytes += (24 + 9) * ring_texels;  // of `rings_of_cubemap`
+    if (source.cubemap) bytes += reflections::cube_rings_bytes(source.columns, rings);
     bytes += kTexelBytes * ring_texels + columns_bytes(plan.bands, rings);
     bytes += squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
   }
@@ -131,7 +132,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
-    bytes += grid_bytes(mip.bands.bands());
+    bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
   }
   // The chain that is sampled, with a border, from level 0 down.
   if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
@@ -175,7 +176,15 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     cost += costs.bright_texel * rings * columns + transforming(rings, columns, plan.bands, costs);
   }
   const reflections::NarrowSplit split = split_of(source);
-  if (plan.uses(MipMethod::narrow)) cost += transforming(rings, columns, split.bands, costs);
+  // of the time that a texel takes of a cubemap, a lat-long's sums of Gaussians take, with and without quarter turns
+  const double gaussians = source.columns % 4 == 0 ? 0.016 : 0.06;
+  const double near_texel = source.cubemap ? costs.near_texel : gaussians * costs.near_texel;
+  const auto far_parts = static_cast<double>(reflections::far_alphas(split, plan.narrow_alphas).size());
+  if (plan.uses(MipMethod::narrow)) {
+    const transforms::GridSize grid = reflections::grid_of_far_part(source.cubemap, split);
+    cost += transforming(rings, columns, split.bands, costs) +
+            far_parts * transforming(grid.rings, grid.columns, split.bands, costs);
+  }
   if (plan.uses(MipMethod::sampled)) {
     cost += resampling(source, plan.size, costs) + (costs.mip_texel + costs.copy_texel) * cube_texels(plan.size);
   }
@@ -185,9 +194,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     if (mip.method == MipMethod::copy) {
       cost += resampling(source, mip.size, costs);
     } else if (mip.method == MipMethod::narrow) {
-      const transforms::GridSize grid = transforms::grid_for_bands(split.bands);
-      cost +=
-          transforming(grid.rings, grid.columns, split.bands, costs) + (costs.face_texel + costs.near_texel) * texels;
+      cost += (std::min(far_parts, 2.0) * costs.face_texel + near_texel) * texels;
     } else if (mip.method == MipMethod::sampled) {
       cost += costs.tap * texels * plan.samples;
     } else if (mip.method == MipMethod::reference) {

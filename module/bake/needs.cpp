@@ -1,7 +1,7 @@
 #include "bake/needs.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
 #include <string>
 #include <utility>
 
@@ -9,6 +9,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/core.h"
 #include "welkin/error_budget.h"
@@ -24,8 +25,9 @@ void check(const SceneNeeds& needs) {
   if (!needs.glossy) return;
   const RoughnessRange& range = *needs.glossy;
   if (range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0) return;
-  throw Error(ErrorCode::invalid_argument, "glossy materials' roughness is from " + std::to_string(range.minimum) +
-                                               " to " + std::to_string(range.maximum) + "; it must rise, from 0 to 1");
+  throw Error(ErrorCode::invalid_argument, "glossy materials' roughness is from " +
+                                               platform::number_text(range.minimum) + " to " +
+                                               platform::number_text(range.maximum) + "; it must rise, from 0 to 1");
 }
 
 }  // namespace welkin
@@ -138,9 +140,7 @@ constexpr double kBandsShare = 0.3;  ///< of the progress
 std::string percent(double share) {
   // Of what cancels to nothing, rounding is any number of times the rest.
   if (!(share < 1.0)) return "100 % or more";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %%", 100.0 * share);
-  return text;
+  return platform::number_text(100.0 * share, std::chars_format::general, 3) + " %";
 }
 
 std::string bands_text(int bands) { return std::to_string(bands) + (bands == 1 ? " band" : " bands"); }

@@ -2,8 +2,8 @@
 #include "welkin/plan.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -11,6 +11,7 @@
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/irradiance.h"
 #include "welkin/spherical_harmonics.h"
@@ -113,17 +114,13 @@ std::string padded_right(std::string text, std::size_t width) {
 }
 
 std::string milliseconds_text(double milliseconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, milliseconds < 10.0 ? "%.2f" : "%.0f", milliseconds);
-  return text;
+  return platform::number_text(milliseconds, std::chars_format::fixed, milliseconds < 10.0 ? 2 : 0);
 }
 
 std::string bytes_text(std::uint64_t bytes) {
   constexpr double kMebibyte = 1024.0 * 1024.0;
   if (bytes == 0) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", static_cast<double>(bytes) / kMebibyte);
-  return text;
+  return platform::number_text(static_cast<double>(bytes) / kMebibyte, std::chars_format::fixed, 2);
 }
 
 /// Of passes of that name together: the sky's tables have one for every three wavelengths.
@@ -195,7 +192,8 @@ bool scales(const EnvironmentChange& change) { return change.scale != glm::dvec3
 void check(const EnvironmentChange& change) {
   for (glm::length_t c = 0; c < 3; ++c) {
     if (change.scale[c] >= 0.0 && std::isfinite(change.scale[c])) continue;
-    throw Error(ErrorCode::invalid_argument, "an environment cannot be scaled by " + std::to_string(change.scale[c]) +
+    throw Error(ErrorCode::invalid_argument, "an environment cannot be scaled by " +
+                                                 platform::number_text(change.scale[c]) +
                                                  "; pass a finite factor that is not negative");
   }
   // Refuses what is no turn, whether or not there is light to turn.

@@ -134,8 +134,10 @@ class SkyPlanner {
     const sky::SourceShape shape = sky::source_shape(tables);
     const double nodes = static_cast<double>(shape.size()) / 4.0 / shape.angles;
     add(SkyPass::orders,
-        tables.orders > 1 ? "orders 2 to " + std::to_string(tables.orders) + ", and what reaches the ground"
-                          : "of one order only what reaches the ground: multiple scattering falls away",
+        tables.orders > 1
+            ? "orders 2 to " + std::to_string(tables.orders) +
+                  (tables.exact_orders ? "" : ", an estimate of further ones") + ", and what reaches the ground"
+            : "of one order only what reaches the ground: multiple scattering falls away",
         groups() * nodes * (costs_.first_order_node + costs_.order_node * (tables.orders - 1)),
         sizeof(float) * sky::irradiance_floats(tables));
     const auto texels = static_cast<double>(sky::scattering_texels(tables));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "projection/sanitized_pixels.h"
-#include "reflections/bright_texels.h"
+#include "reflections/bright_lights.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/error_budget.h"
@@ -61,9 +61,8 @@ struct EnvironmentEnergies {
   std::vector<double> whole;
   std::vector<double> rest;   ///< without the texels that the prefilter extracts and blurs exactly
   std::vector<double> rings;  ///< of what the rings lose that a cubemap goes through, at least; empty for a lat-long
-  std::vector<reflections::BrightTexel> bright;  ///< those that are extracted, of a lat-long of this shape
-  int width = 0;
-  int height = 0;
+  std::vector<double> rings_of_rest;  ///< the same without those texels
+  reflections::BrightLights bright;   ///< those texels
 };
 
 /// A cubemap on rings of latitude, as the prefilter reads it. Throws `Error` (cancelled).

@@ -13,6 +13,7 @@
 #include "jobs/tiles.h"
 #include "math/basis.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/irradiance.h"
 #include "projection/sanitized_pixels.h"
 #include "projection/sun_detection.h"
@@ -101,8 +102,8 @@ double root_of_squares(double a, double b) { return std::sqrt(a * a + b * b); }
 
 void check_high(const HighBands& high) {
   if (high.energy >= 0.0 && high.absolute >= 0.0 && std::isfinite(high.energy) && std::isfinite(high.absolute)) return;
-  throw Error(ErrorCode::invalid_argument, "what is in the high bands is energy " + std::to_string(high.energy) +
-                                               " and absolute " + std::to_string(high.absolute) +
+  throw Error(ErrorCode::invalid_argument, "what is in the high bands is energy " + platform::number_text(high.energy) +
+                                               " and absolute " + platform::number_text(high.absolute) +
                                                "; both must be finite and not negative");
 }
 

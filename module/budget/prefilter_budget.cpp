@@ -13,7 +13,6 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "reflections/bright_texels.h"
-#include "reflections/cube_rings.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
@@ -194,7 +193,6 @@ namespace {
 
 using transforms::Spectrum;
 
-constexpr std::size_t kMostBright = 256;  ///< as the prefilter's own
 constexpr double kPi = std::numbers::pi;
 constexpr int kMostRings = 2048;
 
@@ -225,9 +223,7 @@ std::vector<double> sum_squares(int bands, const Value& value) {
 }  // namespace
 
 LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control) {
-  LatLongImage rings = reflections::rings_of_cubemap(cube, rows, control);
-  reflections::RingSharpener(rows, cube.size).sharpen(rings);
-  return rings;
+  return reflections::sharp_rings_of_cubemap(cube, rows, control);
 }
 
 std::vector<double> band_energies(const Spectrum& spectrum) {
@@ -261,33 +257,30 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
                                      int bands, const Control& control) {
   const Control quiet{control.stop, {}};
   EnvironmentEnergies energies;
-  LatLongImage image;
-  if (source.cubemap()) {
-    image = reflections::rings_of_cubemap(source.cube(), plan.rows_for_cubemap(source.columns()), quiet);
-  } else {
-    image = {source.columns(), source.rows(), {}};
-    for (int row = 0; row < image.height; ++row)
-      image.pixels.insert(image.pixels.end(), source.row(row), source.row(row) + std::ptrdiff_t{3} * image.width);
-  }
-  const projection::SanitizedSource sanitized(image.view(), {}, quiet);
-  energies.width = image.width;
-  energies.height = image.height;
-  energies.bright = reflections::find_bright_texels(sanitized, plan.least_alpha, kMostBright, quiet);
-  LatLongImage rest = energies.bright.empty() ? LatLongImage{} : image;
-  for (const reflections::BrightTexel& texel : energies.bright) {
-    const auto place = 3 * (std::ptrdiff_t{texel.row} * image.width + texel.column);
-    std::copy(texel.rest.begin(), texel.rest.end(), rest.pixels.begin() + place);
-  }
-  if (source.cubemap()) {
-    const reflections::RingSharpener sharpener(image.height, source.columns());
-    sharpener.sharpen(image);
-    if (!energies.bright.empty()) sharpener.sharpen(rest);
-  }
+  const std::vector<reflections::BrightTexel> bright =
+      reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
+  energies.bright =
+      reflections::BrightLights(bright, reflections::PictureShape::of(source), plan.least_alpha, plan.reach);
+  const auto on_rings = [&](std::vector<float> pixels) {
+    if (!source.cubemap()) return LatLongImage{source.columns(), source.rows(), std::move(pixels)};
+    const CubemapImage cube{source.columns(), std::move(pixels)};
+    return sharpened_rings(cube.view(), plan.rows_for_cubemap(source.columns()), quiet);
+  };
+  const LatLongImage image = on_rings(reflections::pixels_without({}, source));
   energies.spectrum = transforms::analyse(image.view(), bands, quiet);
   energies.whole = band_energies(energies.spectrum);
   if (source.cubemap()) energies.rings = ring_energies(source.cube(), image.height, energies.spectrum, quiet);
-  energies.rest =
-      energies.bright.empty() ? energies.whole : band_energies(transforms::analyse(rest.view(), bands, quiet));
+  energies.rest = energies.whole;
+  energies.rings_of_rest = energies.rings;
+  if (!bright.empty()) {
+    const std::vector<float> pixels = reflections::pixels_without(bright, source);
+    const Spectrum rest = transforms::analyse(on_rings(pixels).view(), bands, quiet);
+    energies.rest = band_energies(rest);
+    if (source.cubemap()) {
+      const CubemapImage cube{source.columns(), pixels};
+      energies.rings_of_rest = ring_energies(cube.view(), image.height, rest, quiet);
+    }
+  }
   return energies;
 }
 
@@ -313,9 +306,8 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  const auto lights = reflections::lobe_lights(energies.bright, energies.width, energies.height, mip.alpha);
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings) +
-          reflections::horizon_error(lights, mip.alpha)) /
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
+          energies.bright.error(mip.alpha)) /
          whole;
 }
 

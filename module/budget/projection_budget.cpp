@@ -12,6 +12,7 @@
 #include "budget/budget.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "welkin/core.h"
 
@@ -137,7 +138,7 @@ constexpr double kLeastBudget = 1e-6;  ///< what float arithmetic leaves
 
 void check_budget(const ErrorBudget& budget) {
   if (budget.relative >= kLeastBudget && budget.relative <= 1.0) return;
-  throw Error(ErrorCode::invalid_argument, "the error budget is " + std::to_string(budget.relative) +
+  throw Error(ErrorCode::invalid_argument, "the error budget is " + platform::number_text(budget.relative) +
                                                "; it is a share of the result, from 1e-6 to 1 (0.01 is 1 %)");
 }
 

@@ -381,6 +381,26 @@ BakeOptions bake_options(const welkin_bake_options* options) {
 
 }  // namespace welkin::c_interface
 
+welkin_status welkin_bake_many(const welkin_cubemap* probes, int64_t probe_count,
+                               const welkin_prefilter_options* options, const welkin_control* control,
+                               const welkin_cubemap_target* targets, int64_t target_count, int32_t bands,
+                               double* coefficients, welkin_projection* totals, uint64_t* values_clamped) {
+  return guarded([&] {
+    const auto wanted = prefilter_options(options, kDefaultReflections, true);
+    const auto views = probe_views(probes, probe_count);
+    const auto written = cubemap_targets(targets, target_count);
+    if (totals != nullptr) require_room(totals, 0);
+    if (!views.empty() && bands != 0) require(coefficients, "coefficients");
+    const std::size_t room =
+        bands > 0 && bands <= welkin::kMaximumBands ? views.size() * static_cast<std::size_t>(bands * bands) : 0;
+    const auto baked = welkin::bake_many(views, written, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
+                                         bands, control_of(control));
+    if (totals != nullptr) write_diagnostics(totals, baked.diagnostics);
+    tell(baked.values_clamped, values_clamped);
+    return WELKIN_OK;
+  });
+}
+
 welkin_status welkin_bake_cubemap(const welkin_cubemap* cubemap, const welkin_bake_options* options,
                                   const welkin_control* control, welkin_bake_result** result) {
   return guarded([&] {

@@ -35,6 +35,24 @@ welkin_status welkin_project_cubemap(const welkin_cubemap* mips, int32_t mip_cou
   });
 }
 
+static_assert(sizeof(welkin::dvec3) == 3 * sizeof(double));
+
+welkin_status welkin_project_many(const welkin_cubemap* probes, int64_t probe_count,
+                                  const welkin_projection_options* options, const welkin_control* control,
+                                  double* coefficients, welkin_projection* totals) {
+  return guarded([&] {
+    const auto wanted = projection_options(options);
+    const auto views = probe_views(probes, probe_count);
+    if (totals != nullptr) require_room(totals, 0);
+    if (!views.empty()) require(coefficients, "coefficients");
+    const std::size_t room = views.size() * static_cast<std::size_t>(wanted.bands * wanted.bands);
+    const auto sum = welkin::project_many(views, {reinterpret_cast<welkin::dvec3*>(coefficients), room}, wanted,
+                                          control_of(control));
+    if (totals != nullptr) write_diagnostics(totals, sum);
+    return WELKIN_OK;
+  });
+}
+
 welkin_status welkin_project_lat_long(const welkin_lat_long* lat_long, const welkin_projection_options* options,
                                       const welkin_control* control, welkin_projection* projection) {
   return guarded([&] {

@@ -267,6 +267,7 @@ SkyTableOptions table_options(const welkin_sky_table_options* options) {
   set_unless_zero(wanted.minimum_sun_elevation_degrees, given.minimum_sun_elevation_degrees);
   set_unless_zero(wanted.orders, given.orders);
   wanted.until_change = given.until_change;
+  wanted.exact_orders = given.exact_orders != 0;
   wanted.colour = enumerator("colour", given.colour, SkyColour::linear_srgb);
   set_unless_zero(wanted.memory_limit_bytes, given.memory_limit_bytes);
   return wanted;

@@ -7,6 +7,8 @@
 #include <new>
 #include <string>
 
+#include "platform/text.h"
+
 namespace welkin::c_interface {
 namespace {
 
@@ -186,7 +188,8 @@ int32_t welkin_control_stop_requested(const welkin_control* control) {
 welkin_status welkin_control_report_progress(const welkin_control* control, double done) {
   return guarded([&] {
     require(control, "control");
-    if (!(done >= 0.0 && done <= 1.0)) refuse("done is " + std::to_string(done) + "; it must be from 0 to 1");
+    if (!(done >= 0.0 && done <= 1.0))
+      refuse("done is " + welkin::platform::number_text(done) + "; it must be from 0 to 1");
     if (control->control.progress) control->control.progress(done);
     return WELKIN_OK;
   });
@@ -238,22 +241,37 @@ CubemapView cubemap_view(const welkin_cubemap* cubemap, const char* name) {
 
 CubemapView cubemap_view(const welkin_cubemap* cubemap) { return cubemap_view(cubemap, "cubemap"); }
 
+namespace {
+
+std::vector<CubemapView> views_of(const welkin_cubemap* cubemaps, std::size_t count, const char* name) {
+  const std::size_t step = stated_size(cubemaps, sizeof(welkin_cubemap), alignof(welkin_cubemap), name);
+  std::vector<CubemapView> views;
+  views.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    // The caller's structures may be shorter or longer than ours: the next one lies where this one ends for them.
+    const auto* place = reinterpret_cast<const std::byte*>(cubemaps) + k * step;
+    const auto* cubemap = reinterpret_cast<const welkin_cubemap*>(place);
+    if (stated_size(cubemap, sizeof(welkin_cubemap), alignof(welkin_cubemap), name) != step) {
+      refuse(std::string(name) + "[" + std::to_string(k) + "].struct_size differs from that of the first");
+    }
+    views.push_back(cubemap_view(cubemap, name));
+  }
+  return views;
+}
+
+}  // namespace
+
 std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count, const char* name) {
   if (mip_count < 1 || mip_count > kMostLevels) {
     refuse("mip_count is " + std::to_string(mip_count) + "; it must be from 1 to " + std::to_string(kMostLevels));
   }
-  const std::size_t step = stated_size(mips, sizeof(welkin_cubemap), alignof(welkin_cubemap), name);
-  std::vector<CubemapView> views;
-  for (std::int32_t level = 0; level < mip_count; ++level) {
-    // The caller's structures may be shorter or longer than ours: the next one lies where this one ends for them.
-    const auto* place = reinterpret_cast<const std::byte*>(mips) + static_cast<std::size_t>(level) * step;
-    const auto* mip = reinterpret_cast<const welkin_cubemap*>(place);
-    if (stated_size(mip, sizeof(welkin_cubemap), alignof(welkin_cubemap), name) != step) {
-      refuse(std::string(name) + "[" + std::to_string(level) + "].struct_size differs from that of the first");
-    }
-    views.push_back(cubemap_view(mip, name));
-  }
-  return views;
+  return views_of(mips, static_cast<std::size_t>(mip_count), name);
+}
+
+std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t probe_count) {
+  if (probe_count < 0) refuse("probe_count is " + std::to_string(probe_count) + "; it must not be negative");
+  if (probe_count == 0) return {};
+  return views_of(probes, static_cast<std::size_t>(probe_count), "probes");
 }
 
 LatLongView lat_long_view(const welkin_lat_long* lat_long) {
@@ -326,11 +344,10 @@ void require_room(const welkin_projection* projection, int bands) {
   require_room_for_bands(projection, bands, "projection");
 }
 
-void write_projection(welkin_projection* projection, const SphericalHarmonics& radiance,
-                      const ProjectionDiagnostics& diagnostics) {
-  require_room(projection, radiance.bands());
+namespace {
+
+welkin_projection plain(const ProjectionDiagnostics& diagnostics) {
   welkin_projection values{};
-  values.bands = radiance.bands();
   values.texels = diagnostics.texels;
   values.nans_replaced = diagnostics.nans_replaced;
   values.infinities_replaced = diagnostics.infinities_replaced;
@@ -339,8 +356,22 @@ void write_projection(welkin_projection* projection, const SphericalHarmonics& r
   write_triple(diagnostics.total_radiance_before_clamp, values.total_radiance_before_clamp);
   write_triple(diagnostics.total_radiance, values.total_radiance);
   values.error_estimate = diagnostics.error_estimate;
+  return values;
+}
+
+}  // namespace
+
+void write_projection(welkin_projection* projection, const SphericalHarmonics& radiance,
+                      const ProjectionDiagnostics& diagnostics) {
+  require_room(projection, radiance.bands());
+  welkin_projection values = plain(diagnostics);
+  values.bands = radiance.bands();
   write_harmonics(radiance, values.coefficients);
   write_struct(projection, values, "projection");
+}
+
+void write_diagnostics(welkin_projection* totals, const ProjectionDiagnostics& diagnostics) {
+  write_struct(totals, plain(diagnostics), "totals");
 }
 
 // Memory of the caller's.
@@ -398,6 +429,34 @@ Target cubemap_target(const welkin_cubemap_target* target) {
   Target checked = checked_target(given.format, given.row_stride_bytes, size, size);
   for (void* face : given.faces) add_picture(checked, face);
   return checked;
+}
+
+std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count) {
+  if (count < 0) refuse("target_count is " + std::to_string(count) + "; it must not be negative");
+  std::vector<CubemapTarget> written;
+  if (count == 0) return written;
+  const std::size_t step =
+      stated_size(targets, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), "targets");
+  written.reserve(static_cast<std::size_t>(count));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    // As of `views_of`: the caller's structures may be shorter or longer than ours.
+    const auto* place = reinterpret_cast<const std::byte*>(targets) + k * step;
+    const auto* target = reinterpret_cast<const welkin_cubemap_target*>(place);
+    if (stated_size(target, sizeof(welkin_cubemap_target), alignof(welkin_cubemap_target), "targets") != step) {
+      refuse("targets[" + std::to_string(k) + "].struct_size differs from that of the first");
+    }
+    const auto given = read_struct(target, "targets");
+    if (given.format != WELKIN_FORMAT_RGBA_F16 && given.format != WELKIN_FORMAT_RGBA_F32) {
+      refuse("targets[" + std::to_string(k) + "].format is " + std::to_string(given.format) +
+             "; RGBA_F16 and RGBA_F32 are written");
+    }
+    CubemapTarget& to = written.emplace_back();
+    std::copy(std::begin(given.faces), std::end(given.faces), to.faces.begin());
+    to.size = face_size(given.size);
+    to.row_stride_bytes = stride(given.row_stride_bytes);
+    to.format = given.format == WELKIN_FORMAT_RGBA_F16 ? TexelFormat::rgba16f : TexelFormat::rgba32f;
+  }
+  return written;
 }
 
 Target image_target(const welkin_image_target* target) {

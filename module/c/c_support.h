@@ -231,6 +231,7 @@ class HandedOver {
 [[nodiscard]] std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t mip_count,
                                                      const char* name = "mips");
 /// These throw likewise.
+[[nodiscard]] std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t probe_count);
 [[nodiscard]] CubemapView cubemap_view(const welkin_cubemap* cubemap);
 [[nodiscard]] LatLongView lat_long_view(const welkin_lat_long* lat_long);
 
@@ -264,6 +265,8 @@ void require_room(const welkin_projection* projection, int bands);
 /// Throws likewise; nothing is written then.
 void write_projection(welkin_projection* projection, const SphericalHarmonics& radiance,
                       const ProjectionDiagnostics& diagnostics);
+/// No bands, and zeros for coefficients.
+void write_diagnostics(welkin_projection* totals, const ProjectionDiagnostics& diagnostics);
 
 // Memory of the caller's that results are written to.
 
@@ -282,6 +285,8 @@ struct Target {
 /// addresses that are not aligned.
 [[nodiscard]] Target cubemap_target(const welkin_cubemap_target* target);
 [[nodiscard]] Target image_target(const welkin_image_target* target);
+/// Those of `count` structures of one size that the library writes itself: RGBA of F16 and F32.
+[[nodiscard]] std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count);
 /// Throws unless the target has that size.
 void require_size(const Target& target, int width, int height);
 

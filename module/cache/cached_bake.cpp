@@ -28,7 +28,12 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(plan.least_alpha);
     writer.put(plan.reach);
   }
-  if (mip.method == MipMethod::narrow) writer.put(1);  // the version of its bits
+  if (mip.method == MipMethod::narrow) {
+    writer.put(2);  // the version of its bits
+    // All narrow mips of a chain share some far parts; the reach decides which lights near by are merged.
+    writer.put(reflections::narrow_reach(plan));
+    for (const double alpha : plan.narrow_alphas) writer.put(alpha);
+  }
   if (mip.method == MipMethod::sampled) {
     writer.put(plan.size);  // the chain that the taps read has the size of mip 0
     writer.put(plan.samples);

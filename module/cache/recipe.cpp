@@ -365,12 +365,13 @@ ContentHash hash_options(const ReadOptions& options) {
 
 ContentHash hash_options(const SkyTableOptions& options) {
   const auto& [layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour,
-               memory_limit_bytes] = options;
+               irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
+               exact_orders, colour, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
-  OptionWriter writer("sky tables");
+  OptionWriter writer("sky tables, all orders");  // another name for other bits of the same options
   writer.all(layout, heights, view_zeniths, sun_zeniths, sun_angles, transmittance_heights, transmittance_zeniths,
-             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change, colour);
+             irradiance_heights, irradiance_sun_zeniths, minimum_sun_elevation_degrees, orders, until_change,
+             exact_orders, colour);
   return writer.hash();
 }
 

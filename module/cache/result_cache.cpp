@@ -9,6 +9,7 @@
 #include "cache/recipe.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/cubemap_projection.h"
 #include "projection/project.h"
 #include "projection/sanitizer.h"
@@ -79,7 +80,7 @@ bool is_still(const std::filesystem::path& path, const ContentHash& bytes) {
 void check(const LightChange& change) {
   if (!(change.exposure >= 0.0) || !std::isfinite(change.exposure)) {
     throw Error(ErrorCode::invalid_argument,
-                "exposure is " + std::to_string(change.exposure) + "; it must be a finite factor of at least 0");
+                "exposure is " + platform::number_text(change.exposure) + "; it must be a finite factor of at least 0");
   }
   // Refuses what is no turn.
   static_cast<void>(turned(SphericalHarmonics(1), change.turn));

@@ -1,5 +1,4 @@
 // The C interface to files.
-#include <charconv>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -11,6 +10,7 @@
 
 #include "c/c_support.h"
 #include "c/c_worker.h"
+#include "platform/text.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/texture_file.h"
@@ -117,10 +117,8 @@ TextureOptions texture_options(const welkin_texture_options* options) {
 std::string roughness_text(std::span<const MipRecord> mips) {
   std::string text;
   for (const MipRecord& mip : mips) {
-    char digits[32];
-    const auto end = std::to_chars(std::begin(digits), std::end(digits), mip.roughness).ptr;
     if (!text.empty()) text += ' ';
-    text.append(std::begin(digits), end);
+    text += platform::number_text(mip.roughness);
   }
   return text;
 }

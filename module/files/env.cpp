@@ -19,6 +19,7 @@
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/engines.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
@@ -404,7 +405,7 @@ void check(const BabylonEnvironment& environment) {
   if (environment.dominant_direction) require_finite(*environment.dominant_direction, "dominant direction");
   if (!std::isfinite(environment.lod_generation_scale) || environment.lod_generation_scale < 0.0) {
     throw Error(ErrorCode::invalid_argument, "the .env's lodGenerationScale is " +
-                                                 std::to_string(environment.lod_generation_scale) +
+                                                 platform::number_text(environment.lod_generation_scale) +
                                                  "; it is not below 0, and Babylon.js's own is 0.8");
   }
   check_irradiance(environment);

@@ -6,6 +6,7 @@
 
 #include "files/hdr.h"
 #include "files/row_source.h"
+#include "platform/text.h"
 
 namespace welkin::files {
 namespace {
@@ -17,11 +18,6 @@ using namespace std::string_view_literals;
 }
 
 std::string quoted(std::string_view text) { return "\"" + platform::printable(std::string(text)) + "\""; }
-
-std::string as_text(double value) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
 
 std::string_view without_leading_space(std::string_view text) {
   return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
@@ -181,9 +177,9 @@ void read_resolution(const platform::ByteFile& file, HdrHeader& header, std::str
 }
 
 std::string divided_by(const glm::dvec3& divisor) {
-  const std::string red = as_text(divisor.r);
+  const std::string red = platform::number_text(divisor.r);
   const bool same = divisor.r == divisor.g && divisor.g == divisor.b;
-  return same ? red : red + " " + as_text(divisor.g) + " " + as_text(divisor.b);
+  return same ? red : red + " " + platform::number_text(divisor.g) + " " + platform::number_text(divisor.b);
 }
 
 }  // namespace

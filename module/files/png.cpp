@@ -5,7 +5,6 @@
 #include <spng.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
+#include "platform/text.h"
 
 namespace welkin::files {
 namespace {
@@ -153,11 +153,6 @@ void list_channels(EnvironmentInfo& info, const PngHeader& header) {
   }
 }
 
-std::string as_text(double value) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
 bool says_linear(const PngHeader& header) {
   return header.gamma && !header.says_srgb && std::abs(*header.gamma - 1.0) < 0.01;
 }
@@ -183,7 +178,8 @@ Transfer decide_transfer(const PngHeader& header, Transfer asked_for, Environmen
   if (header.gamma && !header.says_srgb) {
     const bool close_to_srgb = std::abs(*header.gamma - 1.0 / 2.2) < 0.01;
     reason = close_to_srgb ? ": the gAMA chunk says nearly so"
-                           : "; its gAMA of " + as_text(*header.gamma) + " is not applied: convert it if it is right";
+                           : "; its gAMA of " + platform::number_text(*header.gamma) +
+                                 " is not applied: convert it if it is right";
   }
   info.notes.push_back("samples are taken as sRGB" + reason);
   return Transfer::srgb;
@@ -268,6 +264,18 @@ int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t coun
   }
 }
 
+/// One filter for all rows, and of deflate only the search for runs (zlib's Z_RLE). Returns libspng's result.
+int choose_speed(spng_ctx* context, spng_filter_choice filter) {
+  constexpr int kRuns = 3;
+  for (const auto& [option, value] : {std::pair<spng_option, int>{SPNG_FILTER_CHOICE, filter},
+                                      {SPNG_IMG_COMPRESSION_LEVEL, 1},
+                                      {SPNG_IMG_COMPRESSION_STRATEGY, kRuns}}) {
+    const int result = spng_set_option(context, option, value);
+    if (result != SPNG_OK) return result;
+  }
+  return SPNG_OK;
+}
+
 enum class Effort { usual, quick };
 
 class PngEncoder {
@@ -284,13 +292,7 @@ class PngEncoder {
     require(spng_set_ihdr(context_.get(), &header));
     constexpr std::uint8_t kRelativeColorimetric = 1;
     require(spng_set_srgb(context_.get(), kRelativeColorimetric));
-    if (effort == Effort::quick) {
-      // One filter for all rows, and of deflate only the search for runs (zlib's Z_RLE).
-      constexpr int kRuns = 3;
-      require(spng_set_option(context_.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB));
-      require(spng_set_option(context_.get(), SPNG_IMG_COMPRESSION_LEVEL, 1));
-      require(spng_set_option(context_.get(), SPNG_IMG_COMPRESSION_STRATEGY, kRuns));
-    }
+    if (effort == Effort::quick) require(choose_speed(context_.get(), SPNG_FILTER_CHOICE_SUB));
     require(
         spng_encode_image(context_.get(), nullptr, 0, SPNG_FMT_PNG, SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE));
   }
@@ -397,6 +399,9 @@ Bytes encode_png_rgba(const Bytes& rgba, int size, const std::stop_token& stop) 
   header.bit_depth = 8;
   header.color_type = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
   require_encoded(spng_set_ihdr(context.get(), &header));
+  // Over RGBD of a photograph: a ninth of the time of libspng's own choice of filters and zlib's level 6, and 4 % more
+  // bytes; Sub for Paeth would make it 10 %.
+  require_encoded(choose_speed(context.get(), SPNG_FILTER_CHOICE_PAETH));
   constexpr int flags = SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE;
   require_encoded(spng_encode_image(context.get(), nullptr, 0, SPNG_FMT_PNG, flags));
   const std::size_t row_bytes = std::size_t{4} * header.width;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <string>
+
+#include "platform/text.h"
 
 namespace welkin::files {
 namespace {
@@ -125,11 +127,12 @@ std::string describe(const Chromaticities& primaries) {
   if (known != kNamed.end()) {
     return known->name;
   }
-  std::array<char, 200> text{};
-  std::snprintf(text.data(), text.size(), "red (%.4g %.4g) green (%.4g %.4g) blue (%.4g %.4g) white (%.4g %.4g)",
-                primaries.red.x, primaries.red.y, primaries.green.x, primaries.green.y, primaries.blue.x,
-                primaries.blue.y, primaries.white.x, primaries.white.y);
-  return text.data();
+  const auto place = [](const char* name, const auto& point) {
+    const auto text = [](double number) { return platform::number_text(number, std::chars_format::general, 4); };
+    return std::string(name) + " (" + text(point.x) + ' ' + text(point.y) + ')';
+  };
+  return place("red", primaries.red) + place(" green", primaries.green) + place(" blue", primaries.blue) +
+         place(" white", primaries.white);
 }
 
 std::optional<glm::dmat3> rec709_from_stated(const std::array<double, 8>& numbers, const char* where, Primaries wanted,

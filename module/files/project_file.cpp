@@ -116,8 +116,9 @@ int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
 double level_error(const Projection& projection, const EnvironmentInfo& level, const ProjectionOptions& options) {
   const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
                                                        : face_size(level.layout, level.width, level.height);
-  return projection::estimate_error(projection.radiance, {options.quadrature == Quadrature::midpoint ? size : 0.0, size,
-                                                          level.layout == Layout::lat_long});
+  return projection::estimate_error(
+      projection.radiance.coefficients(),
+      {options.quadrature == Quadrature::midpoint ? size : 0.0, size, level.layout == Layout::lat_long});
 }
 
 Projection project_level(const FileInput& input, const EnvironmentInfo& full, int level, ReadOptions read_options,

@@ -27,8 +27,9 @@ using platform::ByteFile;
 using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
-/// 1 had a table of single Mie scattering for air without aerosol too; 2 had other suns at its nodes.
-constexpr std::uint32_t kVersion = 4;
+/// 1 had a table of single Mie scattering for air without aerosol too; 2 had other suns at its nodes; 4 had no glow of
+/// narrow lobes and other views of thin shells.
+constexpr std::uint32_t kVersion = 6;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMostParameterBytes = 1U << 20U;
@@ -154,6 +155,7 @@ std::vector<std::uint8_t> write_parameters(const SkyTables& tables) {
   writer.put(static_cast<int>(tables.atmosphere.aerosol_phase));
   writer.put(static_cast<int>(tables.options.layout));
   writer.put(static_cast<int>(tables.options.colour));
+  writer.put(static_cast<int>(tables.options.exact_orders));
   return std::move(writer.bytes);
 }
 
@@ -166,10 +168,12 @@ SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::fil
   int phase = 0;
   int layout = 0;
   int colour = 0;
-  for (int* const value : {&phase, &layout, &colour}) reader.get(*value);
+  int exact_orders = 0;
+  for (int* const value : {&phase, &layout, &colour, &exact_orders}) reader.get(*value);
   tables.atmosphere.aerosol_phase = static_cast<AerosolPhase>(phase);
   tables.options.layout = static_cast<ScatteringLayout>(layout);
   tables.options.colour = static_cast<SkyColour>(colour);
+  tables.options.exact_orders = exact_orders != 0;
   if (!reader.at_end()) throw file_error(ErrorCode::corrupt_file, path, "its parameters go on after their end");
   try {
     check(tables.atmosphere);

@@ -173,9 +173,10 @@ WriteReport write_environment(const FileOutput& output, const CubemapView& pictu
   }
   OutputFiles written(format, type_for(format, options.type, path), control);
   if (layout == Layout::six_files) {
+    const std::vector<std::filesystem::path> places = files::files_to_write(path, layout);
     for (int face = 0; face < 6; ++face) {
-      written.add(face_path(path, face), OutputPicture(picture, face), OutputFiles::Header::plain, face / 6.0,
-                  (face + 1) / 6.0);
+      written.add(places[static_cast<std::size_t>(face)], OutputPicture(picture, face), OutputFiles::Header::plain,
+                  face / 6.0, (face + 1) / 6.0);
     }
   } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
     written.add(output, OutputPicture(picture, files::openexr_cube_placement()), OutputFiles::Header::openexr_cube, 0.0,
@@ -189,6 +190,14 @@ WriteReport write_environment(const FileOutput& output, const CubemapView& pictu
 }  // namespace welkin
 
 namespace welkin::files {
+
+std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout) {
+  if (layout != Layout::six_files) return {path};
+  std::vector<std::filesystem::path> files;
+  files.reserve(6);
+  for (int face = 0; face < 6; ++face) files.push_back(face_path(path, face));
+  return files;
+}
 
 OutputPicture::OutputPicture(const LatLongView& view)
     : width_(view.width), height_(view.height), read_row_([view](int row, float* rgb) {

@@ -1,6 +1,7 @@
 // A picture that is about to be written: a view laid out as a file wants it, row by row.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -41,6 +42,9 @@ struct WriteJob {
   bool openexr_lat_long = false;  ///< ... that it is a lat-long
   const Control& control;
 };
+
+/// The files that a picture of this layout becomes at `path`: one, or a face's each in their order.
+[[nodiscard]] std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout);
 
 /// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
 void report_rows(const WriteJob& job, int done, int height);

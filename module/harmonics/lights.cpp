@@ -8,6 +8,7 @@
 
 #include "math/basis.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/directional_light.h"
 
@@ -71,7 +72,7 @@ SphericalHarmonics sun_harmonics(const Sun& sun, int bands) {
   const platform::FloatingPointScope floating_point;
   SphericalHarmonics harmonics(bands);
   if (!(sun.solid_angle >= 0.0 && sun.solid_angle <= 4.0 * std::numbers::pi)) {
-    refuse("the sun's solid angle is " + std::to_string(sun.solid_angle) + " sr; it must be from 0 to 4 pi");
+    refuse("the sun's solid angle is " + platform::number_text(sun.solid_angle) + " sr; it must be from 0 to 4 pi");
   }
   const glm::dvec3 direction = unit(sun.direction);
   std::vector<double> basis(harmonics.coefficients().size());

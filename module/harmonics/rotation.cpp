@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -37,9 +38,9 @@ glm::dquat normalised(const Quaternion& q) {
   const double largest = std::max({std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
   const double sum = std::abs(q.w) + std::abs(q.x) + std::abs(q.y) + std::abs(q.z);  // NaN if any of them is
   if (!(largest > 0.0) || !std::isfinite(largest) || std::isnan(sum)) {
-    throw Error(ErrorCode::invalid_argument, "the quaternion (w x y z) = (" + std::to_string(q.w) + " " +
-                                                 std::to_string(q.x) + " " + std::to_string(q.y) + " " +
-                                                 std::to_string(q.z) +
+    throw Error(ErrorCode::invalid_argument, "the quaternion (w x y z) = (" + platform::number_text(q.w) + " " +
+                                                 platform::number_text(q.x) + " " + platform::number_text(q.y) + " " +
+                                                 platform::number_text(q.z) +
                                                  ") has no length that could be made 1; (1 0 0 0) turns nothing");
   }
   const double w = q.w / largest;
@@ -76,7 +77,7 @@ SphericalHarmonics turned(const SphericalHarmonics& harmonics, const dmat3& turn
   if (!(off <= kOrthogonalWithin)) {
     throw Error(ErrorCode::invalid_argument,
                 "the matrix is not orthogonal: its columns' products are off those of unit axes by up to " +
-                    std::to_string(off) + " (1e-6 is allowed); scaling and shearing are no turns of light");
+                    platform::number_text(off) + " (1e-6 is allowed); scaling and shearing are no turns of light");
   }
   // What is off would grow with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
   // (Bjorck and Bowie 1971); twice is enough from 1e-6, and an exact matrix stays as it is.

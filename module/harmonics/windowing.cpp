@@ -16,6 +16,7 @@
 #include "math/basis.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -356,7 +357,7 @@ Windowed apply_window(const SphericalHarmonics& radiance, Window window, double 
   const platform::FloatingPointScope floating_point;
   // 1e12 bands of width leave every factor 1; beyond it l / width could vanish.
   if (!(width >= 0.0 && width <= 1e12)) {
-    throw Error(ErrorCode::invalid_argument, "the window's width is " + std::to_string(width) +
+    throw Error(ErrorCode::invalid_argument, "the window's width is " + platform::number_text(width) +
                                                  " bands; it must be from 0 (the number of bands) to 1e12");
   }
   const SphericalHarmonics irradiance = irradiance_from_radiance(radiance);
@@ -470,7 +471,7 @@ double min_laplacian_lambda(const SphericalHarmonics& irradiance) {
       const BandValues values = values_by_band(irradiance, c, low.direction[c]);
       if (low.value[c] >= -kTolerance * std::abs(values[0])) continue;
       if (!(values[0] > 0.0)) {
-        refuse(c, "has a mean of " + std::to_string(values[0]) +
+        refuse(c, "has a mean of " + platform::number_text(values[0]) +
                       ", so that no window can lift its irradiance above zero; take the negative light out first "
                       "(NegativePolicy::replace), or use another window");
       }

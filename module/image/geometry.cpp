@@ -12,6 +12,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/resampling.h"
 
@@ -232,7 +233,7 @@ glm::dmat3 turn_about_y(double degrees) {
   const platform::FloatingPointScope floating_point;
   if (!(std::abs(degrees) <= 1e6)) {
     throw Error(ErrorCode::invalid_argument,
-                "a turn of " + std::to_string(degrees) + " degrees about y; it must be within 1e6 degrees");
+                "a turn of " + platform::number_text(degrees) + " degrees about y; it must be within 1e6 degrees");
   }
   const math::SineCosine turn = math::sine_cosine_of_turns(degrees / 360.0);
   return {glm::dvec3(turn.cosine, 0.0, -turn.sine), glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(turn.sine, 0.0, turn.cosine)};

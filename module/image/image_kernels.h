@@ -90,6 +90,8 @@ struct TexelRun {
   int count;         ///< texels; positions from `count` to the next multiple of 16 get zero weights
   int bands;
   bool midpoint;  ///< solid angle times the value at the centre, instead of the integral
+  /// How far below the row's the texels lie, in rows: weights between rows, for what is interpolated in them.
+  double row_offset = 0.0;
 };
 
 /// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in

@@ -15,6 +15,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/resampling.h"
 
@@ -33,7 +34,7 @@ void require_orthogonal(const glm::dmat3& turn) {
       const double off = std::abs(product[column][row] - (column == row ? 1.0 : 0.0));
       if (off <= kTolerance) continue;
       throw Error(ErrorCode::invalid_argument, "the turn is not an orthogonal matrix: two of its columns are off by " +
-                                                   std::to_string(off) +
+                                                   platform::number_text(off) +
                                                    "; pass a rotation, or a rotation and a mirror");
     }
   }

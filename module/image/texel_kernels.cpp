@@ -18,6 +18,11 @@ WELKIN_INLINE double centre(int size, int index) {
   return static_cast<double>(size - 1 - 2 * index) / static_cast<double>(size);
 }
 
+/// |v| of the run's texels.
+WELKIN_INLINE double centre_of_row(const TexelRun& run) {
+  return (static_cast<double>(run.size - 1 - 2 * run.row) - 2.0 * run.row_offset) / static_cast<double>(run.size);
+}
+
 constexpr int padded(int count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
 constexpr int kMaximumFunctions = math::kRecurrenceBands * math::kRecurrenceBands;
@@ -58,7 +63,7 @@ WELKIN_INLINE void integrate_lanes(const TexelRun& run, const math::BasisRecurre
 void integrate_texels(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
                       const int* place, float* weights, int stride) {
   const int functions = run.bands * run.bands;
-  const double v = centre(run.size, run.row);
+  const double v = centre_of_row(run);
   for (int first = 0; first < padded(run.count); first += kDoubleWidth) {
     alignas(64) double lanes[kDoubleWidth];
     for (int k = 0; k < kDoubleWidth; ++k) lanes[k] = centre(run.size, run.first_column + first + k);
@@ -169,7 +174,8 @@ void expand_texels(const TexelRun& run, const int* place, float* weights, int st
   const Inverse inverse(run.size);
   const Factors factors(run.size);
   const Rows rows{weights, place, stride};
-  const Lanes v = inverse.times(Lanes(static_cast<float>(run.size - 1 - 2 * run.row)));
+  const Lanes v = run.row_offset == 0.0 ? inverse.times(Lanes(static_cast<float>(run.size - 1 - 2 * run.row)))
+                                        : Lanes(static_cast<float>(centre_of_row(run)));
   alignas(64) float steps[kWidth];
   for (int k = 0; k < kWidth; ++k) steps[k] = static_cast<float>(2 * k);
   const Lanes step = Lanes::load_aligned(steps);

@@ -15,7 +15,10 @@
 #include <stop_token>
 #include <utility>
 
+#include "jobs/activity.h"
 #include "jobs/control.h"
+#include "jobs/tiles.h"
+#include "jobs/trace.h"
 #include "platform/float_environment.h"
 #include "welkin/core.h"
 
@@ -81,6 +84,12 @@ class TaskGraph::Run {
         group_(own_context_),
         memory_(control.memory) {
     for (std::size_t pass = 0; pass < passes.size(); ++pass) waits_for_[pass] = passes[pass].waits_for;
+  }
+
+  /// On the calling thread, in the order in which passes were added.
+  void all_alone() {
+    const platform::FloatingPointScope floating_point;
+    for (std::size_t pass = 0; pass < passes_.size(); ++pass) run_pass(pass);
   }
 
   void all() {
@@ -152,7 +161,10 @@ class TaskGraph::Run {
     if (progress_.wanted()) {
       control.progress = [this, pass](double done) { pass_progress_[pass].report(done, progress_); };
     }
-    passes_[pass].work(control);
+    {
+      const TracedPartScope part(pass);
+      passes_[pass].work(control);
+    }
     passes_[pass].milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     pass_progress_[pass].end(progress_);
@@ -196,7 +208,17 @@ void TaskGraph::run(const Control& control) {
     pass->way = pass->cost;
     for (const std::size_t next : pass->next) pass->way = std::max(pass->way, pass->cost + passes_[next].way);
   }
-  Run(passes_, control).all();
+  const ActivityScope at_work;
+  TracedRegionScope region(nullptr, passes_.size());
+  for (std::size_t pass = 0; pass < passes_.size(); ++pass) {
+    for (const std::size_t next : passes_[pass].next) region.set_waits(next, pass);
+  }
+  Run run(passes_, control);
+  if (OneThread::here()) {
+    run.all_alone();
+  } else {
+    run.all();
+  }
 }
 
 }  // namespace welkin::jobs

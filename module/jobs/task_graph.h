@@ -28,7 +28,8 @@ class TaskGraph {
   /// Passes run with the default floating-point environment. Progress is one number over all passes. The first
   /// exception stops all passes at their next tile and comes out here when none runs any more; of several, the one of
   /// the pass with the lowest number that was not just told to stop. If the caller's own TBB group is cancelled,
-  /// nothing is dropped. A thread that waits in here runs none but these passes. Throws `Error` (cancelled) and what
+  /// nothing is dropped. A thread that waits in here runs none but these passes; beside a `OneThread` it runs them all,
+  /// in order. Throws `Error` (cancelled) and what
   /// passes and `control.progress` throw.
   void run(const Control& control);
 

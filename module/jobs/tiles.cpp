@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "jobs/activity.h"
+#include "jobs/trace.h"
 #include "platform/float_environment.h"
 #include "platform/thread.h"
 #include "welkin/core.h"
@@ -28,6 +30,7 @@ namespace {
 constexpr std::int64_t kInlineTexels = 100'000;
 
 thread_local int tiles_on_this_thread = 0;
+thread_local int alone_on_this_thread = 0;
 
 /// Surrounds a tile's work.
 class TileScope {
@@ -77,6 +80,10 @@ class WorkerScope {
 
 }  // namespace
 
+OneThread::OneThread() noexcept { ++alone_on_this_thread; }
+OneThread::~OneThread() { --alone_on_this_thread; }
+bool OneThread::here() noexcept { return alone_on_this_thread > 0; }
+
 bool inside_tile() noexcept { return tiles_on_this_thread > 0; }
 
 Placement placement_for(std::int64_t texels) noexcept {
@@ -84,7 +91,7 @@ Placement placement_for(std::int64_t texels) noexcept {
 }
 
 std::size_t worker_count(Placement placement) {
-  if (placement == Placement::calling_thread) return 1;
+  if (placement == Placement::calling_thread || OneThread::here()) return 1;
   return static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
 }
 
@@ -92,21 +99,32 @@ void run_tiles(std::size_t count, Placement placement, std::size_t workers, cons
                const std::function<void(std::size_t, std::size_t)>& tile) {
   throw_if_cancelled(control);
   Progress progress(control, count);
+  const TracedRegionScope region(&tile.target_type(), count);
+  const auto run_as = [&](std::size_t index, std::size_t worker) {
+    const TileScope scope;
+    const TracedPartScope part(index);
+    tile(index, worker);
+  };
+  if (placement == Placement::calling_thread || count <= 1 || OneThread::here()) {
+    for (std::size_t index = 0; index < count; ++index) {
+      throw_if_cancelled(control);
+      const platform::FloatingPointScope floating_point;
+      run_as(index, 0);
+      progress.add(1);
+    }
+    return;
+  }
   WorkerNumbers numbers(workers);
   const auto run_one = [&](std::size_t index) {
     throw_if_cancelled(control);
     const platform::FloatingPointScope floating_point;
     {
       const WorkerScope worker(numbers);
-      const TileScope scope;
-      tile(index, worker.number());
+      run_as(index, worker.number());
     }
     progress.add(1);
   };
-  if (placement == Placement::calling_thread || count <= 1) {
-    for (std::size_t index = 0; index < count; ++index) run_one(index);
-    return;
-  }
+  const ActivityScope at_work;
   // A group of our own: if the caller's is cancelled, its tasks are dropped and ours are not. Isolated: a
   // thread that waits here does not pick up a stranger's task and keep us waiting for it.
   tbb::task_group_context own_group(tbb::task_group_context::isolated);

@@ -36,6 +36,19 @@ enum class Placement {
 void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,
                const std::function<void(std::size_t tile, std::size_t worker)>& tile);
 
+/// As long as it lives, jobs and graphs of the calling thread run on this thread alone: where many calls run side by
+/// side, sharing the work of one would only cost time.
+class OneThread {
+ public:
+  OneThread() noexcept;
+  ~OneThread();
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+  /// Whether one lives in the calling thread.
+  [[nodiscard]] static bool here() noexcept;
+};
+
 /// Whether the calling thread is inside a tile: for tests that watch what tiles do to the heap.
 [[nodiscard]] bool inside_tile() noexcept;
 

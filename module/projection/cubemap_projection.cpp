@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,6 +28,7 @@
 #include "projection/project.h"
 #include "projection/projection_kernels.h"
 #include "projection/sanitizer.h"
+#include "projection/strip_projection.h"
 #include "projection/texel_weights.h"
 #include "simd/dispatch.h"
 #include "transform/frame_transform.h"
@@ -49,10 +51,22 @@ TexelWeightsKey weights_key(int size, const ProjectionOptions& options) {
   return {size, options.bands, options.quadrature == Quadrature::midpoint, options.target_size.value_or(size)};
 }
 
+std::size_t tiles_of(int size, const ProjectionOptions& options, const TexelWeights& weights) {
+  if (StripProjection::serves(size, options)) return static_cast<std::size_t>(StripProjection::tile_count(size));
+  const int chunks = weights.chunk_count();
+  return static_cast<std::size_t>((chunks + chunks_per_tile(chunks) - 1) / chunks_per_tile(chunks));
+}
+
 constexpr std::ptrdiff_t kCacheLine = 64;
 
 /// What fits here stays there between calls, and fetching it would only take time.
 constexpr std::ptrdiff_t kSecondLevelCache = std::ptrdiff_t{1} << 20U;
+
+bool is_beyond_cache(const CubemapView& cubemap) {
+  const auto packed = static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format)) * cubemap.size;
+  const std::ptrdiff_t row_bytes = cubemap.row_stride_bytes != 0 ? std::abs(cubemap.row_stride_bytes) : packed;
+  return row_bytes * cubemap.size * kFaces > kSecondLevelCache;
+}
 
 /// Stands in for the bottom row where a row is its own mirror image.
 alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
@@ -105,19 +119,26 @@ struct RowRun {
   int position;  ///< of the first one in the chunk's planes
 };
 
+ProjectionDiagnostics diagnostics_at(int size, std::span<const glm::dvec3> radiance, const SanitizeRecord& record) {
+  // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
+  ProjectionDiagnostics diagnostics = diagnostics_of(radiance, record, 2.0 * std::sqrt(std::numbers::pi));
+  diagnostics.texels =
+      static_cast<std::uint64_t>(kFaces) * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
+  return diagnostics;
+}
+
 Projection projection_of(SphericalHarmonics radiance, const SanitizeRecord& record, int size) {
   throw_if_rejected(record, true);
   Projection projection{std::move(radiance), {}};
-  // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
-  projection.diagnostics = diagnostics_of(projection.radiance, record, 2.0 * std::sqrt(std::numbers::pi));
-  projection.diagnostics.texels =
-      static_cast<std::uint64_t>(kFaces) * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
+  projection.diagnostics = diagnostics_at(size, projection.radiance.coefficients(), record);
   return projection;
 }
 
 class CubemapProjection {
  public:
-  CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces)
+  /// `weights` are those of the cubemap's size and must stay.
+  CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
+                    const TexelWeights& weights)
       : cubemap_(cubemap),
         faces_(faces),
         sanitizer_(options.pixels),
@@ -127,10 +148,14 @@ class CubemapProjection {
         row_bytes_(cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes_ * cubemap.size),
         kernels_(projection_kernels()),
         direct_fold_(direct_fold(cubemap.format)),
-        fetches_ahead_(options.bands == 3 && std::abs(row_bytes_) * cubemap.size * kFaces > kSecondLevelCache),
-        weights_(TexelWeights::get(weights_key(cubemap.size, options))),
-        tile_chunks_(chunks_per_tile(weights_->chunk_count())),
-        tile_count_((weights_->chunk_count() + tile_chunks_ - 1) / tile_chunks_) {}
+        fetches_ahead_(options.bands == 3 && is_beyond_cache(cubemap)),
+        weights_(&weights),
+        tile_chunks_(chunks_per_tile(weights.chunk_count())),
+        tile_count_(static_cast<int>(tiles_of(cubemap.size, options, weights))) {
+    if (StripProjection::serves(cubemap.size, options)) {
+      strips_.emplace(cubemap, options, faces, sanitizer_, weights_->place().data());
+    }
+  }
 
   Projection run(const Control& control) {
     TileSums sums(static_cast<std::size_t>(tile_count_), bands_);
@@ -141,6 +166,25 @@ class CubemapProjection {
       sums.record(tile).add(record);
     });
     return projection_of(sums.total(), sums.total_record(), cubemap_.size);
+  }
+
+  /// In the calling thread, of a cubemap that has no strips. `slot`: [3][functions], of a tile; `sums`: likewise, of
+  /// all.
+  /// `one_of_many`: its pixels are not in a cache.
+  void run_alone(bool one_of_many, Scratch& scratch, std::span<double> slot, std::span<double> sums,
+                 SanitizeRecord& record) {
+    fetches_ahead_ = fetches_ahead_ || (one_of_many && bands_ == 3);
+    std::fill(sums.begin(), sums.end(), 0.0);
+    for (std::size_t tile = 0; tile < static_cast<std::size_t>(tile_count_); ++tile) {
+      std::fill(slot.begin(), slot.end(), 0.0);
+      SanitizeRecord of_tile;
+      sum_tile(tile, scratch, [&](std::size_t, int face, const double* face_sums, const SanitizeRecord& of_face) {
+        transforms::face_transform(face, bands_).add(face_sums, weights_->place().data(), slot.data());
+        of_tile.add(of_face);
+      });
+      for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += slot[k];
+      record.add(of_tile);
+    }
   }
 
   SixFaceSums run_faces(const Control& control) {
@@ -169,14 +213,35 @@ class CubemapProjection {
   void run_tiles(const Control& control, const Keep& keep) {
     const auto texels = static_cast<std::int64_t>(faces_.size()) * cubemap_.size * cubemap_.size;
     const jobs::Placement placement = jobs::placement_for(texels);
-    std::vector<Scratch> scratch;
     const std::size_t workers = jobs::worker_count(placement);
+    if (strips_) {
+      run_strips(placement, workers, control, keep);
+      return;
+    }
+    std::vector<Scratch> scratch;
     scratch.reserve(workers);
     for (std::size_t worker = 0; worker < workers; ++worker) {
       scratch.emplace_back(functions_, weights_->scratch_size());
     }
     jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, workers, control,
                     [&](std::size_t tile, std::size_t worker) { sum_tile(tile, scratch[worker], keep); });
+  }
+
+  template <class Keep>
+  void run_strips(jobs::Placement placement, std::size_t workers, const Control& control, const Keep& keep) {
+    std::vector<StripProjection::Scratch> scratch;
+    scratch.reserve(workers);
+    for (std::size_t worker = 0; worker < workers; ++worker) scratch.emplace_back(*strips_);
+    jobs::run_tiles(static_cast<std::size_t>(tile_count_), placement, workers, control,
+                    [&](std::size_t tile, std::size_t worker) {
+                      strips_->sum_tile(static_cast<int>(tile), scratch[worker]);
+                      for (const int face : faces_) {
+                        SanitizeRecord record;
+                        const std::span<const double> sums =
+                            strips_->face_sums(static_cast<int>(tile), face, scratch[worker], record);
+                        keep(tile, face, sums.data(), record);
+                      }
+                    });
   }
 
   FoldQuadrants direct_fold(PixelFormat format) const {
@@ -444,25 +509,27 @@ class CubemapProjection {
   const ProjectionKernels& kernels_;
   FoldQuadrants direct_fold_;
   bool fetches_ahead_;
-  std::shared_ptr<const TexelWeights> weights_;
+  const TexelWeights* weights_;
   int tile_chunks_;
   int tile_count_;
+  std::optional<StripProjection> strips_;  ///< where they serve; else chunks
 };
 
 }  // namespace
 
 Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
-  return CubemapProjection(cubemap, options, kAllFaces).run(control);
+  const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
+  return CubemapProjection(cubemap, options, kAllFaces, *weights).run(control);
 }
 
 SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                       const Control& control) {
-  return CubemapProjection(cubemap, options, faces).run_faces(control);
+  const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
+  return CubemapProjection(cubemap, options, faces, *weights).run_faces(control);
 }
 
 std::size_t tiles_of_face(int size, const ProjectionOptions& options) {
-  const int chunks = TexelWeights::get(weights_key(size, options))->chunk_count();
-  return static_cast<std::size_t>((chunks + chunks_per_tile(chunks) - 1) / chunks_per_tile(chunks));
+  return tiles_of(size, options, *TexelWeights::get(weights_key(size, options)));
 }
 
 Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
@@ -478,18 +545,88 @@ Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOp
   return projection_of(sums.total(), sums.total_record(), size);
 }
 
+namespace {
+
+double estimate_at(int size, std::span<const glm::dvec3> radiance, const ProjectionOptions& options) {
+  const bool midpoint = options.quadrature == Quadrature::midpoint;
+  return estimate_error(
+      radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(options.target_size.value_or(0))});
+}
+
+}  // namespace
+
 void describe_projection(Projection& projection, int size, const ProjectionOptions& options) {
   ProjectionDiagnostics& diagnostics = projection.diagnostics;
-  const int target = options.target_size.value_or(0);
-  const bool midpoint = options.quadrature == Quadrature::midpoint;
-  diagnostics.error_estimate =
-      estimate_error(projection.radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(target)});
-  if (target > 0) {
+  diagnostics.error_estimate = estimate_at(size, projection.radiance.coefficients(), options);
+  if (const int target = options.target_size.value_or(0); target > 0) {
     diagnostics.passes.push_back({"reduce", PassAction::skip,
                                   "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});
   }
   diagnostics.passes.push_back(
       {"project", PassAction::run, "six faces of " + std::to_string(size) + " x " + std::to_string(size) + " texels"});
+}
+
+// Small cubemaps, one after the other.
+
+struct SmallCubemaps::Room {
+  Room(int functions, std::size_t weight_floats)
+      : scratch(functions, weight_floats), slot(static_cast<std::size_t>(3 * functions)), sums(slot.size()) {}
+
+  Scratch scratch;
+  std::vector<double> slot;
+  std::vector<double> sums;
+};
+
+SmallCubemaps::SmallCubemaps(const ProjectionOptions& options, bool one_of_many)
+    : options_(options), one_of_many_(one_of_many) {
+  // Shared tables are built here, not inside a tile.
+  for (int face = 0; face < kFaces; ++face) static_cast<void>(transforms::face_transform(face, options.bands));
+}
+
+SmallCubemaps::~SmallCubemaps() = default;
+
+bool SmallCubemaps::serves(int size, const ProjectionOptions& options) noexcept {
+  if (options.quadrature == Quadrature::midpoint && effective_target(size, options)) return false;
+  const std::int64_t texels = std::int64_t{kFaces} * size * size;
+  return jobs::placement_for(texels) == jobs::Placement::calling_thread && !StripProjection::serves(size, options);
+}
+
+ProjectionOptions SmallCubemaps::options_at(int size) const {
+  ProjectionOptions options = options_;
+  options.target_size = effective_target(size, options_);
+  return options;
+}
+
+void SmallCubemaps::prepare(int size) {
+  const auto at = static_cast<std::size_t>(size);
+  if (weights_.size() <= at) weights_.resize(at + 1);
+  if (!weights_[at]) weights_[at] = TexelWeights::get(weights_key(size, options_at(size)));
+}
+
+void SmallCubemaps::make_rooms(std::size_t workers) {
+  std::size_t weight_floats = 0;
+  for (const auto& weights : weights_) weight_floats = std::max(weight_floats, weights ? weights->scratch_size() : 0);
+  rooms_.clear();
+  rooms_.reserve(workers);
+  while (rooms_.size() < workers) {
+    rooms_.push_back(std::make_unique<Room>(options_.bands * options_.bands, weight_floats));
+  }
+}
+
+ProjectionDiagnostics SmallCubemaps::project(const CubemapView& cubemap, std::size_t worker,
+                                             std::span<glm::dvec3> radiance, SanitizeRecord& record) const {
+  Room& room = *rooms_[worker];
+  const ProjectionOptions options = options_at(cubemap.size);
+  const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
+  CubemapProjection(cubemap, options, kAllFaces, weights)
+      .run_alone(one_of_many_, room.scratch, room.slot, room.sums, record);
+  const std::size_t functions = radiance.size();
+  for (std::size_t f = 0; f < functions; ++f) {
+    radiance[f] = {room.sums[f], room.sums[functions + f], room.sums[2 * functions + f]};
+  }
+  ProjectionDiagnostics diagnostics = diagnostics_at(cubemap.size, radiance, record);
+  diagnostics.error_estimate = estimate_at(cubemap.size, radiance, options);
+  return diagnostics;
 }
 
 }  // namespace welkin::projection

@@ -476,12 +476,12 @@ Projection LatLongProjector::finish() {
   const SanitizeRecord record = state_->sums.total_record();
   throw_if_rejected(record, false);
   Projection projection{state_->sums.total(), {}};
-  projection.diagnostics = diagnostics_of(projection.radiance, record, 1.0);
+  projection.diagnostics = diagnostics_of(projection.radiance.coefficients(), record, 1.0);
   projection.diagnostics.texels =
       static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
   const bool reduced = State::is_reduced(state_->width, state_->height, state_->options);
-  projection.diagnostics.error_estimate =
-      estimate_error(projection.radiance, {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
+  projection.diagnostics.error_estimate = estimate_error(
+      projection.radiance.coefficients(), {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
                                                                 ? std::min(state_->width / 4.0, state_->height / 2.0)
                                                                 : 0.0,
                                            .reduced_size = reduced ? *state_->options.target_size : 0.0,

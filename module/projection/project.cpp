@@ -146,7 +146,7 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
   }
 }
 
-ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
+ProjectionDiagnostics diagnostics_of(std::span<const glm::dvec3> radiance, const SanitizeRecord& record,
                                      double steradians_per_weight) {
   ProjectionDiagnostics diagnostics;
   diagnostics.nans_replaced = record.nans;
@@ -154,7 +154,7 @@ ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const S
   diagnostics.negatives_replaced = record.negatives;
   diagnostics.texels_clamped = record.clamped;
   // c(0,0) = Int L Y(0,0), and Y(0,0) = 1 / sqrt(4 pi).
-  diagnostics.total_radiance = radiance.at(0, 0) * (2.0 * std::sqrt(std::numbers::pi));
+  diagnostics.total_radiance = radiance.front() * (2.0 * std::sqrt(std::numbers::pi));
   diagnostics.total_radiance_before_clamp =
       diagnostics.total_radiance + record.radiance_removed * steradians_per_weight;
   return diagnostics;
@@ -205,8 +205,8 @@ Projection project_level(const CubemapView& cubemap, ProjectionOptions options, 
     Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
     projection.diagnostics.texels =
         std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
-    projection.diagnostics.error_estimate =
-        projection::estimate_error(projection.radiance, {static_cast<double>(*target), static_cast<double>(*target)});
+    projection.diagnostics.error_estimate = projection::estimate_error(
+        projection.radiance.coefficients(), {static_cast<double>(*target), static_cast<double>(*target)});
     projection.diagnostics.passes.insert(
         projection.diagnostics.passes.begin(),
         {"reduce", PassAction::run, "plain box to " + std::to_string(*target) + ", before gamma and clamp",
@@ -241,9 +241,10 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
   ProjectionOptions at_level = options;
   at_level.target_size.reset();
   Projection projection = project_level(level, at_level, control);
-  projection.diagnostics.error_estimate = projection::estimate_error(
-      projection.radiance, {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
-                            level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
+  projection.diagnostics.error_estimate =
+      projection::estimate_error(projection.radiance.coefficients(),
+                                 {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
+                                  level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
   projection.diagnostics.passes.insert(
       projection.diagnostics.passes.begin(),
       {"reduce", PassAction::reuse, "the mip chain has a level of size " + std::to_string(level.size)});
@@ -286,21 +287,24 @@ namespace {
 
 constexpr double kRounding = 2e-7;
 
-/// |c_l| of each band, over orders and channels.
-std::vector<double> band_norms(const SphericalHarmonics& radiance) {
-  std::vector<double> norms;
-  for (int l = 0; l < radiance.bands(); ++l) {
+using BandNorms = std::array<double, kMaximumBands>;
+
+/// |c_l| of each band, over orders and channels; returns those that there are.
+std::span<const double> band_norms(std::span<const glm::dvec3> radiance, BandNorms& norms) {
+  std::size_t bands = 0;
+  for (std::size_t at = 0; at < radiance.size(); ++bands) {
     double sum = 0.0;
-    for (int m = -l; m <= l; ++m) sum += glm::dot(radiance.at(l, m), radiance.at(l, m));
-    norms.push_back(std::sqrt(sum));
+    for (const std::size_t end = (bands + 1) * (bands + 1); at < end; ++at) sum += glm::dot(radiance[at], radiance[at]);
+    norms[bands] = std::sqrt(sum);
   }
-  return norms;
+  return {norms.data(), bands};
 }
 
 }  // namespace
 
-double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& sources) {
-  const std::vector<double> norms = band_norms(radiance);
+double estimate_error(std::span<const glm::dvec3> radiance, const ErrorSources& sources) {
+  BandNorms room;
+  const std::span<const double> norms = band_norms(radiance, room);
   double total_squared = 0.0;
   for (const double norm : norms) total_squared += norm * norm;
   if (total_squared == 0.0) return 0.0;

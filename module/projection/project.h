@@ -61,8 +61,11 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 
 /// Puts the diagnostics' counts and total radiances together. `steradians_per_weight`: what the records' total radiance
 /// is multiplied by.
-[[nodiscard]] ProjectionDiagnostics diagnostics_of(const SphericalHarmonics& radiance, const SanitizeRecord& record,
+[[nodiscard]] ProjectionDiagnostics diagnostics_of(std::span<const glm::dvec3> radiance, const SanitizeRecord& record,
                                                    double steradians_per_weight);
+
+/// Of many probes together: counts and total radiance are added up, the error estimate is the largest.
+void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one);
 
 // How far off a projection probably is.
 
@@ -82,7 +85,7 @@ struct ErrorSources {
 /// to 0.35 l d of what a point puts there. How much of the light is a point's is told from band 2: a point has |c_2|^2
 /// = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of N^-2, unless the picture is
 /// nearly uniform. Factors are such that the estimate holds for 99 % of random environments: docs/projection.md.
-[[nodiscard]] double estimate_error(const SphericalHarmonics& radiance, const ErrorSources& sources);
+[[nodiscard]] double estimate_error(std::span<const glm::dvec3> radiance, const ErrorSources& sources);
 
 // Which size of an environment a projection reads.
 

@@ -4,25 +4,25 @@
 // sums and differences taken first, four texels need one multiplication a basis function instead of four.
 #include "projection/projection_kernels.h"
 
+#include "projection/lane_sums.h"
 #include "simd/vec.h"
 
 namespace welkin::projection::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kNarrowWidth, simd::kWidth,
-    simd::Lanes, simd::load_rgb, simd::load_rgba, simd::load_widened, simd::NarrowLanes, simd::Pair, simd::Rgb,
-    simd::sum;
+using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kWidth, simd::Lanes, simd::load_rgb,
+    simd::load_rgba, simd::Pair, simd::Rgb, simd::sum;
 
 constexpr int kClassesOfQuadrants = 4;
 constexpr int kClassesOfHalves = 2;
 
-WELKIN_INLINE void store_quadrant_classes(Lanes top_left, Lanes top_right, Lanes bottom_left, Lanes bottom_right,
-                                          float* plane) {
-  const Lanes top_sum = top_left + top_right;
+WELKIN_INLINE void store_quadrant_classes(const simd::Adder& adder, Lanes top_left, Lanes top_right, Lanes bottom_left,
+                                          Lanes bottom_right, float* plane) {
+  const Lanes top_sum = adder.add(top_left, top_right);
   const Lanes top_difference = top_right - top_left;
-  const Lanes bottom_sum = bottom_left + bottom_right;
+  const Lanes bottom_sum = adder.add(bottom_left, bottom_right);
   const Lanes bottom_difference = bottom_right - bottom_left;
-  (top_sum + bottom_sum).store_aligned(plane);
+  adder.add(top_sum, bottom_sum).store_aligned(plane);
   (top_difference + bottom_difference).store_aligned(plane + kChunk);
   (bottom_sum - top_sum).store_aligned(plane + 2 * kChunk);
   (bottom_difference - top_difference).store_aligned(plane + 3 * kChunk);
@@ -60,6 +60,7 @@ struct RowPointers {
 template <class Channel, int channels>
 void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes) {
   const int count = groups * kLanes;
+  const simd::Adder adder;
   for (int row = 0; row < runs.rows; ++row, planes += count) {
     const RowPointers<Channel> here(runs, row);
     for (int k = 0; k < count; k += kWidth) {
@@ -73,9 +74,9 @@ void fold_quadrants(const QuadrantRuns& runs, const FetchAhead& ahead, int group
       const Rgb bl = load_texels<Channel, channels, false>(here.bottom_left, k);
       const Rgb br = load_texels<Channel, channels, true>(here.bottom_right, mirrored);
       constexpr int channel_stride = kClassesOfQuadrants * kChunk;
-      store_quadrant_classes(tl.red, tr.red, bl.red, br.red, planes + k);
-      store_quadrant_classes(tl.green, tr.green, bl.green, br.green, planes + channel_stride + k);
-      store_quadrant_classes(tl.blue, tr.blue, bl.blue, br.blue, planes + 2 * channel_stride + k);
+      store_quadrant_classes(adder, tl.red, tr.red, bl.red, br.red, planes + k);
+      store_quadrant_classes(adder, tl.green, tr.green, bl.green, br.green, planes + channel_stride + k);
+      store_quadrant_classes(adder, tl.blue, tr.blue, bl.blue, br.blue, planes + 2 * channel_stride + k);
     }
   }
 }
@@ -101,17 +102,6 @@ void fold_halves(const void* first, const void* second, const FetchAhead& ahead,
 }
 
 // Planes times weights, summed: the one loop that all projections share.
-
-/// sums[k] += lanes[k] + lanes[k + 8]: that sum in float, the addition to `sums` in double.
-WELKIN_INLINE void add_to_double_lanes(const float* lanes, double* sums) {
-  alignas(64) float halves[kSumLanes];
-  for (int k = 0; k < kSumLanes; k += kNarrowWidth) {
-    (NarrowLanes::load_aligned(lanes + k) + NarrowLanes::load_aligned(lanes + k + kSumLanes)).store_aligned(halves + k);
-  }
-  for (int k = 0; k < kSumLanes; k += kDoubleWidth) {
-    (DoubleLanes::load_aligned(sums + k) + load_widened(halves + k)).store_aligned(sums + k);
-  }
-}
 
 /// The running sums of one class: `count` registers, named apart by recursion. (An array indexed in a loop
 /// stays in memory with GCC 12: measured, the loop then takes twice as long.)

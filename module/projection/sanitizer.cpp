@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "image/pixels.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 
 namespace welkin::projection {
@@ -127,7 +128,8 @@ void check_policy(const PixelPolicy& policy) {
   if (!policy.clamp) return;
   const float maximum = policy.clamp->maximum;
   if (!(maximum > 0.0F) || std::isinf(maximum)) {
-    refuse("the clamp's maximum is " + std::to_string(maximum) + "; it must be above 0 and finite (no clamp is off)");
+    refuse("the clamp's maximum is " + platform::number_text(maximum) +
+           "; it must be above 0 and finite (no clamp is off)");
   }
 }
 

@@ -15,6 +15,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/directional_light.h"
 
@@ -25,7 +26,7 @@ namespace {
 void require_option(const char* name, double value, double low, double high, const char* range) {
   if (value >= low && value <= high) return;
   throw Error(ErrorCode::invalid_argument,
-              "SunOptions::" + std::string(name) + " is " + std::to_string(value) + "; it must be " + range);
+              "SunOptions::" + std::string(name) + " is " + platform::number_text(value) + "; it must be " + range);
 }
 
 void check_options(const SunOptions& options) {

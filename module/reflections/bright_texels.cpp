@@ -1,16 +1,17 @@
-// Texels so bright that their lobes are summed one by one, and those sums.
+// Texels so bright that their lobes are summed one by one: which they are.
 #include "reflections/bright_texels.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
+#include <span>
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
-#include "math/quadrature.h"
 #include "reflections/lobe.h"
 
 namespace welkin::reflections {
@@ -18,109 +19,158 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Float arithmetic loses some 3e-7 of the brightest light to everything on its ring of latitude. Blurred light of 500
-/// times the mean so costs 1e-4 of the mean, or a hundredth of what is dark: well below that a light is extracted, or
-/// where a quarter of all light lies in one lobe, with every texel that makes a tenth of that by itself. What is left
-/// of one is as bright as the darkest texel about it.
-constexpr double kPeak = 100.0;
+/// Float arithmetic loses some 3e-7 of the brightest light to everything, and the end of the spectrum 1e-5 of a lobe's
+/// peak at its horizon. Blurred light of 25 times the mean so costs 1e-5 of the mean, a hundredth of what is dark in a
+/// studio: where there is more, or a quarter of all light lies in one lobe, every texel above that is extracted (those
+/// too that are not bright when they are blurred: the edge of a disc is to go with it).
+constexpr double kPeak = 25.0;
 constexpr double kLeastPeak = 4.0;
 constexpr double kPart = 0.25;
-constexpr double kShare = 0.1;
 
-constexpr std::size_t kRowsPerTile = 8;
-constexpr std::size_t kMostInTile = 256;
+/// A cell is as wide as the lobe: a quarter at least of any light narrower than that lies in one.
+constexpr double kOfCell = 0.25;
 
-/// What a tile found, in room that was there before.
-struct Found {
-  explicit Found(BrightTexel* room) : texels(room) {}
-  BrightTexel* texels;
-  std::size_t count = 0;
+struct Cell {
+  double blurred = 0.0;  ///< light at its middle, at most, of what lies in it
+  double darkest = std::numeric_limits<double>::max();
 };
 
-/// A picture as the search sees it: the light of a texel is the largest of its channels.
+/// A picture as the search sees it: the light of a texel is the largest of its channels. Bands are runs of rows about
+/// as high as the lobe is wide, each cut in cells about as wide.
 class Search {
  public:
   Search(const projection::SanitizedSource& source, double alpha)
-      : source_(source), alpha_(alpha), scale_(1.0 / lobe_integral(alpha)) {
-    double total_radiance = 0.0;
+      : source_(source),
+        grid_(source.cubemap() ? image::TexelGrid::cubemap(source.columns())
+                               : image::TexelGrid::lat_long(source.columns(), source.rows())),
+        angles_(static_cast<std::size_t>(grid_.row_classes()) * width()),
+        face_rows_(source.cubemap() ? source.columns() : source.rows()) {
+    for (int kind = 0; kind < grid_.row_classes(); ++kind) grid_.solid_angles(kind, angles_of_class(kind));
+    double total = 0.0;
     for (int row = 0; row < source.rows(); ++row) {
-      solid_angle_.push_back(image::lat_long_texel_solid_angle(source.columns(), source.rows(), row));
-      total_radiance += solid_angle_.back() * source.columns() * source.range(row).mean;
+      double angle = 0.0;
+      for (const double steradians : angles_of(row)) angle += steradians;
+      total += angle * source.range(row).mean;
     }
-    mean_ = std::max(0.0, total_radiance / (4.0 * kPi));
-    threshold_ = mean_ * std::clamp(kPart * 4.0 * kPi * lobe(1.0, alpha) * scale_, kLeastPeak, kPeak);
-    for (int column = 0; column < source.columns(); ++column)
-      longitudes_.push_back(math::sine_cosine_of_turns((column + 0.5) / source.columns()));
-    for (int row = 0; row < source.rows(); ++row)
-      colatitudes_.push_back(math::sine_cosine_of_turns((row + 0.5) / (2.0 * source.rows())));
+    mean_ = std::max(0.0, total / (4.0 * kPi));
+    const double peak = lobe(1.0, alpha) / lobe_integral(alpha);
+    scale_ = peak;
+    threshold_ = mean_ * std::clamp(kPart * 4.0 * kPi * peak, kLeastPeak, kPeak);
+    const double texel = source.cubemap() ? 0.5 * kPi / face_rows_ : kPi / face_rows_;
+    band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);
+    bands_a_face_ = (face_rows_ + band_rows_ - 1) / band_rows_;
+    const int bands = bands_a_face_ * (source.cubemap() ? 6 : 1);
+    starts_.push_back(0);
+    for (int band = 0; band < bands; ++band) starts_.push_back(starts_.back() + cells_across(band, alpha));
   }
 
-  void read_row(int row, Found& found) const {
-    const double reach = solid_angle_[static_cast<std::size_t>(row)] * lobe(1.0, alpha_) * scale_;
-    const double least = kShare * threshold_;
-    if (!(static_cast<double>(source_.range(row).largest) * reach > least)) return;
-    for (int column = 0; column < source_.columns(); ++column) {
-      const double own = light(row, column);
-      if (!(own * reach > least)) continue;
-      const Surroundings around = surroundings(row, column);
-      if (!(around.blurred > threshold_) || !(around.darkest < own)) continue;
-      if (found.count == kMostInTile) return;
-      const auto factor = static_cast<float>(around.darkest / own);
-      BrightTexel texel{row, column, {}, {}, static_cast<float>(own * reach)};
+  [[nodiscard]] int bands() const noexcept { return static_cast<int>(starts_.size()) - 1; }
+  [[nodiscard]] std::size_t cells() const noexcept { return starts_.back(); }
+
+  [[nodiscard]] bool may_be_bright(int band) const noexcept {
+    float largest = 0.0F;
+    for (int row = first_row(band); row < end_row(band); ++row) largest = std::max(largest, source_.range(row).largest);
+    return static_cast<double>(largest) > threshold_;
+  }
+
+  /// Fills the band's cells.
+  void measure(int band, std::vector<Cell>& cells) const noexcept {
+    const std::size_t first = starts_[static_cast<std::size_t>(band)];
+    for (int row = first_row(band); row < end_row(band); ++row) {
+      const std::span<const double> angles = angles_of(row);
+      for (int column = 0; column < source_.columns(); ++column) {
+        Cell& cell = cells[first + cell_of(band, column)];
+        const double own = light(row, column);
+        cell.darkest = std::min(own, cell.darkest);
+        cell.blurred += own * angles[static_cast<std::size_t>(column)] * scale_;
+      }
+    }
+  }
+
+  /// Adds the band's bright texels, not parted yet: their light, and that of the darkest texel of the cell.
+  /// Whether one of them is in a bright cell.
+  bool collect(int band, const std::vector<Cell>& cells, std::vector<BrightTexel>& found) const {
+    bool bright = false;
+    for (int row = first_row(band); row < end_row(band); ++row) {
+      if (!(static_cast<double>(source_.range(row).largest) > threshold_)) continue;
+      const std::span<const double> angles = angles_of(row);
+      for (int column = 0; column < source_.columns(); ++column) {
+        const double own = light(row, column);
+        if (!(own > threshold_)) continue;
+        const Cell& cell = cells[starts_[static_cast<std::size_t>(band)] + cell_of(band, column)];
+        bright = bright || cell.blurred > kOfCell * threshold_;
+        BrightTexel texel{row, column, {}, {}, angles[static_cast<std::size_t>(column)]};
+        const float* const rgb = source_.row(row) + std::ptrdiff_t{3} * column;
+        std::copy_n(rgb, 3, texel.excess.begin());
+        texel.rest[0] = static_cast<float>(cell.darkest);
+        found.push_back(texel);
+      }
+    }
+    return bright;
+  }
+
+  /// Parts the found texels' light in what is left, as bright as the darkest texel of the cell and no brighter than the
+  /// mean of all that is not found, and the rest, which is taken out.
+  void part(std::vector<BrightTexel>& found) const {
+    double taken = 0.0;
+    for (const BrightTexel& texel : found) {
+      for (const float value : texel.excess) taken += texel.steradians * static_cast<double>(value) / 3.0;
+    }
+    const double mean_of_others = std::max(0.0, mean_ - taken / (4.0 * kPi));
+    for (BrightTexel& texel : found) {
+      const double own = light(texel.row, texel.column);
+      const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / own);
       for (std::size_t c = 0; c < 3; ++c) {
-        const float value = source_.row(row)[std::size_t{3} * static_cast<std::size_t>(column) + c];
+        const float value = texel.excess[c];
         texel.rest[c] = value > 0.0F ? value * factor : value;
         texel.excess[c] = value - texel.rest[c];
       }
-      found.texels[found.count++] = texel;
     }
   }
 
  private:
-  [[nodiscard]] double light(int row, int column) const {
+  [[nodiscard]] double light(int row, int column) const noexcept {
     const float* const rgb = source_.row(row) + std::ptrdiff_t{3} * column;
     return static_cast<double>(std::max({rgb[0], rgb[1], rgb[2], 0.0F}));
   }
 
-  struct Surroundings {
-    double blurred;  ///< light at the texel as the lobe blurs it, from what lies about it: never too much
-    double darkest;
-  };
-  /// Of what lies within the lobe's width.
-  [[nodiscard]] Surroundings surroundings(int row, int column) const {
-    const int rows = source_.rows();
-    const int columns = source_.columns();
-    const double width = 2.0 * alpha_;
-    const int down = std::clamp(static_cast<int>(width * rows / kPi), 1, 16);
-    const math::SineCosine& here = colatitudes_[static_cast<std::size_t>(row)];
-    double sum = 0.0;
-    double darkest = light(row, column);
-    for (int y = std::max(0, row - down); y <= std::min(rows - 1, row + down); ++y) {
-      const math::SineCosine& there = colatitudes_[static_cast<std::size_t>(y)];
-      const double wide = width * columns / (2.0 * kPi * std::max(1e-3, there.sine));
-      const int across = std::min({static_cast<int>(wide) + 1, (columns - 1) / 2, 64});
-      for (int x = -across; x <= across; ++x) {
-        const int wrapped = (column + x + columns) % columns;
-        // The cosine of the difference of two longitudes is that of a longitude: columns are evenly spaced.
-        const math::SineCosine& a = longitudes_[static_cast<std::size_t>(column)];
-        const math::SineCosine& b = longitudes_[static_cast<std::size_t>(wrapped)];
-        const double turn = a.cosine * b.cosine + a.sine * b.sine;
-        const double cosine = here.cosine * there.cosine + here.sine * there.sine * turn;
-        sum += lobe(cosine, alpha_) * solid_angle_[static_cast<std::size_t>(y)] * light(y, wrapped);
-        darkest = std::min(darkest, light(y, wrapped));
-      }
+  [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(source_.columns()); }
+  [[nodiscard]] std::span<double> angles_of_class(int kind) noexcept {
+    return std::span(angles_).subspan(static_cast<std::size_t>(kind) * width(), width());
+  }
+  [[nodiscard]] std::span<const double> angles_of(int row) const noexcept {
+    return std::span(angles_).subspan(static_cast<std::size_t>(grid_.class_of(row)) * width(), width());
+  }
+  [[nodiscard]] int first_row(int band) const noexcept {
+    return band / bands_a_face_ * face_rows_ + band % bands_a_face_ * band_rows_;
+  }
+  [[nodiscard]] int end_row(int band) const noexcept {
+    return std::min(first_row(band) + band_rows_, (band / bands_a_face_ + 1) * face_rows_);
+  }
+  [[nodiscard]] std::size_t cells_across(int band, double alpha) const noexcept {
+    double length = 0.5 * kPi;
+    if (!source_.cubemap()) {
+      const double turns = 0.25 * (first_row(band) + end_row(band)) / face_rows_;
+      length = 2.0 * kPi * math::sine_cosine_of_turns(turns).sine;
     }
-    return {sum * scale_, darkest};
+    const int across = std::clamp(static_cast<int>(length / (2.0 * alpha)), 1, source_.columns());
+    return static_cast<std::size_t>(across > 4 ? across / 4 * 4 : across);  // a quarter turn changes nothing
+  }
+  [[nodiscard]] std::size_t cell_of(int band, int column) const noexcept {
+    const auto at = static_cast<std::size_t>(band);
+    return static_cast<std::size_t>(column) * (starts_[at + 1] - starts_[at]) / width();
   }
 
   const projection::SanitizedSource& source_;
-  double alpha_;
-  double scale_;
+  image::TexelGrid grid_;
+  std::vector<double> angles_;
+  int face_rows_;
+  int band_rows_ = 1;
+  int bands_a_face_ = 1;
+  double scale_ = 0.0;
   double mean_ = 0.0;
-  double threshold_ = 0.0;  ///< of blurred light
-  std::vector<double> solid_angle_;
-  std::vector<math::SineCosine> longitudes_;
-  std::vector<math::SineCosine> colatitudes_;
+  double threshold_ = 0.0;           ///< of blurred light
+  std::vector<std::size_t> starts_;  ///< of each band's cells
 };
 
 }  // namespace
@@ -128,130 +178,47 @@ class Search {
 std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha, std::size_t most,
                                             const Control& control) {
   // A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
-  if (kPi / source.rows() > 2.0 * alpha || 2.0 * kPi / source.columns() > 2.0 * alpha) return {};
+  const double high = source.cubemap() ? 0.5 * kPi / source.columns() : kPi / source.rows();
+  const double wide = source.cubemap() ? high : 2.0 * kPi / source.columns();
+  if (std::max(high, wide) > 2.0 * alpha) return {};
   const Search search(source, alpha);
-  const auto rows = static_cast<std::size_t>(source.rows());
-  const std::size_t tiles = (rows + kRowsPerTile - 1) / kRowsPerTile;
-  std::vector<BrightTexel> room(tiles * kMostInTile);
-  std::vector<Found> found;
-  for (std::size_t tile = 0; tile < tiles; ++tile) found.emplace_back(room.data() + tile * kMostInTile);
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(rows) * source.columns());
-  jobs::run_tiles(tiles, placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t /*worker*/) {
-                    const std::size_t end = std::min(rows, (tile + 1) * kRowsPerTile);
-                    for (std::size_t row = tile * kRowsPerTile; row < end; ++row)
-                      search.read_row(static_cast<int>(row), found[tile]);
-                  });
-  std::vector<BrightTexel> all;
-  for (const Found& list : found) all.insert(all.end(), list.texels, list.texels + list.count);
-  if (all.size() <= most) return all;
-  std::stable_sort(all.begin(), all.end(), [](const BrightTexel& a, const BrightTexel& b) { return a.peak > b.peak; });
-  all.resize(most);
-  return all;
-}
-
-namespace {
-
-/// A point of a rule that stands for a texel's area, and what it stands for itself.
-struct Point {
-  glm::dvec3 direction;
-  double steradians;
-  double half_width;  ///< radians: as wide as the square of the same moment of inertia
-};
-
-/// Gauss points on a texel, `across` x `down` of them.
-std::vector<Point> points_of(const BrightTexel& texel, int width, int height, int across, int down) {
-  const math::GaussRule columns = math::gauss_legendre(across);
-  const math::GaussRule rows = math::gauss_legendre(down);
-  const double steradians = image::lat_long_texel_solid_angle(width, height, texel.row);
-  const auto row_at = [&](int j) { return texel.row + 0.5 + 0.5 * rows.nodes[j]; };
-  const auto sine = [&](int j) { return math::sine_cosine_of_turns(row_at(j) / (2.0 * height)).sine; };
-  double whole = 0.0;
-  for (int j = 0; j < down; ++j) whole += 2.0 * rows.weights[j] * sine(j);
-  std::vector<Point> points;
-  for (int j = 0; j < down; ++j) {
-    for (int i = 0; i < across; ++i) {
-      const double wide = 0.5 * columns.weights[i] * kPi / width * sine(j);
-      const double high = 0.5 * rows.weights[j] * kPi / (2.0 * height);
-      points.push_back(
-          {image::lat_long_direction(width, height, texel.column + 0.5 + 0.5 * columns.nodes[i], row_at(j)),
-           steradians * columns.weights[i] * rows.weights[j] * sine(j) / whole,
-           std::sqrt(0.5 * (wide * wide + high * high))});
-    }
+  std::vector<int> bands;
+  for (int band = 0; band < search.bands(); ++band) {
+    if (search.may_be_bright(band)) bands.push_back(band);
   }
-  return points;
+  if (bands.empty()) return {};
+  std::vector<Cell> cells(search.cells());
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(source.rows()) * source.columns());
+  jobs::run_tiles(bands.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t /*worker*/) { search.measure(bands[tile], cells); });
+  std::vector<BrightTexel> found;
+  bool bright = false;
+  for (const int band : bands) bright = search.collect(band, cells, found) || bright;
+  if (!bright) return {};
+  if (found.size() > most) {
+    const auto peak = [](const BrightTexel& texel) { return *std::ranges::max_element(texel.excess); };
+    std::ranges::stable_sort(found, [&](const BrightTexel& a, const BrightTexel& b) { return peak(a) > peak(b); });
+    found.resize(most);
+    std::ranges::sort(found, [](const BrightTexel& a, const BrightTexel& b) {
+      return a.row != b.row ? a.row < b.row : a.column < b.column;
+    });
+  }
+  search.part(found);
+  return found;
 }
 
-/// Points along an edge of `radians`: they may lie half a lobe's width apart, two stand for a quarter to 1e-3. One
-/// would lie in the middle, where a texel at a pole has not its weight, and would meet the horizon as a square; where
-/// that cuts a large texel, six keep the part above it to 1e-2 of the sky about a sun a million times as bright.
-int points_along(double radians, double alpha, std::size_t texels) {
-  const double edge = radians / (2.0 * alpha);
-  const int for_horizon = radians < 0.01 ? 2 : (texels <= 16 ? 6 : 4);
-  return std::max(for_horizon, edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5));
-}
-
-}  // namespace
-
-std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height, double alpha) {
-  std::vector<LobeLight> lights;
-  const double constant = alpha * alpha / kPi / lobe_integral(alpha);
-  const int across = points_along(2.0 * kPi / width, alpha, texels.size());
-  const int down = points_along(kPi / height, alpha, texels.size());
+std::vector<float> pixels_without(const std::vector<BrightTexel>& texels, const projection::SanitizedSource& source) {
+  const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
+  std::vector<float> pixels;
+  pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
+  for (int row = 0; row < source.rows(); ++row)
+    pixels.insert(pixels.end(), source.row(row), source.row(row) + row_values);
   for (const BrightTexel& texel : texels) {
-    for (const Point& point : points_of(texel, width, height, across, down)) {
-      const auto light = [&](std::size_t c) {
-        return static_cast<float>(constant * point.steradians * static_cast<double>(texel.excess[c]));
-      };
-      lights.push_back({static_cast<float>(point.direction.x), static_cast<float>(point.direction.y),
-                        static_cast<float>(point.direction.z), light(0), light(1), light(2),
-                        static_cast<float>(point.half_width), static_cast<float>(0.25 / point.half_width)});
-    }
+    float* const rgb = pixels.data() + row_values * static_cast<std::size_t>(texel.row) +
+                       std::size_t{3} * static_cast<std::size_t>(texel.column);
+    std::copy(texel.rest.begin(), texel.rest.end(), rgb);
   }
-  return lights;
-}
-
-namespace {
-
-constexpr std::int64_t kTileWork = 1 << 16;  ///< texels times lights: some 50 microseconds
-
-LobeRow lobe_row(int face, int size, int row, double alpha) {
-  const image::Frame& frame = image::face_frame(face);
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  LobeRow result{};
-  for (int axis = 0; axis < 3; ++axis) {
-    result.base[axis] = static_cast<float>(frame.normal[axis] + v * frame.v[axis]);
-    result.along[axis] = static_cast<float>(frame.u[axis]);
-  }
-  result.step = static_cast<float>(1.0 / size);
-  result.count = size;
-  result.alpha_squared = static_cast<float>(alpha * alpha);
-  result.half_slope = static_cast<float>(0.25 * (1.0 - alpha * alpha));
-  return result;
-}
-
-}  // namespace
-
-void add_lobe_lights(std::span<const LobeLight> lights, double alpha, int size, const std::array<float*, 6>& faces,
-                     const Control& control) {
-  if (lights.empty()) return;
-  const std::int64_t row_work = static_cast<std::int64_t>(size) * static_cast<std::int64_t>(lights.size());
-  const int rows = 6 * size;
-  const int rows_per_tile = static_cast<int>(std::clamp<std::int64_t>(kTileWork / row_work, 1, rows));
-  const int tiles = (rows + rows_per_tile - 1) / rows_per_tile;
-  const auto placement = jobs::placement_for(rows * row_work / 4);
-  const LobeKernels& kernels = lobe_kernels();
-  jobs::run_tiles(static_cast<std::size_t>(tiles), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t /*worker*/) {
-                    const int first = static_cast<int>(tile) * rows_per_tile;
-                    for (int row = first; row < std::min(rows, first + rows_per_tile); ++row) {
-                      const int face = row / size;
-                      float* const rgb =
-                          faces[static_cast<std::size_t>(face)] + std::ptrdiff_t{3} * size * (row % size);
-                      kernels.add_lobes(lobe_row(face, size, row % size, alpha), lights.data(),
-                                        static_cast<int>(lights.size()), rgb);
-                    }
-                  });
+  return pixels;
 }
 
 }  // namespace welkin::reflections

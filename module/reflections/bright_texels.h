@@ -3,37 +3,30 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "projection/sanitized_pixels.h"
-#include "reflections/lobe_kernels.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
 
 struct BrightTexel {
-  int row = 0;
+  int row = 0;  ///< of a cubemap counted face after face
   int column = 0;
   std::array<float, 3> rest{};    ///< what is left in the picture
   std::array<float, 3> excess{};  ///< radiance that is taken out
-  float peak = 0.0F;              ///< what it gives to its own place through the lobe
+  double steradians = 0.0;
 };
 
-/// Texels that are, or are part of, light so bright that float harmonics would lose what is dark beside it: at most
-/// `most`, by what they give. `source` is a lat-long, `alpha` the narrowest lobe's.
+/// Texels that are, or are part of, light so bright that float harmonics, and harmonics that end, would lose what is
+/// dark beside it: at most `most`, the brightest. `alpha` is the narrowest lobe's. By row and column. Throws
+/// `Error` (cancelled).
 [[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha,
                                                           std::size_t most, const Control& control);
+inline constexpr std::size_t kMostBright = 1U << 16U;  ///< for spectral mips
 
-/// Them as lights without extent for one mip's `add_lobes`: as many a texel as it takes to stand for its area.
-[[nodiscard]] std::vector<LobeLight> lobe_lights(const std::vector<BrightTexel>& texels, int width, int height,
-                                                 double alpha);
-
-// Lights without extent, blurred by a lobe, added to the faces of a cubemap.
-
-/// Adds to each texel of six packed RGB faces of `size` x `size` the light that `lights` (of `lobe_lights`) give in the
-/// direction of its centre. The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
-void add_lobe_lights(std::span<const LobeLight> lights, double alpha, int size, const std::array<float*, 6>& faces,
-                     const Control& control);
+/// The source's pixels with what is left of them.
+[[nodiscard]] std::vector<float> pixels_without(const std::vector<BrightTexel>& texels,
+                                                const projection::SanitizedSource& source);
 
 }  // namespace welkin::reflections

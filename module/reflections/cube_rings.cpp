@@ -1,13 +1,10 @@
 #include "reflections/cube_rings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <map>
 #include <numbers>
-#include <utility>
 
 namespace welkin::reflections {
 namespace {
@@ -95,38 +92,6 @@ void RingSharpener::sharpen(LatLongImage& rings) const {
     }
     above.swap(here);
   }
-}
-
-std::vector<BrightTexel> RingSharpener::sharpened(const std::vector<BrightTexel>& texels) const {
-  const int width = static_cast<int>(columns_.size());
-  std::map<std::pair<int, int>, BrightTexel> found;  // in the order of rows: the same bits everywhere
-  for (const BrightTexel& texel : texels) {
-    const auto add = [&](int row, int column, double share) {
-      BrightTexel& to = found[{row, column}];
-      to.row = row;
-      to.column = column;
-      for (std::size_t c = 0; c < 3; ++c)
-        to.excess[c] += static_cast<float>(share * static_cast<double>(texel.excess[c]));
-    };
-    const double steep = steepness(texel.row);
-    const int right = (texel.column + 1) % width;
-    const double before = kShare * static_cast<double>(flow_before(texel.column, steep));
-    const double after = kShare * static_cast<double>(flow_before(right, steep));
-    const double sine = mean_sine(texel.row);
-    const double up = kShare * flow_above(texel.row);
-    const double down = kShare * flow_above(texel.row + 1);
-    add(texel.row, texel.column, 1.0 + before + after + (up + down) / sine);
-    add(texel.row, (texel.column + width - 1) % width, -before);
-    add(texel.row, right, -after);
-    if (up > 0.0) add(texel.row - 1, texel.column, -up / mean_sine(texel.row - 1));
-    if (down > 0.0) add(texel.row + 1, texel.column, -down / mean_sine(texel.row + 1));
-  }
-  std::vector<BrightTexel> all;
-  for (const auto& [place, texel] : found) {
-    const auto& [red, green, blue] = texel.excess;
-    if (red != 0.0F || green != 0.0F || blue != 0.0F) all.push_back(texel);
-  }
-  return all;
 }
 
 }  // namespace welkin::reflections

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "math/elementary.h"
-#include "reflections/bright_texels.h"
 #include "welkin/image.h"
 
 namespace welkin::reflections {
@@ -22,10 +21,6 @@ class RingSharpener {
   RingSharpener(int rows, int face_size);
 
   void sharpen(LatLongImage& rings) const;
-
-  /// `texels`, the same part of them by themselves: texels' excesses, now with those of their neighbours, by row and
-  /// column. What is left in the picture is not looked at.
-  [[nodiscard]] std::vector<BrightTexel> sharpened(const std::vector<BrightTexel>& texels) const;
 
  private:
   /// An edge of the lat-long's columns: the share of 1/12 that flows through it near the equator.

@@ -13,6 +13,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sun_detection.h"
 #include "reflections/lobe.h"
 #include "welkin/core.h"
@@ -141,7 +142,7 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
                                   const Control& control) {
   image::check_view(view);
   if (!(roughness >= 0.0 && roughness <= 1.0)) {
-    throw Error(ErrorCode::invalid_argument, "roughness " + std::to_string(roughness) + " is not from 0 to 1");
+    throw Error(ErrorCode::invalid_argument, "roughness " + platform::number_text(roughness) + " is not from 0 to 1");
   }
   const std::vector<glm::dvec3> units = unit_directions(directions);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});

@@ -149,6 +149,24 @@ std::vector<double> far_spectrum(double alpha, double split, int bands) {
   return moments(rule, bands);
 }
 
+std::vector<double> gaussian_spectrum(double alpha, double least, int bands) {
+  constexpr double end = 1e-3;  // t s is below that everywhere: what lies below is 1e-6 of the lobe
+  Rule rule = make_rule(alpha, std::max(bands, 8));
+  const double whole = lobe_integral(alpha) / (2.0 * kPi);
+  const double q = alpha * alpha / ((1.0 - alpha) * (1.0 + alpha));
+  const double ratio = math::exponential(kGaussianStep);
+  for (std::size_t i = 0; i < rule.distance.size(); ++i) {
+    const double place = q + 0.5 * rule.distance[i];
+    double share = 0.0;
+    for (double t = least / ratio; t > end; t /= ratio) {
+      const double u = t * place;
+      if (u < 40.0) share += kGaussianStep * u * u * math::exponential(-u);
+    }
+    rule.weight[i] *= share / whole;
+  }
+  return moments(rule, bands);
+}
+
 namespace {
 
 constexpr double kTaper = 0.2;

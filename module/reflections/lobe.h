@@ -20,6 +20,14 @@ namespace welkin::reflections {
 /// t < split, so that band l holds e^(-l^2 / split) or less. In double to 1e-10; not kept.
 [[nodiscard]] std::vector<double> far_spectrum(double alpha, double split, int bands);
 
+/// The lobe as a sum of Gaussians, Int t e^(-t (q + s)) dt by steps of ln t: each 0.8 further, h t^2 e^(-t (q + s)).
+/// The sum's relative error is 2 |Gamma(2 + 2 pi i / h)| = 5e-4 at most, in turns above and below.
+inline constexpr double kGaussianStep = 0.8;
+
+/// As `far_spectrum`, of the Gaussians below t = `least` of that sum (which is the first that is not far). Band l holds
+/// e^(-l^2 / t) of each.
+[[nodiscard]] std::vector<double> gaussian_spectrum(double alpha, double least, int bands);
+
 // How many harmonic bands a lobe needs, and how its spectrum ends.
 
 /// What one mip's synthesis multiplies bands by.

@@ -1,6 +1,7 @@
 // GGX lobes of single lights.
 #include "reflections/lobe_kernels.h"
 
+#include "simd/decay.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {
@@ -8,75 +9,127 @@ namespace {
 
 using simd::kWidth, simd::Lanes;
 
-/// 0, 1, 2, ...
-WELKIN_INLINE Lanes counting() {
-  alignas(64) float steps[kWidth];
-  for (int k = 0; k < kWidth; ++k) steps[k] = static_cast<float>(k);
-  return Lanes::load_aligned(steps);
-}
-
 /// Lights added to one register of texels.
 struct Sums {
   Lanes red = Lanes(0.0F), green = Lanes(0.0F), blue = Lanes(0.0F);
 };
 
-/// With x = 1 - c taken from the chord, |n - s|^2 / 2, so that it has its digits where the lobe is sharp:
-/// k = (1 - x) alpha^2 / (pi (alpha^2 + x (1 - alpha^2) / 2)^2), the constants being in the light's colour.
-/// For max(c, 0) the mean of max(c + t, 0) over -w < t < w, w the light's half width: (c + w)^2 / (4 w) where |c| < w.
-WELKIN_INLINE Sums lobes_at(const LobeRow& row, const LobeLight* lights, int count, Lanes x, Lanes y, Lanes z) {
-  Sums sums;
-  const Lanes half_slope(row.half_slope);
-  const Lanes square(row.alpha_squared);
-  for (int i = 0; i < count; ++i) {
-    const LobeLight& light = lights[i];
-    const Lanes dx = x - Lanes(light.x);
-    const Lanes dy = y - Lanes(light.y);
-    const Lanes dz = z - Lanes(light.z);
-    const Lanes chord = dx * dx + dy * dy + dz * dz;  // 2 x
-    const Lanes half_width(light.half_width);
-    const Lanes above = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord + half_width, Lanes(0.0F));
-    const Lanes rising = xsimd::min(above, half_width + half_width);
-    const Lanes cosine = rising * rising * Lanes(light.half_slope) + (above - rising);
-    const Lanes width = square + chord * half_slope;
-    const Lanes value = cosine / (width * width);
-    sums.red = sums.red + value * Lanes(light.red);
-    sums.green = sums.green + value * Lanes(light.green);
-    sums.blue = sums.blue + value * Lanes(light.blue);
-  }
-  return sums;
+struct Directions {
+  Lanes x, y, z;
+};
+
+WELKIN_INLINE Directions directions_of(const LobeBlock& texels, int first) {
+  const Lanes u = Lanes::load_unaligned(texels.u + first);
+  const Lanes v = Lanes::load_unaligned(texels.v + first);
+  const Lanes x = Lanes(texels.normal[0]) + u * Lanes(texels.along[0]) + v * Lanes(texels.down[0]);
+  const Lanes y = Lanes(texels.normal[1]) + u * Lanes(texels.along[1]) + v * Lanes(texels.down[1]);
+  const Lanes z = Lanes(texels.normal[2]) + u * Lanes(texels.along[2]) + v * Lanes(texels.down[2]);
+  const Lanes inverse = Lanes(1.0F) / xsimd::sqrt(x * x + y * y + z * z);
+  return {x * inverse, y * inverse, z * inverse};
 }
 
-void add_lobes(const LobeRow& row, const LobeLight* lights, int count, float* rgb) {
-  const Lanes twice = counting() + counting();
-  for (int first = 0; first < row.count; first += kWidth) {
-    // u of the texels' centres: whole numbers times the step, rounded alike at any width
-    const Lanes u = (Lanes(static_cast<float>(2 * first + 1)) + twice) * Lanes(row.step) - Lanes(1.0F);
-    const Lanes px = Lanes(row.base[0]) + u * Lanes(row.along[0]);
-    const Lanes py = Lanes(row.base[1]) + u * Lanes(row.along[1]);
-    const Lanes pz = Lanes(row.base[2]) + u * Lanes(row.along[2]);
-    const Lanes length = xsimd::sqrt(px * px + py * py + pz * pz);
-    const Lanes inverse = Lanes(1.0F) / length;
-    const Sums sums = lobes_at(row, lights, count, px * inverse, py * inverse, pz * inverse);
-    alignas(64) float red[kWidth];
-    alignas(64) float green[kWidth];
-    alignas(64) float blue[kWidth];
-    sums.red.store_aligned(red);
-    sums.green.store_aligned(green);
-    sums.blue.store_aligned(blue);
-    const int texels = row.count - first < kWidth ? row.count - first : kWidth;
-    for (int k = 0; k < texels; ++k) {
-      float* const texel = rgb + 3 * (first + k);
-      texel[0] += red[k];
-      texel[1] += green[k];
-      texel[2] += blue[k];
+/// |n - s|^2 = 2 (1 - c): it has its digits where the lobe is sharp.
+WELKIN_INLINE Lanes chord_of(const Directions& texel, const LobeLight& light) {
+  const Lanes x = texel.x - Lanes(light.x);
+  const Lanes y = texel.y - Lanes(light.y);
+  const Lanes z = texel.z - Lanes(light.z);
+  return x * x + y * y + z * z;
+}
+
+/// The share of the lobe that is in the Gaussians below t, u = t (q + s): the sum of 0.8 v^2 e^-v over v = u e^(-0.8 k)
+/// from k = 1 on. What is left of the others at u = 14 is 1e-4.
+WELKIN_INLINE Lanes far_share(Lanes u) {
+  constexpr float end = 14.0F;
+  if (!xsimd::any(u < Lanes(end))) return Lanes(1.0F);
+  const Lanes start = xsimd::min(u, Lanes(end));
+  Lanes sum(0.0F);
+  Lanes v = start;
+  for (int k = 0; k < 9; ++k) {
+    v = v * Lanes(0.449328964F);  // e^-0.8
+    sum = sum + Lanes(0.8F) * v * v * simd::decay(v);
+  }
+  return xsimd::select(u < Lanes(end), sum, Lanes(1.0F));
+}
+
+WELKIN_INLINE void add_light(const LobeLight& light, Lanes cosine, Lanes chord, const LobeBlock& texels, Sums& sums) {
+  const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
+  const Lanes value = cosine / (width * width);
+  sums.red = sums.red + value * Lanes(light.red);
+  sums.green = sums.green + value * Lanes(light.green);
+  sums.blue = sums.blue + value * Lanes(light.blue);
+}
+
+WELKIN_INLINE void store(const Sums& all, float* sums, int count) {
+  (Lanes::load_unaligned(sums) + all.red).store_unaligned(sums);
+  (Lanes::load_unaligned(sums + count) + all.green).store_unaligned(sums + count);
+  (Lanes::load_unaligned(sums + 2 * count) + all.blue).store_unaligned(sums + 2 * count);
+}
+
+void sum_lobes(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count, float* sums) {
+  for (int first = 0; first < texels.count; first += kWidth) {
+    const Directions texel = directions_of(texels, first);
+    Sums all;
+    for (int run = 0; run < run_count; ++run) {
+      const LobeLight* const end = lights + runs[run].first + runs[run].count;
+      for (const LobeLight* light = lights + runs[run].first; light != end; ++light) {
+        const Lanes chord = chord_of(texel, *light);
+        Lanes cosine = xsimd::max(Lanes(1.0F) - Lanes(0.5F) * chord, Lanes(0.0F));
+        if (texels.far_scale > 0.0F) {
+          const Lanes width = Lanes(texels.alpha_squared) + chord * Lanes(texels.half_slope);
+          cosine = cosine * far_share(width * Lanes(texels.far_scale));
+        }
+        add_light(*light, cosine, chord, texels, all);
+      }
     }
+    store(all, sums + first, texels.count);
+  }
+}
+
+WELKIN_INLINE Lanes along(const Directions& texel, const float* axis) {
+  return texel.x * Lanes(axis[0]) + texel.y * Lanes(axis[1]) + texel.z * Lanes(axis[2]);
+}
+
+/// max(x, 0)^3
+WELKIN_INLINE Lanes cube_above(Lanes x) {
+  const Lanes above = xsimd::max(x, Lanes(0.0F));
+  return above * above * above;
+}
+
+/// Mean of max(c + a s + b t, 0) over -1 < s, t < 1: with F(x) = max(x, 0)^3 / 6
+///   (F(c + a + b) - F(c + a - b) - F(c - a + b) + F(c - a - b)) / (4 a b),
+/// c where all is above, 0 where nothing is. a and b are not below `least`, so that the differences keep their digits.
+WELKIN_INLINE Lanes mean_above(Lanes c, Lanes a, Lanes b, Lanes least) {
+  const Lanes high = xsimd::max(xsimd::abs(a), least);
+  const Lanes wide = xsimd::max(xsimd::abs(b), least);
+  const Lanes both = high + wide;
+  const Lanes one = high - wide;
+  const Lanes differences = (cube_above(c + both) - cube_above(c + one)) - (cube_above(c - one) - cube_above(c - both));
+  const Lanes cut = xsimd::max(differences / (Lanes(24.0F) * high * wide), Lanes(0.0F));
+  return xsimd::select(c > both, c, xsimd::select(c > Lanes(0.0F) - both, cut, Lanes(0.0F)));
+}
+
+void sum_cut_lobes(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count, float* sums) {
+  for (int first = 0; first < texels.count; first += kWidth) {
+    const Directions texel = directions_of(texels, first);
+    Sums all;
+    for (int run = 0; run < run_count; ++run) {
+      const CutLight* const end = lights + runs[run].first + runs[run].count;
+      for (const CutLight* light = lights + runs[run].first; light != end; ++light) {
+        const Lanes chord = chord_of(texel, light->light);
+        const Lanes cosine = mean_above(Lanes(1.0F) - Lanes(0.5F) * chord, along(texel, light->along),
+                                        along(texel, light->down), Lanes(light->least));
+        add_light(light->light, cosine, chord, texels, all);
+      }
+    }
+    store(all, sums + first, texels.count);
   }
 }
 
 }  // namespace
 
 const LobeKernels lobe_kernels_table = {
-    .add_lobes = add_lobes,
+    .sum_lobes = sum_lobes,
+    .sum_cut_lobes = sum_cut_lobes,
 };
 
 }  // namespace welkin::reflections::WELKIN_ISA

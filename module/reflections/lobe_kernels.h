@@ -5,30 +5,56 @@
 
 namespace welkin::reflections {
 
-/// A light of no extent; its colour holds all that one mip's lobe does not change from texel to texel.
+/// A light of no extent.
 struct LobeLight {
-  float x, y, z;  ///< unit direction
-  float red, green, blue;
-  float half_width;  ///< of what it stands for, radians, above 0: the horizon cuts it little by little
-  float half_slope;  ///< 1 / (4 half_width)
+  float x, y, z;           ///< unit direction
+  float red, green, blue;  ///< radiance times steradians
 };
 
-/// A row of a cubemap face, and the lobe. Texel i's centre is at base + u along, u = (2 i + 1) step - 1.
-struct LobeRow {
-  float base[3];
+/// A light on a parallelogram so small that the lobe is even over it but for the horizon: its points are at the
+/// direction + s along + t down, s and t from -1 to 1.
+struct CutLight {
+  LobeLight light;
   float along[3];
-  float step;  ///< 1 / texels along an edge
+  float down[3];
+  float least;  ///< how far c changes from its middle to an edge, at least: a hundredth of its size
+};
+
+/// Lights that lie one after the other.
+struct LobeRun {
+  int first;
+  int count;
+};
+
+/// Texels of a cubemap's face, a multiple of `kLobeTexels`, and the lobe. A texel's centre is at normal + u along +
+/// v down.
+struct LobeBlock {
+  float normal[3];
+  float along[3];
+  float down[3];
+  const float* u;  ///< of each texel, -1 to 1
+  const float* v;
   int count;
   float alpha_squared;
   float half_slope;  ///< (1 - alpha^2) / 4
-};
 
-/// Adds to each texel, packed RGB, the sum over lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2,
-/// c = cosine between texel and light: relative error 2e-6 + 1e-7 / alpha for positive light.
-using AddLobes = void (*)(const LobeRow& row, const LobeLight* lights, int count, float* rgb);
+  /// 0: the whole lobe. Else only its Gaussians below t (see `gaussian_spectrum`), and this is t / (1 - alpha^2).
+  float far_scale;
+};
+inline constexpr int kLobeTexels = simd::kLanes;
+
+/// Adds for each texel the sum over the runs' lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2, c
+/// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light, and 5e-4
+/// more where only a part is wanted, as the sum of Gaussians has. Of cut lights max(0, c) is its mean over the
+/// parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of the lobe is in that part.
+using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count,
+                          float* sums);
+using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,
+                             float* sums);
 
 struct LobeKernels {
-  AddLobes add_lobes;
+  SumLobes sum_lobes;
+  SumCutLobes sum_cut_lobes;
 };
 WELKIN_KERNEL_TABLES(LobeKernels, lobe_kernels)
 

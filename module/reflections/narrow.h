@@ -5,8 +5,10 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "projection/sanitized_pixels.h"
+#include "transform/spectrum.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -14,26 +16,37 @@ namespace welkin::reflections {
 /// Where lobes are split, for a source. Large texels count as several small ones, so that the far part changes little
 /// over each.
 struct NarrowSplit {
-  int bands = 0;       ///< of the far part
-  double split = 0.0;  ///< the t above
-  double reach = 0.0;  ///< radians: the near part beyond is below a thousandth of the lobe there
-  int columns = 0;     ///< small texels along a row (of a face)
-  int rows = 0;        ///< and down a column (of a face)
+  int bands = 0;             ///< of the far part
+  double split = 0.0;        ///< the t above; of lat-longs the first Gaussian's that is near
+  double largest_far = 0.0;  ///< t of the narrowest Gaussian that is far
+  double reach = 0.0;        ///< radians, of cubemaps: the near part beyond is below a thousandth of the lobe there
+  int columns = 0;           ///< small texels along a row (of a face)
+  int rows = 0;              ///< and down a column (of a face)
 };
 /// `rows`, `columns`: of a lat-long, or of a cubemap's face.
 [[nodiscard]] NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept;
 
+/// The first bands of the far part's spectrum, over k_0 of the whole lobe.
+[[nodiscard]] std::vector<double> far_part(bool cubemap, const NarrowSplit& split, double alpha, int bands);
+
+/// The rings on which the far part is held.
+[[nodiscard]] transforms::GridSize grid_of_far_part(bool cubemap, const NarrowSplit& split) noexcept;
+
 /// Rows of the lat-long, twice as wide, on which a cubemap's far part is found.
 [[nodiscard]] int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept;
 
-/// What the largest relative error of such a mip is estimated to be: docs/reflections.md has what was measured. What a
-/// bright texel sends far is known to 0.6 %; that counts where it outshines a dark texel.
-[[nodiscard]] double narrow_error(const projection::SanitizedSource& source, const NarrowSplit& split,
-                                  double alpha) noexcept;
+/// Root mean square of what neighbouring texels differ by, both ways, over that of the texels.
+[[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
+
+/// What the root mean square error of a mip of `size` is estimated to be, over its own: docs/reflections.md has what
+/// was measured. A share of the contrast that grows with alpha, and where all centres lie on a cubemap's lines what it
+/// costs to clear them.
+[[nodiscard]] double narrow_error(const projection::SanitizedSource& source, double contrast, double alpha,
+                                  int size) noexcept;
 
 /// Adds the near part about the centre of each texel to six packed RGB faces that hold the far part: the source's
-/// texels as areas, their integrals in closed form. alpha in (0, 0.01]. An even source stays even. The same bits on any
-/// number of threads and instruction set. Throws `Error` (cancelled).
+/// texels as areas. alpha in (0, 0.01]. An even source stays even. Of a lat-long without negative values no result is
+/// below 0. The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
 void add_near_parts(const projection::SanitizedSource& source, const NarrowSplit& split, double alpha, int size,
                     const std::array<float*, 6>& faces, const Control& control);
 

@@ -1,6 +1,7 @@
 // Shares of narrow lobes in texels.
 #include "reflections/narrow_kernels.h"
 
+#include "simd/decay.h"
 #include "simd/vec.h"
 
 namespace welkin::reflections::WELKIN_ISA {
@@ -13,23 +14,8 @@ constexpr float kPi = 3.14159265F;
 
 WELKIN_INLINE Lanes at(const float* values, int index) { return Lanes::load_aligned(values + index * kLanes); }
 
-/// e^-u for 0 <= u, taken as 16 beyond: a sixteenth of it by its series, 16 times with itself.
-WELKIN_INLINE Lanes decay(Lanes u) {
-  const Lanes x = xsimd::min(u, Lanes(16.0F)) * Lanes(-1.0F / 16.0F);
-  auto sum = Lanes(1.0F / 40320.0F);
-  sum = sum * x + Lanes(1.0F / 5040.0F);
-  sum = sum * x + Lanes(1.0F / 720.0F);
-  sum = sum * x + Lanes(1.0F / 120.0F);
-  sum = sum * x + Lanes(1.0F / 24.0F);
-  sum = sum * x + Lanes(1.0F / 6.0F);
-  sum = sum * x + Lanes(0.5F);
-  sum = sum * x + Lanes(1.0F);
-  sum = sum * x + Lanes(1.0F);
-  const Lanes two = sum * sum;
-  const Lanes four = two * two;
-  const Lanes eight = four * four;
-  return eight * eight;
-}
+/// e^-u for 0 <= u, taken as 16 beyond.
+WELKIN_INLINE Lanes decay_to_sixteen(Lanes u) { return simd::decay(xsimd::min(u, Lanes(16.0F))); }
 
 /// (1 - (1 + u) e^-u) / u^2 = Int_0^1 t e^(-u t) dt = 1/2 - u/3 + u^2/8 - ... + (-u)^n / (n! (n + 2)).
 WELKIN_INLINE Lanes far_density(const SplitLobe& lobe, Lanes square) {
@@ -44,7 +30,7 @@ WELKIN_INLINE Lanes far_density(const SplitLobe& lobe, Lanes square) {
   series = series * u + Lanes(0.125F);
   series = series * u - Lanes(1.0F / 3.0F);
   series = series * u + Lanes(0.5F);
-  const Lanes closed = (Lanes(1.0F) - (Lanes(1.0F) + u) * decay(u)) / xsimd::max(u * u, Lanes(kTiny));
+  const Lanes closed = (Lanes(1.0F) - (Lanes(1.0F) + u) * decay_to_sixteen(u)) / xsimd::max(u * u, Lanes(kTiny));
   return xsimd::select(u < Lanes(1.0F), series, closed);
 }
 
@@ -97,38 +83,6 @@ WELKIN_INLINE Edge edge_between(Lanes x0, Lanes y0, Lanes x1, Lanes y1) {
   return {x0 * y1 - y0 * x1, x0 * x1 + y0 * y1, xsimd::sqrt(dx * dx + dy * dy)};
 }
 
-void place_lat_long(const LatLongGroup& group, const float* columns, const float* row, int count,
-                    const CornerLine& line) {
-  for (int k = 0; k < kLanes; k += kWidth) {
-    const Lanes sine_part = Lanes::load_unaligned(group.sine_of_part + k);
-    const Lanes cosine_part = Lanes::load_unaligned(group.cosine_of_part + k);
-    const Lanes sine_latitude = Lanes::load_unaligned(group.sine_latitude + k);
-    const Lanes cosine_latitude = Lanes::load_unaligned(group.cosine_latitude + k);
-    const Lanes row_sine = Lanes::load_unaligned(row + k);
-    const Lanes row_cosine = Lanes::load_unaligned(row + kLanes + k);
-    const Lanes part_row = Lanes::load_unaligned(group.sine_of_part_row + k);
-    const Lanes rest_row = Lanes::load_unaligned(group.cosine_of_part_row + k);
-    // half the angle downwards from the direction to the line
-    const Lanes sine = row_sine * rest_row - row_cosine * part_row;
-    const Lanes cosine = row_cosine * rest_row + row_sine * part_row;
-    const Lanes down = Lanes(2.0F) * sine * cosine;
-    const Lanes here = cosine_latitude * (Lanes(1.0F) - Lanes(2.0F) * sine * sine) + sine_latitude * down;
-    const Lanes cosine_here = xsimd::max(here, Lanes(0.0F));
-    (Lanes(2.0F) * sine / cosine).store_aligned(line.foot + k);
-    for (int i = 0; i < count; ++i) {
-      const Lanes column_sine(columns[2 * i]);
-      const Lanes column_cosine(columns[2 * i + 1]);
-      const Lanes sh = column_sine * cosine_part - column_cosine * sine_part;
-      const Lanes ch = column_cosine * cosine_part + column_sine * sine_part;
-      const Lanes bent = cosine_here * sh * sh;
-      const Lanes s = sine * sine + cosine_latitude * bent;
-      const Lanes scale = Lanes(1.0F) / (Lanes(1.0F) - s);
-      (Lanes(2.0F) * cosine_here * sh * ch * scale).store_aligned(line.x + i * kLanes + k);
-      ((down - Lanes(2.0F) * sine_latitude * bent) * scale).store_aligned(line.y + i * kLanes + k);
-    }
-  }
-}
-
 void place_cube(const CubeGroup& group, int first_column, int row, int count, const CornerLine& line) {
   const Lanes size(group.size);
   const Lanes step(2.0F / group.size);
@@ -159,9 +113,8 @@ void place_cube(const CubeGroup& group, int first_column, int row, int count, co
   }
 }
 
-void measure_line(const SplitLobe& lobe, bool has_foot, ColumnRange columns, const CornerLine& line) {
+void measure_line(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line) {
   for (int k = 0; k < kLanes; k += kWidth) {
-    const Lanes foot = Lanes::load_aligned(line.foot + k);
     Lanes x0 = at(line.x + k, columns.first);
     Lanes y0 = at(line.y + k, columns.first);
     far_density(lobe, x0 * x0 + y0 * y0).store_aligned(line.far + columns.first * kLanes + k);
@@ -169,15 +122,7 @@ void measure_line(const SplitLobe& lobe, bool has_foot, ColumnRange columns, con
       const Lanes x1 = at(line.x + k, i);
       const Lanes y1 = at(line.y + k, i);
       far_density(lobe, x1 * x1 + y1 * y1).store_aligned(line.far + i * kLanes + k);
-      Edge edge = edge_between(x0, y0, x1, y1);
-      if (has_foot) {
-        const auto below = x0 <= Lanes(0.0F) && x1 > Lanes(0.0F);
-        const Lanes width = x1 - x0;
-        edge.cross = xsimd::select(below, Lanes(0.0F) - foot * width, edge.cross);
-        edge.dot = xsimd::select(below, foot * foot + x0 * x1, edge.dot);
-        edge.length = xsimd::select(below, width, edge.length);
-      }
-      missed_by(lobe, edge).store_aligned(line.edge + (i - 1) * kLanes + k);
+      missed_by(lobe, edge_between(x0, y0, x1, y1)).store_aligned(line.edge + (i - 1) * kLanes + k);
       x0 = x1;
       y0 = y1;
     }
@@ -315,7 +260,8 @@ void weigh_far(const SplitLobe& lobe, const CornerLine& above, const CornerLine&
                          u * (b * inverse * Lanes(2.0F / 3.0F) - t * (cell.c1 + cell.c2) * Lanes(1.0F / 12.0F));
       const Lanes shape = (one + u) * mean_of_cell(cell, inverse) + bend;
       const Lanes cosine = (one - quarter) * stretch;  // 1 - 2 s
-      const Lanes weight = xsimd::max(density * inverse * inverse * cell.area * cosine * decay(u) * shape, Lanes(0.0F));
+      const Lanes weight =
+          xsimd::max(density * inverse * inverse * cell.area * cosine * decay_to_sixteen(u) * shape, Lanes(0.0F));
       weight.store_aligned(weights + i * kLanes + k);
       sum = sum + weight;
     }
@@ -335,7 +281,6 @@ void add_texels(const float* rgb, const float* weights, int count, float* sum) {
 }  // namespace
 
 const NarrowKernels narrow_kernels_table = {
-    .place_lat_long = place_lat_long,
     .place_cube = place_cube,
     .measure_line = measure_line,
     .weigh_close = weigh_close,

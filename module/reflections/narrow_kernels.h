@@ -23,23 +23,7 @@ struct CornerLine {
   float* y;
   float* far;
   float* edge;
-  float* foot;  ///< [16]: y of the line at x = 0, which it passes at right angles. Not used if `has_foot` is false.
 };
-
-/// 16 directions and the pixel grid of a lat-long; angles are halves: of (corner - direction).
-struct LatLongGroup {
-  float sine_of_part[simd::kLanes];  ///< of the place within its column, as half an angle
-  float cosine_of_part[simd::kLanes];
-  float sine_of_part_row[simd::kLanes];
-  float cosine_of_part_row[simd::kLanes];
-  float sine_latitude[simd::kLanes];
-  float cosine_latitude[simd::kLanes];
-};
-
-/// Fills x, y and foot for the corners of a line. `columns`: [count][2] sines and cosines of half the angles that whole
-/// columns are from the direction's own; `row`: [2][16] the same of the line's latitude, one for each lane.
-using PlaceLatLong = void (*)(const LatLongGroup& group, const float* columns, const float* row, int count,
-                              const CornerLine& line);
 
 /// 16 directions (u, v, 1) in the frame of a cubemap face, and where they are in its texels.
 struct CubeGroup {
@@ -52,8 +36,8 @@ struct CubeGroup {
   float size;  ///< texels along an edge
 };
 
-/// The same for a face; corners beyond its edges are moved to them. `row`, `first_column`: whole texels from the
-/// direction's own.
+/// Fills x and y for the corners of a line; corners beyond the edges of the face are moved to them. `row`,
+/// `first_column`: whole texels from the direction's own.
 using PlaceCube = void (*)(const CubeGroup& group, int first_column, int row, int count, const CornerLine& line);
 
 /// Some columns of a row.
@@ -63,7 +47,7 @@ struct ColumnRange {
 };
 
 /// Fills `far` of the corners and `edge` of the edges of those texels, in a line whose places are known.
-using MeasureLine = void (*)(const SplitLobe& lobe, bool has_foot, ColumnRange columns, const CornerLine& line);
+using MeasureLine = void (*)(const SplitLobe& lobe, ColumnRange columns, const CornerLine& line);
 
 /// Writes to those texels' entries of [][16] their share of the near part, between two lines that were measured there,
 /// and adds them up to `sums`, [16]. The lobe's factor 1 - 2 s is in them.
@@ -76,7 +60,6 @@ using WeighRow = void (*)(const SplitLobe& lobe, const CornerLine& above, const 
 using AddTexels = void (*)(const float* rgb, const float* weights, int count, float* sum);
 
 struct NarrowKernels {
-  PlaceLatLong place_lat_long;
   PlaceCube place_cube;
   MeasureLine measure_line;
   WeighRow weigh_close;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -18,12 +19,16 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
+#include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
+#include "reflections/far_parts.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
+#include "reflections/ring_table.h"
 #include "reflections/sampled.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
@@ -61,6 +66,26 @@ LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control
     image::fill_lat_long_by_area(cut(source, parts).view(), 2 * rows, rows, rings.pixels.data(), control);
   }
   return rings;
+}
+
+LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+  const RingTableKey key{source.size, rows};
+  if (RingTable::serves(key)) {
+    LatLongImage rings{2 * rows, rows, {}};
+    rings.pixels.resize(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
+    RingTable::get(key, {control.stop})->fill(source, rings.pixels.data(), control);
+    return rings;
+  }
+  LatLongImage rings = rings_of_cubemap(source, rows, control);
+  RingSharpener(rows, source.size).sharpen(rings);
+  return rings;
+}
+
+std::size_t cube_rings_bytes(int face_size, int rows) {
+  const RingTableKey key{face_size, rows};
+  if (RingTable::serves(key)) return RingTable::working_bytes(key) + RingTable::making_bytes(key);
+  constexpr std::size_t texel = 24 + 9;  // of the area resampler and the sharpener
+  return texel * 2 * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows);
 }
 
 namespace {
@@ -123,14 +148,24 @@ void fill_level(const LatLongView& source, CubemapChain& chain, int level, const
 }
 
 void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control) {
+  if (source.size == chain.level_size(level) && source.format == PixelFormat::rgb32f) {
+    const std::size_t row_values = 3 * static_cast<std::size_t>(source.size);
+    float* to = chain.face(level, 0);
+    for (int row = 0; row < 6 * source.size; ++row, to += row_values) {
+      jobs::throw_if_cancelled(control);
+      std::memcpy(to, image::row_of(source, row / source.size, row % source.size), row_values * sizeof(float));
+    }
+    if (control.progress) control.progress(1.0);
+    return;
+  }
   const CubemapImage image = to_cubemap(source, chain.level_size(level), glm::dmat3(1.0), control);
   std::copy(image.pixels.begin(), image.pixels.end(), chain.face(level, 0));
 }
 
 namespace {
 
-constexpr std::size_t kMostBright = 256;  ///< texels taken out
-constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
+constexpr std::size_t kMostBrightFar = 4096;  ///< texels taken out of narrow lobes' far part, whose mips are large
+constexpr double kReferenceError = 2e-5;      ///< see `fill_lobe_integrals`
 
 using Faces = std::array<float*, 6>;
 
@@ -164,6 +199,12 @@ class Memory {
   std::uint64_t now_ = 0;
   std::uint64_t peak_ = 0;
 };
+
+void make_not_negative(int size, const Faces& faces) {
+  const std::ptrdiff_t count = std::ptrdiff_t{3} * size * size;
+  for (float* const values : faces)
+    std::transform(values, values + count, values, [](float value) { return std::max(value, 0.0F); });
+}
 
 /// One call's work. View: LatLongView or CubemapView, sanitized.
 template <class View>
@@ -203,11 +244,9 @@ class Prefilter {
   }
 
   void run_spectral(const Control& control);
-  void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
-                    const Control& control);
+  void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
   void run_narrow(const Control& control);
-  void narrow_mip(std::size_t level, const NarrowSplit& split, const transforms::Spectrum& spectrum,
-                  const Control& control);
+  void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
   void run_sampled(const Control& control);
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
@@ -218,8 +257,8 @@ class Prefilter {
   const projection::SanitizedSource& source_;
   const PrefilterPlan& plan_;
   PrefilteredSpecular result_;
-  std::vector<BrightTexel> bright_;
-  std::size_t extracted_ = 0;     ///< texels of the picture; of a cubemap those stand for some more
+  BrightLights bright_;
+  std::size_t extracted_ = 0;
   std::vector<double> energies_;  ///< of the harmonics, degree by degree
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
@@ -241,53 +280,40 @@ void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const C
 struct Rings {
   LatLongView view{};
   LatLongImage owned;  ///< holds the pixels where the caller's own would not do
-  std::unique_ptr<projection::SanitizedSource> sanitized;
 
   [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
 };
 
-LatLongImage copy_of(const projection::SanitizedSource& source) {
-  LatLongImage image{source.columns(), source.rows(), {}};
-  image.pixels.reserve(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  for (int row = 0; row < image.height; ++row)
-    image.pixels.insert(image.pixels.end(), source.row(row), source.row(row) + std::ptrdiff_t{3} * image.width);
-  return image;
-}
-
-/// `source` itself if it is a lat-long, else the cubemap on rings.
-const projection::SanitizedSource& lat_long_of(const projection::SanitizedSource& source, const PrefilterPlan& plan,
-                                               Rings& rings, const Control& control) {
-  if (!source.cubemap()) return source;
-  rings.owned = rings_of_cubemap(source.cube(), plan.rows_for_cubemap(source.columns()), control);
-  rings.sanitized = std::make_unique<projection::SanitizedSource>(rings.owned.view(), PixelPolicy{}, control);
-  return *rings.sanitized;
-}
-
-void take_out(const std::vector<BrightTexel>& texels, const projection::SanitizedSource& lat_long, Rings& rings) {
-  rings.view = lat_long.lat_long();
-  if (texels.empty()) return;
-  if (rings.owned.pixels.empty()) rings.owned = copy_of(lat_long);
-  rings.view = rings.owned.view();
-  for (const BrightTexel& texel : texels) {
-    float* const rgb = rings.owned.pixels.data() + 3 * (std::ptrdiff_t{texel.row} * rings.view.width + texel.column);
-    std::copy(texel.rest.begin(), texel.rest.end(), rgb);
+/// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on rings.
+Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
+               const PrefilterPlan& plan, const Control& control) {
+  Rings rings;
+  rings.view = source.lat_long();
+  if (source.cubemap()) {
+    const int rows = plan.rows_for_cubemap(source.columns());
+    const CubemapImage rest{source.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source)};
+    rings.owned = sharp_rings_of_cubemap(bright.empty() ? source.cube() : rest.view(), rows, control);
+    rings.view = rings.owned.view();
+  } else if (!bright.empty()) {
+    rings.owned = {source.columns(), source.rows(), pixels_without(bright, source)};
+    rings.view = rings.owned.view();
   }
+  return rings;
 }
 
 template <class View>
 void Prefilter<View>::run_spectral(const Control& control) {
   const Stopwatch watch;
-  Rings rings;
-  const projection::SanitizedSource& lat_long = lat_long_of(source_, plan_, rings, {control.stop, {}});
-  bright_ = find_bright_texels(lat_long, plan_.least_alpha, kMostBright, {control.stop, {}});
-  take_out(bright_, lat_long, rings);
-  extracted_ = bright_.size();
-  if (source_.cubemap()) {
-    const RingSharpener sharpener(rings.view.height, source_.columns());
-    sharpener.sharpen(rings.owned);
-    bright_ = sharpener.sharpened(bright_);
-  }
-  memory_.take(rings.bytes());
+  const std::vector<BrightTexel> texels =
+      find_bright_texels(source_, plan_.least_alpha, kMostBright, {control.stop, {}});
+  bright_ = BrightLights(texels, PictureShape::of(source_), plan_.least_alpha, plan_.reach);
+  extracted_ = texels.size();
+  const std::size_t bringing =
+      source_.cubemap() ? cube_rings_bytes(source_.columns(), plan_.rows_for_cubemap(source_.columns())) : 0;
+  memory_.take(bringing);
+  Rings rings = rings_of(source_, texels, plan_, {control.stop, {}});
+  memory_.give_back(bringing);
+  memory_.take(rings.bytes() + bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
 
   const Stopwatch analysis;
@@ -295,7 +321,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
   memory_.take(spectrum.bytes());
   note("analyse", std::to_string(plan_.bands) + " bands", analysis.milliseconds());
   energies_ = energies_of(spectrum);
-  const LatLongView shape = rings.view;
+  const int rows = rings.view.height;
   memory_.give_back(rings.bytes());
   rings = {};
 
@@ -304,14 +330,14 @@ void Prefilter<View>::run_spectral(const Control& control) {
     const MipPlan& mip = plan_.mips[level];
     if (mip.bands.bands() == 0) continue;
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
-              [this, level, &spectrum, &shape](const Control& part) { spectral_mip(level, spectrum, shape, part); });
+              [this, level, &spectrum, rows](const Control& part) { spectral_mip(level, spectrum, rows, part); });
   }
   graph.run(jobs::part_of(control, 0.4, 1.0));
   memory_.give_back(spectrum.bytes());
 }
 
 template <class View>
-void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, const LatLongView& rings,
+void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows,
                                    const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
@@ -328,14 +354,13 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   memory_.give_back(grid.bytes());
   note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
   const Stopwatch splatting;
-  const std::vector<LobeLight> lights = lobe_lights(bright_, rings.width, rings.height, mip.alpha);
-  add_lobe_lights(lights, mip.alpha, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
-  note(name + ": lobes", std::to_string(lights.size()) + " lights", splatting.milliseconds());
+  bright_.add({mip.alpha}, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
+  note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(extracted_);
-  const SpectralSource source{energies_, source_.cubemap() ? source_.columns() : 0, rings.height};
+  const SpectralSource source{energies_, source_.cubemap() ? source_.columns() : 0, rows};
   record(level).error_estimate =
-      spectral_rms_error(mip, source, lights, rms_of_level(result_.cubemap, static_cast<int>(level)));
+      spectral_rms_error(mip, source, bright_.error(mip.alpha), rms_of_level(result_.cubemap, static_cast<int>(level)));
   end_mip(level, watch, control);
 }
 
@@ -345,50 +370,73 @@ void Prefilter<View>::run_narrow(const Control& control) {
   const NarrowSplit split =
       split_for(source_.cubemap(), source_.columns(), source_.cubemap() ? source_.columns() : source_.rows());
   Rings rings;
-  rings.view = source_.lat_long();
+  FarParts far;
   if (source_.cubemap()) {
     rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
     rings.view = rings.owned.view();
+  } else {
+    const double sharpest = 1.0 / std::sqrt(split.largest_far);
+    const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
+    rings = rings_of(source_, texels, plan_, {control.stop, {}});
+    // two points a texel's edge do for the narrowest Gaussian that is far, which is about as wide
+    far.bright = BrightLights(texels, PictureShape::of(source_), 3.0 * sharpest, narrow_reach(plan_));
+    far.bright_texels = static_cast<int>(texels.size());
   }
-  memory_.take(rings.bytes());
+  memory_.take(rings.bytes() + far.bright.bytes());
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.1));
   note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
   memory_.take(spectrum.bytes());
   memory_.give_back(rings.bytes());
   rings = {};
 
+  const Stopwatch synthesis;
+  far.largest = split.largest_far;
+  far.alphas = far_alphas(split, plan_.narrow_alphas);
+  far.contrast = contrast_of(source_);
+  const transforms::GridSize size = grid_of_far_part(source_.cubemap(), split);
+  for (std::size_t k = 0; k < far.alphas.size(); ++k) {
+    const double from = 0.1 + 0.2 * static_cast<double>(k) / static_cast<double>(far.alphas.size());
+    far.grids.emplace_back(size.rings, size.columns, image::GridContent::spline_coefficients);
+    memory_.take(far.grids.back().bytes());
+    const std::vector<double> zonal = far_part(source_.cubemap(), split, far.alphas[k], split.bands);
+    far.energies.push_back(zonal.front());
+    transforms::synthesise(spectrum, zonal, far.grids.back(),
+                           jobs::part_of(control, from, from + 0.2 / static_cast<double>(far.alphas.size())));
+  }
+  memory_.give_back(spectrum.bytes());
+  note("narrow: far part", std::to_string(far.grids.size()) + " x " + std::to_string(size.rings) + " rings",
+       synthesis.milliseconds());
+
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
     if (mip.method != MipMethod::narrow) continue;
     graph.add(static_cast<double>(mip.size) * mip.size,
-              [this, level, &split, &spectrum](const Control& part) { narrow_mip(level, split, spectrum, part); });
+              [this, level, &split, &far](const Control& part) { narrow_mip(level, split, far, part); });
   }
-  graph.run(jobs::part_of(control, 0.1, 1.0));
-  memory_.give_back(spectrum.bytes());
+  graph.run(jobs::part_of(control, 0.3, 1.0));
+  for (const image::SphereGrid& grid : far.grids) memory_.give_back(grid.bytes());
+  memory_.give_back(far.bright.bytes());
 }
 
 template <class View>
-void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, const transforms::Spectrum& spectrum,
+void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far,
                                  const Control& control) {
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  const transforms::GridSize grid_size = transforms::grid_for_bands(split.bands);
-  image::SphereGrid grid(grid_size.rings, grid_size.columns, image::GridContent::spline_coefficients);
-  memory_.take(grid.bytes());
-  transforms::synthesise(spectrum, far_spectrum(mip.alpha, split.split, split.bands), grid,
-                         jobs::part_of(control, 0.0, 0.1));
-  image::sample_faces(grid, mip.size, faces, {.not_negative = !source_.has_negatives()},
-                      jobs::part_of(control, 0.1, 0.2));
-  memory_.give_back(grid.bytes());
+  const double far_energy = far_part(source_.cubemap(), split, mip.alpha, 1).front();
+  far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
+  far.bright.add({mip.alpha, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
-  note(name + ": far part", std::to_string(grid_size.rings) + " rings", watch.milliseconds());
+  note(name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
   const Stopwatch near;
   add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
+  if (source_.cubemap() && !source_.has_negatives()) make_not_negative(mip.size, faces);
   note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
-  record(level).error_estimate = narrow_error(source_, split, mip.alpha);
+  record(level).bright_texels = far.bright_texels;
+  record(level).error_estimate = narrow_error(source_, far.contrast, mip.alpha, mip.size);
   end_mip(level, watch, control);
 }
 

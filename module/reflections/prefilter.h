@@ -1,6 +1,8 @@
 // The prefilter from the inside: what it leaves for whoever bakes more than reflections.
 #pragma once
 
+#include <cstddef>
+
 #include "projection/sanitized_pixels.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/core.h"
@@ -30,6 +32,12 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 /// Where rows is a multiple of the faces' 2 size, a cube's texel is cut into as many parts first: edges between texels
 /// are followed in steps of a part, not of a texel. The same bits on any number of threads. Throws `Error` (cancelled).
 [[nodiscard]] LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// What a transform takes for a cubemap: by a `RingTable`, or, where there is none, `rings_of_cubemap` sharpened.
+[[nodiscard]] LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// A bound on what that takes beside the rings, a `RingTable` that has yet to be made included.
+[[nodiscard]] std::size_t cube_rings_bytes(int face_size, int rows);
 
 // Radiance so large that sums over it would leave the range of floats, or so small that they would lose bits.
 

@@ -9,6 +9,7 @@
 
 #include "image/geometry.h"
 #include "reflections/lobe.h"
+#include "reflections/ring_table.h"
 #include "transform/transform_kernels.h"
 
 namespace welkin::reflections {
@@ -27,33 +28,36 @@ double spline_loss(int l, int rings) {
 /// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
 /// This and the shares are fits to `welkin_perf --estimates`, docs/reflections.md.
 constexpr double kSafety = 1.8;
-constexpr double kRingSafety = 2.5;    ///< the same of cubemaps, whose edges rings meet by chance
-constexpr double kSplineMean = 0.5;    ///< of the loss half way between rings, over all places
-constexpr double kFourthOrder = 0.07;  ///< of (l h)^4, which sharpened rings of height h lose of degree l
-constexpr double kCrossed = 0.0125;    ///< of l (l + 1) h^2 at edges that rings cross at all places, by chance
-constexpr double kScattered = 0.0042;  ///< of l h^2, by which such edges scatter finer degrees' energy to degree l
-constexpr double kRounding = 2e-7;     ///< of float harmonics
-constexpr double kHorizon = 0.04;      ///< of a point's kink at the horizon, times its half width^1.5
-constexpr double kMoved = 0.04;        ///< of h^2 over a cube's texel: how far rings move its light
+constexpr double kRingSafety = 2.5;     ///< the same of cubemaps, whose edges rings meet by chance
+constexpr double kSplineMean = 0.5;     ///< of the loss half way between rings, over all places
+constexpr double kFourthOrder = 0.07;   ///< of (l h)^4, which sharpened rings of height h lose of degree l
+constexpr double kCrossed = 0.0125;     ///< of l (l + 1) h^2 at edges that rings cross at all places, by chance
+constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatter finer degrees' energy to degree l
+constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
+constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
+constexpr double kRounding = 2e-7;          ///< of float harmonics
 
-/// Rings of height h that a cubemap of `size` was read on.
+/// Rings of height h that a cubemap was read on.
 struct Rings {
-  explicit Rings(int rows, int face_size) : height(kPi / rows), texel(0.5 * kPi / face_size) {}
-
   /// Share of degree l that is lost at edges.
   [[nodiscard]] double lost(int l) const {
     const double phase = l * height;
-    const double by_chance = kCrossed * phase * phase * std::sqrt(height / texel);
-    return std::hypot(kFourthOrder * phase * phase * phase * phase, by_chance);
+    const double of_fourth_order = fourth_order * phase * phase * phase * phase;
+    const double of_edges = crossed * phase * phase;
+    return std::sqrt(of_fourth_order * of_fourth_order + of_edges * of_edges);
   }
-  [[nodiscard]] double scattered(int l) const { return kScattered * l * height * height; }
+  [[nodiscard]] double scattered(int l) const { return scattering * l * height * height; }
 
   double height;
-  double texel;
+  double fourth_order;
+  double crossed;
+  double scattering;
 };
 
-double norm(const std::array<double, 3>& colour) {
-  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
+Rings rings_of(int rows, int face_size) {
+  const double height = kPi / rows;
+  if (RingTable::serves({face_size, rows})) return {height, kSpreadOrder, 0.0, kSpreadScattered};
+  return {height, kFourthOrder, kCrossed * std::sqrt(height * face_size / (0.5 * kPi)), kScattered};
 }
 
 }  // namespace
@@ -70,19 +74,6 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
     }
   }
   return energies;
-}
-
-double horizon_error(std::span<const LobeLight> lights, double alpha) {
-  const double width = 0.5 * (1.0 + alpha * alpha);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
-  std::array<double, 3> sum{};
-  for (const LobeLight& light : lights) {
-    const auto half = static_cast<double>(light.half_width);
-    const double blurred = half * std::sqrt(half) / (width * width);
-    sum[0] += blurred * static_cast<double>(light.red);
-    sum[1] += blurred * static_cast<double>(light.green);
-    sum[2] += blurred * static_cast<double>(light.blue);
-  }
-  return kHorizon * norm(sum);
 }
 
 namespace {
@@ -116,38 +107,16 @@ double spectral_square(const MipPlan& mip, std::span<const double> lobe, std::sp
   return sum;
 }
 
-/// The same of their moved places on a cubemap's rings: rms of the lights' field, as if all were one, times the share
-/// of a lobe's width that they moved.
-double place_error(std::span<const LobeLight> lights, std::span<const double> lobe, double alpha, const Rings& source) {
-  std::array<double, 3> power{};
-  for (const LobeLight& light : lights) {
-    power[0] += static_cast<double>(light.red);
-    power[1] += static_cast<double>(light.green);
-    power[2] += static_cast<double>(light.blue);
-  }
-  const double whole = lobe_integral(alpha) * kPi / (alpha * alpha);  // undoes the constant in a light's colour
-  double squares = 0.0;
-  for (std::size_t l = 0; l < lobe.size(); ++l) squares += (2.0 * static_cast<double>(l) + 1.0) * lobe[l] * lobe[l];
-  const double field = norm(power) * whole * std::sqrt(squares) / (4.0 * kPi);
-  return kMoved * source.height * source.height / (source.texel * alpha) * field;
-}
-
 }  // namespace
 
-double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, std::span<const LobeLight> lights,
-                          double rms) {
+double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
   const int bands = mip.bands.bands();
   const std::vector<double> lobe = lobe_spectrum(mip.alpha, bands + bands / 2);
   const std::optional<Rings> rings =
-      source.face_size > 0 ? std::optional(Rings(source.rings, source.face_size)) : std::nullopt;
+      source.face_size > 0 ? std::optional(rings_of(source.rings, source.face_size)) : std::nullopt;
   double square = spectral_square(mip, lobe, source.energies, rings) / (4.0 * kPi);
-  const double horizon = horizon_error(lights, mip.alpha);
-  square += horizon * horizon;
-  if (rings) {
-    const double moved = place_error(lights, lobe, mip.alpha, *rings);
-    square += moved * moved;
-  }
+  square += of_lights * of_lights;
   return (rings ? kRingSafety : kSafety) * (kRounding + std::sqrt(square) / rms);
 }
 

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "reflections/lobe_kernels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
@@ -13,9 +12,6 @@ namespace welkin::reflections {
 
 /// Squares of a spectrum's coefficients, summed over orders and channels: one for each degree.
 [[nodiscard]] std::vector<double> energies_of(const transforms::Spectrum& spectrum);
-
-/// Root mean square over the sphere of what lights that stand for texels err where the horizon cuts them.
-[[nodiscard]] double horizon_error(std::span<const LobeLight> lights, double alpha);
 
 /// What spectral mips are made of.
 struct SpectralSource {
@@ -27,11 +23,10 @@ struct SpectralSource {
 /// Root mean square error of `mip` over `rms`, its own, all three channels together:
 ///   sum over l of S_l ((k_l - z_l)^2 + (z_l s_l)^2 + (z_l r_l)^2) / 4 pi
 /// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
-/// r_l what a cubemap's rings lose; energy that those scatter; `lights` (those of the bright texels) cut by the horizon
-/// or moved by a cubemap's rings. docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
+/// r_l what a cubemap's rings lose; energy that those scatter; `of_lights`, what the bright texels' lights err
+/// (`BrightLights::error`). docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
 /// energy.
-[[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source,
-                                        std::span<const LobeLight> lights, double rms);
+[[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
 /// Root mean square over the sphere of a level's radiance, all three channels together, from at most 32 x 32 texels a
 /// face.

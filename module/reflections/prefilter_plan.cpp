@@ -9,7 +9,10 @@
 #include "image/pixels.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
+#include "reflections/ring_table.h"
+#include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"
@@ -20,16 +23,17 @@ namespace {
 constexpr int kLargestSize = 8192;
 constexpr int kMostSamples = 1 << 20;
 constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
+constexpr double kLeastRings = 256.0;    ///< of a `RingTable`
+constexpr double kRingsOfAlpha = 9.5;    ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
 constexpr double kLeastRmsError = 1e-6;  ///< what float arithmetic leaves
 constexpr double kLeastMaximumError = 1e-5;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
 
-std::string text(double value) { return std::to_string(value); }
-
 void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
   if (!(value > 0.0 && value <= 1.0))
-    refuse(ErrorCode::invalid_argument, std::string(what) + " is " + text(value) + "; it must be above 0, at most 1");
+    refuse(ErrorCode::invalid_argument,
+           std::string(what) + " is " + platform::number_text(value) + "; it must be above 0, at most 1");
   if (value >= least || method == PrefilterMethod::reference || method == PrefilterMethod::sampled) return;
   refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
                                         " is more than float arithmetic gives; the reference method has no bound");
@@ -44,8 +48,8 @@ std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
   for (std::size_t mip = 0; mip < static_cast<std::size_t>(mips); ++mip) {
     const double roughness = options.roughness[mip];
     if (roughness >= 0.0 && roughness <= 1.0) continue;
-    refuse(ErrorCode::invalid_argument,
-           "roughness of mip " + std::to_string(mip) + " is " + text(roughness) + "; it must be from 0 to 1");
+    refuse(ErrorCode::invalid_argument, "roughness of mip " + std::to_string(mip) + " is " +
+                                            platform::number_text(roughness) + "; it must be from 0 to 1");
   }
   return options.roughness;
 }
@@ -67,9 +71,9 @@ MipMethod method_for(const PrefilterOptions& options, double reach, const MipPla
   const int bands = bands_for(mip.alpha, reach);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
   if (options.method == PrefilterMethod::automatic) return MipMethod::narrow;
-  refuse(ErrorCode::limit_exceeded, "roughness " + text(mip.roughness) + " needs " + std::to_string(bands) +
-                                        " harmonic bands, " + std::to_string(transforms::kMaximumSpectrumBands) +
-                                        " are possible; take another method, or automatic");
+  refuse(ErrorCode::limit_exceeded,
+         "roughness " + platform::number_text(mip.roughness) + " needs " + std::to_string(bands) + " harmonic bands, " +
+             std::to_string(transforms::kMaximumSpectrumBands) + " are possible; take another method, or automatic");
 }
 
 }  // namespace
@@ -90,6 +94,9 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
+  const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
+  const int rows = 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
+  if (RingTable::serves({face_size, rows})) return rows;
   const double fine = std::clamp(std::numbers::pi / (0.2 * least_alpha), 512.0, 2048.0);
   const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
   return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
@@ -99,6 +106,11 @@ double PrefilterPlan::loss_at_peak() const noexcept {
   double loss = 0.0;
   for (const MipPlan& mip : mips) loss = std::max(loss, mip.bands.loss_at_peak);
   return loss;
+}
+
+double narrow_reach(const PrefilterPlan& plan) noexcept {
+  const PrefilterOptions usual;
+  return std::max(plan.reach, reach_for(usual.rms_error, usual.maximum_error));
 }
 
 std::vector<double> roughness_of_chain(const PrefilterOptions& options) {
@@ -137,6 +149,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
       mip.bands = choose_bands(mip.alpha, plan.reach, transforms::kMaximumSpectrumBands);
       plan.bands = std::max(plan.bands, mip.bands.bands());
     }
+    if (mip.method == MipMethod::narrow) plan.narrow_alphas.push_back(mip.alpha);
     plan.mips.push_back(std::move(mip));
   }
   return plan;
@@ -230,8 +243,8 @@ double mip_of_roughness(const std::vector<double>& table, double roughness) {
   for (std::size_t mip = 1; mip < table.size(); ++mip) {
     if (table[mip] >= table[mip - 1]) continue;
     throw Error(ErrorCode::invalid_argument, "the table of roughness falls at mip " + std::to_string(mip) + ", from " +
-                                                 std::to_string(table[mip - 1]) + " to " + std::to_string(table[mip]) +
-                                                 "; it must rise");
+                                                 platform::number_text(table[mip - 1]) + " to " +
+                                                 platform::number_text(table[mip]) + "; it must rise");
   }
   const auto above = std::lower_bound(table.begin(), table.end(), roughness);
   if (above == table.begin()) return 0.0;

@@ -34,6 +34,9 @@ struct PrefilterPlan {
   /// texels are taken out: a mip must not change where others are left out.
   double least_alpha = 1.0;
 
+  /// Of the whole chain's narrow mips, as those decide which far parts are found: see `far_alphas`.
+  std::vector<double> narrow_alphas;
+
   /// The plan without so many mips at either end. The others keep their bits: all that they depend on stays that of the
   /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
@@ -41,14 +44,16 @@ struct PrefilterPlan {
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: a multiple of 2
-  /// face_size (of 4 face_size up to 512), at least 512, no higher than 0.2 of the narrowest lobe's alpha, if some 2048
-  /// rows do. What the rows' means lose falls with the square of their number: 64 rows of a face of 16 lost 1e-3 of a
-  /// lobe of roughness 0.5, 512 lose 1e-5.
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics. By a `RingTable`: at
+  /// least 256, no higher than a third of the narrowest lobe's alpha. Where there is none: a multiple of 2 face_size
+  /// (of 4 face_size up to 512), at least 512, no higher than 0.2 of that alpha, if some 2048 rows do.
   [[nodiscard]] int rows_for_cubemap(int face_size) const noexcept;
   /// The largest of the spectral mips' losses at a peak.
   [[nodiscard]] double loss_at_peak() const noexcept;
 };
+
+/// The reach of narrow mips, which look at bounds that are tighter than the default's only.
+[[nodiscard]] double narrow_reach(const PrefilterPlan& plan) noexcept;
 
 /// Roughness of each mip of the whole chain. Throws `Error` (invalid_argument).
 [[nodiscard]] std::vector<double> roughness_of_chain(const PrefilterOptions& options);

@@ -11,36 +11,63 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "reflections/sampled_kernels.h"
 
 namespace welkin::reflections {
 namespace {
 
-constexpr std::int64_t kTileTaps = 8192;  ///< texels times taps: some 0.3 ms
+constexpr std::int64_t kTileTaps = 65536;  ///< texels times taps: some 0.3 ms
 
-void sample_texel(const PaddedCube& source, const std::vector<Tap>& taps, const glm::dvec3& normal, float* rgb) {
+/// Puts a tap into lane `lane` of a group: its weight is divided between the two levels that it lies between.
+void put_tap(const PaddedCube& source, const Tap& tap, std::size_t lane, TapGroup& group) {
+  group.x[lane] = tap.x;
+  group.y[lane] = tap.y;
+  group.z[lane] = tap.z;
+  const int below = static_cast<int>(tap.level);
+  const float share = tap.level - static_cast<float>(below);
+  const int above = share > 0.0F ? below + 1 : below;
+  const float further = tap.weight * share;
+  const auto read = [&source, lane](TapLevel& level, int which, float weight) {
+    level.texels[lane] = source.texels(which);
+    level.size[lane] = static_cast<float>(source.size(which));
+    level.weight[lane] = weight;
+  };
+  read(group.fine, below, tap.weight - further);
+  read(group.coarse, above, further);
+  group.two_levels = group.two_levels || further != 0.0F;
+}
+
+std::vector<TapGroup> grouped(const PaddedCube& source, const std::vector<Tap>& taps) {
+  constexpr std::size_t lanes = simd::kLanes;
+  std::vector<TapGroup> groups((taps.size() + lanes - 1) / lanes);
+  for (std::size_t i = 0; i < lanes * groups.size(); ++i) {
+    Tap tap = taps[std::min(i, taps.size() - 1)];
+    if (i >= taps.size()) tap.weight = 0.0F;
+    put_tap(source, tap, i % lanes, groups[i / lanes]);
+  }
+  return groups;
+}
+
+TapFrame frame_about(const glm::dvec3& normal) {
   // Any two axes across it will do.
   const glm::dvec3 up = std::abs(normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 across = glm::normalize(glm::cross(up, normal));
   const glm::vec3 x(across);
   const glm::vec3 y(glm::cross(normal, across));
   const glm::vec3 z(normal);
-  float sum[4] = {};
-  for (const Tap& tap : taps) {
-    source.add({tap.x * x.x + tap.y * y.x + tap.z * z.x, tap.x * x.y + tap.y * y.y + tap.z * z.y,
-                tap.x * x.z + tap.y * y.z + tap.z * z.z},
-               tap.level, tap.weight, sum);
-  }
-  std::copy_n(sum, 3, rgb);
+  return {{x.x, x.y, x.z}, {y.x, y.y, y.z}, {z.x, z.y, z.z}};
 }
 
 }  // namespace
 
 void sample_mip(const PaddedCube& source, const std::vector<Tap>& taps, int size, const std::array<float*, 6>& faces,
                 const Control& control) {
+  const std::vector<TapGroup> groups = grouped(source, taps);
+  const SumTaps sum_taps = sampled_kernels().sum_taps;
   const std::int64_t texels = std::int64_t{6} * size * size;
   const auto taps_in_all = texels * static_cast<std::int64_t>(taps.size());
   const std::int64_t per_tile = std::clamp<std::int64_t>(kTileTaps / static_cast<std::int64_t>(taps.size()), 1, texels);
-  const auto placement = jobs::placement_for(taps_in_all * 50);
+  const auto placement = jobs::placement_for(taps_in_all * 15);
   jobs::run_tiles(static_cast<std::size_t>((texels + per_tile - 1) / per_tile), placement,
                   jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t /*worker*/) {
                     const std::int64_t first = static_cast<std::int64_t>(tile) * per_tile;
@@ -49,8 +76,8 @@ void sample_mip(const PaddedCube& source, const std::vector<Tap>& taps, int size
                       const auto place = static_cast<int>(texel % (std::int64_t{size} * size));
                       const int row = place / size;
                       const glm::dvec3 normal = image::face_direction(size, face, place % size + 0.5, row + 0.5);
-                      sample_texel(source, taps, normal,
-                                   faces[static_cast<std::size_t>(face)] + std::ptrdiff_t{3} * place);
+                      sum_taps(groups.data(), static_cast<int>(groups.size()), frame_about(normal),
+                               faces[static_cast<std::size_t>(face)] + std::ptrdiff_t{3} * place);
                     }
                   });
 }
@@ -96,22 +123,6 @@ std::vector<Tap> make_taps(double alpha, int samples, int level_size, int levels
   return taps;
 }
 
-namespace {
-
-/// Which components of a direction run along u and v, and their signs, as `CubemapView` has them.
-struct Axes {
-  int normal, u, v;
-  float u_sign, v_sign;
-};
-constexpr std::array<Axes, 6> kAxes{{{0, 2, 1, -1.0F, -1.0F},
-                                     {0, 2, 1, 1.0F, -1.0F},
-                                     {1, 0, 2, 1.0F, 1.0F},
-                                     {1, 0, 2, 1.0F, -1.0F},
-                                     {2, 0, 1, 1.0F, -1.0F},
-                                     {2, 0, 1, -1.0F, -1.0F}}};
-
-}  // namespace
-
 PaddedCube::PaddedCube(const CubemapChain& chain) {
   for (int level = 0; level < chain.levels(); ++level) {
     const int size = chain.level_size(level);
@@ -156,42 +167,6 @@ void PaddedCube::Level::fill_corner(int face, int column, int row) {
         texel(face, inner_column, inner_row)[c] + texel(face, column, inner_row)[c] + texel(face, inner_column, row)[c];
     texel(face, column, row)[c] = sum / 3.0F;
   }
-}
-
-void PaddedCube::Level::add(int face, float u, float v, float weight, float* sum) const noexcept {
-  const auto edge = static_cast<float>(size);
-  const float column = std::clamp((u + 1.0F) * 0.5F * edge - 0.5F, -0.5F, edge - 0.5F);
-  const float row = std::clamp((v + 1.0F) * 0.5F * edge - 0.5F, -0.5F, edge - 0.5F);
-  const int left = static_cast<int>(column + 1.0F) - 1;
-  const int top = static_cast<int>(row + 1.0F) - 1;
-  const float right_share = column - static_cast<float>(left);
-  const float bottom_share = row - static_cast<float>(top);
-  const float* const above = texel(face, left, top);
-  const float* const below = above + 4 * (size + 2);
-  const float bottom = weight * bottom_share;
-  const float top_weight = weight - bottom;
-  const float top_right = top_weight * right_share;
-  const float bottom_right = bottom * right_share;
-  for (int c = 0; c < 4; ++c) {
-    sum[c] += (top_weight - top_right) * above[c] + top_right * above[4 + c] + (bottom - bottom_right) * below[c] +
-              bottom_right * below[4 + c];
-  }
-}
-
-void PaddedCube::add(const std::array<float, 3>& d, float level, float weight, float* sum) const noexcept {
-  const float x = std::abs(d[0]);
-  const float y = std::abs(d[1]);
-  const float z = std::abs(d[2]);
-  int face = x >= y && x >= z ? 0 : (y >= z ? 2 : 4);
-  if (d[static_cast<std::size_t>(face / 2)] < 0.0F) ++face;
-  const Axes& axes = kAxes[static_cast<std::size_t>(face)];
-  const float inverse = 1.0F / std::abs(d[static_cast<std::size_t>(axes.normal)]);
-  const float u = axes.u_sign * d[static_cast<std::size_t>(axes.u)] * inverse;
-  const float v = axes.v_sign * d[static_cast<std::size_t>(axes.v)] * inverse;
-  const int fine = static_cast<int>(level);
-  const float share = level - static_cast<float>(fine);
-  levels_[static_cast<std::size_t>(fine)].add(face, u, v, weight * (1.0F - share), sum);
-  if (share > 0.0F) levels_[static_cast<std::size_t>(fine) + 1].add(face, u, v, weight * share, sum);
 }
 
 }  // namespace welkin::reflections

@@ -20,9 +20,13 @@ class PaddedCube {
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] std::size_t bytes() const noexcept;
 
-  /// Adds weight times the trilinear interpolation in a direction that need not be of unit length, 0 <= level <=
-  /// levels() - 1, to four floats.
-  void add(const std::array<float, 3>& direction, float level, float weight, float* sum) const noexcept;
+  /// Texels along an edge of a level's faces, without those beyond.
+  [[nodiscard]] int size(int level) const noexcept { return levels_[static_cast<std::size_t>(level)].size; }
+
+  /// A level's faces one after the other, (size + 2)^2 texels each.
+  [[nodiscard]] const float* texels(int level) const noexcept {
+    return levels_[static_cast<std::size_t>(level)].texels.data();
+  }
 
  private:
   struct Level {
@@ -32,12 +36,8 @@ class PaddedCube {
     [[nodiscard]] float* texel(int face, int column, int row) noexcept {
       return texels.data() + 4 * ((static_cast<std::ptrdiff_t>(face) * (size + 2) + row + 1) * (size + 2) + column + 1);
     }
-    [[nodiscard]] const float* texel(int face, int column, int row) const noexcept {
-      return texels.data() + 4 * ((static_cast<std::ptrdiff_t>(face) * (size + 2) + row + 1) * (size + 2) + column + 1);
-    }
     void fill(const CubemapChain& chain, int level);
     void fill_corner(int face, int column, int row);
-    void add(int face, float u, float v, float weight, float* sum) const noexcept;
   };
 
   std::vector<Level> levels_;

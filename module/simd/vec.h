@@ -17,8 +17,11 @@
 //   load_widened(p)       kDoubleWidth aligned floats as doubles
 //   narrow(low, high)     two registers of doubles as one of floats, each rounded
 //   repeated(texel)       Texels: one texel in all four places
+//   load_texel_pairs(p, q)  Texels: two that follow each other from p on, and two from q on
 //   weighted_columns<reversed>(texels, weights)  each texel times its own weight; reversed: the last is the first one's
 //   folded(texels)        the sum of the four, (q0 + q2) + (q1 + q3), as a Quad (four floats, vec_x86.h)
+//   store_thrice(lanes, p), store_without_fourth(lanes, p), reverse_rgb(p, q)  between packed RGB and others
+//   Adder                 adds on units that would be idle, where there are any
 //   no_bit_set(texels)    whether all bits are 0
 //   transpose(rows)       of an array of Blocks
 //   sum_rows(rows, sums)  for a Block of rows: the sum of each one's 16 lanes

@@ -69,6 +69,10 @@ WELKIN_INLINE Texels repeated(const float* texel) {
   return {two, two};
 }
 
+WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
+  return {Lanes::load_unaligned(first), Lanes::load_unaligned(second)};
+}
+
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   const __m256 four = _mm256_broadcast_ps(reinterpret_cast<const __m128*>(weights));
@@ -89,6 +93,27 @@ WELKIN_INLINE bool no_bit_set(const Texels& texels) {
   const __m256i bits = _mm256_castps_si256(texels.part[0] | texels.part[1]);
   return _mm256_testz_si256(bits, bits) != 0;
 }
+
+/// thrice[3 k + c] = lane k, c < 3.
+WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
+  _mm256_store_ps(thrice, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(0, 0, 0, 1, 1, 1, 2, 2)));
+  _mm256_store_ps(thrice + 8, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(2, 3, 3, 3, 4, 4, 4, 5)));
+  _mm256_store_ps(thrice + 16, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(5, 5, 6, 6, 6, 7, 7, 7)));
+}
+
+/// The first three of each four lanes, packed; what follows them up to 8 is overwritten too.
+WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
+  _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7)));
+}
+
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) { reverse_rgb_by_texels(texels, reversed); }
+
+/// Adds on the units that multiply where there is such an instruction (vec_avx512.h); here it adds.
+struct Adder {
+  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): it is none where there is such an instruction
+  [[nodiscard]] WELKIN_INLINE Lanes add(Lanes a, Lanes b) const { return a + b; }
+};
 
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

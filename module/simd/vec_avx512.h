@@ -111,6 +111,10 @@ WELKIN_INLINE Lanes narrow(DoubleLanes low, DoubleLanes high) {
 
 WELKIN_INLINE Texels repeated(const float* texel) { return {Lanes(_mm512_broadcast_f32x4(_mm_loadu_ps(texel)))}; }
 
+WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
+  return {Lanes(_mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(first)), _mm256_loadu_ps(second), 1))};
+}
+
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   const __m512i order = reversed ? _mm512_setr_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0)
@@ -169,6 +173,50 @@ WELKIN_INLINE void store_four_rgb_apart(Lanes four, float* rgb, std::ptrdiff_t s
   _mm_mask_storeu_ps(rgb + 2 * step, 0x7, _mm512_extractf32x4_ps(four, 2));
   _mm_mask_storeu_ps(rgb + 3 * step, 0x7, _mm512_extractf32x4_ps(four, 3));
 }
+
+/// thrice[3 k + c] = lane k, c < 3.
+WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
+  const __m512i low = _mm512_setr_epi32(0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4, 5);
+  const __m512i middle = _mm512_setr_epi32(5, 5, 6, 6, 6, 7, 7, 7, 8, 8, 8, 9, 9, 9, 10, 10);
+  const __m512i high = _mm512_setr_epi32(10, 11, 11, 11, 12, 12, 12, 13, 13, 13, 14, 14, 14, 15, 15, 15);
+  _mm512_store_ps(thrice, _mm512_permutexvar_ps(low, values));
+  _mm512_store_ps(thrice + 16, _mm512_permutexvar_ps(middle, values));
+  _mm512_store_ps(thrice + 32, _mm512_permutexvar_ps(high, values));
+}
+
+/// The first three of each four lanes, packed; what follows them up to 16 is overwritten too.
+WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
+  const __m512i order = _mm512_setr_epi32(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15);
+  _mm512_storeu_ps(packed, _mm512_permutexvar_ps(order, values));
+}
+
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
+  const __m512 v0 = _mm512_load_ps(texels);
+  const __m512 v1 = _mm512_load_ps(texels + 16);
+  const __m512 v2 = _mm512_load_ps(texels + 32);
+  const __m512i low = _mm512_setr_epi32(29, 30, 31, 26, 27, 28, 23, 24, 25, 20, 21, 22, 17, 18, 19, 14);
+  const __m512i middle = _mm512_setr_epi32(31, 0, 27, 28, 29, 24, 25, 26, 21, 22, 23, 18, 19, 20, 15, 16);
+  const __m512i middle_end = _mm512_setr_epi32(0, 16, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i high = _mm512_setr_epi32(17, 12, 13, 14, 9, 10, 11, 6, 7, 8, 3, 4, 5, 0, 1, 2);
+  _mm512_store_ps(reversed, _mm512_permutex2var_ps(v1, low, v2));
+  const __m512 most = _mm512_permutex2var_ps(v0, middle, v1);
+  _mm512_store_ps(reversed + 16, _mm512_permutex2var_ps(most, middle_end, v2));
+  _mm512_store_ps(reversed + 32, _mm512_permutex2var_ps(v0, high, v1));
+}
+
+/// Adds on the units that multiply, where additions are what a kernel waits for: a 1 + b rounds once, as a + b does,
+/// and has its bits. (AMD's cores have units of their own for either.)
+class Adder {
+ public:
+  WELKIN_INLINE Adder() : one_(_mm512_set1_ps(1.0F)) {
+    WELKIN_IN_REGISTER(one_);
+  }  // else it would be an addition again
+  [[nodiscard]] WELKIN_INLINE Lanes add(Lanes a, Lanes b) const { return Lanes(_mm512_fmadd_ps(a, one_, b)); }
+
+ private:
+  __m512 one_;
+};
 
 WELKIN_INLINE void transpose(Lanes (&rows)[16]) {
   __m512 pairs[16];

@@ -72,6 +72,11 @@ WELKIN_INLINE Texels repeated(const float* texel) {
   return {one, one, one, one};
 }
 
+WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
+  return {Lanes::load_unaligned(first), Lanes::load_unaligned(first + 4), Lanes::load_unaligned(second),
+          Lanes::load_unaligned(second + 4)};
+}
+
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   Texels result;
@@ -87,6 +92,25 @@ WELKIN_INLINE bool no_bit_set(const Texels& texels) {
   const __m128 bits = (texels.part[0] | texels.part[1]) | (texels.part[2] | texels.part[3]);
   return _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(bits), _mm_setzero_si128())) == 0xFFFF;
 }
+
+/// thrice[3 k + c] = lane k, c < 3.
+WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
+  _mm_store_ps(thrice, _mm_shuffle_ps(values, values, _MM_SHUFFLE(1, 0, 0, 0)));
+  _mm_store_ps(thrice + 4, _mm_shuffle_ps(values, values, _MM_SHUFFLE(2, 2, 1, 1)));
+  _mm_store_ps(thrice + 8, _mm_shuffle_ps(values, values, _MM_SHUFFLE(3, 3, 3, 2)));
+}
+
+/// The first three of four lanes; what follows them is overwritten too.
+WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) { _mm_storeu_ps(packed, values); }
+
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) { reverse_rgb_by_texels(texels, reversed); }
+
+/// Adds on the units that multiply where there is such an instruction (vec_avx512.h); here it adds.
+struct Adder {
+  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): it is none where there is such an instruction
+  [[nodiscard]] WELKIN_INLINE Lanes add(Lanes a, Lanes b) const { return a + b; }
+};
 
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

@@ -38,6 +38,10 @@ WELKIN_INLINE void fetch_line(const char* address, int line) {
   _mm_prefetch(reinterpret_cast<const char*>(place), _MM_HINT_T0);  // NOLINT(performance-no-int-to-ptr): see above
 }
 
+/// The same into the second-level cache only, for what is read in a while and in more pieces at once than the first one
+/// has ways.
+WELKIN_INLINE void fetch_line_early(const char* address) { _mm_prefetch(address, _MM_HINT_T1); }
+
 /// The first double plus the second.
 WELKIN_INLINE double sum(Pair values) { return _mm_cvtsd_f64(_mm_add_sd(values, _mm_unpackhi_pd(values, values))); }
 
@@ -45,6 +49,14 @@ WELKIN_INLINE double sum(Pair values) { return _mm_cvtsd_f64(_mm_add_sd(values, 
 WELKIN_INLINE void store_rgb(Quad values, float* rgb) {
   _mm_storel_pi(reinterpret_cast<__m64*>(rgb), values);
   _mm_store_ss(rgb + 2, _mm_movehl_ps(values, values));
+}
+
+/// 16 texels of packed RGB in the reversed order, one after the other.
+WELKIN_INLINE void reverse_rgb_by_texels(const float* texels, float* reversed) {
+  for (int k = 0; k < kLanes; ++k) {
+    const float* const from = texels + 3 * (kLanes - 1 - k);
+    for (int c = 0; c < 3; ++c) reversed[3 * k + c] = from[c];
+  }
 }
 
 WELKIN_INLINE void transpose(Quad (&rows)[4]) {

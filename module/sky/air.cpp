@@ -233,9 +233,11 @@ std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int 
 
 PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
   PhaseSpectrum spectrum;
-  spectrum.aerosol = aerosol_moments(atmosphere, g, kMostSourceBands + 1);
+  spectrum.aerosol = aerosol_moments(atmosphere, g, kNarrowBands + 1);
+  spectrum.narrow = spectrum.aerosol[kMostSourceBands] > kNarrowForward;
+  const int most = spectrum.narrow ? kNarrowBands : kMostSourceBands;
   spectrum.bands = 3;
-  while (spectrum.bands < kMostSourceBands &&
+  while (spectrum.bands < most &&
          std::abs(spectrum.aerosol[static_cast<std::size_t>(spectrum.bands)]) > kSmallestMoment) {
     ++spectrum.bands;
   }
@@ -289,7 +291,7 @@ std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders) {
   return shares;
 }
 
-double phase_of(const std::vector<double>& moments, double cosine) noexcept {
+double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept {
   double before = 0.0;
   double here = 1.0;
   double sum = 0.0;
@@ -300,7 +302,24 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
     before = here;
     here = next;
   }
-  return std::max(0.0, sum / (4.0 * std::numbers::pi));
+  return sum / (4.0 * std::numbers::pi);
+}
+
+bool has_narrow_lobe(const Atmosphere& atmosphere, int orders) {
+  const std::vector<double>& scattering = atmosphere.aerosol.scattering_per_m;
+  if (atmosphere.aerosol.density.empty() ||
+      std::none_of(scattering.begin(), scattering.end(), [](double b) { return b > 0.0; })) {
+    return false;
+  }
+  for (std::size_t i = 0; orders > 1 && i < scattering.size(); ++i) {
+    const double g = aerosol_asymmetry(atmosphere, i);
+    if (g < kNarrowBackward || phase_spectrum(atmosphere, g).narrow) return true;
+  }
+  return false;
+}
+
+double phase_of(const std::vector<double>& moments, double cosine) noexcept {
+  return std::max(0.0, sum_of_bands(moments, cosine));
 }
 
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {

@@ -112,24 +112,33 @@ class Air {
 // Phase functions as sums of Legendre polynomials.
 
 inline constexpr int kMostSourceBands = 20;
+inline constexpr int kNarrowBands = 28;  ///< of a narrow lobe
 
 /// Moments chi_l of phase functions, p(cosine) = sum over l of (2 l + 1) / (4 pi) chi_l P_l(cosine), chi_0 = 1.
 struct PhaseSpectrum {
   std::vector<double> rayleigh;  ///< 1, 0, 1/10
   std::vector<double> aerosol;   ///< as many as bands
   int bands = 3;
+  bool narrow = false;
   double forward = 0.0;  ///< share of what the aerosol scatters that is taken not to be scattered at all
 };
+
+/// Moment of band 20 above which a lobe is narrow: twice scattered light is a glow about the sun that no nodes of
+/// tables hold. Henyey-Greenstein of g = 0.86.
+inline constexpr double kNarrowForward = 0.05;
+/// The g below which one that scatters back is.
+inline constexpr double kNarrowBackward = -0.6;
 
 /// chi_0 to chi_(bands - 1) of an air's aerosol with asymmetry g: g^l for Henyey-Greenstein. Cornette-Shanks' are those
 /// of 3/2 (1 + cosine^2) / (2 + g^2) times it, cosine P_l = ((l + 1) P_(l + 1) + l P_(l - 1)) / (2 l + 1) being applied
 /// twice.
 [[nodiscard]] std::vector<double> aerosol_moments(const Atmosphere& atmosphere, double g, int bands);
 
-/// As many bands as an air's aerosol needs for what it leaves out to be below 1 %, up to 20. A forward lobe is cut by
-/// delta-M scaling (Wiscombe 1977, "The Delta-M Method", equations 9 and 10): the share f = chi_bands is taken for
-/// light that goes straight on, and of the rest the moments are (chi_l - f) / (1 - f). A backward lobe narrower than
-/// that (g below -0.79) loses detail: its moments fade towards the end, that the cut shows less.
+/// As many bands as an air's aerosol needs for what it leaves out to be below 1 %, up to 20, or 28 of a narrow lobe. A
+/// forward lobe is cut by delta-M scaling (Wiscombe 1977, "The Delta-M Method", equations 9 and 10): the share f =
+/// chi_bands is taken for light that goes straight on, and of the rest the moments are (chi_l - f) / (1 - f). A
+/// backward lobe narrower than that (g below -0.79) loses detail: its moments fade towards the end, that the cut shows
+/// less.
 [[nodiscard]] PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g);
 
 /// Of wavelengths that are computed together: one spectrum if all have the same g, else each one's own, the aerosol's
@@ -145,11 +154,16 @@ struct PhaseSpectrum {
 /// The same at each wavelength.
 [[nodiscard]] std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders);
 
+/// Whether one of them is narrow.
+[[nodiscard]] bool has_narrow_lobe(const Atmosphere& atmosphere, int orders);
+
 /// Whether all three are the same.
 [[nodiscard]] constexpr bool all_equal(const std::array<double, 3>& values) noexcept {
   return values[0] == values[1] && values[0] == values[2];
 }
 
+/// The sum of these moments; it may swing below 0 where bands are left out.
+[[nodiscard]] double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept;
 /// A phase function of these moments, not below 0.
 [[nodiscard]] double phase_of(const std::vector<double>& moments, double cosine) noexcept;
 

@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "sky/spectrum.h"
 #include "welkin/core.h"
 
@@ -29,25 +29,19 @@ constexpr std::size_t kMostWavelengths = 96;
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(10);
-  out << value;
-  return out.str();
-}
-
 /// `not in range` also of a NaN.
 void require(const std::string& what, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  refuse("the atmosphere's " + what + " is " + text(value) + "; it must be from " + text(low) + " to " + text(high));
+  refuse("the atmosphere's " + what + " is " + platform::number_text(value) + "; it must be from " +
+         platform::number_text(low) + " to " + platform::number_text(high));
 }
 
 /// A forward lobe too narrow for the bands of scattered light can be taken for light that goes straight on; one that
 /// sends light back where it came from cannot, and would make or lose light.
 void check_asymmetry(const std::string& what, double g) {
   if (g >= -1.0 && g < kLeastAsymmetry) {
-    refuse("the atmosphere's " + what + " is " + text(g) + "; it must be from " + text(kLeastAsymmetry) + " to " +
-           text(kLargestAsymmetry) +
+    refuse("the atmosphere's " + what + " is " + platform::number_text(g) + "; it must be from " +
+           platform::number_text(kLeastAsymmetry) + " to " + platform::number_text(kLargestAsymmetry) +
            ", as the lobe of one that sends light back is computed only if it is no narrower");
   }
   require(what, g, kLeastAsymmetry, kLargestAsymmetry);
@@ -111,8 +105,8 @@ void sky::check_wavelengths(const std::vector<double>& wavelengths) {
   const bool rising = wavelengths[1] > wavelengths[0];
   for (std::size_t i = 1; i < wavelengths.size(); ++i) {
     if (rising ? wavelengths[i] > wavelengths[i - 1] : wavelengths[i] < wavelengths[i - 1]) continue;
-    refuse("the atmosphere's " + at("wavelengths_nm", i) + " is " + text(wavelengths[i]) + " after " +
-           text(wavelengths[i - 1]) + "; they must all rise or all fall");
+    refuse("the atmosphere's " + at("wavelengths_nm", i) + " is " + platform::number_text(wavelengths[i]) + " after " +
+           platform::number_text(wavelengths[i - 1]) + "; they must all rise or all fall");
   }
 }
 
@@ -123,7 +117,7 @@ void check(const Atmosphere& atmosphere) {
   require("bottom_radius_m", atmosphere.bottom_radius_m, 1.0, 1e9);
   require("top_radius_m", atmosphere.top_radius_m, atmosphere.bottom_radius_m, 11.0 * atmosphere.bottom_radius_m);
   if (!(atmosphere.top_radius_m > atmosphere.bottom_radius_m)) {
-    refuse("the atmosphere's top_radius_m is " + text(atmosphere.top_radius_m) +
+    refuse("the atmosphere's top_radius_m is " + platform::number_text(atmosphere.top_radius_m) +
            ", that of its ground; it must be above it");
   }
   check_constituent("rayleigh", atmosphere.rayleigh, wavelengths);
@@ -150,7 +144,7 @@ void check(const Atmosphere& atmosphere) {
 std::vector<DensityLayer> exponential_profile(double scale_height_m) {
   const platform::FloatingPointScope floating_point;
   if (!(scale_height_m > 0.0) || !std::isfinite(scale_height_m)) {
-    refuse("the scale height is " + text(scale_height_m) + " m; it must be above 0 and finite");
+    refuse("the scale height is " + platform::number_text(scale_height_m) + " m; it must be above 0 and finite");
   }
   return {{.exponential_term = 1.0, .exponential_scale_per_m = -1.0 / scale_height_m}};
 }
@@ -158,10 +152,10 @@ std::vector<DensityLayer> exponential_profile(double scale_height_m) {
 std::vector<DensityLayer> tent_profile(double centre_m, double half_width_m) {
   const platform::FloatingPointScope floating_point;
   if (!(centre_m >= 0.0) || !std::isfinite(centre_m)) {
-    refuse("the tent's centre is " + text(centre_m) + " m; it must be 0 or above and finite");
+    refuse("the tent's centre is " + platform::number_text(centre_m) + " m; it must be 0 or above and finite");
   }
   if (!(half_width_m > 0.0) || !std::isfinite(half_width_m)) {
-    refuse("the tent's half width is " + text(half_width_m) + " m; it must be above 0 and finite");
+    refuse("the tent's half width is " + platform::number_text(half_width_m) + " m; it must be above 0 and finite");
   }
   const double slope = 1.0 / half_width_m;
   const double centre = centre_m / half_width_m;
@@ -186,7 +180,7 @@ glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees) {
   const platform::FloatingPointScope floating_point;
   require("sun's elevation", elevation_degrees, -90.0, 90.0);
   if (!(std::abs(azimuth_degrees) <= 1e6)) {
-    refuse("the sun's azimuth is " + text(azimuth_degrees) + " degrees; it must be from -1e6 to 1e6");
+    refuse("the sun's azimuth is " + platform::number_text(azimuth_degrees) + " degrees; it must be from -1e6 to 1e6");
   }
   const math::SineCosine elevation = math::sine_cosine_of_turns(elevation_degrees / 360.0);
   const math::SineCosine azimuth = math::sine_cosine_of_turns(azimuth_degrees / 360.0);

@@ -7,6 +7,8 @@
 
 #include "math/elementary.h"
 #include "sky/air.h"
+#include "sky/ray_nodes.h"
+#include "sky/sky_geometry.h"
 
 namespace welkin::sky {
 namespace {
@@ -16,6 +18,10 @@ constexpr double kLastMoment = 1e-4;    ///< of f: no more of them
 constexpr std::size_t kDepths = 33;     ///< even in x / (1 + x)
 constexpr double kDeepest = 0.97;       ///< its last one
 constexpr double kShallow = 1e-4;
+/// Light that is turned takes longer ways: by so much times 1 - g. Found by trying: of HG 0.95 and depth 0.3 what 8
+/// azimuths hold is then right to 4 % under a sun of 10 degrees, and to 2 % under one of 45.
+constexpr double kLonger = 1.2;
+constexpr double kThickestGlow = 4.0;  ///< tau, beyond which light has been turned by more than little
 
 double depth_of(std::size_t node) {
   const double y = kDeepest * static_cast<double>(node) / (kDepths - 1.0);
@@ -31,19 +37,26 @@ double change(double x, double chi) {
 /// chi_0 and on, until they are negligible beside f.
 std::vector<double> moments_of(const Atmosphere& atmosphere, double g, double forward) {
   const auto count = static_cast<int>(math::logarithm(kLastMoment * forward) / math::logarithm(g));
-  return aerosol_moments(atmosphere, g, std::max(count, kMostSourceBands + 1));
+  return aerosol_moments(atmosphere, g, std::max(count, kNarrowBands + 1));
 }
 
-/// (P + D) / P: [angles][depths]. Angles are even in the fourth root of (1 - cosine) / 2.
-std::vector<double> factor_table(const Atmosphere& atmosphere, double g, double forward) {
-  const std::vector<double> chi = moments_of(atmosphere, g, forward);
-  const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
-  std::vector<double> moments(chi.size() * kDepths);  // (2 l + 1) / (4 pi) D_l: [bands][depths]
-  for (std::size_t l = 0; l < chi.size(); ++l) {
-    const double straight = l < bands ? 1.0 : std::min(1.0, chi[l] / forward);
-    const double factor = (2.0 * static_cast<double>(l) + 1.0) / (4.0 * std::numbers::pi) * forward;
-    for (std::size_t d = 0; d < kDepths; ++d) moments[l * kDepths + d] = factor * change(depth_of(d), straight);
-  }
+/// (exp(tau chi) - 1) / (exp(tau) - 1), without what was turned once.
+double often(double tau, double chi) {
+  if (tau < kShallow) return 0.5 * tau * chi * chi;
+  return (math::exponential(tau * chi) - 1.0 - tau * chi) / (math::exponential(tau) - 1.0);
+}
+
+/// The share of S that was turned once.
+double once(double tau) { return tau < kShallow ? 1.0 - 0.5 * tau : tau / (math::exponential(tau) - 1.0); }
+
+/// tau of x.
+double glow_depth(double depth, double g, double forward) {
+  return std::min((1.0 + kLonger * (1.0 - g)) * depth / forward, kThickestGlow);
+}
+
+/// The sum of the bands' moments, (2 l + 1) / (4 pi) m_l: [bands][depths], over P: [angles][depths]. Angles are even in
+/// the fourth root of (1 - cosine) / 2.
+std::vector<double> over_phase(const Atmosphere& atmosphere, double g, const std::vector<double>& moments) {
   std::vector<double> table;
   table.reserve(kAureoleAngles * kDepths);
   for (int angle = 0; angle < kAureoleAngles; ++angle) {
@@ -52,7 +65,7 @@ std::vector<double> factor_table(const Atmosphere& atmosphere, double g, double 
     std::array<double, kDepths> sums{};
     double before = 0.0;
     double here = 1.0;  // P_l(cosine)
-    for (std::size_t l = 0; l < chi.size(); ++l) {
+    for (std::size_t l = 0; l < moments.size() / kDepths; ++l) {
       for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * here;
       const auto degree = static_cast<double>(l);
       const double next = ((2.0 * degree + 1.0) * cosine * here - degree * before) / (degree + 1.0);
@@ -60,44 +73,166 @@ std::vector<double> factor_table(const Atmosphere& atmosphere, double g, double 
       here = next;
     }
     const double phase = aerosol_phase(atmosphere.aerosol_phase, g, cosine);
-    for (const double sum : sums) table.push_back(std::max(0.0, 1.0 + sum / phase));
+    for (const double sum : sums) table.push_back(sum / phase);
   }
   return table;
 }
 
+double band_factor(std::size_t l) { return (2.0 * static_cast<double>(l) + 1.0) / (4.0 * std::numbers::pi); }
+
+/// (P + D) / P.
+std::vector<double> once_table(const Atmosphere& atmosphere, double g, double forward) {
+  const std::vector<double> chi = moments_of(atmosphere, g, forward);
+  const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
+  std::vector<double> moments(chi.size() * kDepths);
+  for (std::size_t l = 0; l < chi.size(); ++l) {
+    const double straight = l < bands ? 1.0 : std::min(1.0, chi[l] / forward);
+    const double factor = band_factor(l) * forward;
+    for (std::size_t d = 0; d < kDepths; ++d) moments[l * kDepths + d] = factor * change(depth_of(d), straight);
+  }
+  std::vector<double> table = over_phase(atmosphere, g, moments);
+  for (double& value : table) value = std::max(0.0, 1.0 + value);
+  return table;
+}
+
+/// The same where the share is large. Beyond the bands P + D is exp(-x) P and what falls as the square of chi, so that
+/// bands that are left out do not ring.
+std::vector<double> narrow_once_table(const Atmosphere& atmosphere, double g, double forward) {
+  const std::vector<double> chi = moments_of(atmosphere, g, forward);
+  const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
+  std::vector<double> moments(chi.size() * kDepths);
+  for (std::size_t d = 0; d < kDepths; ++d) {
+    const double x = depth_of(d);
+    const double once = math::exponential(-x);
+    for (std::size_t l = 0; l < chi.size(); ++l) {
+      const double tau = x / forward;
+      // (exp(tau chi) - 1 - tau chi) / tau
+      const double more = tau * chi[l] < kShallow ? 0.5 * tau * chi[l] * chi[l]
+                                                  : (math::exponential(tau * chi[l]) - 1.0 - tau * chi[l]) / tau;
+      const double all = l < bands ? chi[l] + forward * change(x, 1.0) : once * (chi[l] + more);
+      moments[l * kDepths + d] = band_factor(l) * (all - once * chi[l]);
+    }
+  }
+  std::vector<double> table = over_phase(atmosphere, g, moments);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i] = std::max(0.0, math::exponential(-depth_of(i % kDepths)) + table[i]);
+  }
+  return table;
+}
+
+/// S / P.
+std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double forward) {
+  const std::vector<double> chi = moments_of(atmosphere, g, forward);
+  std::vector<double> moments(chi.size() * kDepths);
+  for (std::size_t l = 0; l < chi.size(); ++l) {
+    for (std::size_t d = 0; d < kDepths; ++d) {
+      moments[l * kDepths + d] = band_factor(l) * often(glow_depth(depth_of(d), g, forward), chi[l]);
+    }
+  }
+  std::vector<double> table = over_phase(atmosphere, g, moments);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i] = std::max(0.0, table[i]) + once(glow_depth(depth_of(i % kDepths), g, forward));
+  }
+  return table;
+}
+
+/// A place among the depths.
+struct Place {
+  std::size_t node;
+  double part;
+};
+
+Place place_of(double depth) {
+  const double x = std::max(0.0, depth);
+  const double position = std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0);
+  const std::size_t node = std::min(static_cast<std::size_t>(position), kDepths - 2);
+  return {node, position - static_cast<double>(node)};
+}
+
+double value_at(const std::vector<double>& table, std::size_t angle, const Place& place) {
+  if (table.empty()) return 1.0;
+  const double factor = table[angle * kDepths + place.node];
+  return factor + place.part * (table[angle * kDepths + place.node + 1] - factor);
+}
+
 }  // namespace
 
-Aureole::Aureole(const Atmosphere& atmosphere, const std::array<double, 3>& asymmetries, int orders) {
+Aureole::Aureole(const Atmosphere& atmosphere, const std::array<double, 3>& asymmetries,
+                 const SkyTableOptions& options) {
+  std::array<double, 3> forward{};
+  for (std::size_t c = 0; c < 3; ++c) forward[c] = forward_share(atmosphere, asymmetries[c], options.orders);
+  const bool narrow = std::any_of(asymmetries.begin(), asymmetries.end(),
+                                  [&](double g) { return phase_spectrum(atmosphere, g).narrow; });
+  const bool glows = narrow && options.layout == ScatteringLayout::full && has_narrow_lobe(atmosphere, options.orders);
   for (std::size_t c = 0; c < (all_equal(asymmetries) ? 1 : 3); ++c) {
-    const double forward = forward_share(atmosphere, asymmetries[c], orders);
-    const bool any = forward > kLeastForward;
-    lobes_.push_back(
-        {any ? forward : 0.0, any ? factor_table(atmosphere, asymmetries[c], forward) : std::vector<double>{}});
+    Lobe& lobe = lobes_.emplace_back();
+    if (forward[c] > kLeastForward) {
+      lobe.asymmetry = asymmetries[c];
+      lobe.forward = forward[c];
+      lobe.once = glows ? narrow_once_table(atmosphere, asymmetries[c], forward[c])
+                        : once_table(atmosphere, asymmetries[c], forward[c]);
+      if (glows) lobe.glow = glow_table(atmosphere, asymmetries[c], forward[c]);
+    }
   }
 }
 
 bool Aureole::any() const noexcept {
-  return std::any_of(lobes_.begin(), lobes_.end(), [](const Lobe& lobe) { return !lobe.table.empty(); });
+  return std::any_of(lobes_.begin(), lobes_.end(), [](const Lobe& lobe) { return !lobe.once.empty(); });
+}
+
+bool Aureole::glows() const noexcept {
+  return std::any_of(lobes_.begin(), lobes_.end(), [](const Lobe& lobe) { return !lobe.glow.empty(); });
 }
 
 void Aureole::factors(const std::array<double, 3>& depths, float* values) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
-    const double x = std::max(0.0, depths[c]);
-    const double position = std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0);
-    const std::size_t node = std::min(static_cast<std::size_t>(position), kDepths - 2);
-    const double part = position - static_cast<double>(node);
-    const std::vector<double>& table = lobe(c).table;
+    const Place place = place_of(depths[c]);
+    const std::vector<double>& table = lobe(c).seen();
     for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) {
-      const double factor = table.empty() ? 1.0 : table[angle * kDepths + node];
-      const double next = table.empty() ? 1.0 : table[angle * kDepths + node + 1];
-      values[4 * angle + c] = static_cast<float>(factor + part * (next - factor));
+      values[4 * angle + c] = static_cast<float>(value_at(table, angle, place));
     }
   }
   for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) values[4 * angle + 3] = 0.0F;
 }
 
-double Aureole::loss(std::size_t channel, double depth) const noexcept {
-  return -lobe(channel).forward * change(std::max(0.0, depth), 1.0);
+Aureole::Factors Aureole::factors(std::size_t channel, double cosine, double depth) const noexcept {
+  const Lobe& lobe = this->lobe(channel);
+  const Place place = place_of(depth);
+  const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0))) * (kAureoleAngles - 1);
+  const std::size_t node = std::min(static_cast<std::size_t>(position), std::size_t{kAureoleAngles - 2});
+  const auto at = [&](const std::vector<double>& table) {
+    const double low = value_at(table, node, place);
+    return low + (position - static_cast<double>(node)) * (value_at(table, node + 1, place) - low);
+  };
+  return {at(lobe.once), at(lobe.glow)};
+}
+
+double Aureole::loss(std::size_t channel, double chi, double depth) const noexcept {
+  const Lobe& lobe = this->lobe(channel);
+  if (lobe.glow.empty()) return -lobe.forward * change(std::max(0.0, depth), 1.0);
+  const double tau = glow_depth(depth, lobe.asymmetry, lobe.forward);
+  return chi - once(tau) * chi - often(tau, chi);
+}
+
+std::vector<std::array<double, 3>> aureole_depths(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                                                  const ColourFold& fold, const TableMapping& mapping, double altitude,
+                                                  int suns) {
+  const Air air(atmosphere);
+  RayPanels panels(air);
+  const std::vector<double>& scattering = atmosphere.aerosol.scattering_per_m;
+  const std::vector<double> forward = forward_shares(atmosphere, options.orders);
+  std::vector<double> depths(scattering.size());
+  std::vector<std::array<double, 3>> channels;
+  for (int k = 0; k < suns; ++k) {
+    const double mu = std::max(mapping.sun_zenith_cosine(static_cast<double>(k) / (suns - 1)),
+                               horizon_cosine(mapping.bottom_radius(), altitude));
+    const double length = distance_to_top(mapping.bottom_radius(), mapping.thickness(), altitude, mu);
+    const double column = lengths_along(air, {altitude, mu, false, length}, panels)[kAerosol];
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = forward[i] * column * scattering[i];
+    const glm::dvec3 share = fold.share(depths);
+    channels.push_back({share[0], share[1], share[2]});
+  }
+  return channels;
 }
 
 }  // namespace welkin::sky

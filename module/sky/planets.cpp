@@ -8,6 +8,7 @@
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "sky/spectrum.h"
 #include "welkin/atmosphere.h"
 #include "welkin/core.h"
@@ -52,7 +53,8 @@ void check_wavelengths(const std::vector<double>& wavelengths_nm) {
   constexpr double last = kFirstWavelength + kWavelengthStep * (kWavelengths - 1);
   for (const double wavelength : wavelengths_nm) {
     if (wavelength >= kFirstWavelength && wavelength <= last) continue;
-    throw Error(ErrorCode::invalid_argument, "a wavelength of the Earth's atmosphere is " + std::to_string(wavelength) +
+    throw Error(ErrorCode::invalid_argument, "a wavelength of the Earth's atmosphere is " +
+                                                 platform::number_text(wavelength) +
                                                  " nm; its solar spectrum and ozone are known from 360 to 830");
   }
 }
@@ -96,9 +98,9 @@ double column_m(const Atmosphere& air, double scale_height_m) {
 
 void require_aerosol(const char* what, double value, double low, double high) {
   if (value >= low && value <= high) return;
-  throw Error(ErrorCode::invalid_argument, std::string("the aerosol's ") + what + " is " + std::to_string(value) +
-                                               "; it must be from " + std::to_string(low) + " to " +
-                                               std::to_string(high));
+  throw Error(ErrorCode::invalid_argument, std::string("the aerosol's ") + what + " is " +
+                                               platform::number_text(value) + "; it must be from " +
+                                               platform::number_text(low) + " to " + platform::number_text(high));
 }
 
 constexpr double kReferenceWavelength = 550.0;  // nm

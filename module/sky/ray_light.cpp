@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
+#include <utility>
 
 #include "math/elementary.h"
 #include "sky/sky_geometry.h"
@@ -13,6 +15,9 @@ namespace {
 constexpr std::size_t kLanes = simd::kLanes;
 constexpr double kNegligible = 1e-7;        ///< share of what a panel scatters that is left out
 constexpr std::size_t kMostSunNodes = 256;  ///< of a row of sunlight
+constexpr int kGlowNodes = 1025;
+constexpr double kGlowDepth = 0.5;  ///< of aerosol, that a glow is typical of
+constexpr double kEvenGlow = 0.03;  ///< share of it that is the same from everywhere
 
 std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
@@ -42,10 +47,11 @@ struct ScatteringPanel {
   double weights[2][3]{};  ///< likewise, at each wavelength
 };
 
-ScatteringPanel scattering_of(const RayNode* nodes, const WavelengthGroup& group, bool with_aerosol) noexcept {
+ScatteringPanel scattering_of(const RayNode* nodes, std::size_t count, const WavelengthGroup& group,
+                              bool with_aerosol) noexcept {
   ScatteringPanel panel;
   double moment = 0.0;
-  for (std::size_t k = 0; k < kPanelNodes; ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const RayNode& node = nodes[k];
     double here = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -100,6 +106,31 @@ WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<co
     wavelengths.solar[c] = air.atmosphere().solar_irradiance[wavelength];
   }
   return wavelengths;
+}
+
+// Light that was turned twice, three times and so on by a lobe of moments chi has chi^2, chi^3, and, some depth of air
+// taken for all, the sum of these that is below. What has come round by the ground or by large turns is about even.
+Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
+  for (const PhaseSpectrum& spectrum : spectra) {
+    std::vector<double> moments(spectrum.aerosol.size());
+    for (std::size_t l = 0; l < moments.size(); ++l) {
+      const double chi = spectrum.aerosol[l];
+      moments[l] = chi * (math::exponential(kGlowDepth * chi) - 1.0) / (math::exponential(kGlowDepth) - 1.0);
+    }
+    std::vector<double> values(kGlowNodes);
+    for (std::size_t k = 0; k < kGlowNodes; ++k) {
+      const double cosine = math::sine_cosine_of_turns(0.5 * static_cast<double>(k) / (kGlowNodes - 1)).cosine;
+      values[k] = kEvenGlow / (4.0 * std::numbers::pi) + phase_of(moments, cosine);
+    }
+    values_.push_back(std::move(values));
+  }
+}
+
+double Glow::at(std::size_t channel, double cosine) const noexcept {
+  const std::vector<double>& values = values_[values_.size() > 1 ? channel : 0];
+  const Between place = between(place_of_angle(cosine, kGlowNodes), kGlowNodes);
+  const double low = values[static_cast<std::size_t>(place.node)];
+  return low + place.fraction * (values[static_cast<std::size_t>(place.node) + 1] - low);
 }
 
 void ScatteringSource::set_steps() {
@@ -164,8 +195,14 @@ const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, co
   return sums_.data();
 }
 
-const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
-                                 const ScatteringSource& source, const TableMapping& mapping) noexcept {
+void RayLight::multiply_glow(const Glow& glow, float* light) const noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) light[4 * i + c] *= static_cast<float>(glow.at(c, angle_cosine(i)));
+  }
+}
+
+RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
+                                        const ScatteringSource& source, const TableMapping& mapping) noexcept {
   const SourceShape& shape = source.shape;
   const std::size_t picture = 4 * shape.picture();
   for (std::size_t i = 0; i < padded_; ++i) {
@@ -173,12 +210,15 @@ const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, c
     row_.data()[i] = angle.node * shape.suns;
     row_fraction_.data()[i] = static_cast<float>(angle.fraction);
   }
-  std::fill_n(sums_.data(), 4 * padded_, 0.0F);
+  const bool apart = source.glow.any();
+  std::fill_n(sums_.data(), (apart ? 8 : 4) * padded_, 0.0F);
   const SunAxis axis = sun_axis(mapping, shape.suns);
   const double radius = air.bottom_radius() + ray_.altitude;
   const bool with_aerosol = !source.aerosol.empty();
-  for (std::size_t n = 0; n < nodes_.size(); n += kPanelNodes) {
-    const ScatteringPanel panel = scattering_of(&nodes_[n], group, with_aerosol);
+  // A panel may cross all of a thin shell, in whose middle there is more light than on the average.
+  const std::size_t nodes_a_sample = mapping.thin() ? 2 : kPanelNodes;
+  for (std::size_t n = 0; n < nodes_.size(); n += nodes_a_sample) {
+    const ScatteringPanel panel = scattering_of(&nodes_[n], nodes_a_sample, group, with_aerosol);
     if (!(panel.whole > 0.0)) continue;
     const double altitude = std::clamp(
         altitude_along(air.bottom_radius(), ray_.altitude, ray_.zenith_cosine, panel.distance), 0.0, air.thickness());
@@ -186,7 +226,8 @@ const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, c
     const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + panel.distance) / here, -1.0, 1.0);
     const Between height = between(mapping.height_coordinate(altitude) * (shape.heights - 1), shape.heights);
     const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
-    SourceSample sample{};
+    SourceSample samples[2]{};  // of both kinds of matter, or of molecules and of the aerosol
+    SourceSample& sample = samples[0];
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(panel.distance / here);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -200,21 +241,30 @@ const float* RayLight::scattered(const SolverKernels& kernels, const Air& air, c
       for (std::size_t matter = 0; matter < 2; ++matter) {
         if (!(panel.shares[matter] > kNegligible * panel.whole)) continue;  // nothing at all too
         const std::vector<float>& values = matter == kRayleigh ? source.rayleigh : source.aerosol;
-        sample.pictures[sample.count] = values.data() + row * picture;
+        SourceSample& to = samples[apart ? matter : 0];
+        to.pictures[to.count] = values.data() + row * picture;
         for (std::size_t c = 0; c < 3; ++c) {
-          sample.weights[sample.count][c] = static_cast<float>(share * panel.weights[matter][c]);
+          to.weights[to.count][c] = static_cast<float>(share * panel.weights[matter][c]);
         }
-        ++sample.count;
+        ++to.count;
       }
     }
-    for (std::size_t k = 0; k < 2; ++k) {
-      sample.steps[k] = source.steps.data() + (static_cast<std::size_t>(height.node) + k) * shape.sun_steps();
-      sample.step_weights[k] = static_cast<float>(k == 0 ? 1.0 - height.fraction : height.fraction);
+    for (std::size_t matter = 0; matter < (apart ? 2 : 1); ++matter) {
+      SourceSample& one = samples[matter];
+      if (apart && one.count == 0) continue;
+      one.start_ratio = sample.start_ratio;
+      one.distance_ratio = sample.distance_ratio;
+      for (std::size_t k = 0; k < 2; ++k) {
+        one.steps[k] = source.steps.data() + (static_cast<std::size_t>(height.node) + k) * shape.sun_steps();
+        one.step_weights[k] = static_cast<float>(k == 0 ? 1.0 - height.fraction : height.fraction);
+      }
+      kernels.add_source(one, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
+                         sums_.data() + matter * 4 * padded_);
     }
-    kernels.add_source(sample, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
-                       sums_.data());
   }
-  return sums_.data();
+  if (!apart) return {sums_.data(), nullptr};
+  multiply_glow(source.glow, sums_.data() + 4 * padded_);
+  return {sums_.data(), sums_.data() + 4 * padded_};
 }
 
 }  // namespace welkin::sky

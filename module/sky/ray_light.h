@@ -22,7 +22,9 @@ struct SourceShape {
   int heights = 32;
   int zeniths = 33;
   int angles = 25;
-  int suns = 48;  ///< a multiple of 16
+  int suns = 48;        ///< a multiple of 16
+  int azimuths = 16;    ///< of half the circle, from which light is gathered
+  bool narrow = false;  ///< the aerosol's lobe: its light is held relative to a glow
 
   /// Texels over angles and suns.
   [[nodiscard]] std::size_t picture() const noexcept {
@@ -37,10 +39,27 @@ struct SourceShape {
   }
 };
 
+/// How light that a narrow lobe has turned more than once is spread about the sun, in the solver's bands: about as fast
+/// as it falls from the sun's direction, which nodes 6 to 7 degrees apart do not resolve. Sources of the aerosol are
+/// held relative to it.
+class Glow {
+ public:
+  Glow() = default;
+  /// One spectrum of all channels, or one of each (`phase_spectra`).
+  explicit Glow(const std::vector<PhaseSpectrum>& spectra);
+
+  [[nodiscard]] bool any() const noexcept { return !values_.empty(); }
+  [[nodiscard]] double at(std::size_t channel, double cosine) const noexcept;
+
+ private:
+  std::vector<std::vector<double>> values_;  ///< over evenly spaced angles
+};
+
 /// Radiance that arrives from everywhere, folded with a phase function: what a unit of scattering sends on in a
 /// direction. [heights][zeniths][angles][suns][4]
 struct ScatteringSource {
   SourceShape shape;
+  Glow glow;  ///< the aerosol's is relative to it, if there is any
   std::vector<float> rayleigh;
   std::vector<float> aerosol;  ///< empty: nothing but molecules scatters
 
@@ -101,12 +120,18 @@ class RayLight {
   /// of the molecules', a place left out, three of the aerosol's, another.
   const float* sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept;
 
-  /// Light of a source: [count][4].
-  const float* scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
-                         const ScatteringSource& source, const TableMapping& mapping) noexcept;
+  /// Light of a source, [count][4] each: all of it, or that of molecules and aerosol apart where a glow is seen in the
+  /// aerosol's.
+  struct Scattered {
+    const float* light;
+    const float* aerosol;  ///< null: in the other
+  };
+  Scattered scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
+                      const ScatteringSource& source, const TableMapping& mapping) noexcept;
 
  private:
   [[nodiscard]] SkySuns suns() const noexcept;
+  void multiply_glow(const Glow& glow, float* light) const noexcept;
 
   std::size_t count_;
   std::size_t padded_;

@@ -18,21 +18,27 @@ namespace {
 using std::numbers::pi;
 
 constexpr std::size_t kSunBlock = simd::kLanes;  ///< suns that are projected together
-constexpr std::size_t kAzimuths = DirectionRule::kAzimuths;
 constexpr std::size_t kZeniths = DirectionRule::kZeniths;
 constexpr int kPhaseNodes = 513;
 constexpr int kRayleighBands = 3;
 constexpr double kSmallestLobe = 0.05;  ///< below that share no direction is near the lobe
 constexpr double kCoarseness = 2.0;     ///< of rays: light scattered before is smooth
 
+constexpr int kSmoothOrder = 3;  ///< from it on half of the azimuths do (errors below 2e-3, of the Earth 1e-4)
+
+// Of what orders beyond the last one add.
+constexpr int kRestOrders = 2;           ///< more that are followed, along half of the azimuths
+constexpr double kMostAboveMean = 1.25;  ///< of a place's ratio of two orders to that of all places
+constexpr double kLargestRatio = 0.7;    ///< that no guess is more than 2.4 times what it is made from, errors included
+
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 struct SourceSolver::Worker {
-  Worker(const Air& air, const SourceShape& shape, int bands)
-      : light(air, shape, kAzimuths * index(shape.suns)),
-        rays(3 * kAzimuths * kSunBlock),
+  Worker(const Air& air, const SourceShape& shape, std::size_t azimuths, int bands)
+      : light(air, shape, azimuths * index(shape.suns)),
+        rays(3 * azimuths * kSunBlock),
         values(pair_count(bands)),
         harmonics(pair_count(bands) * 3 * kSunBlock),
         lobed(harmonics.size()),
@@ -55,23 +61,28 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       light_(light),
       group_(group),
       shape_(shape),
+      azimuths_(index(shape.azimuths)),
       spectra_(phase_spectra(air.atmosphere(), group.asymmetry)),
       bands_(spectra_.front().bands),
       ones_(index(bands_), 1.0),
       with_aerosol_(scatters(air.atmosphere().aerosol)),
-      radiance_(index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns)),
+      radiance_(index(shape.heights) * kZeniths * 3 * index(shape.azimuths) * index(shape.suns)),
       source_(shape, with_aerosol_),
       total_(shape, with_aerosol_),
       scalar_(index(shape.heights) * 3 * index(shape.suns)),
       order_irradiance_(scalar_.size()),
       irradiance_(scalar_.size()) {
+  if (with_aerosol_ && shape.narrow) source_.glow = Glow(spectra_);
+  total_.glow = source_.glow;
   set_rules();
 }
 
 std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) noexcept {
-  const std::uint64_t radiance = std::uint64_t{4} * index(shape.heights) * kZeniths * 3 * kAzimuths * index(shape.suns);
+  const std::uint64_t radiance =
+      std::uint64_t{4} * index(shape.heights) * kZeniths * 3 * index(shape.azimuths) * index(shape.suns);
   const std::uint64_t sources = std::uint64_t{4} * shape.size() * (with_aerosol ? 4 : 2);
-  const std::uint64_t small = std::uint64_t{8} * index(shape.heights) * (9 * index(shape.suns) + kZeniths * 220);
+  const std::uint64_t small =
+      std::uint64_t{8} * index(shape.heights) * (21 * index(shape.suns) + kZeniths * (shape.narrow ? 410 : 220));
   return radiance + sources + small;
 }
 
@@ -99,15 +110,7 @@ void SourceSolver::set_rules() {
       }
     }
   }
-  for (std::size_t j = 0; j < kAzimuths; ++j) {
-    ray_azimuths_.push_back(math::sine_cosine_of_turns((static_cast<double>(j) + 0.5) / (2.0 * kAzimuths)).cosine);
-  }
-  for (int m = 0; m < bands; ++m) {
-    for (std::size_t j = 0; j < kAzimuths; ++j) {
-      const double turns = m * (static_cast<double>(j) + 0.5) / (2.0 * kAzimuths);
-      azimuth_cosines_.push_back(static_cast<float>(math::sine_cosine_of_turns(turns).cosine));
-    }
-  }
+  set_azimuths(shape_.azimuths);
   source_legendre_.resize(index(shape_.zeniths) * pair_count(bands));
   for (int z = 0; z < shape_.zeniths; ++z) {
     const double cosine = math::sine_cosine_of_turns(0.5 * z / (shape_.zeniths - 1)).cosine;
@@ -120,15 +123,36 @@ void SourceSolver::set_rules() {
         // straight up, or the sun straight up: no azimuth matters
         const double azimuth = sines > 1e-9 ? std::clamp((nu - cosine * sun_cosines_[s]) / sines, -1.0, 1.0) : 0.0;
         source_azimuths_.push_back(static_cast<float>(azimuth));
+        if (!source_.glow.any()) continue;
+        // of the direction that the azimuth, an impossible one being the nearest, stands for
+        const double angle = std::clamp(cosine * sun_cosines_[s] + sines * azimuth, -1.0, 1.0);
+        for (std::size_t c = 0; c < 3; ++c) {
+          inverse_glow_.push_back(static_cast<float>(1.0 / source_.glow.at(c, angle)));
+        }
       }
     }
   }
   for (std::size_t lobe = 0; lobe < spectra_.size(); ++lobe) {
     for (int k = 0; k < kPhaseNodes; ++k) {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
-      aerosol_phase_.push_back(phase_of(spectra_[lobe].aerosol, cosine));
+      // Of a narrow lobe the swings below 0 are as large as what it scatters back: without them that would be twice.
+      const std::vector<double>& moments = spectra_[lobe].aerosol;
+      aerosol_phase_.push_back(source_.glow.any() ? sum_of_bands(moments, cosine) : phase_of(moments, cosine));
     }
     set_lobe_scale(lobe);
+  }
+}
+
+void SourceSolver::set_azimuths(int count) {
+  azimuths_ = index(count);
+  ray_azimuths_.clear();
+  azimuth_cosines_.clear();
+  for (int m = 0; m < std::max(bands_, 2); ++m) {
+    for (int j = 0; j < count; ++j) {
+      const double cosine = math::sine_cosine_of_turns(m * (j + 0.5) / (2.0 * count)).cosine;
+      azimuth_cosines_.push_back(static_cast<float>(cosine));
+      if (m == 1) ray_azimuths_.push_back(cosine);
+    }
   }
 }
 
@@ -142,7 +166,7 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
       for (std::size_t i = 0; i < kZeniths; ++i) {
         const double cosine = rules_[h].cosines[i];
         const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
-        const double weight = rules_[h].weights[i] * 2.0 * pi / static_cast<double>(kAzimuths);
+        const double weight = rules_[h].weights[i] * 2.0 * pi / static_cast<double>(azimuths_);
         for (const double azimuth : ray_azimuths_) {
           const double nu = std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0);
           sum += weight * aerosol_phase(lobe, nu);
@@ -162,45 +186,108 @@ double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexce
 }
 
 std::size_t SourceSolver::radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept {
-  return ((height * kZeniths + zenith) * 3 + channel) * kAzimuths * index(shape_.suns);
+  return ((height * kZeniths + zenith) * 3 + channel) * azimuths_ * index(shape_.suns);
 }
 
 void SourceSolver::solve(const Options& options, const Control& control) {
-  const double steps = 2.0 * options.orders - 1.0;  // an order's rays, and between two orders the source
+  const bool rest = options.rest && options.orders > 1;
+  const int last = options.orders + (rest ? kRestOrders : 0);
+  const double steps = 2.0 * last - 1.0;  // an order's rays, and between two orders the source
+  const auto part = [&](int step) { return jobs::part_of(control, step / steps, (step + 1) / steps); };
   double all = 0.0;
   for (int order = 1; order <= options.orders; ++order) {
-    const double done = 2.0 * (order - 1.0);
-    if (order > 1) {
-      gather(jobs::part_of(control, (done - 1.0) / steps, done / steps));
-      // What the ground reflects into the next order's source is the irradiance by the order before this one.
-      direct_ground_ = false;
-      for (std::size_t c = 0; c < 3; ++c) {
-        ground_before_[c] =
-            fine_steps(std::span(order_irradiance_).subspan(c * index(shape_.suns), index(shape_.suns)));
-      }
-    }
-    march(order == 1, jobs::part_of(control, done / steps, (done + 1.0) / steps));
+    if (order > 1) next_source(part(2 * order - 3));
+    if (order == kSmoothOrder && !shape_.narrow) set_azimuths(shape_.azimuths / 2);
+    march(order == 1, part(2 * order - 2));
     measure();
-    for (std::size_t i = 0; i < irradiance_.size(); ++i) irradiance_[i] += order_irradiance_[i];
-    if (order > 1) {
-      for (std::size_t i = 0; i < total_.rayleigh.size(); ++i) total_.rayleigh[i] += source_.rayleigh[i];
-      for (std::size_t i = 0; i < total_.aerosol.size(); ++i) total_.aerosol[i] += source_.aerosol[i];
-      for (std::size_t i = 0; i < total_.brightness.size(); ++i) total_.brightness[i] += source_.brightness[i];
-    }
+    add_order({}, {});
     const double added = total_scattered();
     orders_ = order;
     last_change_ = all > 0.0 ? added / all : (order == 1 ? 1.0 : 0.0);
     all += added;
     if (order > 1 && last_change_ < options.until_change) break;
   }
+  for (int order = orders_ + 1; rest && order <= orders_ + kRestOrders; ++order) {
+    next_source(part(2 * order - 3));
+    const std::vector<double> scalar = scalar_;
+    const std::vector<double> irradiance = order_irradiance_;
+    set_azimuths(shape_.azimuths / 2);
+    march(false, part(2 * order - 2));
+    measure();
+    const bool at_last = order == orders_ + kRestOrders;
+    add_order(at_last ? sums_of_series(scalar, scalar_) : std::vector<double>{},
+              at_last ? sums_of_series(irradiance, order_irradiance_) : std::vector<double>{});
+  }
   total_.set_steps();
   if (control.progress) control.progress(1.0);
+}
+
+// What the ground reflects into the source of the order after the next is the irradiance by the last one.
+void SourceSolver::next_source(const Control& control) {
+  gather(control);
+  direct_ground_ = false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    ground_before_[c] = fine_steps(std::span(order_irradiance_).subspan(c * index(shape_.suns), index(shape_.suns)));
+  }
+}
+
+// 1 / (1 - ratio), what an order and all that follow it add up to if each is to the one before as it is itself. The
+// ratio is a place's own, for light at night dies out more slowly than by day; but where it has only begun to arrive
+// it tells nothing of the orders to come, so that it is held near the mean of all places. In thick air, where that mean
+// is large too, a sum would be a multiple of the order's errors: there is none.
+std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& before,
+                                                 const std::vector<double>& last) const {
+  const std::size_t suns = index(shape_.suns);
+  std::array<double, 3> sums_before{};
+  std::array<double, 3> sums{};
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    sums_before[i / suns % 3] += before[i];
+    sums[i / suns % 3] += last[i];
+  }
+  std::vector<double> factors(last.size(), 1.0);
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    const std::size_t c = i / suns % 3;
+    if (!(before[i] > 0.0 && sums_before[c] > 0.0) || sums[c] > kLargestRatio * sums_before[c]) continue;
+    const double most = std::min(kMostAboveMean * sums[c] / sums_before[c], kLargestRatio);
+    factors[i] = 1.0 / (1.0 - std::min(last[i] / before[i], most));
+  }
+  return factors;
+}
+
+// Times factors of heights, channels and suns; none: 1.
+void SourceSolver::add_order(const std::vector<double>& factors, const std::vector<double>& irradiance_factors) {
+  for (std::size_t i = 0; i < irradiance_.size(); ++i) {
+    irradiance_[i] += (irradiance_factors.empty() ? 1.0 : irradiance_factors[i]) * order_irradiance_[i];
+  }
+  if (direct_ground_) return;  // the first order has no source
+  const std::size_t suns = index(shape_.suns);
+  const std::size_t height = index(shape_.zeniths) * 4 * shape_.picture();
+  std::vector<float> row(4 * suns, 1.0F);
+  for (std::size_t h = 0; h < index(shape_.heights); ++h) {
+    for (std::size_t s = 0; s < suns; ++s) {
+      double mean = 1.0;
+      for (std::size_t c = 0; c < 3 && !factors.empty(); ++c) {
+        const double factor = factors[(h * 3 + c) * suns + s];
+        row[4 * s + c] = static_cast<float>(factor);
+        mean += (factor - 1.0) / 3.0;
+      }
+      total_.brightness[h * suns + s] += mean * source_.brightness[h * suns + s];
+    }
+    const auto add = [&](const std::vector<float>& from, std::vector<float>& to) {
+      if (from.empty()) return;
+      for (std::size_t i = h * height; i < (h + 1) * height; i += row.size()) {
+        for (std::size_t k = 0; k < row.size(); ++k) to[i + k] += row[k] * from[i + k];
+      }
+    };
+    add(source_.rayleigh, total_.rayleigh);
+    add(source_.aerosol, total_.aerosol);
+  }
 }
 
 void SourceSolver::march(bool single, const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   std::vector<Worker> scratch;
-  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, bands_);
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
   jobs::run_tiles(index(shape_.heights) * kZeniths, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     march_ray(single, tile / kZeniths, tile % kZeniths, scratch[worker]);
@@ -217,7 +304,7 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   const std::size_t suns = index(shape_.suns);
   RayLight& ray = worker.light;
-  for (std::size_t j = 0; j < kAzimuths; ++j) {
+  for (std::size_t j = 0; j < azimuths_; ++j) {
     const double azimuth = ray_azimuths_[j];
     for (std::size_t s = 0; s < suns; ++s) {
       ray.set_sun(j * suns + s, sun_cosines_[s],
@@ -227,10 +314,13 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
   ray.place(air_, {altitude, cosine, ground, length}, group_, single ? 1.0 : kCoarseness);
   const std::size_t count = ray.count();
   if (!single) {
-    const float* const sums = ray.scattered(kernels, air_, group_, source_, mapping_);
+    const RayLight::Scattered sums = ray.scattered(kernels, air_, group_, source_, mapping_);
     for (std::size_t c = 0; c < 3; ++c) {
       float* const radiance = radiance_.data() + radiance_index(height, zenith, c);
-      for (std::size_t i = 0; i < count; ++i) radiance[i] = sums[4 * i + c];
+      for (std::size_t i = 0; i < count; ++i) {
+        radiance[i] = sums.light[4 * i + c];
+        if (sums.aerosol != nullptr) radiance[i] += sums.aerosol[4 * i + c];
+      }
     }
     return;
   }
@@ -255,7 +345,7 @@ void SourceSolver::gather(const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   const std::size_t blocks = index(shape_.suns) / kSunBlock;
   std::vector<Worker> scratch;
-  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, bands_);
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
   jobs::run_tiles(index(shape_.heights) * blocks, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
@@ -270,22 +360,24 @@ void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& wo
   const bool reflects = *std::max_element(group_.albedo.begin(), group_.albedo.end()) > 0.0;
   std::fill(worker.harmonics.begin(), worker.harmonics.end(), 0.0F);
   for (std::size_t i = 0; i < kZeniths; ++i) {
-    const double weight = rules_[height].weights[i] * 2.0 * pi / static_cast<double>(kAzimuths);
+    const double weight = rules_[height].weights[i] * 2.0 * pi / static_cast<double>(azimuths_);
     const double* const values = legendre_.data() + (height * kZeniths + i) * worker.values.size();
     for (std::size_t k = 0; k < worker.values.size(); ++k) {
       worker.values[k] = static_cast<float>(values[k] * weight);
     }
-    SkyRing ring{.radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
-                 .channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * suns),
-                 .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
-                 .azimuths = static_cast<int>(kAzimuths),
-                 .azimuth_cosines = azimuth_cosines_.data(),
-                 .values = worker.values.data(),
-                 .bands = bands_};
+    SkyRing ring{
+        .radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
+        .channel_stride = static_cast<std::ptrdiff_t>(azimuths_ * suns),
+        .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
+        .azimuths = static_cast<int>(azimuths_),
+        .azimuth_cosines = azimuth_cosines_.data(),
+        .values = worker.values.data(),
+        .bands = bands_,
+        .orders = azimuths_ == index(shape_.azimuths) ? bands_ : std::min(bands_, static_cast<int>(azimuths_))};
     if (reflects && i < index(DirectionRule::kGroundNodes)) {
       add_ground(height, i, first_sun, worker);
       ring.radiance = worker.rays.data();
-      ring.channel_stride = static_cast<std::ptrdiff_t>(kAzimuths * kSunBlock);
+      ring.channel_stride = static_cast<std::ptrdiff_t>(azimuths_ * kSunBlock);
       ring.azimuth_stride = static_cast<std::ptrdiff_t>(kSunBlock);
     }
     kernels.project_ring(ring, worker.harmonics.data());
@@ -299,13 +391,13 @@ void SourceSolver::measure() {
   std::fill(scalar_.begin(), scalar_.end(), 0.0);
   for (std::size_t h = 0; h < index(shape_.heights); ++h) {
     for (std::size_t i = 0; i < kZeniths; ++i) {
-      const double weight = rules_[h].weights[i] / (2.0 * static_cast<double>(kAzimuths));
+      const double weight = rules_[h].weights[i] / (2.0 * static_cast<double>(azimuths_));
       const double upward = 4.0 * pi * std::max(0.0, rules_[h].cosines[i]) * weight;
       for (std::size_t c = 0; c < 3; ++c) {
         const float* const rays = radiance_.data() + radiance_index(h, i, c);
         for (std::size_t s = 0; s < suns; ++s) {
           double sum = 0.0;
-          for (std::size_t j = 0; j < kAzimuths; ++j) sum += static_cast<double>(rays[j * suns + s]);
+          for (std::size_t j = 0; j < azimuths_; ++j) sum += static_cast<double>(rays[j * suns + s]);
           scalar_[(h * 3 + c) * suns + s] += weight * sum;
           order_irradiance_[(h * 3 + c) * suns + s] += upward * sum;
         }
@@ -340,7 +432,7 @@ void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_
   const double distance = ground_distance_[node] / air_.bottom_radius();
   const double cosine = rules_[height].cosines[zenith];
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
-  for (std::size_t j = 0; j < kAzimuths; ++j) {
+  for (std::size_t j = 0; j < azimuths_; ++j) {
     const double azimuth = ray_azimuths_[j];
     for (std::size_t s = 0; s < kSunBlock; ++s) {
       const double sun = sun_cosines_[first_sun + s];
@@ -349,7 +441,7 @@ void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_
       for (std::size_t c = 0; c < 3; ++c) {
         const auto arrived =
             static_cast<double>(radiance_[radiance_index(height, zenith, c) + j * suns + first_sun + s]);
-        worker.rays[(c * kAzimuths + j) * kSunBlock + s] =
+        worker.rays[(c * azimuths_ + j) * kSunBlock + s] =
             static_cast<float>(arrived + ground_transmittance_[node][c] * group_.albedo[c] / pi * light[c]);
       }
     }
@@ -408,6 +500,17 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
       if (with_aerosol_) {
         kernels.sum_orders(worker.aerosol.data(), bands, azimuths, source_.aerosol.data() + at);
       }
+    }
+    if (source_.glow.any()) divide_by_glow(height, index(z), first_sun);
+  }
+}
+
+void SourceSolver::divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun) {
+  for (std::size_t a = 0; a < index(shape_.angles); ++a) {
+    const std::size_t first = (zenith * index(shape_.angles) + a) * index(shape_.suns) + first_sun;
+    float* const texels = source_.aerosol.data() + 4 * (height * index(shape_.zeniths) * shape_.picture() + first);
+    for (std::size_t s = 0; s < kSunBlock; ++s) {
+      for (std::size_t c = 0; c < 3; ++c) texels[4 * s + c] *= inverse_glow_[3 * (first + s) + c];
     }
   }
 }

@@ -5,6 +5,9 @@
 // with a phase function is a product: no integral over directions for each direction. The source so found, over height,
 // direction and sun, is integrated along the rays of those few hundred directions for the next order; tables get the
 // sum of all sources at once.
+//
+// What further orders would add is estimated, unless it is not wanted: two more orders, and after the last of them the
+// sum of a geometric series for each height, wavelength and sun (`sums_of_series`).
 #pragma once
 
 #include <array>
@@ -22,6 +25,7 @@ class SourceSolver {
   struct Options {
     int orders = 4;
     double until_change = 0.0;
+    bool rest = false;  ///< further orders are estimated, if there is more than one
   };
 
   /// `air`, `mapping` and `light` must outlive it.
@@ -46,6 +50,11 @@ class SourceSolver {
   struct Worker;
   [[nodiscard]] std::size_t radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept;
   void set_rules();
+  void set_azimuths(int count);
+  void next_source(const Control& control);
+  void add_order(const std::vector<double>& factors, const std::vector<double>& irradiance_factors);
+  [[nodiscard]] std::vector<double> sums_of_series(const std::vector<double>& before,
+                                                   const std::vector<double>& last) const;
   void set_lobe_scale(std::size_t lobe);
   [[nodiscard]] double aerosol_phase(std::size_t lobe, double cosine) const noexcept;
   void march(bool single, const Control& control);
@@ -56,6 +65,7 @@ class SourceSolver {
   void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
   void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
+  void divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun);
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double total_scattered() const noexcept;
 
@@ -64,6 +74,7 @@ class SourceSolver {
   const Sunlight& light_;
   WavelengthGroup group_;
   SourceShape shape_;
+  std::size_t azimuths_;                ///< of the order in hand
   std::vector<PhaseSpectrum> spectra_;  ///< one, or one of each wavelength where their lobes differ
   int bands_;                           ///< of all of them
   std::vector<double> ones_;            ///< as many
@@ -77,6 +88,7 @@ class SourceSolver {
   std::vector<float> azimuth_cosines_;                       ///< of the rules: [bands][azimuths], cos(m phi)
   std::vector<double> ray_azimuths_;                         ///< cos phi
   std::vector<float> source_azimuths_;                       ///< cos phi of the source's nodes: [zeniths][angles][suns]
+  std::vector<float> inverse_glow_;                          ///< there: [zeniths][angles][suns][3]; none: no glow
   std::vector<double> aerosol_phase_;                        ///< over evenly spaced angles: [spectra][nodes]
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]

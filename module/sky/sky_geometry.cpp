@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
-#include <sstream>
 #include <string>
 
 #include "math/quadrature.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 
 namespace welkin::sky {
@@ -33,25 +33,25 @@ DirectionRule direction_rule(double horizon) {
 
 void check_altitude(double altitude_m) {
   if (altitude_m >= 0.0 && altitude_m <= kHighestAltitude) return;
-  std::ostringstream message;
-  message << "the altitude is " << altitude_m << " m; it must be from 0 (the ground) to " << kHighestAltitude;
-  throw Error(ErrorCode::invalid_argument, message.str());
+  throw Error(ErrorCode::invalid_argument, "the altitude is " + platform::number_text(altitude_m) +
+                                               " m; it must be from 0 (the ground) to " +
+                                               platform::number_text(kHighestAltitude));
 }
 
 void check_direction(const char* what, const glm::dvec3& direction) {
   if (std::abs(glm::length(direction) - 1.0) <= 1e-6) return;
-  std::ostringstream message;
-  message << what << " is (" << direction.x << ", " << direction.y << ", " << direction.z
-          << "); it must be of length 1 (normalise it)";
-  throw Error(ErrorCode::invalid_argument, message.str());
+  throw Error(ErrorCode::invalid_argument, std::string(what) + " is (" + platform::number_text(direction.x) + ", " +
+                                               platform::number_text(direction.y) + ", " +
+                                               platform::number_text(direction.z) +
+                                               "); it must be of length 1 (normalise it)");
 }
 
 SunAngles sun_angles(const glm::dvec3& sun) {
   const double largest = std::max({std::abs(sun.x), std::abs(sun.y), std::abs(sun.z)});
   const bool finite = std::isfinite(sun.x) && std::isfinite(sun.y) && std::isfinite(sun.z);
   if (!finite || !(largest > 0.0)) {
-    throw Error(ErrorCode::invalid_argument, "the sun's direction (" + std::to_string(sun.x) + " " +
-                                                 std::to_string(sun.y) + " " + std::to_string(sun.z) +
+    throw Error(ErrorCode::invalid_argument, "the sun's direction (" + platform::number_text(sun.x) + " " +
+                                                 platform::number_text(sun.y) + " " + platform::number_text(sun.z) +
                                                  ") has no length that could be made 1; (0 1 0) is the zenith");
   }
   const double x = sun.x / largest;  // no square overflows or vanishes

@@ -122,7 +122,6 @@ struct DirectionRule {
   static constexpr int kLowNodes = 8;
   static constexpr int kUpperNodes = 16;
   static constexpr int kZeniths = kGroundNodes + kLowNodes + kUpperNodes;
-  static constexpr int kAzimuths = 16;  ///< over half the circle, at the middles of as many parts
 
   std::array<double, kZeniths> cosines{};
   std::array<double, kZeniths> weights{};  ///< of the cosine

@@ -85,6 +85,7 @@ struct SkyRing {
   const float* azimuth_cosines;  ///< [bands][azimuths]
   const float* values;           ///< harmonics without their azimuth, by m and then l, times the ring's weight
   int bands;
+  int orders;  ///< m below that, at most the bands: as many as the azimuths tell apart
 };
 
 /// harmonics[pairs][3][16] += the ring's share.
@@ -145,6 +146,7 @@ struct SkyRun {
   double shortest;     ///< T - h
   double to_sky;       ///< positions a metre of distance to the top beyond the shortest
   double to_ground;    ///< positions a metre of distance to the ground beyond h
+  double view_bend;    ///< of these positions (TableMapping), or 0
 
   bool outside;          ///< the viewer is above the air
   double viewer_radius;  ///< then
@@ -161,6 +163,7 @@ struct SkyRun {
   double lowest_zenith;        ///< its mu_s
   SunTerms sun_terms;
   SunTaps sun_taps;         ///< from inside
+  double azimuth_bend;      ///< q of the azimuths' coordinate, likewise
   const float* brightness;  ///< of suns, in steps between nodes (sky/sky_curve.h, fine_steps): [(suns - 1) steps + 1]
   float fade;
 
@@ -209,18 +212,20 @@ struct SkyLobe {
 /// With x = 1 - cos(angle to the lobe's axis), which is the sun or, where the aerosol scatters backwards, the point
 /// opposite: x = nearness + breadth * gap(azimuth), so that it has its digits where the lobe is sharp. Radiance is
 ///   rayleigh (1 + (1 - x)^2) value(c) + phase(c) (value(3 + c) - lobe(c)) + ground(c),
-///   value = max(weighted sum of four suns', 0), phase the channel's of `lobes`.
+///   value = max(weighted sum of four azimuth nodes' and suns', 0), phase the channel's of `lobes`.
+/// (Suns come first, as in views: under each sun the nodes of azimuths stand elsewhere.)
 struct SkyRings {
   int azimuths;
   int bands;
-  const float* values;           ///< of the first of four suns: [azimuths][...][kSkyChannels][kSkyRings]
-  std::ptrdiff_t azimuth_step;   ///< floats between azimuths; suns are kSkyChannels * kSkyRings apart
-  const float* azimuth_gaps;     ///< [azimuths]: 1 - or 1 + cosine
-  const float* azimuth_factors;  ///< [azimuths][bands]: weight times cos(m azimuth)
-  const float* nearness;         ///< [kSkyRings]
-  const float* breadth;          ///< [kSkyRings]: product of the sines of both zenith angles
-  const float* ground;           ///< [azimuths][3][kSkyRings]: light of the ground or the night; null: black
-  const float* aureole;          ///< [kAureoleAngles][4]: multiplies the aerosol's phase function; null: nothing does
+  const float* values;            ///< of the first of four suns: [azimuth nodes][...][kSkyChannels][kSkyRings]
+  std::ptrdiff_t node_step;       ///< floats between azimuth nodes; suns are kSkyChannels * kSkyRings apart
+  const CubicTaps* azimuth_taps;  ///< [azimuths]: of azimuth nodes
+  const float* azimuth_gaps;      ///< [azimuths]: 1 - or 1 + cosine
+  const float* azimuth_factors;   ///< [azimuths][bands]: weight times cos(m azimuth)
+  const float* nearness;          ///< [kSkyRings]
+  const float* breadth;           ///< [kSkyRings]: product of the sines of both zenith angles
+  const float* ground;            ///< [azimuths][3][kSkyRings]: light of the ground or the night; null: black
+  const float* aureole;           ///< [kAureoleAngles][4]: multiplies the aerosol's phase function; null: nothing does
   float sun_weights[4];
   float lobe[3];
   float rayleigh;

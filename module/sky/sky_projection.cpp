@@ -35,6 +35,8 @@ const char* name(SkyQuadrature quadrature) noexcept {
 namespace welkin::sky {
 namespace {
 
+constexpr int kMostAzimuths = 256;
+
 void check_range(const char* what, int value, int least, int most) {
   if (value >= least && value <= most) return;
   throw Error(ErrorCode::invalid_argument, "sky harmonics: " + std::to_string(value) + " " + what + "; " +
@@ -44,7 +46,7 @@ void check_range(const char* what, int value, int least, int most) {
 void check(const SkyHarmonicsOptions& options) {
   check_range("bands", options.bands, 1, kMaximumBands);
   check_range("zeniths", options.zeniths, 2, 128);
-  check_range("azimuths", options.azimuths, 2, 256);
+  check_range("azimuths", options.azimuths, 2, kMostAzimuths);
   switch (options.quadrature) {
     case SkyQuadrature::uniform:
     case SkyQuadrature::gauss:
@@ -183,11 +185,11 @@ SkyProjection::SkyProjection(SkyView view, const SkyHarmonicsOptions& options)
 
 void SkyProjection::check_size(std::size_t rings) const {
   if (slice_.outside()) return;
-  const std::size_t bytes = (rings + 2 * kRings) * static_cast<std::size_t>(options_.azimuths) *
+  const std::size_t bytes = (rings + 2 * kRings) * static_cast<std::size_t>(slice_.azimuths()) *
                             static_cast<std::size_t>(slice_.suns()) * kSkyChannels * sizeof(float);
   if (bytes <= kMost) return;
   throw Error(ErrorCode::limit_exceeded,
-              "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(options_.azimuths) +
+              "sky harmonics: " + std::to_string(rings) + " rings x " + std::to_string(slice_.azimuths()) +
                   " azimuths x " + std::to_string(slice_.suns()) +
                   " suns take more than 1 GiB; fewer zeniths, azimuths or suns in the table would do");
 }
@@ -216,9 +218,9 @@ void SkyProjection::add_rings(const RingRule& rings, bool below) {
 
 void SkyProjection::fill_values(RingGroup& group) const {
   const auto suns = static_cast<std::size_t>(slice_.suns());
-  const auto azimuths = static_cast<std::size_t>(options_.azimuths);
-  group.values = platform::AlignedBuffer<float>(azimuths * suns * kSkyChannels * kRings);
-  std::vector<float> rows(static_cast<std::size_t>(slice_.azimuths()) * suns * kSliceRow);
+  const std::size_t count = static_cast<std::size_t>(slice_.azimuths()) * suns;
+  group.values = platform::AlignedBuffer<float>(count * kSkyChannels * kRings);
+  std::vector<float> rows(count * kSliceRow);
   for (std::size_t lane = 0; lane < kRings; ++lane) {
     const ViewPlace place = slice_.view_place(group.cosines[lane]);
     slice_.view_rows(place.taps, rows.data());
@@ -233,17 +235,9 @@ void SkyProjection::fill_values(RingGroup& group) const {
         group.any_ground = group.any_ground || place.transmittance[c] > 0.0F;
       }
     }
-    for (std::size_t i = 0; i < azimuths; ++i) {
-      const Taps taps = slice_.azimuth_taps(azimuths_.cosines[i]);
-      const float* const tapped = rows.data() + static_cast<std::size_t>(taps.first) * suns * kSliceRow;
-      for (std::size_t k = 0; k < suns * kSkyChannels; ++k) {
-        const std::size_t sun = k / kSkyChannels;
-        const std::size_t channel = k % kSkyChannels;
-        const float* const value = tapped + sun * kSliceRow + channel + channel / 3;
-        float sum = 0.0F;
-        for (std::size_t t = 0; t < 4; ++t) sum += taps.weights[t] * value[t * suns * kSliceRow];
-        group.values.data()[(i * suns * kSkyChannels + k) * kRings + lane] = sum;
-      }
+    for (std::size_t k = 0; k < count; ++k) {
+      float* const to = group.values.data() + k * kSkyChannels * kRings + lane;
+      for (std::size_t c = 0; c < kSkyChannels; ++c) to[c * kRings] = rows[k * kSliceRow + c + c / 3];
     }
   }
 }
@@ -260,7 +254,7 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
   const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
   const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
   const ViewPlace view = slice_.view_place(std::max(sun.zenith_cosine, horizon_));
-  const Taps azimuth = slice_.azimuth_taps(1.0);
+  const Taps azimuth = slice_.azimuth_taps(1.0, sun.zenith_cosine);
   const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
   for (int v = 0; v < 4; ++v) {
     for (int a = 0; a < 4; ++a) {
@@ -285,13 +279,14 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunPlace&
 void SkyProjection::add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const {
   std::array<double, kMaximumBands*(kMaximumBands + 1) / 2> basis;
   even_basis(sun.zenith_cosine, sun.zenith_sine, options_.bands, basis);
-  std::array<double, 3> losses = slice_.aureole_depths(sun.zenith_cosine);
-  for (std::size_t c = 0; c < 3; ++c) losses[c] = losses[c] > 0.0 ? slice_.aureole().loss(c, losses[c]) : 0.0;
+  const std::array<double, 3> depths = slice_.aureole_depths(sun.zenith_cosine);
   for (int l = 0; l < options_.bands; ++l) {
     for (int m = 0; m <= l; ++m) {
       for (int c = 0; c < 3; ++c) {
         const auto channel = static_cast<std::size_t>(c);
-        const double moment = spectra_[channel][static_cast<std::size_t>(l)] - losses[channel];
+        const double chi = spectra_[channel][static_cast<std::size_t>(l)];
+        const double loss = depths[channel] > 0.0 ? slice_.aureole().loss(channel, chi, depths[channel]) : 0.0;
+        const double moment = chi - loss;
         even[even_index(l, m)][c] += moment * basis[even_index(l, m)] * lobe[channel];
       }
     }
@@ -318,7 +313,14 @@ void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, in
     const glm::dvec3 through(ray.transmittance[0], ray.transmittance[1], ray.transmittance[2]);
     glm::dvec3 slope(0.0);
     glm::dvec3 bend(0.0);
-    if (swing > flat && swing <= gentle) {
+    if (!(swing > flat)) {
+      for (int c = 0; c < 3; ++c) {
+        const auto light = static_cast<float>(std::max(through[c] * below[c], 0.0));
+        for (int i = 0; i < count; ++i) ground[(3 * i + c) * kRings + lane] = light;
+      }
+      continue;
+    }
+    if (swing <= gentle) {
       const glm::dvec3 near = slice_.ground_radiance(centre + swing);
       const glm::dvec3 far = slice_.ground_radiance(centre - swing);
       slope = 0.5 * (near - far);
@@ -360,7 +362,7 @@ SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, S
   rings.azimuths = options_.azimuths;
   rings.azimuth_gaps = gaps_.data();
   rings.azimuth_factors = factors_.data();
-  rings.azimuth_step = static_cast<std::ptrdiff_t>(slice_.suns()) * kSkyChannels * kRings;
+  rings.node_step = static_cast<std::ptrdiff_t>(slice_.suns()) * kSkyChannels * kRings;
   rings.nearness = distances.nearness;
   rings.breadth = distances.breadth;
   rings.rayleigh = static_cast<float>(rayleigh_phase(0.0));
@@ -394,8 +396,9 @@ const float* SkyProjection::aureole_under(const SunAngles& sun, float* room) con
   return room;
 }
 
-void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
-                              const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const {
+void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place,
+                              const CubicTaps* azimuth_taps, const Lobe& lobe, const Lobe& aerosol,
+                              const float* aureole, std::span<glm::dvec3> even) const {
   alignas(64) float ground[kChunk * 3 * kRings];
   alignas(64) float sums[kMaximumBands * 3 * kRings] = {};
   SunDistances distances;
@@ -407,10 +410,10 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   rings.ground = group.any_ground || group.any_night ? ground : nullptr;
   if (group.any_night) fill_night(group, std::min(kChunk, options_.azimuths), ground);
   rings.aureole = aureole;
+  rings.values = group.values.data() + static_cast<std::ptrdiff_t>(place.taps.first) * kSkyChannels * kRings;
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
-    rings.values = group.values.data() + first * rings.azimuth_step +
-                   static_cast<std::ptrdiff_t>(place.taps.first) * kSkyChannels * kRings;
+    rings.azimuth_taps = azimuth_taps + first;
     rings.azimuth_gaps = gaps_.data() + first;
     rings.azimuth_factors = factors_.data() + static_cast<std::ptrdiff_t>(first) * options_.bands;
     if (group.any_ground) fill_ground(group, sun, first, rings.azimuths, ground);
@@ -437,7 +440,7 @@ SkyProjection::Lobe SkyProjection::aerosol_factors(const SunAngles& sun) const n
   Lobe factors{};
   for (std::size_t c = 0; c < 3; ++c) {
     const bool as_before = one_lobe_ && c > 0;
-    const bool scaled = !as_before && split && std::abs(asymmetries_[c]) > sharp;
+    const bool scaled = !as_before && split && std::abs(asymmetries_[c]) > sharp && !slice_.aureole().glows();
     factors[c] = as_before ? factors[0] : aerosol_[c].factor;
     if (scaled) factors[c] /= std::max(lobe_integral(sun, c), 1.0);
   }
@@ -453,7 +456,11 @@ void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) co
   const Lobe aerosol = aerosol_factors(sun);
   float room[kAureoleAngles * kSkyColour];
   const float* const aureole = aureole_under(sun, room);
-  for (const RingGroup& group : groups_) add_group(group, sun, place, lobe, aerosol, aureole, even);
+  std::array<CubicTaps, kMostAzimuths> azimuth_taps;  // NOLINT: as many as there are azimuths are filled in
+  slice_.azimuth_taps(azimuths_.cosines, sun.zenith_cosine, azimuth_taps.data());
+  for (const RingGroup& group : groups_) {
+    add_group(group, sun, place, azimuth_taps.data(), lobe, aerosol, aureole, even);
+  }
   const auto fade = static_cast<double>(place.fade);
   add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }

@@ -60,7 +60,7 @@ struct RingGroup {
   bool any_night = false;
   glm::dvec3 night[16]{};  ///< radiance
   GroundRay ground[16];
-  platform::AlignedBuffer<float> values;  ///< [azimuths][suns][6][16]; none from outside the air
+  platform::AlignedBuffer<float> values;  ///< [azimuth nodes][suns][6][16]; none from outside the air
 };
 
 class SkyProjection {
@@ -99,8 +99,8 @@ class SkyProjection {
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept;
   [[nodiscard]] Lobe aerosol_factors(const SunAngles& sun) const noexcept;
-  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const Lobe& lobe,
-                 const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const;
+  void add_group(const RingGroup& group, const SunAngles& sun, const SunPlace& place, const CubicTaps* azimuth_taps,
+                 const Lobe& lobe, const Lobe& aerosol, const float* aureole, std::span<glm::dvec3> even) const;
 
   SkyView view_;
   SkyHarmonicsOptions options_;

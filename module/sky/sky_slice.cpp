@@ -36,7 +36,7 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
       mapping_(mapping_of(*tables_)),
       inside_(outside_ ? mapping_.thickness() : altitude_m),
       fold_(tables_->atmosphere, tables_->options.colour),
-      aureole_(tables_->atmosphere, fold_.asymmetries(), tables_->options.orders),
+      aureole_(tables_->atmosphere, fold_.asymmetries(), tables_->options),
       night_(*tables_, inside_) {
   const SliceShape shape = slice_shape(tables_->options);
   views_ = shape.views;
@@ -44,7 +44,9 @@ SkySlice::SkySlice(std::shared_ptr<const SkyTables> tables, double altitude_m, c
   suns_ = shape.suns;
   values_ = slice_rows(*tables_, mapping_, fold_, inside_);
   set_brightness();
-  if (aureole_.any() && !outside_) set_aureole_depths();
+  if (aureole_.any() && !outside_) {
+    aureole_depths_ = sky::aureole_depths(tables_->atmosphere, tables_->options, fold_, mapping_, inside_, suns_);
+  }
   ground_ = ground_radiances(*tables_, mapping_, fold_);
   if (options.ground) reach_ = ground_reach(*tables_, mapping_, fold_, inside_, views_ / 2);
 }
@@ -71,8 +73,27 @@ ViewPlace SkySlice::view_place(double mu) const noexcept {
   return place;
 }
 
-Taps SkySlice::azimuth_taps(double cosine) const noexcept {
-  return taps_at(0.5 * (std::clamp(cosine, -1.0, 1.0) + 1.0) * (azimuths_ - 1), azimuths_);
+Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
+  return taps_at(TableMapping::azimuth_coordinate(cosine, mu_s) * (azimuths_ - 1), azimuths_);
+}
+
+void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept {
+  const double bend = TableMapping::azimuth_bend(mu_s);
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    const double position = TableMapping::bent_azimuth(cosines[i], bend) * (azimuths_ - 1);
+    const int node = static_cast<int>(position);
+    const int first = std::clamp(node - 1, 0, azimuths_ - 4);
+    const auto x0 = static_cast<float>(position - first);
+    const float x1 = x0 - 1.0F;
+    const float x2 = x0 - 2.0F;
+    const float x3 = x0 - 3.0F;
+    taps[i].first = first;
+    taps[i].between = std::clamp(node - first, 0, 2);
+    taps[i].weights[0] = x1 * (x2 * x3) * (-1.0F / 6.0F);
+    taps[i].weights[1] = x0 * (x2 * x3) * 0.5F;
+    taps[i].weights[2] = (x0 * x1) * x3 * -0.5F;
+    taps[i].weights[3] = (x0 * x1) * x2 * (1.0F / 6.0F);
+  }
 }
 
 void SkySlice::set_brightness() {
@@ -81,23 +102,6 @@ void SkySlice::set_brightness() {
   for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSliceRow % suns] += static_cast<double>(values_[i]);
   limit_falls(sums);
   brightness_ = fine_steps(sums);
-}
-
-void SkySlice::set_aureole_depths() {
-  const Air air(tables_->atmosphere);
-  RayPanels panels(air);
-  const std::vector<double>& scattering = tables_->atmosphere.aerosol.scattering_per_m;
-  const std::vector<double> forward = forward_shares(tables_->atmosphere, tables_->options.orders);
-  std::vector<double> depths(scattering.size());
-  for (int k = 0; k < suns_; ++k) {
-    const double mu = std::max(mapping_.sun_zenith_cosine(static_cast<double>(k) / (suns_ - 1)),
-                               horizon_cosine(mapping_.bottom_radius(), inside_));
-    const double length = distance_to_top(mapping_.bottom_radius(), mapping_.thickness(), inside_, mu);
-    const double column = lengths_along(air, {inside_, mu, false, length}, panels)[kAerosol];
-    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = forward[i] * column * scattering[i];
-    const glm::dvec3 share = fold_.share(depths);
-    aureole_depths_.push_back({share[0], share[1], share[2]});
-  }
 }
 
 std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
@@ -178,6 +182,7 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.shortest = shortest;
   run.to_sky = (half - 1) * inverse_or_0(longest - shortest);
   run.to_ground = (half - 1) * inverse_or_0(rho - inside_);
+  run.view_bend = mapping_.view_bend();
   run.outside = outside_;
   run.viewer_radius = bottom + altitude_;
   for (int i = 0; i < 3; ++i) run.sun[i] = sun[i];
@@ -198,6 +203,7 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   std::copy_n(place.ratios, 2, run.sun_taps.ratios);
   run.brightness = brightness_.data();
   run.fade = place.fade;
+  run.azimuth_bend = TableMapping::azimuth_bend(run.sun_zenith);
   run.half = half;
   run.azimuths = azimuths_;
   run.suns = suns_;

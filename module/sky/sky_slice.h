@@ -11,6 +11,7 @@
 #include <array>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sky/aureole.h"
@@ -65,7 +66,9 @@ class SkySlice {
   /// Of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
   [[nodiscard]] ViewPlace view_place(double mu) const noexcept;
   /// By the cosine of the azimuth between view and sun: (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
-  [[nodiscard]] Taps azimuth_taps(double cosine) const noexcept;
+  [[nodiscard]] Taps azimuth_taps(double cosine, double mu_s) const noexcept;
+  /// Of several under one sun.
+  void azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept;
   /// By the cosine between sun and zenith.
   [[nodiscard]] SunPlace sun_place(double mu_s) const noexcept;
 
@@ -96,7 +99,6 @@ class SkySlice {
 
  private:
   void set_brightness();
-  void set_aureole_depths();
 
   std::shared_ptr<const SkyTables> tables_;
   double altitude_ = 0.0;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -10,10 +11,12 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "sky/air.h"
+#include "sky/aureole.h"
 #include "sky/ray_light.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_curve.h"
 #include "sky/sky_geometry.h"
+#include "sky/spectrum.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
 #include "welkin/core.h"
@@ -69,10 +72,18 @@ class Precomputation {
                  math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine,
                  atmosphere.sun_angular_radius_degrees),
         control_(control),
-        groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3) {
+        groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3),
+        source_shape_(sky::source_shape(options, sky::has_narrow_lobe(atmosphere, options.orders))),
+        colours_(atmosphere, options.colour),
+        aureole_(atmosphere, colours_.asymmetries(), options) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
     for (std::size_t k = 0; k < index(options.sun_zeniths); ++k) {
       suns_.push_back(mapping_.sun_zenith_cosine(coordinate(k, options.sun_zeniths)));
+    }
+    for (int h = 0; aureole_.glows() && h < options.heights; ++h) {
+      const double altitude = mapping_.altitude(coordinate(index(h), options.heights));
+      glow_depths_.push_back(
+          sky::aureole_depths(atmosphere, options, colours_, mapping_, altitude, options.sun_zeniths));
     }
     result_.atmosphere = atmosphere;
     result_.options = options;
@@ -115,8 +126,9 @@ class Precomputation {
                const sky::SourceSolver& solver, const Control& control);
   void scatter_ray(const WavelengthGroup& group, const Fold& fold, const sky::Sunlight& light,
                    const sky::SourceSolver& solver, std::size_t ray, sky::RayLight& worker);
-  void store(const WavelengthGroup& group, const Fold& fold, const float* once, const float* often, std::size_t texel,
-             std::size_t i, double nu);
+  void store(const WavelengthGroup& group, const Fold& fold, const float* once, const sky::RayLight::Scattered* often,
+             std::size_t texel, std::size_t i, double nu);
+  [[nodiscard]] double glow_factor(std::size_t texel, std::size_t channel, double nu, bool once) const;
   void add_irradiance(const Fold& fold, const sky::SourceSolver& solver);
   void add_straight_light(const WavelengthGroup& scaled, const WavelengthGroup& whole, const Fold& fold);
   void clip();
@@ -128,6 +140,10 @@ class Precomputation {
   std::size_t groups_;
   std::vector<glm::dvec3> weights_;  ///< empty: three wavelengths as they are
   std::vector<double> suns_;         ///< zenith cosines of the table's
+  sky::SourceShape source_shape_;
+  sky::ColourFold colours_;
+  sky::Aureole aureole_;
+  std::vector<std::vector<std::array<double, 3>>> glow_depths_;  ///< [heights][suns]; empty: no glow
   std::unique_ptr<sky::SunPaths> paths_;
   std::vector<double> irradiance_;
   SkyTables result_;
@@ -180,9 +196,11 @@ void Precomputation::compute(std::size_t group, double from, double to) {
   const Fold fold = fold_of(air_.atmosphere(), weights_, group);
   const sky::Sunlight light(air_, *paths_, wavelengths.extinctions);
   const double middle = from + 0.5 * (to - from);
-  sky::SourceSolver solver(air_, mapping_, light, wavelengths, sky::source_shape(options_));
-  timed("orders", "what each order of scattering leaves for the next, and what reaches the ground",
-        [&] { solver.solve({.orders = options_.orders, .until_change = options_.until_change}, part(from, middle)); });
+  sky::SourceSolver solver(air_, mapping_, light, wavelengths, source_shape_);
+  timed("orders", "what each order of scattering leaves for the next, and what reaches the ground", [&] {
+    solver.solve({.orders = options_.orders, .until_change = options_.until_change, .rest = !options_.exact_orders},
+                 part(from, middle));
+  });
   timed("scattering", "along every ray of the table", [&] {
     scatter(wavelengths, fold, light, solver, part(middle, to));
     add_irradiance(fold, solver);
@@ -199,7 +217,7 @@ void Precomputation::scatter(const WavelengthGroup& group, const Fold& fold, con
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   const std::size_t count = index(sky::angles_of(options_)) * index(options_.sun_zeniths);
   std::vector<sky::RayLight> scratch;
-  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, sky::source_shape(options_), count);
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, source_shape_, count);
   jobs::run_tiles(
       index(options_.heights) * index(options_.view_zeniths), jobs::Placement::arena, workers, control,
       [&](std::size_t tile, std::size_t worker) { scatter_ray(group, fold, light, solver, tile, scratch[worker]); });
@@ -216,8 +234,9 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
   for (std::size_t k = 0; k < suns; ++k) {
     const double sun = suns_[k];
     for (int a = 0; a < angles; ++a) {
-      const double x = angles > 1 ? coordinate(index(a), angles) : 0.5;
-      worker.set_sun(index(a) * suns + k, sun, TableMapping::angle_cosine(view.zenith_cosine, sun, x));
+      const double nu = angles > 1 ? TableMapping::angle_cosine(view.zenith_cosine, sun, coordinate(index(a), angles))
+                                   : view.zenith_cosine * sun;
+      worker.set_sun(index(a) * suns + k, sun, nu);
     }
   }
   worker.place(air_, {altitude, view.zenith_cosine, view.ground, view.distance}, group);
@@ -228,22 +247,25 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
     store(group, fold, sums, nullptr, ray * worker.count() + i, i, worker.angle_cosine(i));
   }
   if (!solver.any()) return;
-  sums = worker.scattered(kernels, air_, group, solver.source(), mapping_);
+  const sky::RayLight::Scattered often = worker.scattered(kernels, air_, group, solver.source(), mapping_);
   for (std::size_t i = 0; i < worker.count(); ++i) {
-    store(group, fold, nullptr, sums, ray * worker.count() + i, i, worker.angle_cosine(i));
+    store(group, fold, nullptr, &often, ray * worker.count() + i, i, worker.angle_cosine(i));
   }
 }
 
-void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const float* once, const float* often,
-                           std::size_t texel, std::size_t i, double nu) {
+void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const float* once,
+                           const sky::RayLight::Scattered* often, std::size_t texel, std::size_t i, double nu) {
   double rayleigh[3];
   double mie[3]{};
+  const bool glows = !glow_depths_.empty();
   for (std::size_t k = 0; k < 3; ++k) {
     if (once != nullptr) {
       rayleigh[k] = group.solar[k] * group.rayleigh[k] * static_cast<double>(once[8 * i + k]);
       mie[k] = group.solar[k] * group.aerosol_once[k] * static_cast<double>(once[8 * i + 4 + k]);
     } else {
-      rayleigh[k] = static_cast<double>(often[4 * i + k]) / sky::rayleigh_phase(nu);
+      const auto aerosol = often->aerosol != nullptr ? static_cast<double>(often->aerosol[4 * i + k]) : 0.0;
+      rayleigh[k] = (static_cast<double>(often->light[4 * i + k]) + (glows ? 0.0 : aerosol)) / sky::rayleigh_phase(nu);
+      if (glows) mie[k] = aerosol;
     }
   }
   float* const rgba = result_.scattering.data() + 4 * texel;
@@ -256,16 +278,27 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
     }
     // folded colours may be negative until all wavelengths are in
     rgba[c] = weights_.empty() ? stored(static_cast<double>(rgba[c]) + sum) : rgba[c] + static_cast<float>(sum);
-    if (once == nullptr) continue;
+    if (once == nullptr && !glows) continue;
+    if (glows) mie_sum *= glow_factor(texel, c, nu, once != nullptr);
     const float mie_value = weights_.empty() ? stored(mie_sum) : static_cast<float>(mie_sum);
     if (c == 0) rgba[3] += mie_value;
     if (!result_.single_mie.empty()) result_.single_mie[4 * texel + c] += mie_value;
   }
 }
 
+// What light of the aerosol is multiplied by to be relative to the glow: light without its phase function, or radiance.
+double Precomputation::glow_factor(std::size_t texel, std::size_t channel, double nu, bool once) const {
+  const std::size_t suns = index(options_.sun_zeniths);
+  const std::size_t height = texel / (suns * index(options_.sun_angles) * index(options_.view_zeniths));
+  const sky::Aureole::Factors factors = aureole_.factors(channel, nu, glow_depths_[height][texel % suns][channel]);
+  if (once) return factors.once / factors.glow;
+  const double g = colours_.asymmetries()[channel];
+  return 1.0 / (factors.glow * sky::aerosol_phase(air_.atmosphere().aerosol_phase, g, nu));
+}
+
 // Between the solver's heights: cubic; between its suns: as light falls.
 void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
-  const sky::SourceShape shape = sky::source_shape(options_);
+  const sky::SourceShape& shape = source_shape_;
   const std::size_t suns = index(options_.irradiance_sun_zeniths);
   const int steps = (shape.suns - 1) * sky::kSunSteps;
   std::vector<std::vector<float>> curves;

@@ -9,6 +9,7 @@
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
@@ -52,7 +53,7 @@ void check_tables(const SkyTables& tables) {
 const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
   if (!tables) refuse("there are no tables; precompute_sky or load_sky_tables makes them");
   if (!(altitude_m >= 0.0 && altitude_m <= kHighest)) {
-    refuse("the altitude is " + std::to_string(altitude_m) + " m; it must be from 0 to 1e9");
+    refuse("the altitude is " + platform::number_text(altitude_m) + " m; it must be from 0 to 1e9");
   }
   check_tables(*tables);
   return tables;

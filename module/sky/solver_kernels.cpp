@@ -171,7 +171,7 @@ constexpr int kValues = 3 * kLanes;  ///< of a pair
 
 void project_sky_ring(const SkyRing& ring, float* harmonics) {
   int pair = 0;
-  for (int m = 0; m < ring.bands; ++m) {
+  for (int m = 0; m < ring.orders; ++m) {
     const float* const cosines = ring.azimuth_cosines + m * ring.azimuths;
     for (int c = 0; c < 3; ++c) {
       for (int k = 0; k < kRegisters; ++k) {

@@ -3,7 +3,9 @@
 // Coordinates x are from 0 to 1: node k of n stands at x = k / (n - 1), so tables hold their own ends. Positions are
 // nodes counted from 0 to n - 1. With rho = sqrt(r^2 - R^2) and H that of the top:
 //   heights (all tables)            x = rho / H
-//   view zeniths (scattering)       half the nodes for rays that end on the ground, the horizon in the middle
+//   view zeniths (scattering)       half the nodes for rays that end on the ground, the horizon in the middle; in thin
+//       shells (T / H below 0.04; the Earth's 0.07), where all rays but the lowest are about as short, bent: y of x
+//       becomes (1 + b) y / (y + b), b = 2 T / H
 //   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
 //   sun zeniths (scattering, irradiance)   x = path max(1 - a / A, 0) / (1 + bend a) + level (mu_s - lowest) + sunset
 //       (s(mu_s) - s(lowest)), s(mu) = mu / sqrt(mu^2 + w^2), a the length of the sun's ray from the ground beyond T
@@ -11,7 +13,10 @@
 //       out within half a degree, and a sixth of the nodes is there; `bend` spreads them over the twilight as evenly as
 //       light falls, `level` over the day. The top counts as no lower than 0.008 R: under a thinner shell a day's paths
 //       are all so much shorter than the horizon's that they would share an interval
-//   sun angles                      x = (1 + cos phi) / 2, phi the azimuth between view and sun
+//   sun angles                      x = (1 + q) y / (1 + q y), y = (1 + cos phi) / 2, phi the azimuth between view and
+//       sun. q = most / (1 + ((mu_s - middle) / width)^2)^2 - deep u^2 / (1 + u^2), u = max(start - mu_s, 0) / rise:
+//       about sunset nodes crowd opposite to the sun, where low rays run along the edge of the planet's shadow and meet
+//       it at a distance that changes fast with the azimuth; far below the horizon towards the sun, where all light is
 // (Bruneton has the cosine nu between view and sun for the last. Most of its nodes are then angles that no azimuth
 // gives: they need filling, and interpolation across them has kinks; cos phi has none, and is as even about the sun's
 // plane.)
@@ -37,6 +42,17 @@ struct SunTerms {
   double sunset_lowest;  ///< s(lowest)
 };
 
+/// Of q, which kernels compute too; sines of the sun's elevation. Found by trying with eight nodes against the
+/// quadrature, suns from 10 to -12 degrees, rays from 0.2 to 45 degrees above the horizon.
+struct AzimuthTerms {
+  static constexpr double kMost = 2.6;
+  static constexpr double kMiddle = -0.0105;
+  static constexpr double kWidth = 0.055;
+  static constexpr double kDeep = 0.7;
+  static constexpr double kStart = -0.08;
+  static constexpr double kRise = 0.08;
+};
+
 class TableMapping {
  public:
   /// Radii in metres; the sine of the lowest sun's elevation; the angular radius of its disc (the Earth's sun's).
@@ -44,6 +60,9 @@ class TableMapping {
                double sun_radius_degrees = 0.2678) noexcept;
 
   [[nodiscard]] double bottom_radius() const noexcept { return bottom_; }
+  /// Of so little air that views' coordinates are bent.
+  [[nodiscard]] bool thin() const noexcept { return view_bend_ > 0.0; }
+  [[nodiscard]] double view_bend() const noexcept { return view_bend_; }  ///< b; 0: not bent
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
   [[nodiscard]] double top_tangent() const noexcept { return top_tangent_; }  ///< H
 
@@ -79,6 +98,16 @@ class TableMapping {
   [[nodiscard]] double sun_thickness() const noexcept { return sun_thickness_; }
   [[nodiscard]] double sun_tangent() const noexcept { return sun_tangent_; }
 
+  /// q under that sun.
+  [[nodiscard]] static double azimuth_bend(double sun_zenith) noexcept;
+  /// Of the azimuth's cosine; one beyond 1 counts as 1.
+  [[nodiscard]] static double azimuth_coordinate(double azimuth_cosine, double sun_zenith) noexcept {
+    return bent_azimuth(azimuth_cosine, azimuth_bend(sun_zenith));
+  }
+  /// The same, given q.
+  [[nodiscard]] static double bent_azimuth(double azimuth_cosine, double bend) noexcept;
+  [[nodiscard]] static double azimuth_cosine(double coordinate, double sun_zenith) noexcept;
+
   /// Of a cosine nu between view and sun; 1/2 where no azimuth matters. Impossible ones count as the nearest.
   [[nodiscard]] static double angle_coordinate(double view_zenith, double sun_zenith, double nu) noexcept;
   /// nu = mu mu_s + sqrt(1 - mu^2) sqrt(1 - mu_s^2) cos phi.
@@ -94,6 +123,7 @@ class TableMapping {
   double bottom_;
   double thickness_;
   double top_tangent_;
+  double view_bend_;
   double sun_thickness_;
   double sun_tangent_;
   double lowest_;  ///< a of the lowest sun

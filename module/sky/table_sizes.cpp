@@ -1,10 +1,11 @@
 #include "sky/table_sizes.h"
 
 #include <algorithm>
-#include <sstream>
 #include <string>
 
 #include "jobs/tiles.h"
+#include "platform/float_environment.h"
+#include "platform/text.h"
 #include "sky/ray_nodes.h"
 #include "sky/scattering_solver.h"
 #include "sky/sunlight.h"
@@ -16,9 +17,9 @@ namespace {
 template <class Value>
 void require(const char* what, Value value, Value low, Value high) {
   if (value >= low && value <= high) return;
-  std::ostringstream message;
-  message << "sky table option " << what << " is " << value << "; it must be from " << low << " to " << high;
-  throw Error(ErrorCode::invalid_argument, message.str());
+  const auto text = [](Value number) { return platform::number_text(static_cast<double>(number)); };
+  throw Error(ErrorCode::invalid_argument, std::string("sky table option ") + what + " is " + text(value) +
+                                               "; it must be from " + text(low) + " to " + text(high));
 }
 
 std::uint64_t product(std::initializer_list<int> sizes) {
@@ -71,13 +72,15 @@ std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept {
   return product({options.irradiance_heights, options.irradiance_sun_zeniths, 3});
 }
 
-SourceShape source_shape(const SkyTableOptions& options) noexcept {
+SourceShape source_shape(const SkyTableOptions& options, bool narrow) noexcept {
   const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
   const bool small = options.heights < 12 || options.view_zeniths < 16;
   return {.heights = std::clamp(options.heights, 4, 32),
           .zeniths = small ? 17 : 33,
           .angles = small ? 13 : 25,
-          .suns = suns};
+          .suns = suns,
+          .azimuths = narrow ? 32 : 16,  // 16 mistake high bands of a narrow lobe for lower ones
+          .narrow = narrow};
 }
 
 SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
@@ -107,6 +110,7 @@ namespace welkin {
 // Results; colours of spectra summed in double; paths of sunlight and their transmittances; the solver; scratch of each
 // worker that there can be.
 std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) {
+  const platform::FloatingPointScope floating_point;
   check(atmosphere);
   sky::check_options(options);
   if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
@@ -122,7 +126,9 @@ std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOption
   const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
   const std::uint64_t workers = jobs::worker_count(jobs::Placement::arena);
   return sky::result_bytes(atmosphere, options) + sunlight + 16 * sky::irradiance_floats(options) +
-         sky::SourceSolver::bytes(sky::source_shape(options), with_aerosol) + workers * worker;
+         sky::SourceSolver::bytes(sky::source_shape(options, sky::has_narrow_lobe(atmosphere, options.orders)),
+                                  with_aerosol) +
+         workers * worker;
 }
 
 std::uint64_t SkyTables::bytes() const noexcept {

@@ -28,7 +28,7 @@ void check_options(const SkyTableOptions& options);
 [[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
 
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
-[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options) noexcept;
+[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, bool narrow = false) noexcept;
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
 
 /// Bytes of the tables themselves.

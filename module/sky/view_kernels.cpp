@@ -81,6 +81,22 @@ WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places
   (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(places.fade + k);
 }
 
+/// Positions from 0 to half - 1 as thin shells bend them.
+WELKIN_INLINE DoubleLanes bent(const SkyRun& run, DoubleLanes position) {
+  const double last = run.half - 1;
+  return constant((1.0 + run.view_bend) * last) * position / (position + constant(run.view_bend * last));
+}
+
+/// q of the azimuths' coordinate (TableMapping).
+WELKIN_INLINE DoubleLanes azimuth_bend(DoubleLanes mu_s) {
+  const DoubleLanes one = constant(1.0);
+  const DoubleLanes t = (mu_s - constant(AzimuthTerms::kMiddle)) / constant(AzimuthTerms::kWidth);
+  const DoubleLanes u =
+      xsimd::max(constant(AzimuthTerms::kStart) - mu_s, constant(0.0)) / constant(AzimuthTerms::kRise);
+  const DoubleLanes fall = one + t * t;
+  return constant(AzimuthTerms::kMost) / (fall * fall) - constant(AzimuthTerms::kDeep) * u * u / (one + u * u);
+}
+
 /// One register of directions.
 WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, DoubleLanes z, int k, Places& places) {
   const DoubleLanes one = constant(1.0);
@@ -120,15 +136,20 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
     cosine = (nu - mu * mu_s) / xsimd::max(b / top * sun_sine, constant(kTiny));
     store_suns(run, mu_s, k, places);
   }
-  ((between(cosine, -1.0, 1.0) + one) * constant(0.5 * (run.azimuths - 1))).store_aligned(places.azimuth + k);
+  const DoubleLanes even = (between(cosine, -1.0, 1.0) + one) * constant(0.5);
+  const DoubleLanes bend = run.outside ? azimuth_bend(mu_s) : constant(run.azimuth_bend);
+  const DoubleLanes bent_even = xsimd::min((one + bend) * even / (one + bend * even), one);
+  (bent_even * constant(run.azimuths - 1)).store_aligned(places.azimuth + k);
 
   const auto ends = (mu < zero) && (discriminant > zero);
   const DoubleLanes reach = xsimd::max(square_root(discriminant) - along, constant(kTiny));
   const DoubleLanes to_ground = constant(run.rho_squared) / reach;
   const double last = run.half - 1;
-  const DoubleLanes down =
-      constant(last) - between((to_ground - constant(run.altitude)) * constant(run.to_ground), 0.0, last);
-  const DoubleLanes up = between((to_top(along, run.shell) - constant(run.shortest)) * constant(run.to_sky), 0.0, last);
+  const DoubleLanes below = between((to_ground - constant(run.altitude)) * constant(run.to_ground), 0.0, last);
+  const DoubleLanes down = constant(last) - (run.view_bend > 0.0 ? bent(run, below) : below);
+  const DoubleLanes above =
+      between((to_top(along, run.shell) - constant(run.shortest)) * constant(run.to_sky), 0.0, last);
+  const DoubleLanes up = run.view_bend > 0.0 ? bent(run, above) : above;
   xsimd::select(ends, down, up).store_aligned(places.view + k);
   xsimd::select(ends, one, zero).store_aligned(places.ends + k);
 
@@ -356,6 +377,34 @@ WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   const Lanes b = Lanes(rings.sun_weights[1]) * Lanes::load_aligned(values + sun);
   const Lanes c = Lanes(rings.sun_weights[2]) * Lanes::load_aligned(values + 2 * sun);
   const Lanes d = Lanes(rings.sun_weights[3]) * Lanes::load_aligned(values + 3 * sun);
+  return (a + b) + (c + d);
+}
+
+/// The azimuth nodes about an azimuth, between suns. Azimuths follow each other, so that four are kept: most ask for
+/// none that the one before did not.
+struct NearNodes {
+  int node[4] = {-1, -1, -1, -1};
+  Lanes light[4][kSkyChannels];
+};
+
+/// `values` are those of this register's rings.
+WELKIN_INLINE void bring(const SkyRings& rings, const CubicTaps& taps, const float* values, NearNodes& near) {
+  for (int node = taps.first; node < taps.first + 4; ++node) {
+    const int place = node & 3;
+    if (near.node[place] == node) continue;
+    near.node[place] = node;
+    const float* const from = values + node * rings.node_step;
+    for (int c = 0; c < kSkyChannels; ++c) near.light[place][c] = between_suns(rings, from + c * kSkyRings);
+  }
+}
+
+/// One channel between the nodes.
+WELKIN_INLINE Lanes between_nodes(const NearNodes& near, const CubicTaps& taps, int channel) {
+  const int first = taps.first;
+  const Lanes a = Lanes(taps.weights[0]) * near.light[first & 3][channel];
+  const Lanes b = Lanes(taps.weights[1]) * near.light[(first + 1) & 3][channel];
+  const Lanes c = Lanes(taps.weights[2]) * near.light[(first + 2) & 3][channel];
+  const Lanes d = Lanes(taps.weights[3]) * near.light[(first + 3) & 3][channel];
   return xsimd::max((a + b) + (c + d), Lanes(0.0F));
 }
 
@@ -375,17 +424,19 @@ void add_sky_rings(const SkyRings& rings, float* sums) {
   for (int lane = 0; lane < kSkyRings; lane += kWidth) {
     const Lanes nearness = Lanes::load_unaligned(rings.nearness + lane);
     const Lanes breadth = Lanes::load_unaligned(rings.breadth + lane);
+    NearNodes near;
     for (int i = 0; i < rings.azimuths; ++i) {
+      const CubicTaps& taps = rings.azimuth_taps[i];
+      bring(rings, taps, rings.values + lane, near);
       const Lanes x = nearness + breadth * Lanes(rings.azimuth_gaps[i]);
       const Lanes molecules = rayleigh_phase(rings, x);
       Lanes phase = lobe_phase(rings, rings.lobes[0], x);
       alignas(64) float aureole[3][kWidth];
       if (rings.aureole != nullptr) fill_aureole(rings.aureole, x, aureole);
-      const float* const values = rings.values + i * rings.azimuth_step + lane;
       const float* const factors = rings.azimuth_factors + static_cast<std::ptrdiff_t>(i) * rings.bands;
       for (int c = 0; c < 3; ++c) {
-        const Lanes rayleigh = between_suns(rings, values + c * kSkyRings);
-        Lanes aerosol = between_suns(rings, values + (3 + c) * kSkyRings) - Lanes(rings.lobe[c]);
+        const Lanes rayleigh = between_nodes(near, taps, c);
+        Lanes aerosol = between_nodes(near, taps, 3 + c) - Lanes(rings.lobe[c]);
         if (rings.aureole != nullptr) aerosol = aerosol * Lanes::load_aligned(aureole[c]);
         if (rings.lobe_count > 1 && c > 0) phase = lobe_phase(rings, rings.lobes[c], x);
         Lanes light = molecules * rayleigh + phase * aerosol;

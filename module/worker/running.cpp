@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "jobs/activity.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
@@ -200,6 +201,7 @@ void Scheduler::run_task(void* task) {
 }
 
 bool Scheduler::run_next(bool lent) {
+  const jobs::ActivityScope computing;
   std::shared_ptr<Computation> next;
   {
     const Books books(*this);

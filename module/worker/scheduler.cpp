@@ -8,6 +8,7 @@
 
 #include "platform/thread.h"
 #include "welkin/worker.h"
+#include "worker/fork_guard.h"
 #include "worker/thread_executor.h"
 
 namespace welkin::detail {
@@ -44,6 +45,7 @@ Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRe
 
 Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), process_(process_number()) {
   check(options_);
+  require_no_lost_locks();
   if (!options_.executor) own_threads_ = std::make_unique<ThreadExecutor>(options_);
   threads_ = own_threads_ ? own_threads_->concurrency() : options_.executor->concurrency();
 }

@@ -9,6 +9,7 @@
 
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "sky/sky_projection.h"
 #include "sky/sunlight.h"
 #include "welkin/core.h"
@@ -20,12 +21,13 @@ namespace {
 constexpr double kLargestIntensity = 1e12;
 
 [[noreturn]] void refuse(const std::string& what, double value, const std::string& would_do) {
-  throw Error(ErrorCode::invalid_argument, "dynamic sky: " + what + " " + std::to_string(value) + "; " + would_do);
+  throw Error(ErrorCode::invalid_argument,
+              "dynamic sky: " + what + " " + platform::number_text(value) + "; " + would_do);
 }
 
 void check_range(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  refuse(what, value, std::to_string(least) + " to " + std::to_string(most) + " are possible");
+  refuse(what, value, platform::number_text(least) + " to " + platform::number_text(most) + " are possible");
 }
 
 void check_altitude(double altitude_m) { check_range("altitude in metres", altitude_m, 0.0, 1e9); }

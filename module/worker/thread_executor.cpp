@@ -11,6 +11,7 @@
 #include <new>
 #include <utility>
 
+#include "jobs/activity.h"
 #include "platform/thread.h"
 #include "worker/scheduler.h"
 
@@ -78,6 +79,8 @@ void ThreadExecutor::start(const std::shared_ptr<Scheduler>& scheduler) {
 }
 
 void ThreadExecutor::serve(Scheduler& scheduler, int number) {
+  // Asleep too: oneTBB's list of sleeping threads leads to their stacks, which a fork gives to its own threads.
+  const jobs::ActivityScope living;
   set_up_thread(number);
   const auto work = [&] {
     const ThreadRole role(scheduler);

@@ -1,9 +1,12 @@
 // Reflections, bakes and tables through the C interface: the bits of the C++ calls.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -391,6 +394,59 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
   for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + face * 12 * 12 * 3;
   REQUIRE(welkin_irradiance_cubemap(4, plain(irradiance).data(), nullptr, &target, nullptr) == WELKIN_OK);
   REQUIRE(same_texels(texels, expected.pixels));
+}
+
+TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") {
+  const auto halves = make_cubemap_half(Content::special_values, 16, 4, 1);
+  const auto floats = make_cubemap(Content::random, 9, 3, 2);
+  const std::vector<CubemapView> views{halves.view(), floats.view()};
+  const std::vector<welkin_cubemap> probes{c_view(views[0]), c_view(views[1])};
+  const PrefilterOptions options{.size = 4, .mips = 2, .roughness = {0.5, 1.0}};
+  const double roughness[2] = {0.5, 1.0};
+  auto c_options = c_struct<welkin_prefilter_options>();
+  c_options.size = 4;
+  c_options.roughness = roughness;
+  c_options.roughness_count = 2;
+
+  const UploadLayout layout{.format = TexelFormat::rgba32f, .size = 4, .levels = 2};
+  const std::size_t bytes = upload_bytes(layout);
+  std::vector<std::byte> wanted(2 * bytes);
+  std::vector<std::byte> found(2 * bytes);
+  std::vector<CubemapTarget> targets;
+  std::vector<welkin_cubemap_target> c_targets;
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (const CubemapTarget& target : upload_targets(layout, std::span(wanted).subspan(k * bytes, bytes)))
+      targets.push_back(target);
+    for (const CubemapTarget& target : upload_targets(layout, std::span(found).subspan(k * bytes, bytes))) {
+      auto& c_target = c_targets.emplace_back(c_struct<welkin_cubemap_target>());
+      c_target.format = WELKIN_FORMAT_RGBA_F32;
+      c_target.row_stride_bytes = target.row_stride_bytes;
+      c_target.size = target.size;
+      std::copy(target.faces.begin(), target.faces.end(), c_target.faces);
+    }
+  }
+  std::vector<dvec3> light(8);
+  const BakeResult baked = bake_many(views, targets, light, options, 2);
+  std::vector<double> coefficients(24);
+  auto totals = c_struct<welkin_projection>();
+  std::uint64_t clamped = 77;
+  REQUIRE(welkin_bake_many(probes.data(), 2, &c_options, nullptr, c_targets.data(), 4, 2, coefficients.data(), &totals,
+                           &clamped) == WELKIN_OK);
+  CHECK(std::memcmp(light.data(), coefficients.data(), 24 * sizeof(double)) == 0);
+  CHECK(wanted == found);
+  CHECK(totals.texels == baked.diagnostics.texels);
+  CHECK(clamped == baked.values_clamped);
+  const auto refused = [&](std::int64_t count, std::int32_t bands, double* room) {
+    return welkin_bake_many(probes.data(), 2, &c_options, nullptr, c_targets.data(), count, bands, room, nullptr,
+                            nullptr) == WELKIN_INVALID_ARGUMENT;
+  };
+  CHECK(refused(3, 2, coefficients.data()));
+  CHECK(refused(-1, 2, coefficients.data()));
+  CHECK(refused(4, 17, coefficients.data()));
+  CHECK(refused(4, 2, nullptr));
+  c_targets[3].format = WELKIN_FORMAT_RGB_F16;
+  CHECK(refused(4, 2, coefficients.data()));
+  CHECK(std::string(welkin_last_error()).starts_with("targets[3].format"));
 }
 
 }  // namespace welkin::test

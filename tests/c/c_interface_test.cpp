@@ -440,6 +440,36 @@ TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_inter
   }
 }
 
+TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
+  const auto first = make_cubemap_half(Content::special_values, 32, 4, 1);
+  const auto second = make_cubemap(Content::random, 9, 3, 2);
+  const std::vector<CubemapView> views{first.view(), second.view(), first.view()};
+  std::vector<welkin_cubemap> probes;
+  for (const CubemapView& view : views) probes.push_back(c_view(view));
+  for (const auto& [options, c_options] : all_wanted()) {
+    std::vector<dvec3> expected(static_cast<std::size_t>(3 * options.bands * options.bands));
+    const ProjectionDiagnostics sum = project_many(views, expected, options);
+    std::vector<double> found(3 * expected.size());
+    auto totals = c_struct<welkin_projection>();
+    REQUIRE(welkin_project_many(probes.data(), 3, &c_options, nullptr, found.data(), &totals) == WELKIN_OK);
+    CHECK(std::memcmp(expected.data(), found.data(), found.size() * sizeof(double)) == 0);
+    CHECK(totals.texels == sum.texels);
+    CHECK(totals.nans_replaced == sum.nans_replaced);
+    CHECK(totals.bands == 0);
+    CHECK(totals.total_radiance[1] == sum.total_radiance[1]);
+    CHECK(totals.error_estimate == sum.error_estimate);
+    CHECK(welkin_project_many(probes.data(), 3, &c_options, nullptr, found.data(), nullptr) == WELKIN_OK);
+  }
+  CHECK(welkin_project_many(nullptr, 0, nullptr, nullptr, nullptr, nullptr) == WELKIN_OK);
+  CHECK(welkin_project_many(probes.data(), -1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
+  CHECK(welkin_project_many(nullptr, 1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
+  CHECK(welkin_project_many(probes.data(), 1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
+  probes[1].faces[2] = nullptr;
+  std::vector<double> found(81);
+  CHECK(welkin_project_many(probes.data(), 3, nullptr, nullptr, found.data(), nullptr) == WELKIN_INVALID_ARGUMENT);
+  CHECK(std::string(welkin_last_error()).starts_with("probe 1: "));
+}
+
 TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
   const CWorker worker(2);
   const auto picture = make_lat_long(Content::high_range, 128, 64, 3);

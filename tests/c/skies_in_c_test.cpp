@@ -38,6 +38,7 @@ welkin_sky_table_options c_options(const SkyTableOptions& options) {
   values.colour = static_cast<welkin_sky_colour>(options.colour);
   values.minimum_sun_elevation_degrees = options.minimum_sun_elevation_degrees;
   values.until_change = options.until_change;
+  values.exact_orders = options.exact_orders ? 1 : 0;
   values.memory_limit_bytes = options.memory_limit_bytes;
   return values;
 }
@@ -207,6 +208,7 @@ TEST_CASE("C: a sky's tables have the C++ call's bits, at once and as a job", "[
   other.colour = SkyColour::linear_srgb;
   other.orders = 3;
   other.until_change = 0.02;
+  other.exact_orders = true;
   other.minimum_sun_elevation_degrees = -12.0;
   const SkyTables expected = precompute_sky(mars(), other);
   CAtmosphere air;

@@ -233,7 +233,7 @@ TEST_CASE("options: every field of sky tables counts, but their limit") {
            [](Options& o) { o.transmittance_zeniths = 9; }, [](Options& o) { o.irradiance_heights = 9; },
            [](Options& o) { o.irradiance_sun_zeniths = 9; }, [](Options& o) { o.minimum_sun_elevation_degrees = -9.0; },
            [](Options& o) { o.orders = 9; }, [](Options& o) { o.until_change = 0.5; },
-           [](Options& o) { o.colour = SkyColour::linear_srgb; }});
+           [](Options& o) { o.exact_orders = true; }, [](Options& o) { o.colour = SkyColour::linear_srgb; }});
   check_without_effect<Options>({}, [](Options& o) { o.memory_limit_bytes = 5; });
 }
 

@@ -50,6 +50,33 @@ std::string bytes_of(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// What a bake is told to do, and why, and what is said of arguments that cannot be.
+std::string all_explanations() {
+  const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
+  SceneNeeds needs;
+  needs.glossy = RoughnessRange{0.25, 0.75};
+  BakeOptions options;
+  options.specular = PrefilterOptions{};
+  options.specular->size = 16;
+  std::string all = plan_text(plan(picture.view(), needs, options));
+  const auto add_message = [&all](const auto& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      all += error.what();
+    }
+  };
+  Atmosphere air = earth();
+  air.aerosol_asymmetry = -0.9;
+  add_message([&] { (void)precompute_sky(air); });
+  add_message([] { (void)turn_about_y(2.5e6); });
+  PrefilterOptions rough;
+  rough.roughness = {0.0, 1.5};
+  rough.mips = 2;
+  add_message([&] { (void)prefilter_specular(make_lat_long(Content::smooth, 16, 8, 3).view(), rough); });
+  return all;
+}
+
 /// What all parsers and writers of text make of some files, as text.
 std::string all_texts(const TemporaryDirectory& folder) {
   std::string all;
@@ -95,12 +122,16 @@ std::string all_texts(const TemporaryDirectory& folder) {
 
 }  // namespace
 
-TEST_CASE("texts of files are the same to a host with a decimal comma", "[codec][locale]") {
+TEST_CASE("texts of files, plans and errors are the same to a host with a decimal comma", "[codec][locale]") {
   const TemporaryDirectory folder;
   const std::string here = all_texts(folder);
   CHECK(here.starts_with("0 250000000 500000000 1000000000 "));
+  const std::string explained = all_explanations();
+  CHECK(explained.find("-0.9") != std::string::npos);
+  CHECK(explained.find("2500000") != std::string::npos);
   const GermanHost host;
   CHECK(all_texts(folder) == here);
+  CHECK(all_explanations() == explained);
 }
 
 TEST_CASE("stored roughness that is not used is noted", "[codec][locale]") {

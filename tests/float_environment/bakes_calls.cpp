@@ -1,6 +1,8 @@
 // Bakes and their plans, from pixels and from the cache.
+#include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "calls.h"
@@ -50,6 +52,20 @@ void call_plans(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("passes_text(", [&] { return passes_text(of_wide.passes, records); });
   calls.call("bake_to(BakeTargets const&, LatLongView", [&] { return bake_to({}, wide.view(), small_bake()); });
   calls.call("bake_to(BakeTargets const&, CubemapView", [&] { return bake_to({}, cube.view(), small_bake()); });
+  const std::vector<CubemapView> probes(3, cube.view());
+  const UploadLayout layout{.size = 8, .levels = 3};
+  std::vector<std::byte> memory(3 * upload_bytes(layout));
+  std::vector<CubemapTarget> targets;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::span<std::byte> room = std::span(memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
+    for (const CubemapTarget& target : upload_targets(layout, room)) targets.push_back(target);
+  }
+  calls.call("bake_many(", [&] {
+    std::vector<dvec3> light(27);
+    static_cast<void>(bake_many(probes, targets, light, *small_bake().specular));
+    for (const std::byte byte : memory) light.emplace_back(static_cast<double>(std::to_integer<int>(byte)));
+    return light;
+  });
   calls.call("bake(LatLongView const&, Plan", [&] { return bake(wide.view(), of_wide); });
   calls.call("bake(CubemapView const&, Plan", [&] { return bake(cube.view(), of_cube); });
 

@@ -84,6 +84,31 @@ void call_c(Calls& calls) {
   calls.call("welkin_project_cubemap", [&] {
     return projected([&](auto* out) { return welkin_project_cubemap(&faces, 1, &options, nullptr, out); });
   });
+  calls.call("welkin_project_many", [&] {
+    Given result{WELKIN_INTERNAL, std::vector<double>(27)};
+    result.status = welkin_project_many(&faces, 1, &options, nullptr, result.numbers.data(), nullptr);
+    return result;
+  });
+  calls.call("welkin_bake_many", [&] {
+    Given result{WELKIN_INTERNAL, std::vector<double>(27)};
+    std::vector<float> texels(std::size_t{6} * 4 * 4 * 4);
+    welkin_prefilter_options reflections;
+    WELKIN_INIT(reflections);
+    reflections.size = 4;
+    reflections.mips = 1;
+    const double rough = 0.6;
+    reflections.roughness = &rough;
+    reflections.roughness_count = 1;
+    welkin_cubemap_target target;
+    WELKIN_INIT(target);
+    target.format = WELKIN_FORMAT_RGBA_F32;
+    target.size = 4;
+    for (std::size_t face = 0; face < 6; ++face) target.faces[face] = texels.data() + 64 * face;
+    result.status =
+        welkin_bake_many(&faces, 1, &reflections, nullptr, &target, 1, 3, result.numbers.data(), nullptr, nullptr);
+    result.numbers.insert(result.numbers.end(), texels.begin(), texels.end());
+    return result;
+  });
   calls.call("welkin_project_lat_long", [&] {
     return projected([&](auto* out) { return welkin_project_lat_long(&lat_long, &options, nullptr, out); });
   });

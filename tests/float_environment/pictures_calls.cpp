@@ -62,6 +62,13 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
   const std::vector<CubemapView> views = mips.views();
   calls.call("project(span<CubemapView", [&] { return project(views, options); });
 
+  const std::vector<CubemapView> probes{cube.view(), special.view(), mips.view(1)};
+  std::vector<dvec3> light(16 * probes.size());
+  calls.call("project_many(", [&] {
+    static_cast<void>(project_many(probes, light, options));
+    return light;
+  });
+
   FaceHarmonics kept = project_faces(cube.view(), {});
   calls.call("project_faces(", [&] { return total(project_faces(cube.view(), {})); });
   const std::array<int, 2> faces{1, 4};

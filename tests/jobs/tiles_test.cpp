@@ -21,6 +21,7 @@
 #include <thread>
 #include <vector>
 
+#include "jobs/task_graph.h"
 #include "platform/thread.h"
 #include "support/catch.h"
 #include "support/heap.h"
@@ -210,6 +211,31 @@ TEST_CASE("The number of threads is checked", "[jobs]") {
   bool ran = false;
   run_with_threads(0, [&] { ran = true; });
   CHECK(ran);
+}
+
+TEST_CASE("Work beside a OneThread stays in its thread, in order", "[jobs]") {
+  run_with_threads(4, [] {
+    const std::thread::id here = std::this_thread::get_id();
+    std::vector<std::size_t> order;
+    {
+      const jobs::OneThread alone;
+      CHECK(jobs::OneThread::here());
+      CHECK(jobs::worker_count(jobs::Placement::arena) == 1);
+      jobs::run_tiles(200, jobs::Placement::arena, 1, {}, [&](std::size_t tile, std::size_t worker) {
+        if (worker == 0 && std::this_thread::get_id() == here) order.push_back(tile);
+      });
+      jobs::TaskGraph graph;
+      for (std::size_t pass = 0; pass < 50; ++pass) {
+        graph.add(1.0 + static_cast<double>(pass), [&, pass](const Control&) {
+          if (std::this_thread::get_id() == here) order.push_back(200 + pass);
+        });
+      }
+      graph.run({});
+    }
+    CHECK_FALSE(jobs::OneThread::here());
+    REQUIRE(order.size() == 250);
+    CHECK(std::ranges::is_sorted(order));
+  });
 }
 
 // Hot loops allocate nothing: not by operator new, not by malloc, on no thread.

@@ -35,6 +35,7 @@ constexpr double kLeastShare = 1e-4;    ///< of what scatters, where the sun see
 constexpr int kGuessHeights = 64;
 constexpr int kGuessSuns = 128;
 constexpr double kLowSun = 0.1;           ///< sine of an elevation below which directions are drawn towards the sun
+constexpr double kNarrow = 0.85;          ///< asymmetry of a lobe above which they are so by day too
 constexpr double kTowardsSun = 0.5;       ///< share of them
 constexpr double kSunsetAsymmetry = 0.7;  ///< of their lobe about the horizon below the sun
 constexpr double kDeepSun = -0.1;  ///< sine of an elevation below which places are drawn by how much light is there
@@ -67,6 +68,10 @@ class MonteCarlo {
     const double level = std::sqrt(sun.x * sun.x + sun.z * sun.z);
     if (sun.y < kLowSun && level > 0.0) sunset_ = dvec3(sun.x / level, 0.0, sun.z / level);
     if (sun.y < kDeepSun) sunset_asymmetry_ = kDeepAsymmetry;
+    if (sun.y >= kLowSun && air.drawn_asymmetry() > kNarrow) {
+      sunset_ = sun;
+      sunset_asymmetry_ = air.drawn_asymmetry() * air.drawn_asymmetry();  // as light that was turned twice
+    }
     guess_sunlight();
     for (const ReferenceAir::Matter& matter : air.matter()) {
       if (std::any_of(matter.scattering.begin(), matter.scattering.end(), [](double b) { return b > 0.0; })) {

@@ -277,16 +277,69 @@ TEST_CASE("Cubemaps of few texels are blurred as areas", "[specular][prefilter][
 }
 
 TEST_CASE("A lone bright texel of a small cubemap is blurred to within the default bounds",
-          "[specular][prefilter][truth]") {
-  // In a face, beside a pole, in a corner.
-  for (const std::size_t texel :
-       {std::size_t{5 * 32 + 7}, std::size_t{2 * 1024 + 16 * 32 + 15}, std::size_t{4 * 1024 + 31 * 32 + 31}}) {
-    CAPTURE(texel);
-    CubemapImage source{32, std::vector<float>(std::size_t{18} * 32 * 32, 1.0F)};
-    for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] = 1e4F;
-    const LevelError worst = worst_level(source.view(), {.size = 16, .roughness = {0.3, 0.5, 0.8}});
-    CHECK(worst.rms < 1e-3);
-    CHECK(worst.maximum < 1e-2);
+          "[specular][prefilter][truth][bright]") {
+  for (const int size : {32, 128}) {
+    const auto edge = static_cast<std::size_t>(size);
+    const std::size_t face = edge * edge;
+    // In a face, beside a pole, in a corner.
+    for (const std::size_t texel :
+         {5 * edge + 7, 2 * face + edge / 2 * edge + edge / 2 - 1, 4 * face + (edge - 1) * edge + edge - 1}) {
+      for (const float light : {1e4F, 1e7F}) {
+        CAPTURE(size, texel, light);
+        CubemapImage source{size, std::vector<float>(18 * face, 1.0F)};
+        for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] = light;
+        const LevelError worst =
+            worst_level(source.view(), {.size = size == 32 ? 16 : 6, .roughness = {0.3, 0.5, 0.8}});
+        CHECK(worst.rms < 1e-3);
+        CHECK(worst.maximum < 1e-2);
+      }
+    }
+  }
+}
+
+// Promise: the bounds hold beside lights of any extent, however bright.
+
+namespace {
+
+/// A sky with a sun of `radius` texels of a lat-long 256 wide.
+TestLatLong sun_disc_in_the_dark(int column, int row, double radius, float sun, float sky) {
+  TestLatLong image = make_lat_long(Content::uniform, 256, 128, 0);
+  for (float& channel : image.pixels) channel = sky;
+  for (int y = 0; y < 128; ++y) {
+    for (int x = 0; x < 256; ++x) {
+      if (std::hypot(x - column, y - row) > radius) continue;
+      for (int c = 0; c < 3; ++c) image.pixels[static_cast<std::size_t>(3 * (y * 256 + x) + c)] = sun;
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("The dark beside a sun of any size is blurred to within the default bounds",
+          "[specular][prefilter][truth][bright]") {
+  for (const double radius : {3.0, 13.0}) {  // 29 and some 530 texels
+    for (const int row : {40, 6}) {
+      CAPTURE(radius, row);
+      const TestLatLong source = sun_disc_in_the_dark(30, row, radius, 1e5F, 0.1F);
+      const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.2, 0.7, 1.0}});
+      CHECK(worst.rms < 1e-3);
+      CHECK(worst.maximum < 1e-2);
+    }
+  }
+}
+
+TEST_CASE("Suns on cubemaps of few texels leave the dark beside them right", "[specular][prefilter][truth][bright]") {
+  for (const float sun : {1e4F, 1e6F, 1e8F}) {
+    for (const std::size_t texel : {std::size_t{5 * 32 + 7}, std::size_t{2 * 1024 + 16 * 32 + 15}}) {
+      CAPTURE(sun, texel);
+      TestCubemap source = make_cubemap(Content::uniform, 32, 3, 5);
+      for (float& channel : source.pixels) channel = 1.0F;
+      std::fill_n(source.pixels.begin() + static_cast<std::ptrdiff_t>(3 * texel), 3, sun);
+      const LevelError worst = worst_level(source.view(), {.size = 8, .roughness = {0.3, 0.8}});
+      CHECK(worst.rms < 1e-3);
+      CHECK(worst.maximum < 1e-2);
+    }
   }
 }
 

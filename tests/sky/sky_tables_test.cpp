@@ -146,7 +146,7 @@ TEST_CASE("Azimuths between view and sun map back, and cosines that none gives c
   CHECK(TableMapping::angle_coordinate(0.6, 0.8, 1.0) == 1.0);
   CHECK(TableMapping::angle_coordinate(0.6, 0.8, -1.0) == 0.0);
   for (const double mu : {-0.9, -0.1, 0.0, 0.5, 0.999}) {
-    for (const double mu_s : {-0.3, 0.0, 0.7}) {
+    for (const double mu_s : {-0.99, -0.3, -0.1, -0.01, 0.0, 0.7}) {
       for (int k = 0; k <= 10; ++k) {
         const double nu = TableMapping::angle_cosine(mu, mu_s, k / 10.0);
         CHECK(TableMapping::angle_coordinate(mu, mu_s, nu) == Approx(k / 10.0).margin(1e-13));
@@ -352,8 +352,8 @@ TEST_CASE("A caller's own floating-point environment changes no bit of sky table
 }
 
 TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
-  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x6470fbf9cf18f05bU);
-  CHECK(hash(precompute_sky(mars(), small_options())) == 0xc83b074649556404U);
+  CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0x54969f0a1dc2ebd5U);
+  CHECK(hash(precompute_sky(mars(), small_options())) == 0xf778878c517d65acU);
 }
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {

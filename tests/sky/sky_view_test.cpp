@@ -140,7 +140,7 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
   const sky::ViewPlace place = slice.view_place(mu);
   const sky::SunPlace under = slice.sun_place(mu_s);
   const double sines = std::sqrt((1.0 - mu * mu) * (1.0 - mu_s * mu_s));
-  const sky::Taps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0);
+  const sky::Taps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0, mu_s);
   // Along each axis the weighted sum, within a tenth of the range of the two nodes in the middle.
   const auto limited = [](const double(&values)[4], const sky::Taps& taps, double a, double b) {
     double sum = 0.0;

@@ -24,6 +24,7 @@ std::shared_ptr<const SkyTables> small_earth() {
     SkyTableOptions options;
     options.heights = 8;
     options.orders = 2;
+    options.exact_orders = true;  // these two, and no estimate of others
     return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
   }();
   return tables;

@@ -187,6 +187,10 @@ TEST_CASE("sky: each option reaches the tables", "[tools][sky]") {
   options.orders = 2;
   CHECK(sky_json("--sun-elevation 20 --until-change 0.9").at("sky").at("tables").at("until_change") == 0.9);
   options = small;
+  options.exact_orders = true;
+  check("--exact-orders", earth(), options);
+  CHECK(sky_json("--sun-elevation 20 --exact-orders").at("sky").at("tables").at("exact_orders") == true);
+  options = small;
   options.colour = SkyColour::linear_srgb;
   check("--colour srgb --wavelengths 450,500,550,600,650", earth({450.0, 500.0, 550.0, 600.0, 650.0}), options);
   CHECK(sky_json("--colour srgb").at("sky").at("unit") == "cd/m2, linear sRGB");

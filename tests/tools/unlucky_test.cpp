@@ -158,6 +158,30 @@ TEST_CASE("Files that options name are read once, so that pipes do, and are not 
   }
 }
 
+TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]") {
+  const TemporaryFolder folder;
+  const auto refused = [](const std::filesystem::path& kept, const std::string& arguments) {
+    const std::string before = file_text(kept);
+    const CommandResult result = run_welkin("convert " + arguments);
+    INFO(result.errors);
+    CHECK(result.exit_code == 1);
+    CHECK(contains(result.errors, "is read, and the conversion would write over it"));
+    CHECK(file_text(kept) == before);
+  };
+  const std::filesystem::path map = folder.path() / "map.hdr";
+  REQUIRE(run_welkin("testmap --size 64 -o " + quoted(map)).exit_code == 0);
+  refused(map, quoted(map) + " " + quoted(map) + " --size 32");
+  const std::filesystem::path link = folder.path() / "link.hdr";
+  std::filesystem::create_symlink(map, link);
+  refused(map, quoted(link) + " " + quoted(map) + " --size 32");
+
+  const std::filesystem::path faces = folder.path() / "cube.hdr";
+  REQUIRE(run_welkin("convert " + quoted(map) + " " + quoted(faces) + " --layout six-files --size 8").exit_code == 0);
+  const std::filesystem::path face = folder.path() / "cube_ny.hdr";
+  refused(face, quoted(folder.path() / "cube_px.hdr") + " " + quoted(faces) + " --layout six-files --size 4");
+  CHECK(run_welkin("convert " + quoted(map) + " " + quoted(folder.path() / "small.hdr") + " --size 32").exit_code == 0);
+}
+
 TEST_CASE("A repeated bake with a cache takes its files from there, at least ten times faster", "[command][unlucky]") {
   using Clock = std::chrono::steady_clock;
   const TemporaryFolder folder;
@@ -234,7 +258,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
   std::filesystem::create_directory(out);
   const platform::FolderLock other(out);
   REQUIRE(other.take());
-  const std::string line = "timeout -s INT 2 '" WELKIN_COMMAND
+  const std::string line = "timeout -s INT 5 '" WELKIN_COMMAND
                            "' bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
                            quoted(out);
   write_text(folder.path() / "run.sh", line + "; test $? = 124");

@@ -1,0 +1,100 @@
+// The projection of large faces to three bands, strip by strip.
+//
+// A strip is 16 rows at the top of a face and the 16 mirrored ones at the bottom, and a segment of at most 512 columns
+// at the left with the mirrored ones at the right: a tile is one of those on all faces. Its pixels are read once, as
+// they lie, for a few moments of their columns (SumStrip); the moments are folded into symmetry classes and multiplied
+// with their weights (SumMoments), which are computed once a tile.
+//
+// Pixels that a policy changes, and formats that the kernels do not read, take the same way by rows of floats.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "platform/memory.h"
+#include "projection/sanitizer.h"
+#include "projection/strip_kernels.h"
+#include "projection/strip_weights.h"
+#include "welkin/image.h"
+#include "welkin/projection.h"
+
+namespace welkin::projection {
+
+class StripProjection {
+ public:
+  /// Whether strips can do it; else chunks (cubemap_projection.cpp) do.
+  [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept;
+  [[nodiscard]] static int tile_count(int size) noexcept;
+
+  /// `cubemap`, `faces`, `sanitizer` and `place` (as `TexelWeights::place`) must stay.
+  StripProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
+                  const Sanitizer& sanitizer, const int* place);
+
+  /// What one worker needs.
+  class Scratch {
+   public:
+    explicit Scratch(const StripProjection& projection);
+
+   private:
+    friend class StripProjection;
+    platform::AlignedBuffer<float> floats_;
+    platform::AlignedBuffer<double> doubles_;
+  };
+
+  /// The sums of a tile on each of the faces, [3][9] in the order of the weights.
+  void sum_tile(int index, Scratch& scratch) const;
+  /// Of what `sum_tile` left there: the sums on one face, of sanitized texels if they were not all finite.
+  [[nodiscard]] std::span<const double> face_sums(int index, int face, Scratch& scratch, SanitizeRecord& record) const;
+
+ private:
+  /// A strip's segment; and one of its four mirrored pieces, in the order of StripMoments.
+  struct Tile {
+    int strip;
+    int first_column;
+    int positions;
+  };
+  struct Piece {
+    bool bottom;
+    bool right;
+  };
+
+  [[nodiscard]] Tile tile_at(int index) const noexcept;
+  [[nodiscard]] int first_column(const Tile& tile, const Piece& piece) const noexcept;
+  [[nodiscard]] int row_of(const Tile& tile, const Piece& piece, int index) const noexcept;
+  [[nodiscard]] const std::byte* texel(int face, int row, int column) const noexcept;
+  [[nodiscard]] StripRows rows_in_place(const Tile& tile, int face, const Piece& piece) const noexcept;
+  [[nodiscard]] FetchList lines_of(const Tile& tile, int face) const noexcept;
+  [[nodiscard]] FetchList lines_after(int tile, std::size_t at) const noexcept;
+  void sum_piece(SumStrip sum, const StripRows& rows, const Tile& tile, int piece, FetchList& fetch, int lines,
+                 float* moments, Scratch& scratch) const;
+  void decode_and_sanitize(const Tile& tile, int face, const Piece& piece, Scratch& scratch,
+                           SanitizeRecord& record) const;
+  void sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb, SanitizeRecord& record) const;
+  void sum_sanitized(const Tile& tile, int face, Scratch& scratch, SanitizeRecord& record) const;
+  void sum_in_double(const Tile& tile, int face, Scratch& scratch) const;
+
+  // Parts of the scratch.
+  [[nodiscard]] static float* weights(Scratch& scratch) noexcept;
+  [[nodiscard]] float* face_moments(Scratch& scratch, int index) const noexcept;
+  [[nodiscard]] float* spare(Scratch& scratch) const noexcept;  ///< of rows of weights, or of moments to be reversed
+  [[nodiscard]] float* decoded(Scratch& scratch) const noexcept;
+  [[nodiscard]] static double* lanes(Scratch& scratch, int face) noexcept;
+  [[nodiscard]] static double* totals(Scratch& scratch) noexcept;
+
+  const CubemapView& cubemap_;
+  std::span<const int> faces_;
+  const Sanitizer& sanitizer_;
+  const int* place_;
+  bool midpoint_;
+  std::ptrdiff_t texel_bytes_;
+  std::ptrdiff_t row_bytes_;
+  StripWeights strip_weights_;
+  int moments_;
+  const StripKernels& kernels_;
+  SumStrip sum_decoded_;
+  SumStrip sum_direct_ = nullptr;  ///< null: no texel is taken as it lies
+  int lines_a_step_ = 0;
+};
+
+}  // namespace welkin::projection

@@ -1,0 +1,121 @@
+#include "projection/strip_weights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/image_kernels.h"
+
+namespace welkin::projection {
+namespace {
+
+constexpr int kSmallestFace = 256;
+constexpr double kOutermostRow = 7.5;
+
+/// Zeros of the Chebyshev polynomial of degree `moments` between 0 and 1, cos((2 k + 1) pi / (2 moments)), largest
+/// first. Interpolation there, stretched so that the outermost are the strip's first and last row, is nearly the best
+/// approximation, and rounding of the weights grows least.
+constexpr double kZeros[kMostMoments - kFewestMoments + 1][3] = {
+    {0.92387953251128676, 0.38268343236508977, 0.0},
+    {0.95105651629515357, 0.58778525229247313, 0.0},
+    {0.96592582628906829, 0.70710678118654752, 0.25881904510252076}};
+
+/// The even polynomials of strip_kernels.h for any |x|: B(i + j, 2 j) is the product of x^2 - (m - 1/2)^2 over m from 1
+/// to j, divided by (2 j)!.
+double even_polynomial(int j, double x) {
+  double value = 1.0;
+  for (int m = 1; m <= j; ++m) value *= (x * x - (m - 0.5) * (m - 0.5)) / (2.0 * m * (2.0 * m - 1.0));
+  return value;
+}
+
+double odd_polynomial(int j, double x) { return 2.0 * x / (2.0 * j + 1.0) * even_polynomial(j, x); }
+
+/// The inverse of the leading part of a matrix, by elimination; the polynomials rise so fast that it needs no pivots.
+void invert(double (&matrix)[3][3], int size) {
+  for (int p = 0; p < size; ++p) {
+    const double pivot = 1.0 / matrix[p][p];
+    matrix[p][p] = 1.0;
+    for (int c = 0; c < size; ++c) matrix[p][c] *= pivot;
+    for (int r = 0; r < size; ++r) {
+      if (r == p) continue;
+      const double factor = matrix[r][p];
+      matrix[r][p] = 0.0;
+      for (int c = 0; c < size; ++c) matrix[r][c] -= factor * matrix[p][c];
+    }
+  }
+}
+
+/// Factors of even terms as floats that give a constant exactly, which is `constant` times the moment: what rounding
+/// leaves there would bias the weights of all texels alike. So all are multiples of one power of two, and the last one
+/// makes up the sum. `counts[a]` is how many rows the a-th factor stands for.
+void round_even(const double* factors, const int* counts, int size, double constant, float* rounded) {
+  double largest = 0.0;
+  for (int a = 0; a < size; ++a) largest = std::max(largest, std::abs(factors[a]));
+  double grid = 0x1p-24;
+  for (double bound = 0.5; largest < bound; bound *= 0.5) grid *= 0.5;
+  for (double bound = 1.0; largest >= bound; bound *= 2.0) grid *= 2.0;
+  double left = constant;
+  for (int a = 0; a + 1 < size; ++a) {
+    const double multiple = std::floor(factors[a] / grid + 0.5) * grid;
+    left -= counts[a] * multiple;
+    rounded[a] = static_cast<float>(multiple);
+  }
+  rounded[size - 1] = static_cast<float>(left / counts[size - 1]);
+}
+
+}  // namespace
+
+bool StripWeights::serve(int size) noexcept { return size >= kSmallestFace && size % (2 * kStripRows) == 0; }
+
+int StripWeights::moments_for(int size) noexcept { return size >= 1024 ? 4 : size >= 512 ? 5 : 6; }
+
+StripWeights::StripWeights(int size, bool midpoint, const int* place) noexcept
+    : size_(size), midpoint_(midpoint), place_(place) {
+  const int moments = moments_for(size);
+  const int pairs = moments / 2;
+  const int evens = moments - pairs;
+  matrix_.moments = moments;
+  double even[3][3] = {};
+  double odd[3][3] = {};
+  for (int a = 0; a < evens; ++a) {
+    const double* const zeros = kZeros[moments - kFewestMoments];
+    const double x = a < pairs ? kOutermostRow * zeros[a] / zeros[0] : 0.0;
+    rows_[a] = -x;
+    rows_[moments - 1 - a] = x;
+    for (int j = 0; j < evens; ++j) even[a][j] = even_polynomial(j, x);
+    for (int j = 0; j < pairs && a < pairs; ++j) odd[a][j] = odd_polynomial(j, x);
+  }
+  invert(even, evens);
+  invert(odd, pairs);
+  for (int j = 0; j < evens; ++j) {
+    // A pair's mean is half its sum; the middle row is alone.
+    double factors[3] = {};
+    int counts[3] = {};
+    for (int a = 0; a < evens; ++a) {
+      counts[a] = a < pairs ? 2 : 1;
+      factors[a] = even[j][a] / counts[a];
+      matrix_.odd[j][a] = static_cast<float>(0.5 * odd[j][a]);
+    }
+    round_even(factors, counts, evens, j == 0 ? 1.0 : 0.0, matrix_.even[j]);
+  }
+}
+
+std::size_t StripWeights::size(int positions) const noexcept {
+  return static_cast<std::size_t>(3 * kStripFunctions * moments() * positions);
+}
+
+std::size_t StripWeights::scratch_size(int positions) const noexcept {
+  return static_cast<std::size_t>(kStripFunctions * moments() * positions);
+}
+
+void StripWeights::fill(int strip, int first_column, int positions, float* weights, float* scratch) const noexcept {
+  constexpr int kBands = 3;
+  const int above_middle = strip * kStripRows + kStripRows / 2 - 1;
+  for (int k = 0; k < moments(); ++k) {
+    image::texel_kernels().expand_texels(
+        {size_, above_middle, first_column, positions, kBands, midpoint_, 0.5 + rows_[k]}, place_,
+        scratch + std::ptrdiff_t{kStripFunctions} * positions * k, positions);
+  }
+  strip_kernels().weigh_moments(matrix_, scratch, positions, positions / simd::kLanes, weights);
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,40 @@
+// What the moments of a strip weigh in each harmonic.
+#pragma once
+
+#include <cstddef>
+
+#include "projection/strip_kernels.h"
+
+namespace welkin::projection {
+
+/// For three bands. A strip's moments stand for the weights of its rows, which between 16 of them are a polynomial in
+/// the row: of as low a degree as leaves 2e-8 of a texel's solid angle in double. Measured at all texels of a face:
+/// 2e-8 with 4 moments at 1024, 5e-9 with 5 at 512, 7e-9 with 6 at 256. In floats a texel's weight is off by up to 6e-7
+/// (docs/projection.md).
+class StripWeights {
+ public:
+  /// Whether faces of this size are cut into strips.
+  [[nodiscard]] static bool serve(int size) noexcept;
+  [[nodiscard]] static int moments_for(int size) noexcept;
+
+  /// `place`: as `TexelWeights::place`; it must stay.
+  StripWeights(int size, bool midpoint, const int* place) noexcept;
+
+  [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
+
+  /// How many floats `fill` writes, and how many it needs besides, for a number of positions.
+  [[nodiscard]] std::size_t size(int positions) const noexcept;
+  [[nodiscard]] std::size_t scratch_size(int positions) const noexcept;
+
+  /// The weights of `positions` positions (a multiple of 16) from a column on, as `WeighMoments` says.
+  void fill(int strip, int first_column, int positions, float* weights, float* scratch) const noexcept;
+
+ private:
+  int size_;
+  bool midpoint_;
+  const int* place_;
+  MomentsFromRows matrix_{};
+  double rows_[kMostMoments] = {};  ///< where weights are computed, from the strip's middle
+};
+
+}  // namespace welkin::projection

@@ -1,0 +1,249 @@
+// The sums of bright lights' lobes, and what they err.
+#include "reflections/bright_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+
+#include "image/geometry.h"
+#include "jobs/tiles.h"
+#include "reflections/lobe.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
+constexpr double kLost = 5e-6;    ///< of the lights' field, at least: float sums, and what the truth itself errs
+constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
+
+double norm(const std::array<double, 3>& colour) {
+  return std::sqrt(colour[0] * colour[0] + colour[1] * colour[1] + colour[2] * colour[2]);
+}
+
+/// What `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for 1 / (1 +
+/// x^2)^2.
+double smooth_error(double radians, double alpha, int points) {
+  const double edge = radians / (2.0 * alpha);
+  const double square = edge * edge;
+  return points == 2 ? square * square / 40.0 : (points == 3 ? square * square * square / 200.0 : 1e-5);
+}
+
+}  // namespace
+
+double BrightLights::error(double alpha) const {
+  if (nodes_.empty()) return 0.0;
+  const double square = alpha * alpha;
+  const double integral = lobe_integral(alpha);
+  const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
+  const double horizon = kHorizon * square / kPi / integral / (width * width) * norm(cut_);
+  // Int k^2 is at most its peak times Int k, and less for a narrow lobe
+  const double squares = std::min(integral / (kPi * square), 4.0 / (3.0 * kPi * square * std::max(1e-9, 1.0 - square)));
+  const double of_width = std::min(1.0, far_ * most_merged_ * std::sqrt(1.0 - square) / (2.0 * alpha)) * kFar / far_;
+  const double share = kMerged * of_width * of_width * of_width * of_width;
+  const double smooth = smooth_error(edge_, alpha, smooth_points_);
+  const double lost = kLost + std::sqrt(share * share + smooth * smooth);
+  const double merged = lost * norm(power_) * std::sqrt(squares / (4.0 * kPi)) / integral;
+  return std::sqrt(horizon * horizon + merged * merged);
+}
+
+/// Some texels of a face that lie together.
+struct BrightLights::Block {
+  std::array<double, 3> centre{};
+  double radius = 0.0;
+  double far = kFar;
+  double width_squared = 0.0;  ///< of the lobe: it has its poles at such distances, squared and negative
+
+  enum class Sight { below, cut, above };
+
+  /// n.s is at least that of the two centres less both radii.
+  [[nodiscard]] Sight sight_of(const Node& node) const noexcept {
+    const double between = centre[0] * node.centre[0] + centre[1] * node.centre[1] + centre[2] * node.centre[2];
+    const double margin = radius + node.radius;
+    return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
+  }
+  [[nodiscard]] bool far_enough(const Node& node) const noexcept {
+    const double x = centre[0] - node.centre[0];
+    const double y = centre[1] - node.centre[1];
+    const double z = centre[2] - node.centre[2];
+    const double distance = std::max(0.0, std::sqrt(x * x + y * y + z * z) - radius);
+    return distance * distance + width_squared >= far * far * node.merged * node.merged;
+  }
+};
+
+namespace {
+
+constexpr int kMostEdge = 8;
+constexpr int kMostTexels = kMostEdge * kMostEdge;
+constexpr int kPartEdge = 4;  ///< of parts of a block, about each of which is decided what the horizon cuts
+
+double place_on_face(int texel, int size) { return (2.0 * texel + 1.0) / size - 1.0; }
+
+void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
+  if (!runs.empty() && runs.back().first + runs.back().count == run.first) {
+    runs.back().count += run.count;
+  } else {
+    runs.push_back(run);
+  }
+}
+
+}  // namespace
+
+/// Texels [column, end_column) x [row, end_row) of a face of `size`.
+struct BrightLights::Area {
+  int face;
+  int size;
+  int column;
+  int row;
+  int end_column;
+  int end_row;
+};
+
+/// What a worker needs for one area. Room for all nodes: nothing is allocated inside tiles.
+struct BrightLights::Room {
+  explicit Room(std::size_t nodes) {
+    for (std::vector<int>* list : {&stack, &cut}) list->reserve(nodes + 1);
+    for (std::vector<LobeRun>* list : {&runs, &parts}) list->reserve(nodes + 1);
+  }
+
+  std::array<float, kMostTexels> u{};
+  std::array<float, kMostTexels> v{};
+  std::array<float, 3 * kMostTexels> sums{};
+  std::vector<int> stack;      ///< nodes that are still to be looked at
+  std::vector<int> cut;        ///< nodes that the horizon of some texel cuts
+  std::vector<LobeRun> runs;   ///< of lights
+  std::vector<LobeRun> parts;  ///< of cut lights
+};
+
+BrightLights::Block BrightLights::block_of(const Area& area, double alpha) const {
+  Block block;
+  const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
+                                                  0.5 * (area.row + area.end_row));
+  block.centre = {middle.x, middle.y, middle.z};
+  for (const double column : {area.column + 0.5, area.end_column - 0.5}) {
+    for (const double row : {area.row + 0.5, area.end_row - 0.5}) {
+      const glm::dvec3 corner = image::face_direction(area.size, area.face, column, row);
+      block.radius = std::max(block.radius, glm::length(corner - middle));
+    }
+  }
+  block.radius += 1e-6;
+  block.far = far_;
+  block.width_squared = 4.0 * alpha * alpha / std::max(1e-6, 1.0 - alpha * alpha);
+  return block;
+}
+
+/// Takes the stack's nodes to `runs`, and what the horizon cuts to `cut`, or if `to_parts` on to its texels' parts.
+void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
+  while (!room.stack.empty()) {
+    const int index = room.stack.back();
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    room.stack.pop_back();
+    const Block::Sight sight = block.sight_of(node);
+    if (sight == Block::Sight::below) continue;
+    const bool leaf = node.children[0] < 0;
+    const bool cut = sight == Block::Sight::cut;
+    if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node)))) {
+      add_run(node.smooth, room.runs);
+    } else if (cut && !to_parts && (leaf || node.radius < block.radius)) {
+      room.cut.push_back(index);
+    } else if (leaf) {
+      add_run(node.parts, room.parts);
+    } else {
+      room.stack.push_back(node.children[1]);
+      room.stack.push_back(node.children[0]);
+    }
+  }
+}
+
+/// Adds the lights of `room`'s runs to an area's texels, packed RGB, and forgets them.
+void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+  if (room.runs.empty() && room.parts.empty()) return;
+  const int across = area.end_column - area.column;
+  const int texels = across * (area.end_row - area.row);
+  const int count = (texels + kLobeTexels - 1) / kLobeTexels * kLobeTexels;
+  for (int k = 0; k < count; ++k) {
+    const int texel = std::min(k, texels - 1);
+    room.u[static_cast<std::size_t>(k)] = static_cast<float>(place_on_face(area.column + texel % across, area.size));
+    room.v[static_cast<std::size_t>(k)] = static_cast<float>(place_on_face(area.row + texel / across, area.size));
+  }
+  const image::Frame& frame = image::face_frame(area.face);
+  const double square = lobe.alpha * lobe.alpha;
+  LobeBlock of{{},
+               {},
+               {},
+               room.u.data(),
+               room.v.data(),
+               count,
+               static_cast<float>(square),
+               static_cast<float>(0.25 * (1.0 - square)),
+               static_cast<float>(lobe.far_split / (1.0 - square))};
+  for (int axis = 0; axis < 3; ++axis) {
+    of.normal[axis] = static_cast<float>(frame.normal[axis]);
+    of.along[axis] = static_cast<float>(frame.u[axis]);
+    of.down[axis] = static_cast<float>(frame.v[axis]);
+  }
+  room.sums.fill(0.0F);
+  const LobeKernels& kernels = lobe_kernels();
+  kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
+  kernels.sum_cut_lobes(of, cut_lights_.data(), room.parts.data(), static_cast<int>(room.parts.size()),
+                        room.sums.data());
+  room.runs.clear();
+  room.parts.clear();
+  const double scale = square / kPi / lobe_integral(lobe.alpha);
+  for (int k = 0; k < texels; ++k) {
+    float* const texel = rgb + 3 * (std::ptrdiff_t{area.row + k / across} * area.size + area.column + k % across);
+    for (int c = 0; c < 3; ++c) {
+      const double light = scale * static_cast<double>(room.sums[static_cast<std::size_t>(c * count + k)]);
+      texel[c] = static_cast<float>(static_cast<double>(texel[c]) + light);
+    }
+  }
+}
+
+void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+  const bool parted = area.end_column - area.column > kPartEdge || area.end_row - area.row > kPartEdge;
+  room.cut.clear();
+  room.stack.push_back(0);
+  choose(block_of(area, lobe.alpha), !parted, room);
+  add_runs(area, lobe, rgb, room);
+  if (room.cut.empty()) return;
+  for (int row = area.row; row < area.end_row; row += kPartEdge) {
+    for (int column = area.column; column < area.end_column; column += kPartEdge) {
+      const Area part{area.face,
+                      area.size,
+                      column,
+                      row,
+                      std::min(column + kPartEdge, area.end_column),
+                      std::min(row + kPartEdge, area.end_row)};
+      room.stack.assign(room.cut.rbegin(), room.cut.rend());
+      choose(block_of(part, lobe.alpha), true, room);
+      add_runs(part, lobe, rgb, room);
+    }
+  }
+}
+
+void BrightLights::add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces,
+                       const Control& control) const {
+  if (nodes_.empty()) return;
+  const int edge = size >= 64 ? kMostEdge : kPartEdge;
+  const int across = (size + edge - 1) / edge;
+  const auto lights = static_cast<std::int64_t>(std::min<std::size_t>(lights_.size(), 1000));
+  const auto placement = jobs::placement_for(std::int64_t{6} * size * size * lights);
+  const std::size_t workers = jobs::worker_count(placement);
+  std::vector<Room> rooms;
+  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(nodes_.size());
+  jobs::run_tiles(static_cast<std::size_t>(6 * across), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int face = static_cast<int>(tile) / across;
+                    const int row = static_cast<int>(tile) % across * edge;
+                    for (int column = 0; column < size; column += edge) {
+                      add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
+                                  lobe, faces[static_cast<std::size_t>(face)], rooms[worker]);
+                    }
+                  });
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,88 @@
+// Bright texels as lights without extent, blurred by a lobe: one by one near by, merged where they are far.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "reflections/bright_texels.h"
+#include "reflections/lobe_kernels.h"
+#include "welkin/core.h"
+
+namespace welkin::reflections {
+
+/// Pixels on the sphere.
+struct PictureShape {
+  bool cubemap = false;
+  int columns = 1;  ///< of a cubemap: texels along an edge
+  int rows = 1;     ///< of a lat-long
+
+  [[nodiscard]] static PictureShape of(const projection::SanitizedSource& source) noexcept {
+    return {source.cubemap(), source.columns(), source.cubemap() ? source.columns() : source.rows()};
+  }
+};
+
+/// What blurs lights.
+struct LightsLobe {
+  double alpha = 1.0;
+  double far_split = 0.0;  ///< above 0: only the lobe's Gaussians below that t do, see `gaussian_spectrum`
+};
+
+/// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
+/// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
+/// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
+/// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
+/// the horizon cuts it.
+class BrightLights {
+ public:
+  BrightLights() = default;
+  /// `least_alpha`: of the narrowest lobe that will be asked for. `reach`: see `reach_for`.
+  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach);
+
+  [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
+  /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
+  void add(const LightsLobe& lobe, int size, const std::array<float*, 6>& faces, const Control& control) const;
+
+  /// Root mean square over the sphere of what they err, all channels together: at the horizon, and where merged.
+  [[nodiscard]] double error(double alpha) const;
+
+ private:
+  friend class LightTree;
+
+  struct Node {
+    std::array<double, 3> centre{};
+    double radius = 0.0;  ///< of a ball about the centre with all of its light in it
+    double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
+    std::array<int, 2> children{-1, -1};
+    LobeRun smooth{};
+    LobeRun parts{};  ///< of a leaf, among the cut lights
+  };
+  struct Block;
+
+  struct Area;
+  struct Room;
+
+  [[nodiscard]] Block block_of(const Area& area, double alpha) const;
+  void choose(const Block& block, bool to_parts, Room& room) const;
+  void add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+  void add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+
+  /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
+  /// at the default bounds. The error falls with its fourth power.
+  static constexpr double kFar = 3.0;
+
+  double far_ = 0.0;
+  double edge_ = 0.0;  ///< radians of a texel
+  int smooth_points_ = 2;
+  double most_merged_ = 0.0;  ///< radius
+  std::vector<Node> nodes_;   ///< the first is the root
+  std::vector<LobeLight> lights_;
+  std::vector<CutLight> cut_lights_;
+  std::array<double, 3> power_{};
+  std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
+};
+
+}  // namespace welkin::reflections

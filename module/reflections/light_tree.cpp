@@ -1,0 +1,400 @@
+// The tree over bright texels: how it is made.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+
+#include "image/geometry.h"
+#include "math/elementary.h"
+#include "math/quadrature.h"
+#include "reflections/bright_lights.h"
+
+namespace welkin::reflections {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+constexpr int kOrder = 4;           ///< points along a rule's edge
+constexpr double kWidest = 0.25;    ///< radius of a node: places on it are still all but linear in rows and columns
+constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
+
+constexpr double kDefaultReach = 9.25;  ///< of `reach_for`
+
+glm::dvec3 direction_at(const PictureShape& shape, int face, double column, double row) {
+  return shape.cubemap ? image::face_direction(shape.columns, face, column, row)
+                       : image::lat_long_direction(shape.columns, shape.rows, column, row);
+}
+
+/// Solid angle a texel there, but for a constant.
+double density_at(const PictureShape& shape, double column, double row) {
+  if (!shape.cubemap) return math::sine_cosine_of_turns(row / (2.0 * shape.rows)).sine;
+  const double u = 2.0 * column / shape.columns - 1.0;
+  const double v = 2.0 * row / shape.columns - 1.0;
+  const double square = 1.0 + u * u + v * v;
+  return 1.0 / (square * std::sqrt(square));
+}
+
+double edge_of(const PictureShape& shape) {
+  return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
+}
+
+/// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
+int cuts_of(const PictureShape& shape, double least_alpha, std::size_t texels) {
+  constexpr double kOfWidth = 0.3;
+  constexpr double kOfSphere = 0.05;
+  constexpr double kMostOfAll = 4096.0;
+  const double edge = edge_of(shape);
+  const double wanted = std::max(edge / (kOfWidth * 2.0 * least_alpha), edge / kOfSphere);
+  const double most = std::sqrt(kMostOfAll / static_cast<double>(texels));
+  return std::clamp(static_cast<int>(std::ceil(std::min(wanted, most))), 1, 16);
+}
+
+/// The same light on a picture with `cuts` times as many rows and columns.
+std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape, int cuts) {
+  std::vector<BrightTexel> parts;
+  std::vector<std::int64_t> places;
+  const std::int64_t columns = std::int64_t{cuts} * shape.columns;
+  for (const BrightTexel& texel : texels) {
+    for (int j = 0; j < cuts; ++j) {
+      for (int i = 0; i < cuts; ++i) {
+        BrightTexel part = texel;
+        part.row = texel.row * cuts + j;
+        part.column = texel.column * cuts + i;
+        parts.push_back(part);
+        places.push_back(part.row * columns + part.column);
+      }
+    }
+  }
+  const image::TexelGrid grid = shape.cubemap ? image::TexelGrid::cubemap(cuts * shape.columns)
+                                              : image::TexelGrid::lat_long(cuts * shape.columns, cuts * shape.rows);
+  const std::vector<double> steradians = image::solid_angles_of(grid, places);
+  for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
+  return parts;
+}
+
+/// Light at a place of the picture.
+struct Sample {
+  int face = 0;
+  double column = 0.0;
+  double row = 0.0;
+  std::array<double, 3> light{};
+};
+
+/// Shares its light among the samples from `first` on by the weights that stand there.
+void share_light(const BrightTexel& texel, std::size_t first, std::vector<Sample>& samples) {
+  double whole = 0.0;
+  for (std::size_t k = first; k < samples.size(); ++k) whole += samples[k].light[0];
+  for (std::size_t k = first; k < samples.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c)
+      samples[k].light[c] *= texel.steradians * static_cast<double>(texel.excess[c]) / whole;
+  }
+}
+
+Sample sample_at(const PictureShape& shape, const BrightTexel& texel, double across, double down, double weight) {
+  Sample sample{shape.cubemap ? texel.row / shape.columns : 0,
+                texel.column + across,
+                (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
+                {}};
+  sample.light.fill(weight * density_at(shape, sample.column, sample.row));
+  return sample;
+}
+
+/// Gauss points on a texel, `count` x `count` of them.
+void add_points(const BrightTexel& texel, const PictureShape& shape, int count, std::vector<Sample>& samples) {
+  const math::GaussRule rule = math::gauss_legendre(count);
+  const std::size_t first = samples.size();
+  for (int j = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i)
+      samples.push_back(sample_at(shape, texel, 0.5 + 0.5 * rule.nodes[i], 0.5 + 0.5 * rule.nodes[j],
+                                  rule.weights[i] * rule.weights[j]));
+  }
+  share_light(texel, first, samples);
+}
+
+/// `count` x `count` equal parts of a texel.
+void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, std::vector<Sample>& samples) {
+  const std::size_t first = samples.size();
+  for (int j = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i)
+      samples.push_back(sample_at(shape, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
+  }
+  share_light(texel, first, samples);
+}
+
+/// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
+/// 1e-3.
+int smooth_points(double radians, double alpha) {
+  const double edge = radians / (2.0 * alpha);
+  return edge < 0.3 ? 2 : (edge < 0.6 ? 3 : 5);
+}
+
+/// Parts along an edge: that small that the horizon meets a parallelogram.
+int parts_along(double radians, std::size_t texels) {
+  constexpr double kPart = 0.008;
+  constexpr int kMost = 16;
+  constexpr double kMostOfAll = 4096.0;
+  const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostOfAll / static_cast<double>(texels)));
+  return std::clamp(static_cast<int>(wanted), radians < 0.01 ? 1 : 2, kMost);
+}
+
+LobeLight light_of(const PictureShape& shape, const Sample& sample) {
+  const glm::dvec3 direction = direction_at(shape, sample.face, sample.column, sample.row);
+  const auto single = [](double value) { return static_cast<float>(value); };
+  return {single(direction.x),     single(direction.y),     single(direction.z),
+          single(sample.light[0]), single(sample.light[1]), single(sample.light[2])};
+}
+
+/// One of `parts` along a texel's edge.
+CutLight cut_light_of(const PictureShape& shape, const Sample& sample, int parts) {
+  const double half = 0.5 / parts;
+  const glm::dvec3 along = 0.5 * (direction_at(shape, sample.face, sample.column + half, sample.row) -
+                                  direction_at(shape, sample.face, sample.column - half, sample.row));
+  const glm::dvec3 down = 0.5 * (direction_at(shape, sample.face, sample.column, sample.row + half) -
+                                 direction_at(shape, sample.face, sample.column, sample.row - half));
+  CutLight cut{light_of(shape, sample), {}, {}, static_cast<float>(0.01 * (glm::length(along) + glm::length(down)))};
+  for (int axis = 0; axis < 3; ++axis) {
+    cut.along[axis] = static_cast<float>(along[axis]);
+    cut.down[axis] = static_cast<float>(down[axis]);
+  }
+  return cut;
+}
+
+}  // namespace
+
+class LightTree {
+ public:
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, BrightLights& lights)
+      : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
+    const double edge = edge_of(shape);
+    smooth_ = smooth_points(edge, least_alpha);
+    lights.edge_ = edge;
+    lights.smooth_points_ = smooth_;
+    parts_ = parts_along(edge, texels.size());
+    for (const BrightTexel& texel : texels) {
+      const Corner corner = corner_of(texel);
+      places_.push_back({&texel, direction_at(shape, corner.face, corner.column + 0.5, corner.row + 0.5)});
+    }
+    lights_.nodes_.reserve(2 * texels.size());
+    lights_.nodes_.emplace_back();
+    build(0, 0, places_.size());
+    for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(shape_, sample));
+    const double part = edge / parts_;
+    for (const Sample& sample : cut_) {
+      lights_.cut_lights_.push_back(cut_light_of(shape_, sample, parts_));
+      for (std::size_t c = 0; c < 3; ++c) {
+        lights_.power_[c] += sample.light[c];
+        lights_.cut_[c] += sample.light[c] * part * part;
+      }
+    }
+  }
+
+ private:
+  struct Place {
+    const BrightTexel* texel;
+    glm::dvec3 direction;
+  };
+  struct Corner {
+    int face;
+    int column;
+    int row;
+  };
+  /// Of rows and columns, the last ones outside.
+  struct Box {
+    Corner first;
+    Corner end;
+  };
+
+  [[nodiscard]] Corner corner_of(const BrightTexel& texel) const {
+    if (!shape_.cubemap) return {0, texel.column, texel.row};
+    return {texel.row / shape_.columns, texel.column, texel.row % shape_.columns};
+  }
+
+  [[nodiscard]] Box box_of(std::size_t first, std::size_t end) const {
+    Box box{corner_of(*places_[first].texel), {}};
+    box.end = box.first;
+    for (std::size_t k = first; k < end; ++k) {
+      const Corner corner = corner_of(*places_[k].texel);
+      box.first = {std::min(box.first.face, corner.face), std::min(box.first.column, corner.column),
+                   std::min(box.first.row, corner.row)};
+      box.end = {std::max(box.end.face, corner.face + 1), std::max(box.end.column, corner.column + 1),
+                 std::max(box.end.row, corner.row + 1)};
+    }
+    return box;
+  }
+
+  /// Distance from its centre to its farthest corner or middle of an edge.
+  [[nodiscard]] double radius_of(const Place& place) const {
+    const Corner corner = corner_of(*place.texel);
+    double most = 0.0;
+    for (const double x : {0.0, 0.5, 1.0}) {
+      for (const double y : {0.0, 0.5, 1.0})
+        most = std::max(
+            most, glm::length(direction_at(shape_, corner.face, corner.column + x, corner.row + y) - place.direction));
+    }
+    return most;
+  }
+
+  void bound(BrightLights::Node& node, std::size_t first, std::size_t end) const {
+    glm::dvec3 centre(0.0);
+    for (std::size_t k = first; k < end; ++k) centre += places_[k].direction;
+    centre /= static_cast<double>(end - first);
+    double radius = 0.0;
+    double texel = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      radius = std::max(radius, glm::length(places_[k].direction - centre));
+      if (k == first || places_[k].texel->row != places_[k - 1].texel->row)
+        texel = std::max(texel, radius_of(places_[k]));
+    }
+    node.centre = {centre.x, centre.y, centre.z};
+    node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
+  }
+
+  [[nodiscard]] std::size_t parted(const Box& box, std::size_t first, std::size_t end) {
+    const auto begin = places_.begin();
+    const auto part = [&](auto before) {
+      const auto middle =
+          std::stable_partition(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(end),
+                                [&](const Place& place) { return before(corner_of(*place.texel)); });
+      return static_cast<std::size_t>(middle - begin);
+    };
+    if (box.end.face - box.first.face > 1) {
+      const int half = (box.first.face + box.end.face) / 2;
+      return part([=](const Corner& corner) { return corner.face < half; });
+    }
+    const double steep = density_at({false, 1, std::max(shape_.rows, 1)}, 0.0, 0.5 * (box.first.row + box.end.row));
+    const double wide =
+        (shape_.cubemap ? 1.0 : steep * 2.0 * shape_.rows / shape_.columns) * (box.end.column - box.first.column);
+    const int high = box.end.row - box.first.row;
+    if (box.end.column - box.first.column > 1 && (wide >= high || high == 1)) {
+      const int half = (box.first.column + box.end.column) / 2;
+      return part([=](const Corner& corner) { return corner.column < half; });
+    }
+    const int half = (box.first.row + box.end.row) / 2;
+    return part([=](const Corner& corner) { return corner.row < half; });
+  }
+
+  void build(std::size_t index, std::size_t first, std::size_t end) {
+    bound(lights_.nodes_[index], first, end);
+    if (end - first == 1) {
+      const BrightTexel& texel = *places_[first].texel;
+      const auto smooth = static_cast<int>(samples_.size());
+      add_points(texel, shape_, smooth_, samples_);
+      const auto cut = static_cast<int>(cut_.size());
+      add_parts(texel, shape_, parts_, cut_);
+      lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
+      lights_.nodes_[index].parts = {cut, static_cast<int>(cut_.size()) - cut};
+      return;
+    }
+    const Box box = box_of(first, end);
+    const std::size_t middle = parted(box, first, end);
+    std::array<int, 2> children{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      children[k] = static_cast<int>(lights_.nodes_.size());
+      lights_.nodes_.emplace_back();
+      build(static_cast<std::size_t>(children[k]), k == 0 ? first : middle, k == 0 ? middle : end);
+    }
+    lights_.nodes_[index].children = children;
+    merge(lights_.nodes_[index], box);
+  }
+
+  void merge(BrightLights::Node& node, const Box& box) {
+    const BrightLights::Node& a = lights_.nodes_[static_cast<std::size_t>(node.children[0])];
+    const BrightLights::Node& b = lights_.nodes_[static_cast<std::size_t>(node.children[1])];
+    if (a.smooth.count == 0 || b.smooth.count == 0) return;
+    const bool exact = a.merged == 0.0 && b.merged == 0.0 && a.smooth.first + a.smooth.count == b.smooth.first;
+    if (exact && a.smooth.count + b.smooth.count <= kOrder * kOrder) {
+      node.smooth = {a.smooth.first, a.smooth.count + b.smooth.count};
+      return;
+    }
+    const bool many_turns = !shape_.cubemap && box.end.column - box.first.column > kMostTurns * shape_.columns;
+    if (box.end.face - box.first.face > 1 || many_turns) return;
+    const double radius = std::max(node.radius, radius_of(node, box));
+    if (radius > kWidest) return;
+    node.merged = radius;
+    lights_.most_merged_ = std::max(lights_.most_merged_, radius);
+    const auto first = static_cast<int>(samples_.size());
+    const double half_wide = 0.5 * (box.end.column - box.first.column);
+    const double half_high = 0.5 * (box.end.row - box.first.row);
+    for (int j = 0; j < kOrder; ++j) {
+      for (int i = 0; i < kOrder; ++i) {
+        samples_.push_back({box.first.face,
+                            box.first.column + half_wide * (1.0 + rule_.nodes[i]),
+                            box.first.row + half_high * (1.0 + rule_.nodes[j]),
+                            {}});
+      }
+    }
+    for (const LobeRun& run : {a.smooth, b.smooth}) {
+      for (int k = run.first; k < run.first + run.count; ++k) {
+        const Sample from = samples_[static_cast<std::size_t>(k)];
+        const auto across = shares((from.column - box.first.column) / half_wide - 1.0);
+        const auto down = shares((from.row - box.first.row) / half_high - 1.0);
+        for (std::size_t j = 0; j < kOrder; ++j) {
+          for (std::size_t i = 0; i < kOrder; ++i) {
+            Sample& to = samples_[static_cast<std::size_t>(first) + j * kOrder + i];
+            for (std::size_t c = 0; c < 3; ++c) to.light[c] += across[i] * down[j] * from.light[c];
+          }
+        }
+      }
+    }
+    node.smooth = {first, kOrder * kOrder};
+  }
+
+  /// Distance from its centre to the farthest corner or middle of an edge of the box, which the rule's points fill: its
+  /// light may lie along a diagonal.
+  [[nodiscard]] double radius_of(const BrightLights::Node& node, const Box& box) const {
+    const glm::dvec3 centre(node.centre[0], node.centre[1], node.centre[2]);
+    double most = 0.0;
+    for (const double x : {0.0, 0.5, 1.0}) {
+      for (const double y : {0.0, 0.5, 1.0}) {
+        const glm::dvec3 place =
+            direction_at(shape_, box.first.face, box.first.column + x * (box.end.column - box.first.column),
+                         box.first.row + y * (box.end.row - box.first.row));
+        most = std::max(most, glm::length(place - centre));
+      }
+    }
+    return most;
+  }
+
+  /// The Lagrange polynomials of the rule's nodes.
+  [[nodiscard]] std::array<double, kOrder> shares(double at) const {
+    std::array<double, kOrder> all{};
+    for (int i = 0; i < kOrder; ++i) {
+      double share = 1.0;
+      for (int k = 0; k < kOrder; ++k) {
+        if (k != i) share *= (at - rule_.nodes[k]) / (rule_.nodes[i] - rule_.nodes[k]);
+      }
+      all[static_cast<std::size_t>(i)] = share;
+    }
+    return all;
+  }
+
+  PictureShape shape_;
+  BrightLights& lights_;
+  math::GaussRule rule_;
+  int smooth_ = 2;
+  int parts_ = 2;
+  std::vector<Place> places_;
+  std::vector<Sample> samples_;
+  std::vector<Sample> cut_;
+};
+
+BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
+                           double reach)
+    : far_(kFar * std::sqrt(std::sqrt(math::exponential(std::max(0.0, reach - kDefaultReach))))) {
+  if (texels.empty()) return;
+  const int cuts = cuts_of(shape, least_alpha, texels.size());
+  if (cuts == 1) {
+    LightTree(texels, shape, least_alpha, *this);
+  } else {
+    LightTree(cut_texels(texels, shape, cuts), {shape.cubemap, cuts * shape.columns, cuts * shape.rows}, least_alpha,
+              *this);
+  }
+}
+
+std::size_t BrightLights::bytes() const noexcept {
+  return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight);
+}
+
+}  // namespace welkin::reflections

@@ -1,0 +1,159 @@
+// Promise: bright texels are found whole, and the lights that stand for them, merged or cut by the horizon, give what
+// their areas give.
+
+#include "reflections/bright_lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "image/geometry.h"
+#include "reflections/lobe.h"
+#include "reflections/prefilter_support.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+
+namespace welkin::test {
+namespace {
+
+constexpr double kReach = 9.25;
+
+/// Texels of a disc on a lat-long of 1024 x 512 or the fifth face of a cubemap of 256, another colour on each side, and
+/// one near the edge a thousand times as bright.
+std::vector<reflections::BrightTexel> disc(const reflections::PictureShape& shape, int radius) {
+  std::vector<reflections::BrightTexel> texels;
+  std::vector<double> angles(static_cast<std::size_t>(shape.columns));
+  for (int row = 100 - radius; row <= 100 + radius; ++row) {
+    for (int column = 130 - radius; column <= 130 + radius; ++column) {
+      if (std::hypot(row - 100, column - 130) > radius) continue;
+      reflections::BrightTexel texel;
+      texel.row = shape.cubemap ? 4 * shape.columns + row : row;
+      texel.column = column;
+      texel.excess = {1.0F, column < 130 ? 1.0F : 0.25F, 1.0F + 0.01F * static_cast<float>(row % 7)};
+      if (row == 94 && column == 136) texel.excess = {1000.0F, 1000.0F, 1000.0F};
+      if (shape.cubemap) image::cubemap_row_solid_angles(row, angles);
+      texel.steradians = shape.cubemap ? angles[static_cast<std::size_t>(column)]
+                                       : image::lat_long_texel_solid_angle(shape.columns, shape.rows, row);
+      texels.push_back(texel);
+    }
+  }
+  return texels;
+}
+
+/// The lobe's integral over the texels, each cut in 8 x 8, in double.
+glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const reflections::PictureShape& shape,
+                    double alpha, const glm::dvec3& direction) {
+  constexpr int cuts = 8;
+  glm::dvec3 sum(0.0);
+  for (const reflections::BrightTexel& texel : texels) {
+    double light = 0.0;
+    double whole = 0.0;
+    for (int k = 0; k < cuts * cuts; ++k) {
+      const double column = texel.column + (k % cuts + 0.5) / cuts;
+      const double row = (shape.cubemap ? texel.row % shape.columns : texel.row) + (k / cuts + 0.5) / cuts;
+      const glm::dvec3 place = shape.cubemap
+                                   ? image::face_direction(shape.columns, texel.row / shape.columns, column, row)
+                                   : image::lat_long_direction(shape.columns, shape.rows, column, row);
+      const double u = 2.0 * column / shape.columns - 1.0;
+      const double v = 2.0 * row / shape.columns - 1.0;
+      const double density = shape.cubemap ? std::pow(1.0 + u * u + v * v, -1.5) : std::sqrt(1.0 - place.y * place.y);
+      light += density * reflections::lobe(glm::dot(place, direction), alpha);
+      whole += density;
+    }
+    for (int c = 0; c < 3; ++c)
+      sum[c] += light / whole * texel.steradians * static_cast<double>(texel.excess[static_cast<std::size_t>(c)]);
+  }
+  return sum / reflections::lobe_integral(alpha);
+}
+
+}  // namespace
+
+TEST_CASE("Lights that are merged give what their texels give", "[specular][bright]") {
+  for (const reflections::PictureShape& shape :
+       {reflections::PictureShape{false, 1024, 512}, reflections::PictureShape{true, 256, 256}}) {
+    const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
+    const reflections::BrightLights lights(texels, shape, 0.012, kReach);
+    for (const double alpha : {0.012, 0.05, 0.4, 1.0}) {
+      constexpr int size = 64;
+      std::vector<float> pixels(std::size_t{18} * size * size, 0.0F);
+      std::array<float*, 6> faces{};
+      for (std::size_t face = 0; face < 6; ++face) faces[face] = pixels.data() + 3 * face * size * size;
+      lights.add({alpha}, size, faces, {});
+      const std::vector<glm::dvec3> all = centres(size);
+      const auto largest = static_cast<double>(*std::ranges::max_element(pixels));
+      double squares = 0.0;
+      double whole = 0.0;
+      double worst = 0.0;
+      for (std::size_t k = 0; k < all.size(); k += 29) {
+        const glm::dvec3 truth = truth_of(texels, shape, alpha, all[k]);
+        for (int c = 0; c < 3; ++c) {
+          const double off = std::abs(static_cast<double>(pixels[3 * k + static_cast<std::size_t>(c)]) - truth[c]);
+          squares += off * off;
+          whole += truth[c] * truth[c];
+          // Where the horizon leaves a sliver of the disc, the truth's own points are coarse.
+          if (truth[c] > 1e-3 * largest) worst = std::max(worst, off / truth[c]);
+        }
+      }
+      CAPTURE(shape.cubemap, alpha);
+      CHECK(std::sqrt(squares / whole) < 5e-4);
+      CHECK(std::sqrt(squares / whole) < 4.0 * lights.error(alpha) / std::sqrt(whole / (6.0 * size * size / 29.0)));
+      CHECK(worst < 1e-2);
+    }
+  }
+}
+
+TEST_CASE("A cut light gives the mean of what is above", "[specular][bright]") {
+  const double half = 0.01;
+  for (const double turn : {0.0, 0.3, 0.785}) {
+    for (const double height : {-0.013, -0.008, -0.002, 0.0, 0.003, 0.009, 0.02}) {
+      const glm::dvec3 middle = glm::normalize(glm::dvec3(height, 0.0, 1.0));
+      const glm::dvec3 along(half * std::cos(turn), half * std::sin(turn), 0.0);
+      const glm::dvec3 down(-half * std::sin(turn), half * std::cos(turn), 0.0);
+      reflections::CutLight light{};
+      light.light = {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z), 1, 1, 1};
+      for (int axis = 0; axis < 3; ++axis) {
+        light.along[axis] = static_cast<float>(along[axis]);
+        light.down[axis] = static_cast<float>(down[axis]);
+      }
+      light.least = 2e-4F;
+      // A texel along +x, alpha 1: the lobe is the cosine.
+      const std::array<float, reflections::kLobeTexels> zeros{};
+      const reflections::LobeBlock block{
+          {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, zeros.data(), zeros.data(), reflections::kLobeTexels, 1.0F, 0.0F, 0.0F};
+      std::array<float, 3 * reflections::kLobeTexels> sums{};
+      const reflections::LobeRun run{0, 1};
+      reflections::lobe_kernels().sum_cut_lobes(block, &light, &run, 1, sums.data());
+      double truth = 0.0;
+      constexpr int parts = 400;
+      for (int k = 0; k < parts * parts; ++k) {
+        const double s = 2.0 * (k % parts + 0.5) / parts - 1.0;
+        const double t = 2.0 * (k / parts + 0.5) / parts - 1.0;
+        truth += std::max(0.0, middle.x + s * along.x + t * down.x) / (parts * parts);
+      }
+      CAPTURE(turn, height);
+      CHECK(std::abs(static_cast<double>(sums[0]) - truth) < 2e-6);
+    }
+  }
+}
+
+TEST_CASE("A disc is taken out with its edge, whatever the number of its texels", "[specular][bright]") {
+  TestLatLong image = make_lat_long(Content::uniform, 512, 256, 0);
+  for (float& channel : image.pixels) channel = 0.1F;
+  std::size_t count = 0;
+  for (int row = 50; row < 90; ++row) {
+    for (int column = 0; column < 512; ++column) {
+      if (std::hypot(row - 70, (column + 200) % 512 - 210) > 15.5) continue;
+      std::fill_n(image.pixels.begin() + 3 * (row * 512 + column), 3, 1e5F);
+      ++count;
+    }
+  }
+  const projection::SanitizedSource source(image.view(), {}, {});
+  const auto found = reflections::find_bright_texels(source, 0.03, reflections::kMostBright, {});
+  CHECK(count > 700);
+  CHECK(found.size() == count);
+  for (const float value : reflections::pixels_without(found, source)) REQUIRE(value <= 0.11F);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,125 @@
+// A cubemap's light on rings of latitude: the same harmonics, whatever the sizes.
+#include "reflections/ring_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "reflections/ring_kernels.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/sanitized.h"
+#include "support/test_environments.h"
+#include "welkin/core.h"
+#include "welkin/projection.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+namespace {
+
+using reflections::kRecordFloats, reflections::kRingImages, reflections::RingTable, reflections::RingTap;
+
+LatLongImage rings_of(const CubemapView& cube, int rows) {
+  LatLongImage rings{2 * rows, rows, std::vector<float>(std::size_t{6} * static_cast<std::size_t>(rows * rows))};
+  RingTable({cube.size, rows}).fill(cube, rings.pixels.data(), {});
+  return rings;
+}
+
+double largest_difference(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  double largest = 0.0;
+  for (int l = 0; l < a.bands(); ++l) {
+    for (int m = -l; m <= l; ++m) {
+      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(a.at(l, m)[c] - b.at(l, m)[c]));
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("Rings of latitude have a cubemap's harmonics", "[prefilter][rings]") {
+  for (const int size : {1, 2, 3, 6, 9, 40}) {
+    for (const int rows : {64, 180}) {
+      CAPTURE(size, rows);
+      const TestCubemap cube = make_cubemap(Content::random, size, 3, 7);
+      const LatLongImage rings = rings_of(cube.view(), rows);
+      const auto harmonics = [](const auto& view) { return project(view, {.bands = 9}).radiance; };
+      // degree 8: (l h)^4 is 0.024 on 64 rings, 4e-4 on 180
+      CHECK(largest_difference(harmonics(rings.view()), harmonics(cube.view())) < (rows == 64 ? 2e-4 : 1e-6));
+    }
+  }
+}
+
+TEST_CASE("Sums of a ring's taps are the same on all instruction sets", "[prefilter][rings][kernels]") {
+  constexpr int kRecords = 7;
+  constexpr int kTexels = 5;
+  alignas(64) std::array<float, std::size_t{kRecords} * kRecordFloats> records{};
+  for (std::size_t k = 0; k < records.size(); ++k) records[k] = static_cast<float>(k * 37 % 101) / 101.0F;
+  std::vector<RingTap> taps;
+  std::vector<std::uint32_t> ends{0};
+  for (std::uint32_t texel = 0; texel < kTexels; ++texel) {
+    for (std::uint32_t k = 0; k < texel; ++k)
+      taps.push_back({(3 * k + texel) % kRecords, 0.3F - 0.07F * static_cast<float>(k)});
+    ends.push_back(static_cast<std::uint32_t>(taps.size()));
+  }
+  for (const InstructionSet set : available_instruction_sets()) {
+    std::array<float, std::size_t{kTexels} * kRecordFloats> out{};
+    reflections::RingPlacesInMemory places{};
+    for (int k = 0; k < kRingImages; ++k) {
+      const bool back = k % 2 == 1;
+      places.to[k] = out.data() + 3 * kTexels * k + (back ? 3 * (kTexels - 1) : 0);
+      places.step[k] = back ? -3 : 3;
+    }
+    reflections::ring_kernels(set).sum_ring_taps({records.data(), taps.data(), ends.data(), kTexels}, places);
+    for (int image = 0; image < kRingImages; ++image) {
+      for (int texel = 0; texel < kTexels; ++texel) {
+        for (int c = 0; c < 3; ++c) {
+          double exact = 0.0;
+          float sum = 0.0F;
+          for (std::uint32_t k = ends[static_cast<std::size_t>(texel)]; k < ends[static_cast<std::size_t>(texel) + 1];
+               ++k) {
+            const float value =
+                records[std::size_t{taps[k].record} * kRecordFloats + static_cast<std::size_t>(3 * image + c)];
+            exact += static_cast<double>(taps[k].weight) * static_cast<double>(value);
+            const float product = taps[k].weight * value;
+            sum += product;
+          }
+          const int place = image % 2 == 1 ? kTexels - 1 - texel : texel;
+          const float found = out[static_cast<std::size_t>(3 * (kTexels * image + place) + c)];
+          REQUIRE(found == sum);
+          REQUIRE(std::abs(static_cast<double>(found) - exact) < 3e-7);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("Tables of rings are only made where they can be kept", "[prefilter][rings]") {
+  CHECK(RingTable::serves({2, 256}));
+  CHECK(!RingTable::serves({257, 960}));
+  CHECK(RingTable::serves({512, 960}));
+  CHECK(!RingTable::serves({4096, 960}));
+  CHECK(!RingTable::serves({64, 258}));
+  CHECK(!RingTable::serves({64, 12}));
+  const auto table = RingTable::get({16, 256});
+  CHECK(table == RingTable::get({16, 256}));
+  CHECK(table->bytes() > 1000);
+}
+
+TEST_CASE("Making a table of rings takes no more memory than it says", "[prefilter][rings]") {
+  if (kSanitized) return;
+  for (const reflections::RingTableKey key : {reflections::RingTableKey{2, 256}, {16, 64}, {64, 540}, {256, 540}}) {
+    INFO("faces of " << key.face_size << ", " << key.rows << " rings");
+    const HeapWatch heap;
+    const RingTable table(key);
+    const auto said = static_cast<long>(RingTable::making_bytes(key));
+    CHECK(static_cast<long>(table.bytes()) <= heap.peak_bytes());
+    CHECK(heap.peak_bytes() <= said);
+    CHECK(said <= 4 * heap.peak_bytes());
+  }
+}
+
+}  // namespace welkin::test
