@@ -17,7 +17,6 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kLanes = simd::kLanes;
 constexpr int kGroupsPerTile = 8;
 constexpr int kClose = 2;  ///< texels to either side that are integrated in closed form

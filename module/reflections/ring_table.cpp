@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <deque>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -21,7 +20,6 @@ namespace {
 
 constexpr int kSpread = RingTable::kSpread;
 constexpr int kMiddle = kSpread / 2;
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kCacheBytes = std::size_t{128} << 20U;
 constexpr std::size_t kLargestTable = std::size_t{64} << 20U;
 constexpr int kLeastRows = 16;

@@ -50,7 +50,7 @@ TEST_CASE("upload: every texel is where the layout says, and nothing else is tou
     const CubemapChain chain = random_chain(size, full_chain_levels(size));
     for (const TexelFormat format : kFormats) {
       for (const UploadOrder order : {UploadOrder::level_by_level, UploadOrder::face_by_face}) {
-        for (const std::uint64_t alignment : {1, 256}) {
+        for (const std::uint64_t alignment : {1U, 256U}) {
           INFO(size << ' ' << static_cast<int>(format) << ' ' << static_cast<int>(order) << ' ' << alignment);
           const UploadLayout layout{format, size, chain.levels(), order, alignment, 2 * alignment};
           std::vector<std::byte> memory(upload_bytes(layout) + 64, kUntouched);

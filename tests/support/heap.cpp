@@ -117,6 +117,12 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
   return next(size, alignment);
 }
 
+#if defined(__SANITIZE_ADDRESS__) && defined(__clang__)
+// With clang the sanitizer is part of the program, and what comes next after the operators above is libstdc++'s, which
+// take from malloc what the sanitizer's operator delete is given.
+extern "C" const char* __asan_default_options() { return "alloc_dealloc_mismatch=0"; }  // NOLINT: a name it looks for
+#endif
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 // The same with malloc; glibc's own names still lead to the real one. libstdc++'s operator new comes through here too.
