@@ -6,7 +6,6 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "projection/project.h"
 #include "welkin/core.h"
@@ -14,8 +13,6 @@
 #include "welkin/projection.h"
 
 namespace welkin::projection {
-
-class TexelWeights;
 
 /// `cubemap` and `options` have been checked; `options.target_size` is none or below the cubemap's size, and then
 /// averages by solid angle. Throws `Error` (rejected_pixel, cancelled).
@@ -38,38 +35,11 @@ using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 /// Adds the error estimate and the passes, "project" without its time being the last.
 void describe_projection(Projection& projection, int size, const ProjectionOptions& options);
 
-/// Many small cubemaps: each is projected whole by one thread, with the bits of `project`, and without the heap.
-///
-/// Name the sizes that occur (`prepare`), then say how many threads there are (`make_rooms`), then project.
-class SmallCubemaps {
- public:
-  /// `options` have been checked. `one_of_many`: most pixels must come from memory, and are asked for ahead.
-  SmallCubemaps(const ProjectionOptions& options, bool one_of_many);
-  ~SmallCubemaps();
-  SmallCubemaps(const SmallCubemaps&) = delete;
-  SmallCubemaps& operator=(const SmallCubemaps&) = delete;
+/// The diagnostics of six faces of `size`, but for the passes and the error estimate.
+[[nodiscard]] ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
+                                                        const SanitizeRecord& record);
 
-  /// Whether they take cubemaps of that size: those that `project` itself leaves to the calling thread, but for the
-  /// midpoint rule's reductions, which need memory of their own.
-  [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept;
-
-  void prepare(int size);
-  void make_rooms(std::size_t workers);
-
-  /// Writes bands^2 coefficients. A texel that a policy rejects is left in `record`. Different workers may project at
-  /// the same time. Allocates nothing.
-  [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker,
-                                              std::span<glm::dvec3> radiance, SanitizeRecord& record) const;
-
- private:
-  struct Room;
-
-  [[nodiscard]] ProjectionOptions options_at(int size) const;
-
-  ProjectionOptions options_;
-  bool one_of_many_;
-  std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size
-  std::vector<std::unique_ptr<Room>> rooms_;                  ///< of each worker
-};
+/// The error estimate that such a projection of six faces of `size` has.
+[[nodiscard]] double estimated_error(int size, std::span<const glm::dvec3> radiance, const ProjectionOptions& options);
 
 }  // namespace welkin::projection

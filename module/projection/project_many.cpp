@@ -1,8 +1,10 @@
 // Many cubemaps in one call: small ones side by side, each in one thread; large ones by all threads.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,9 +15,13 @@
 #include "jobs/many.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "projection/chunk_projection.h"
 #include "projection/cubemap_projection.h"
 #include "projection/project.h"
 #include "projection/sanitizer.h"
+#include "projection/strip_projection.h"
+#include "projection/texel_weights.h"
+#include "transform/frame_transform.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
@@ -29,7 +35,10 @@ constexpr std::int64_t kTexelsPerTile = 49'152;
 /// So many probes are more than a cache holds, as a rule.
 constexpr std::size_t kMany = 16;
 
-std::int64_t texels_of(const CubemapView& probe) { return std::int64_t{6} * probe.size * probe.size; }
+constexpr std::array<int, 6> kAllFaces{0, 1, 2, 3, 4, 5};
+
+std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
+std::int64_t texels_of(const CubemapView& probe) { return texels_of(probe.size); }
 
 }  // namespace
 
@@ -45,6 +54,99 @@ void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one) {
 }
 
 namespace {
+
+/// Small cubemaps: each is projected whole by one thread, with the bits of `project`, and without the heap.
+///
+/// Name the sizes that occur (`prepare`), then say how many threads there are (`make_rooms`), then project.
+class SmallCubemaps {
+ public:
+  /// `one_of_many`: most pixels must come from memory, and are asked for ahead.
+  SmallCubemaps(const ProjectionOptions& options, bool one_of_many)
+      : options_(options), sanitizer_(options.pixels), one_of_many_(one_of_many) {
+    // Shared tables are built here, not inside a tile.
+    for (const int face : kAllFaces) static_cast<void>(transforms::face_transform(face, options.bands));
+  }
+
+  /// Whether they take cubemaps of that size: those that `project` itself leaves to the calling thread, but for the
+  /// midpoint rule's reductions, which need memory of their own.
+  [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept {
+    if (options.quadrature == Quadrature::midpoint && effective_target(size, options)) return false;
+    return jobs::placement_for(texels_of(size)) == jobs::Placement::calling_thread &&
+           !StripProjection::serves(size, options);
+  }
+
+  void prepare(int size) {
+    const auto at = static_cast<std::size_t>(size);
+    if (weights_.size() <= at) weights_.resize(at + 1);
+    if (!weights_[at]) weights_[at] = TexelWeights::get(weights_key(size, options_at(size)));
+  }
+
+  void make_rooms(std::size_t workers) {
+    std::size_t weight_floats = 0;
+    for (const auto& weights : weights_) weight_floats = std::max(weight_floats, weights ? weights->scratch_size() : 0);
+    rooms_.clear();
+    rooms_.reserve(workers);
+    while (rooms_.size() < workers) rooms_.emplace_back(options_.bands * options_.bands, weight_floats);
+  }
+
+  /// Writes bands^2 coefficients. A texel that a policy rejects is left in `record`. Different workers may project at
+  /// the same time. Allocates nothing.
+  [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker, std::span<dvec3> radiance,
+                                              SanitizeRecord& record) {
+    Room& room = rooms_[worker];
+    const ProjectionOptions options = options_at(cubemap.size);
+    const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
+    const ChunkProjection chunks(cubemap, options, kAllFaces, sanitizer_, weights, one_of_many_);
+    std::fill(room.sums.begin(), room.sums.end(), 0.0);
+    for (int tile = 0; tile < ChunkProjection::tile_count(weights); ++tile) {
+      record.add(add_tile(chunks, tile, weights.place().data(), room));
+    }
+    const std::size_t functions = radiance.size();
+    for (std::size_t f = 0; f < functions; ++f) {
+      radiance[f] = {room.sums[f], room.sums[functions + f], room.sums[2 * functions + f]};
+    }
+    ProjectionDiagnostics diagnostics = cubemap_diagnostics(cubemap.size, radiance, record);
+    diagnostics.error_estimate = estimated_error(cubemap.size, radiance, options);
+    return diagnostics;
+  }
+
+ private:
+  /// What a worker needs.
+  struct Room {
+    Room(int functions, std::size_t weight_floats)
+        : scratch(functions, weight_floats), slot(static_cast<std::size_t>(3 * functions)), sums(slot.size()) {}
+
+    ChunkProjection::Scratch scratch;
+    std::vector<double> slot;  ///< of a tile, [3][functions]
+    std::vector<double> sums;  ///< of all, likewise
+  };
+
+  [[nodiscard]] ProjectionOptions options_at(int size) const {
+    ProjectionOptions options = options_;
+    options.target_size = effective_target(size, options_);
+    return options;
+  }
+
+  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* place, Room& room) const {
+    std::fill(room.slot.begin(), room.slot.end(), 0.0);
+    SanitizeRecord of_tile;
+    chunks.sum_tile(tile, room.scratch);
+    for (const int face : kAllFaces) {
+      SanitizeRecord of_face;
+      const std::span<const double> sums = chunks.face_sums(tile, face, room.scratch, of_face);
+      transforms::face_transform(face, options_.bands).add(sums.data(), place, room.slot.data());
+      of_tile.add(of_face);
+    }
+    for (std::size_t k = 0; k < room.sums.size(); ++k) room.sums[k] += room.slot[k];
+    return of_tile;
+  }
+
+  const ProjectionOptions& options_;
+  Sanitizer sanitizer_;
+  bool one_of_many_;
+  std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size
+  std::vector<Room> rooms_;                                   ///< of each worker
+};
 
 /// Probes that follow each other and are projected in one tile; or one large probe.
 struct Group {

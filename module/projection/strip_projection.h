@@ -23,7 +23,7 @@ namespace welkin::projection {
 
 class StripProjection {
  public:
-  /// Whether strips can do it; else chunks (cubemap_projection.cpp) do.
+  /// Whether strips can do it; else chunks (chunk_projection.h) do.
   [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept;
   [[nodiscard]] static int tile_count(int size) noexcept;
 

@@ -42,6 +42,10 @@ math::TableCache<TexelWeightsKey, TexelWeights>& cache() {
 
 }  // namespace
 
+TexelWeightsKey weights_key(int size, const ProjectionOptions& options) noexcept {
+  return {size, options.bands, options.quadrature == Quadrature::midpoint, options.target_size.value_or(size)};
+}
+
 std::shared_ptr<const TexelWeights> TexelWeights::get(const TexelWeightsKey& key) {
   return cache().get(key, [&] { return std::make_shared<const TexelWeights>(key); });
 }

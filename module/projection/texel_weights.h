@@ -13,6 +13,7 @@
 #include "math/quadrature.h"
 #include "platform/memory.h"
 #include "projection/projection_kernels.h"
+#include "welkin/projection.h"
 
 namespace welkin::projection {
 
@@ -25,6 +26,9 @@ struct TexelWeightsKey {
 
   bool operator==(const TexelWeightsKey&) const = default;
 };
+
+/// What the projection of faces of `size` needs.
+[[nodiscard]] TexelWeightsKey weights_key(int size, const ProjectionOptions& options) noexcept;
 
 /// Part of a face's top left quadrant; stands for its three mirror images too.
 struct QuadrantChunk {
