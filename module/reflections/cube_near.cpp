@@ -234,7 +234,7 @@ class CubeNear {
 
 }  // namespace
 
-/// The near part's share is made exact: what even light gives must not depend on how a window ends.
+// The near part's share is made exact: what even light gives must not depend on how a window ends.
 void add_cubemap_near(const NearPart& part, const SplitLobe& lobe, const Control& control) {
   const Work work{part.source, part.split, lobe, narrow_kernels()};
   const Outputs outputs(part.size);

@@ -43,13 +43,12 @@ struct GaussianGroup {
 using WeighGaussians = void (*)(const GaussianLobe& lobe, const GaussianReach& reach, const GaussianGroup& group,
                                 int rows, int columns, float* lines, float* weights, float* sums);
 
-/// The same near a pole, exactly at any distance of it. Angles are halves, as on a lat-long's grid of
-/// `narrow_kernels.h`.
+/// The same near a pole, where shares are found without that approximation, at any distance from the pole.
 struct PolarGroup {
-  float sine_of_part[simd::kLanes];  ///< of the place within its column
+  float sine_of_part[simd::kLanes];  ///< of half the angle from the column's first line to the place, in longitude
   float cosine_of_part[simd::kLanes];
-  float part_row[simd::kLanes];
-  float row[simd::kLanes];  ///< whole
+  float part_row[simd::kLanes];  ///< of the place within its texel, 0 to 1
+  float row[simd::kLanes];       ///< that texel's
   float sine_latitude[simd::kLanes];
   float cosine_latitude[simd::kLanes];
   float down;        ///< height of a row, radians

@@ -424,7 +424,7 @@ void LatLongNear::add_run(const float* texels, int column, int columns, const fl
 
 }  // namespace
 
-/// The near part's share is made exact: what even light gives must not depend on how a window ends.
+// The near part's share is made exact: what even light gives must not depend on how a window ends.
 void add_lat_long_near(const NearPart& part, const GaussianLobe& gaussians, const Control& control) {
   const LatLongNear near(part, gaussians);
   const std::int64_t groups = near.groups();

@@ -41,10 +41,9 @@ NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept {
     split.rows = rows;
     return split;
   }
-  const double least = kLeastBands / kBandsPerColumn;
-  const double whole = std::max(fine, least);
-  split.columns = columns * parts_of(columns, cubemap ? whole / kPi : whole);
-  split.rows = rows * parts_of(rows, cubemap ? whole / kPi : 0.5 * whole);
+  const double along_face = std::max(fine, kLeastBands / kBandsPerColumn) / kPi;
+  split.columns = columns * parts_of(columns, along_face);
+  split.rows = rows * parts_of(rows, along_face);
   split.split = static_cast<double>(split.bands) * split.bands / kEnd;
   split.largest_far = split.split;
   split.reach = 2.0 * std::sqrt(kCut / split.split);

@@ -13,15 +13,14 @@
 
 namespace welkin::reflections {
 
-/// Where lobes are split, for a source. Large texels count as several small ones, so that the far part changes little
-/// over each.
+/// Where lobes are split, for a source.
 struct NarrowSplit {
   int bands = 0;             ///< of the far part
-  double split = 0.0;        ///< the t above; of lat-longs the first Gaussian's that is near
-  double largest_far = 0.0;  ///< t of the narrowest Gaussian that is far
+  double split = 0.0;        ///< the t above; of lat-longs that of the widest Gaussian in the near part
+  double largest_far = 0.0;  ///< of cubemaps `split`; of lat-longs the t of the narrowest Gaussian in the far part
   double reach = 0.0;        ///< radians, of cubemaps: the near part beyond is below a thousandth of the lobe there
-  int columns = 0;           ///< small texels along a row (of a face)
-  int rows = 0;              ///< and down a column (of a face)
+  int columns = 0;           ///< the source's, or a face's; large texels of a cubemap count as several small ones,
+  int rows = 0;              ///< so that the far part changes little over each
 };
 /// `rows`, `columns`: of a lat-long, or of a cubemap's face.
 [[nodiscard]] NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept;

@@ -106,14 +106,5 @@ WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
   _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7)));
 }
 
-/// 16 texels of packed RGB in the reversed order.
-WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) { reverse_rgb_by_texels(texels, reversed); }
-
-/// Adds on the units that multiply where there is such an instruction (vec_avx512.h); here it adds.
-struct Adder {
-  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): it is none where there is such an instruction
-  [[nodiscard]] WELKIN_INLINE Lanes add(Lanes a, Lanes b) const { return a + b; }
-};
-
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

@@ -51,13 +51,26 @@ WELKIN_INLINE void store_rgb(Quad values, float* rgb) {
   _mm_store_ss(rgb + 2, _mm_movehl_ps(values, values));
 }
 
-/// 16 texels of packed RGB in the reversed order, one after the other.
-WELKIN_INLINE void reverse_rgb_by_texels(const float* texels, float* reversed) {
+// Where AVX-512 has instructions of its own for it (vec_avx512.h), the others have none.
+#ifndef __AVX512F__
+
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
   for (int k = 0; k < kLanes; ++k) {
     const float* const from = texels + 3 * (kLanes - 1 - k);
     for (int c = 0; c < 3; ++c) reversed[3 * k + c] = from[c];
   }
 }
+
+/// Adds.
+struct Adder {
+  template <class Register>  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): AVX-512's is none
+  [[nodiscard]] WELKIN_INLINE Register add(Register a, Register b) const {
+    return a + b;
+  }
+};
+
+#endif
 
 WELKIN_INLINE void transpose(Quad (&rows)[4]) {
   __m128 a = rows[0];
