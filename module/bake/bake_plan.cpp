@@ -10,8 +10,11 @@
 
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
+#include "jobs/tiles.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
+#include "reflections/bright_lights.h"
+#include "reflections/bright_texels.h"
 #include "reflections/far_parts.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter.h"
@@ -107,27 +110,58 @@ reflections::NarrowSplit split_of(const SourceShape& source) {
   return reflections::split_for(source.cubemap, source.columns, source.cubemap ? source.columns : source.rows);
 }
 
-/// Of narrow mips: a spectrum of its own, and some grids.
+reflections::PictureShape picture_of(const SourceShape& source) {
+  return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
+}
+
+/// Of narrow mips: a spectrum of its own, some grids, and of lat-longs lights, a copy without them and whole rows of
+/// weights beside the poles.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const reflections::NarrowSplit split = split_of(source);
   const int rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : source.rows;
   std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
-  if (source.cubemap) bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
-  return bytes + reflections::far_alphas(split, plan.narrow_alphas).size() *
-                     grid_bytes(split.bands, reflections::grid_of_far_part(source.cubemap, split));
+  if (source.cubemap) {
+    bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
+  } else {
+    const double sharpest = reflections::sharpest_far_lobe(split);
+    const reflections::BrightSearch search = reflections::search_for_bright_texels(
+        false, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
+    const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+    const auto mips =
+        static_cast<std::size_t>(std::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method));
+    if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
+    bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
+                                                   reflections::kFarLights * sharpest, workers);
+    bytes += std::min(mips, workers) * workers * reflections::lat_long_room_bytes(split);
+  }
+  const std::size_t far_parts = reflections::far_alphas(split, plan.narrow_alphas).size();
+  for (const reflections::MipPlan& mip : plan.mips) {
+    if (mip.method == MipMethod::narrow && far_parts > 1) bytes += kTexelBytes * 6 * squared(mip.size);
+  }
+  return bytes + far_parts * grid_bytes(split.bands, reflections::grid_of_far_part(source.cubemap, split));
+}
+
+/// Of the transform that spectral mips share, and of the lights beside it.
+std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
+  const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
+  std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
+                        squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
+  if (source.cubemap) bytes += reflections::cube_rings_bytes(source.columns, rings);
+  const reflections::BrightSearch search = reflections::search_for_bright_texels(
+      source.cubemap, source.columns, source.rows, plan.least_alpha, reflections::kMostBright);
+  if (search.texels == 0) return bytes;
+  if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
+  return std::max<std::uint64_t>(bytes, search.bytes) +
+         reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.least_alpha,
+                                               jobs::worker_count(jobs::Placement::arena));
 }
 
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const bool sampled = plan.uses(MipMethod::sampled);
   std::uint64_t bytes = 0;
-  const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
-  const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
-  if (plan.bands > 0) {
-    if (source.cubemap) bytes += reflections::cube_rings_bytes(source.columns, rings);
-    bytes += kTexelBytes * ring_texels + columns_bytes(plan.bands, rings);
-    bytes += squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
-  }
+  if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
+#include <mutex>
 #include <numbers>
 
 #include "image/geometry.h"
@@ -103,11 +105,16 @@ struct BrightLights::Area {
   int end_row;
 };
 
-/// What a worker needs for one area. Room for all nodes: nothing is allocated inside tiles.
+/// What a worker needs for one area. Nothing is allocated inside tiles: nodes in a list have no leaf in common, so that
+/// there is room for one of each leaf.
 struct BrightLights::Room {
-  explicit Room(std::size_t nodes) {
-    for (std::vector<int>* list : {&stack, &cut}) list->reserve(nodes + 1);
-    for (std::vector<LobeRun>* list : {&runs, &parts}) list->reserve(nodes + 1);
+  explicit Room(std::size_t leaves) {
+    for (std::vector<int>* list : {&stack, &cut}) list->reserve(leaves);
+    for (std::vector<LobeRun>* list : {&runs, &parts}) list->reserve(leaves);
+  }
+
+  [[nodiscard]] static constexpr std::size_t bytes(std::size_t leaves) noexcept {
+    return sizeof(Room) + leaves * 2 * (sizeof(int) + sizeof(LobeRun));
   }
 
   std::array<float, kMostTexels> u{};
@@ -118,6 +125,50 @@ struct BrightLights::Room {
   std::vector<LobeRun> runs;   ///< of lights
   std::vector<LobeRun> parts;  ///< of cut lights
 };
+
+std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
+                                     std::size_t workers) noexcept {
+  const std::size_t leaves = most_leaves(texels, shape, least_alpha);
+  return tree_bytes(texels, leaves, shape, least_alpha) + workers * Room::bytes(leaves);
+}
+
+/// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
+class BrightLights::Rooms {
+ public:
+  Rooms(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
+    all_.reserve(workers);
+    free_.reserve(workers);
+    while (all_.size() < workers) {
+      all_.push_back(std::make_unique<Room>(leaves));
+      free_.push_back(all_.back().get());
+    }
+  }
+
+  [[nodiscard]] Room& take() {
+    const std::scoped_lock lock(mutex_);
+    if (free_.empty()) {  // there are more threads than there were
+      all_.push_back(std::make_unique<Room>(leaves_));
+      free_.push_back(all_.back().get());
+    }
+    Room& room = *free_.back();
+    free_.pop_back();
+    return room;
+  }
+  void give_back(Room& room) {
+    const std::scoped_lock lock(mutex_);
+    free_.push_back(&room);
+  }
+
+ private:
+  std::size_t leaves_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Room>> all_;
+  std::vector<Room*> free_;
+};
+
+void BrightLights::make_rooms() {
+  rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
+}
 
 BrightLights::Block BrightLights::block_of(const Area& area, double alpha) const {
   Block block;
@@ -233,16 +284,16 @@ void BrightLights::add(const LightsLobe& lobe, int size, const std::array<float*
   const auto lights = static_cast<std::int64_t>(std::min<std::size_t>(lights_.size(), 1000));
   const auto placement = jobs::placement_for(std::int64_t{6} * size * size * lights);
   const std::size_t workers = jobs::worker_count(placement);
-  std::vector<Room> rooms;
-  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(nodes_.size());
   jobs::run_tiles(static_cast<std::size_t>(6 * across), placement, workers, control,
-                  [&](std::size_t tile, std::size_t worker) {
+                  [&](std::size_t tile, std::size_t /*worker*/) {
+                    Room& room = rooms_->take();
                     const int face = static_cast<int>(tile) / across;
                     const int row = static_cast<int>(tile) % across * edge;
                     for (int column = 0; column < size; column += edge) {
                       add_to_area({face, size, column, row, std::min(column + edge, size), std::min(row + edge, size)},
-                                  lobe, faces[static_cast<std::size_t>(face)], rooms[worker]);
+                                  lobe, faces[static_cast<std::size_t>(face)], room);
                     }
+                    rooms_->give_back(room);
                   });
 }
 

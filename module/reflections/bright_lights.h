@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "reflections/bright_texels.h"
@@ -41,6 +42,10 @@ class BrightLights {
 
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
+  /// What they take at most, made of up to so many texels by those arguments: the tree while it is made, and what each
+  /// of `workers` needs.
+  [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const PictureShape& shape, double least_alpha,
+                                              std::size_t workers) noexcept;
 
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
   /// The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
@@ -64,7 +69,16 @@ class BrightLights {
 
   struct Area;
   struct Room;
+  class Rooms;
 
+  /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
+  /// made.
+  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape,
+                                               double least_alpha) noexcept;
+  [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
+                                              double least_alpha) noexcept;
+
+  void make_rooms();
   [[nodiscard]] Block block_of(const Area& area, double alpha) const;
   void choose(const Block& block, bool to_parts, Room& room) const;
   void add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
@@ -74,6 +88,7 @@ class BrightLights {
   /// at the default bounds. The error falls with its fourth power.
   static constexpr double kFar = 3.0;
 
+  std::shared_ptr<Rooms> rooms_;
   double far_ = 0.0;
   double edge_ = 0.0;  ///< radians of a texel
   int smooth_points_ = 2;

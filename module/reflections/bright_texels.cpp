@@ -30,6 +30,12 @@ constexpr double kPart = 0.25;
 /// A cell is as wide as the lobe: a quarter at least of any light narrower than that lies in one.
 constexpr double kOfCell = 0.25;
 
+/// Radians. `rows`: of a lat-long, or of a cubemap's six faces.
+double texel_height(bool cubemap, int rows) noexcept { return cubemap ? 0.5 * kPi / (rows / 6) : kPi / rows; }
+
+/// A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
+bool is_wide(double high, double wide, double alpha) noexcept { return std::max(high, wide) > 2.0 * alpha; }
+
 struct Cell {
   double blurred = 0.0;  ///< light at its middle, at most, of what lies in it
   double darkest = std::numeric_limits<double>::max();
@@ -56,7 +62,7 @@ class Search {
     const double peak = lobe(1.0, alpha) / lobe_integral(alpha);
     scale_ = peak;
     threshold_ = mean_ * std::clamp(kPart * 4.0 * kPi * peak, kLeastPeak, kPeak);
-    const double texel = source.cubemap() ? 0.5 * kPi / face_rows_ : kPi / face_rows_;
+    const double texel = texel_height(source.cubemap(), source.rows());
     band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);
     bands_a_face_ = (face_rows_ + band_rows_ - 1) / band_rows_;
     const int bands = bands_a_face_ * (source.cubemap() ? 6 : 1);
@@ -175,12 +181,24 @@ class Search {
 
 }  // namespace
 
+BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, double alpha, std::size_t most) noexcept {
+  const double high = texel_height(cubemap, rows);
+  if (is_wide(high, cubemap ? high : 2.0 * kPi / columns, alpha)) return {};
+  const int face_rows = cubemap ? columns : rows;
+  const int band_rows = std::clamp(static_cast<int>(2.0 * alpha / high), 1, face_rows);
+  const int bands = (face_rows + band_rows - 1) / band_rows * (cubemap ? 6 : 1);
+  const int across = std::clamp(static_cast<int>((cubemap ? 0.5 : 2.0) * kPi / (2.0 * alpha)), 1, columns);
+  const auto product = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
+  const std::size_t found = product(rows, columns) / static_cast<std::size_t>(kPeak) + 1;
+  // a list that grows is there twice for a moment, once with room for double
+  return {std::min(found, most), product(cubemap ? (columns + 1) / 2 : rows, columns) * sizeof(double) +
+                                     product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};
+}
+
 std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha, std::size_t most,
                                             const Control& control) {
-  // A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
-  const double high = source.cubemap() ? 0.5 * kPi / source.columns() : kPi / source.rows();
-  const double wide = source.cubemap() ? high : 2.0 * kPi / source.columns();
-  if (std::max(high, wide) > 2.0 * alpha) return {};
+  const double high = texel_height(source.cubemap(), source.rows());
+  if (is_wide(high, source.cubemap() ? high : 2.0 * kPi / source.columns(), alpha)) return {};
   const Search search(source, alpha);
   std::vector<int> bands;
   for (int band = 0; band < search.bands(); ++band) {

@@ -94,7 +94,10 @@ class Room {
 
  private:
   static float* room_of(platform::AlignedBuffer<float>& buffer, std::size_t floats) {
-    if (buffer.size() < floats) buffer = platform::AlignedBuffer<float>(floats);
+    if (buffer.size() < floats) {
+      buffer = {};  // not both at the same time
+      buffer = platform::AlignedBuffer<float>(floats);
+    }
     return buffer.data();
   }
   static float* room_of(platform::AlignedBuffer<float>& buffer, std::ptrdiff_t floats) {
@@ -107,6 +110,11 @@ class Room {
   std::vector<int> sides_;
 };
 
+/// Radians that a Gaussian reaches.
+double reach_of(double t) { return 2.0 * std::sqrt(kEndOfGaussian / t); }
+
+int column_parts_of(int columns) { return (kColumnsOfPole + columns - 1) / columns; }
+
 class LatLongNear {
  public:
   LatLongNear(const NearPart& part, const GaussianLobe& gaussians)
@@ -117,7 +125,7 @@ class LatLongNear {
         rows_(part.source.rows()),
         across_(2.0 * kPi / columns_),
         down_(kPi / rows_),
-        column_parts_((kColumnsOfPole + columns_ - 1) / columns_) {
+        column_parts_(column_parts_of(columns_)) {
     for (int g = 0; g < gaussians_.count; ++g) {
       const double root = 2.0 * static_cast<double>(gaussians_.root[g]);
       reaches_[static_cast<std::size_t>(g)] = 2.0 * std::sqrt(kEndOfGaussian) / root;
@@ -423,6 +431,17 @@ void LatLongNear::add_run(const float* texels, int column, int columns, const fl
 }
 
 }  // namespace
+
+std::size_t lat_long_room_bytes(const NarrowSplit& split) noexcept {
+  const auto columns = static_cast<std::size_t>(split.columns);
+  const auto reach = static_cast<std::size_t>(texels(reach_of(split.split) * split.rows / kPi));
+  const std::size_t lines =
+      4 * kLanes * ((columns / 2 + 1) * static_cast<std::size_t>(column_parts_of(split.columns)) + reach + 2);
+  // Of 16 directions each, with what they are spread to for one; clear of the poles windows are an eighth of a row and
+  // are spread for all 16.
+  const std::size_t texel = kLanes + std::max<std::size_t>(3, 3 * kLanes / 8) + kLanes / 8;
+  return sizeof(float) * (lines + texel * (2 * reach + 1) * (columns + 8));
+}
 
 // The near part's share is made exact: what even light gives must not depend on how a window ends.
 void add_lat_long_near(const NearPart& part, const GaussianLobe& gaussians, const Control& control) {

@@ -21,6 +21,8 @@ constexpr double kWidest = 0.25;    ///< radius of a node: places on it are stil
 constexpr double kMostTurns = 0.1;  ///< the same for columns about a pole
 
 constexpr double kDefaultReach = 9.25;  ///< of `reach_for`
+constexpr double kMostParts = 4096.0;   ///< that a few texels are cut into, all together
+constexpr double kOnePart = 0.01;       ///< radians: smaller texels need not be cut for the horizon
 
 glm::dvec3 direction_at(const PictureShape& shape, int face, double column, double row) {
   return shape.cubemap ? image::face_direction(shape.columns, face, column, row)
@@ -44,10 +46,9 @@ double edge_of(const PictureShape& shape) {
 int cuts_of(const PictureShape& shape, double least_alpha, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
-  constexpr double kMostOfAll = 4096.0;
   const double edge = edge_of(shape);
   const double wanted = std::max(edge / (kOfWidth * 2.0 * least_alpha), edge / kOfSphere);
-  const double most = std::sqrt(kMostOfAll / static_cast<double>(texels));
+  const double most = std::sqrt(kMostParts / static_cast<double>(texels));
   return std::clamp(static_cast<int>(std::ceil(std::min(wanted, most))), 1, 16);
 }
 
@@ -134,9 +135,8 @@ int smooth_points(double radians, double alpha) {
 int parts_along(double radians, std::size_t texels) {
   constexpr double kPart = 0.008;
   constexpr int kMost = 16;
-  constexpr double kMostOfAll = 4096.0;
-  const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostOfAll / static_cast<double>(texels)));
-  return std::clamp(static_cast<int>(wanted), radians < 0.01 ? 1 : 2, kMost);
+  const double wanted = std::min(std::ceil(radians / kPart), std::sqrt(kMostParts / static_cast<double>(texels)));
+  return std::clamp(static_cast<int>(wanted), radians < kOnePart ? 1 : 2, kMost);
 }
 
 LobeLight light_of(const PictureShape& shape, const Sample& sample) {
@@ -165,6 +165,17 @@ CutLight cut_light_of(const PictureShape& shape, const Sample& sample, int parts
 
 class LightTree {
  public:
+  /// Points of a leaf, and its share of those of nodes: at most one node has merged points for each leaf, or, where
+  /// four leaves' own are no more than those, for every second one.
+  [[nodiscard]] static constexpr std::size_t points_of_leaf(int smooth) noexcept {
+    const int own = smooth * smooth;
+    return static_cast<std::size_t>(own + kOrder * kOrder / (4 * own <= kOrder * kOrder ? 2 : 1));
+  }
+  [[nodiscard]] static constexpr std::size_t bytes_of_leaf(int smooth) noexcept {
+    return 2 * sizeof(BrightLights::Node) + sizeof(Place) +
+           points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
+  }
+
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, BrightLights& lights)
       : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
     const double edge = edge_of(shape);
@@ -172,22 +183,18 @@ class LightTree {
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
     parts_ = parts_along(edge, texels.size());
+    places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
       places_.push_back({&texel, direction_at(shape, corner.face, corner.column + 0.5, corner.row + 0.5)});
     }
     lights_.nodes_.reserve(2 * texels.size());
+    samples_.reserve(texels.size() * points_of_leaf(smooth_));
+    lights_.cut_lights_.reserve(texels.size() * static_cast<std::size_t>(parts_ * parts_));
     lights_.nodes_.emplace_back();
     build(0, 0, places_.size());
+    lights_.lights_.reserve(samples_.size());
     for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(shape_, sample));
-    const double part = edge / parts_;
-    for (const Sample& sample : cut_) {
-      lights_.cut_lights_.push_back(cut_light_of(shape_, sample, parts_));
-      for (std::size_t c = 0; c < 3; ++c) {
-        lights_.power_[c] += sample.light[c];
-        lights_.cut_[c] += sample.light[c] * part * part;
-      }
-    }
   }
 
  private:
@@ -281,10 +288,8 @@ class LightTree {
       const BrightTexel& texel = *places_[first].texel;
       const auto smooth = static_cast<int>(samples_.size());
       add_points(texel, shape_, smooth_, samples_);
-      const auto cut = static_cast<int>(cut_.size());
-      add_parts(texel, shape_, parts_, cut_);
       lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
-      lights_.nodes_[index].parts = {cut, static_cast<int>(cut_.size()) - cut};
+      lights_.nodes_[index].parts = cut_lights_of(texel);
       return;
     }
     const Box box = box_of(first, end);
@@ -297,6 +302,21 @@ class LightTree {
     }
     lights_.nodes_[index].children = children;
     merge(lights_.nodes_[index], box);
+  }
+
+  LobeRun cut_lights_of(const BrightTexel& texel) {
+    const double part = lights_.edge_ / parts_;
+    const auto first = static_cast<int>(lights_.cut_lights_.size());
+    cut_.clear();
+    add_parts(texel, shape_, parts_, cut_);
+    for (const Sample& sample : cut_) {
+      lights_.cut_lights_.push_back(cut_light_of(shape_, sample, parts_));
+      for (std::size_t c = 0; c < 3; ++c) {
+        lights_.power_[c] += sample.light[c];
+        lights_.cut_[c] += sample.light[c] * part * part;
+      }
+    }
+    return {first, static_cast<int>(cut_.size())};
   }
 
   void merge(BrightLights::Node& node, const Box& box) {
@@ -377,7 +397,7 @@ class LightTree {
   int parts_ = 2;
   std::vector<Place> places_;
   std::vector<Sample> samples_;
-  std::vector<Sample> cut_;
+  std::vector<Sample> cut_;  ///< of a texel
 };
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
@@ -391,6 +411,24 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
     LightTree(cut_texels(texels, shape, cuts), {shape.cubemap, cuts * shape.columns, cuts * shape.rows}, least_alpha,
               *this);
   }
+  make_rooms();
+}
+
+std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha) noexcept {
+  // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
+  const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
+  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, 1));
+  return std::min(texels * cuts * cuts, std::max(texels, static_cast<std::size_t>(edge * edge)));
+}
+
+std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
+                                     double least_alpha) noexcept {
+  if (texels == 0) return 0;
+  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, texels);
+  const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
+  // places are listed while solid angles are found
+  const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
+  return leaves * LightTree::bytes_of_leaf(smooth_points(edge, least_alpha)) + cut * sizeof(CutLight) + cutting;
 }
 
 std::size_t BrightLights::bytes() const noexcept {

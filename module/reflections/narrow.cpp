@@ -50,6 +50,8 @@ NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept {
   return split;
 }
 
+double sharpest_far_lobe(const NarrowSplit& split) noexcept { return 1.0 / std::sqrt(split.largest_far); }
+
 std::vector<double> far_part(bool cubemap, const NarrowSplit& split, double alpha, int bands) {
   return cubemap ? far_spectrum(alpha, split.split, bands) : gaussian_spectrum(alpha, split.split, bands);
 }

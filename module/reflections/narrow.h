@@ -22,6 +22,11 @@ struct NarrowSplit {
   int columns = 0;           ///< the source's, or a face's; large texels of a cubemap count as several small ones,
   int rows = 0;              ///< so that the far part changes little over each
 };
+/// alpha of a lobe that is about as wide as the narrowest Gaussian that is far, as the bright texels are found for it.
+[[nodiscard]] double sharpest_far_lobe(const NarrowSplit& split) noexcept;
+/// Times that, the alpha that two points a texel's edge do for.
+inline constexpr double kFarLights = 3.0;
+
 /// `rows`, `columns`: of a lat-long, or of a cubemap's face.
 [[nodiscard]] NarrowSplit split_for(bool cubemap, int columns, int rows) noexcept;
 
@@ -48,5 +53,8 @@ struct NarrowSplit {
 /// below 0. The same bits on any number of threads and instruction set. Throws `Error` (cancelled).
 void add_near_parts(const projection::SanitizedSource& source, const NarrowSplit& split, double alpha, int size,
                     const std::array<float*, 6>& faces, const Control& control);
+
+/// What that takes in each worker over a lat-long, at most: whole rows of weights beside the poles.
+[[nodiscard]] std::size_t lat_long_room_bytes(const NarrowSplit& split) noexcept;
 
 }  // namespace welkin::reflections

@@ -164,8 +164,7 @@ void fill_level(const CubemapView& source, CubemapChain& chain, int level, const
 
 namespace {
 
-constexpr std::size_t kMostBrightFar = 4096;  ///< texels taken out of narrow lobes' far part, whose mips are large
-constexpr double kReferenceError = 2e-5;      ///< see `fill_lobe_integrals`
+constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
 
 using Faces = std::array<float*, 6>;
 
@@ -375,11 +374,10 @@ void Prefilter<View>::run_narrow(const Control& control) {
     rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
     rings.view = rings.owned.view();
   } else {
-    const double sharpest = 1.0 / std::sqrt(split.largest_far);
+    const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
     rings = rings_of(source_, texels, plan_, {control.stop, {}});
-    // two points a texel's edge do for the narrowest Gaussian that is far, which is about as wide
-    far.bright = BrightLights(texels, PictureShape::of(source_), 3.0 * sharpest, narrow_reach(plan_));
+    far.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
     far.bright_texels = static_cast<int>(texels.size());
   }
   memory_.take(rings.bytes() + far.bright.bytes());

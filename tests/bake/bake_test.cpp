@@ -342,6 +342,34 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake]") {
   check_memory(make_cubemap(Content::high_range, 300, 3, 3).view(), sharp);
 }
 
+namespace {
+
+/// All dim, with so many texels side by side that are very bright, and one that makes a clean copy necessary.
+TestLatLong lamps(int columns, int texels) {
+  TestLatLong picture = make_lat_long(Content::uniform, columns, columns / 2, 3);
+  const auto first = static_cast<std::ptrdiff_t>(columns) * (columns / 6) * 3;
+  std::fill_n(picture.pixels.begin() + first, 3 * texels, 5e4F);
+  picture.pixels.front() = std::numeric_limits<float>::quiet_NaN();
+  return picture;
+}
+
+BakeOptions specular_alone(const std::vector<double>& roughness) {
+  BakeOptions options;
+  options.background.reset();
+  options.irradiance.reset();
+  options.brdf.reset();
+  options.specular = PrefilterOptions{.size = 128, .roughness = roughness};
+  options.specular->mips = static_cast<int>(roughness.size());
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("A bake's memory stays below what was predicted where thousands of texels are bright", "[bake]") {
+  check_memory(lamps(2048, 6000).view(), specular_alone({0.02}));
+  check_memory(lamps(2048, 50'000).view(), specular_alone({0.2}));
+}
+
 // Promise: a bake that cannot be says so before it begins; one that is stopped or fails leaves nothing behind.
 
 TEST_CASE("Options that no bake can have are refused", "[bake]") {
