@@ -84,11 +84,11 @@ struct CostModel {
 
   // Of the prefilter.
   double ring_texel = 95.0;            ///< a texel of the lat-long that a cubemap goes through
-  double bright_texel = 0.7;           ///< a texel that is looked at for its own brightness
+  double bright_texel = 1.5;           ///< a texel of the source that is looked at for its own brightness
   double fourier_texel = 4.0;          ///< a texel of a ring, transformed either way
   double legendre_term = 0.5;          ///< a ring's share of one degree and order, either way, three channels
   double face_texel = 16.0;            ///< a texel of a mip, looked up in rings
-  double near_texel = 3000.0;          ///< a texel of a narrow mip: source texels near by, each as an area
+  double near_texel = 1000.0;          ///< a texel of a narrow mip: a cubemap's texels near by, each as an area
   double tap = 8.5;                    ///< a tap of a texel of the sampled method
   double reference_pair = 5.0;         ///< a texel of the source for a texel of the reference method,
   double reference_direction = 6.5e6;  ///< and once for each of these: source texels near its peak are divided
