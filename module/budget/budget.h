@@ -8,6 +8,7 @@
 
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_lights.h"
+#include "reflections/bright_texels.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/error_budget.h"
@@ -62,7 +63,8 @@ struct EnvironmentEnergies {
   std::vector<double> rest;   ///< without the texels that the prefilter extracts and blurs exactly
   std::vector<double> rings;  ///< of what the rings lose that a cubemap goes through, at least; empty for a lat-long
   std::vector<double> rings_of_rest;  ///< the same without those texels
-  reflections::BrightLights bright;   ///< those texels
+  std::vector<reflections::BrightTexel> bright;  ///< those texels
+  reflections::PictureShape shape;
 };
 
 /// A cubemap on rings of latitude, as the prefilter reads it. Throws `Error` (cancelled).
@@ -73,8 +75,10 @@ struct EnvironmentEnergies {
                                                    const reflections::PrefilterPlan& plan, int bands,
                                                    const Control& control);
 
-/// Predicted rms error of a spectral mip relative to its own rms.
-[[nodiscard]] double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEnergies& energies);
+/// Predicted rms error of a spectral mip relative to its own rms. `lights`: the bright texels as the mip's own plan has
+/// them, for looser bounds merge more of them.
+[[nodiscard]] double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEnergies& energies,
+                                        const reflections::BrightLights& lights);
 
 /// Root mean square of what energies leave after a lobe: sqrt(sum k_l^2 S_l / 4 pi).
 [[nodiscard]] double blurred_rms(double alpha, std::span<const double> energies);

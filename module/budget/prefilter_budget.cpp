@@ -69,6 +69,7 @@ struct Errors {
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
 Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies) {
   Errors errors;
+  const reflections::BrightLights lights(energies.bright, energies.shape, plan.least_alpha, plan.reach);
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
     const MipPlan& mip = plan.mips[k];
     double error = 0.0;
@@ -79,7 +80,7 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
         continue;
       }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
-      error = known ? kSafety * budget::spectral_mip_error(mip, energies) + kRounding : kUnknown;
+      error = known ? kSafety * budget::spectral_mip_error(mip, energies, lights) + kRounding : kUnknown;
     }
     errors.mips.push_back(error);
     errors.worst = std::max(errors.worst, error);
@@ -259,8 +260,8 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
   EnvironmentEnergies energies;
   const std::vector<reflections::BrightTexel> bright =
       reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
-  energies.bright =
-      reflections::BrightLights(bright, reflections::PictureShape::of(source), plan.least_alpha, plan.reach);
+  energies.bright = bright;
+  energies.shape = reflections::PictureShape::of(source);
   const auto on_rings = [&](std::vector<float> pixels) {
     if (!source.cubemap()) return LatLongImage{source.columns(), source.rows(), std::move(pixels)};
     const CubemapImage cube{source.columns(), std::move(pixels)};
@@ -292,7 +293,8 @@ double blurred_rms(double alpha, std::span<const double> energies) {
   return std::sqrt(sum / (4.0 * kPi));
 }
 
-double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEnergies& energies) {
+double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEnergies& energies,
+                          const reflections::BrightLights& lights) {
   const auto bands = static_cast<int>(energies.rest.size());
   const std::vector<double> lobe = reflections::lobe_spectrum(mip.alpha, bands);
   const int rings = transforms::grid_for_bands(mip.bands.bands()).rings;
@@ -307,7 +309,7 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
   return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
-          energies.bright.error(mip.alpha)) /
+          lights.error(mip.alpha)) /
          whole;
 }
 

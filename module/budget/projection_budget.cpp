@@ -27,7 +27,8 @@ constexpr double kRounding = 5e-7;
 constexpr double kTexelNanoseconds = 0.5;
 constexpr double kReductionFactor = 2.1;
 /// What is still to come over the last difference, see docs/error_budget.md.
-constexpr double kSafety = 1.5;
+constexpr double kSafety = 1.2;
+constexpr double kFall = 0.25;  ///< of differences from level to level where light is smooth
 constexpr const char* kRelativeTo = "norm of the radiance coefficients at full size";
 
 /// What finer levels may still change, from the differences between the last ones: they halve from level to level
@@ -36,7 +37,7 @@ double still_to_come(const std::vector<double>& differences) {
   double largest = 0.0;
   double weight = 1.0;
   const std::size_t looked_at = std::min<std::size_t>(3, differences.size());
-  for (std::size_t k = 0; k < looked_at; ++k, weight /= 3.0)
+  for (std::size_t k = 0; k < looked_at; ++k, weight *= kFall)
     largest = std::max(largest, weight * differences[differences.size() - 1 - k]);
   return kSafety * largest;
 }

@@ -26,6 +26,8 @@ constexpr int kGroupsPerTile = 4;
 constexpr double kEndOfGaussian = 8.79;  ///< t s: a Gaussian is 0.9 % of the lobe there, three texels away
 constexpr double kClearRows = 4.0;       ///< times a window's half height
 constexpr int kDivided = 3;              ///< parts of a row beside a pole
+constexpr double kPartsToPole = 8.0;     ///< parts of a row between a direction and the pole, at least
+constexpr double kMostDivided = 32.0;    ///< the same: nearer directions are few
 constexpr int kColumnsOfPole = 96;       ///< parts of columns beside a pole, at least
 
 int texels(double count) { return static_cast<int>(std::ceil(count)); }
@@ -286,7 +288,11 @@ Window LatLongNear::weigh_polar(const Places& places, Room& room) const {
   group.down = static_cast<float>(down_);
   group.rows = static_cast<float>(rows_);
   group.column_parts = column_parts_;
-  group.divided = std::max(reach.columns[0] < 0 ? kDivided : 1, texels(kDivided * down_ / reaches_[0]));
+  // columns narrow towards the pole: what falls on them is taken at one place of each part of a row, and parts as high as
+  // the pole is far cost 2e-4 of what columns beside it differ by
+  const double to_pole = std::min(kMostDivided, kPartsToPole * down_ / places.least_cosine);
+  group.divided = std::max(
+      {reach.columns[0] < 0 ? kDivided : 1, texels(kDivided * down_ / reaches_[0]), texels(to_pole)});
   for (std::size_t k = 0; k < kLanes; ++k) {
     const math::SineCosine part = math::sine_cosine_of_turns(0.5 * places.part_column[k] / columns_);
     group.sine_of_part[k] = static_cast<float>(part.sine);

@@ -68,37 +68,75 @@ int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept {
   return 2 * face_size * std::max(1, static_cast<int>(std::ceil(wanted / (2.0 * face_size))));
 }
 
-double contrast_of(const projection::SanitizedSource& source) {
-  double differences = 0.0;
-  double squares = 0.0;
-  for (int row = 0; row < source.rows(); ++row) {
-    const bool face_ends = source.cubemap() && (row + 1) % source.columns() == 0;
-    const float* const here = source.row(row);
-    const float* const below = row + 1 < source.rows() && !face_ends ? source.row(row + 1) : here;
-    double changed = 0.0;
-    double own = 0.0;
-    for (int k = 0; k < 3 * source.columns(); ++k) {
-      const auto value = static_cast<double>(here[k]);
-      const double across = k >= 3 ? value - static_cast<double>(here[k - 3]) : 0.0;
-      const double down = value - static_cast<double>(below[k]);
-      changed += across * across + down * down;
-      own += value * value;
-    }
-    const double weight = source.cubemap() ? 1.0 : math::sine_cosine_of_turns(0.5 * (row + 0.5) / source.rows()).sine;
-    differences += weight * changed;
-    squares += weight * own;
+namespace {
+
+/// Sums of squares over rows.
+struct Steps {
+  double across = 0.0;
+  double down = 0.0;
+  double own = 0.0;
+};
+
+/// `below`: the next row, or `here` where there is none; `left`: what is left of the first texel.
+Steps steps_of(const float* here, const float* below, const float* left, int columns) {
+  Steps steps;
+  for (int k = 0; k < 3 * columns; ++k) {
+    const auto value = static_cast<double>(here[k]);
+    const double across = value - static_cast<double>(k >= 3 ? here[k - 3] : left[k]);
+    const double down = value - static_cast<double>(below[k]);
+    steps.across += across * across;
+    steps.down += down * down;
+    steps.own += value * value;
   }
-  return squares > 0.0 ? std::sqrt(differences / squares) : 0.0;
+  return steps;
+}
+
+double contrast_of_cubemap(const projection::SanitizedSource& source) {
+  Steps all;
+  for (int row = 0; row < source.rows(); ++row) {
+    const bool face_ends = (row + 1) % source.columns() == 0;
+    const float* const here = source.row(row);
+    const Steps own = steps_of(here, face_ends ? here : source.row(row + 1), here, source.columns());
+    all = {all.across + own.across, all.down + own.down, all.own + own.own};
+  }
+  return all.own > 0.0 ? std::sqrt((all.across + all.down) / all.own) : 0.0;
+}
+
+/// Edges of meridians are a row high at all latitudes, those of rows as long as their columns are wide.
+double edges_of_lat_long(const projection::SanitizedSource& source) {
+  const double columns_a_radian = source.columns() / (2.0 * kPi);
+  const double rows_a_radian = source.rows() / kPi;
+  double edges = 0.0;
+  double whole = 0.0;
+  for (int row = 0; row < source.rows(); ++row) {
+    const bool last = row + 1 == source.rows();
+    const float* const here = source.row(row);
+    const Steps own = steps_of(here, last ? here : source.row(row + 1), here + std::ptrdiff_t{3} * (source.columns() - 1),
+                               source.columns());
+    const double middle = math::sine_cosine_of_turns(0.5 * (row + 0.5) / source.rows()).sine;
+    const double end = math::sine_cosine_of_turns(0.5 * (row + 1.0) / source.rows()).sine;
+    edges += columns_a_radian * own.across + rows_a_radian * end * own.down;
+    whole += middle * own.own;
+  }
+  return whole > 0.0 ? std::sqrt(edges / whole) : 0.0;
+}
+
+}  // namespace
+
+double contrast_of(const projection::SanitizedSource& source) {
+  return source.cubemap() ? contrast_of_cubemap(source) : edges_of_lat_long(source);
 }
 
 double narrow_error(const projection::SanitizedSource& source, double contrast, double alpha, int size) noexcept {
+  if (!source.cubemap()) {
+    constexpr double rounding = 2e-7;
+    constexpr double of_edges = 8e-5;  // of the step where a lobe is cut by an edge
+    return rounding + of_edges * std::sqrt(alpha) * contrast;
+  }
   constexpr double rounding = 4e-7;
-  const double texels =
-      alpha * std::max(1.0, source.columns() / 64.0);  // the lobe's width over a texel's, but for a factor
-  const double of_contrast = source.cubemap() ? 4e-3 * alpha : 1.8e-3 * std::sqrt(texels * std::sqrt(texels));
   constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`
-  double error = of_contrast;
-  if (source.cubemap() && source.columns() % (2 * size) == 0) error += moved * 0.25 * kPi / source.columns() / alpha;
+  double error = 4e-3 * alpha;
+  if (source.columns() % (2 * size) == 0) error += moved * 0.25 * kPi / source.columns() / alpha;
   return rounding + error * contrast;
 }
 

@@ -36,6 +36,7 @@ constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatt
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
+constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights: what even light loses beside narrow lobes
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
@@ -52,12 +53,13 @@ struct Rings {
   double fourth_order;
   double crossed;
   double scattering;
+  double rounding;
 };
 
 Rings rings_of(int rows, int face_size) {
   const double height = kPi / rows;
-  if (RingTable::serves({face_size, rows})) return {height, kSpreadOrder, 0.0, kSpreadScattered};
-  return {height, kFourthOrder, kCrossed * std::sqrt(height * face_size / (0.5 * kPi)), kScattered};
+  if (RingTable::serves({face_size, rows})) return {height, kSpreadOrder, 0.0, kSpreadScattered, kTableRounding};
+  return {height, kFourthOrder, kCrossed * std::sqrt(height * face_size / (0.5 * kPi)), kScattered, 0.0};
 }
 
 }  // namespace
@@ -117,7 +119,8 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
       source.face_size > 0 ? std::optional(rings_of(source.rings, source.face_size)) : std::nullopt;
   double square = spectral_square(mip, lobe, source.energies, rings) / (4.0 * kPi);
   square += of_lights * of_lights;
-  return (rings ? kRingSafety : kSafety) * (kRounding + std::sqrt(square) / rms);
+  const double rounding = kRounding + (rings ? rings->rounding : 0.0);
+  return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
 double rms_of_level(const CubemapChain& chain, int level) {
