@@ -53,7 +53,7 @@ std::string estimate_table(const std::vector<std::filesystem::path>& arguments) 
   test::EstimateTrials trials;
   for (int done = 0; done < count;) {
     const int some = std::min(kAtATime, count - done);
-    test::add_estimate_trials(seed + static_cast<std::uint32_t>(done), some, 0.02, pictures, trials);
+    test::add_estimate_trials(seed + static_cast<std::uint32_t>(done), some, {0.02, 1.0}, pictures, trials);
     done += some;
     if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
   }

@@ -62,7 +62,7 @@ struct EnvironmentEnergies {
   std::vector<double> whole;
   std::vector<double> rest;   ///< without the texels that the prefilter extracts and blurs exactly
   std::vector<double> rings;  ///< of what the rings lose that a cubemap goes through, at least; empty for a lat-long
-  std::vector<double> rings_of_rest;  ///< the same without those texels
+  std::vector<double> rings_of_rest;             ///< the same without those texels
   std::vector<reflections::BrightTexel> bright;  ///< those texels
   reflections::PictureShape shape;
 };

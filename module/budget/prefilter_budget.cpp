@@ -308,8 +308,7 @@ double spectral_mip_error(const reflections::MipPlan& mip, const EnvironmentEner
   }
   const double whole = blurred_rms(mip.alpha, energies.whole);
   if (whole == 0.0) return 0.0;
-  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) +
-          lights.error(mip.alpha)) /
+  return (std::sqrt(sum / (4.0 * kPi)) + blurred_rms(mip.alpha, energies.rings_of_rest) + lights.error(mip.alpha)) /
          whole;
 }
 

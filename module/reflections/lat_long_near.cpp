@@ -288,11 +288,11 @@ Window LatLongNear::weigh_polar(const Places& places, Room& room) const {
   group.down = static_cast<float>(down_);
   group.rows = static_cast<float>(rows_);
   group.column_parts = column_parts_;
-  // columns narrow towards the pole: what falls on them is taken at one place of each part of a row, and parts as high as
-  // the pole is far cost 2e-4 of what columns beside it differ by
+  // columns narrow towards the pole: what falls on them is taken at one place of each part of a row, and parts as high
+  // as the pole is far cost 2e-4 of what columns beside it differ by
   const double to_pole = std::min(kMostDivided, kPartsToPole * down_ / places.least_cosine);
-  group.divided = std::max(
-      {reach.columns[0] < 0 ? kDivided : 1, texels(kDivided * down_ / reaches_[0]), texels(to_pole)});
+  group.divided =
+      std::max({reach.columns[0] < 0 ? kDivided : 1, texels(kDivided * down_ / reaches_[0]), texels(to_pole)});
   for (std::size_t k = 0; k < kLanes; ++k) {
     const math::SineCosine part = math::sine_cosine_of_turns(0.5 * places.part_column[k] / columns_);
     group.sine_of_part[k] = static_cast<float>(part.sine);

@@ -111,8 +111,8 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
   for (int row = 0; row < source.rows(); ++row) {
     const bool last = row + 1 == source.rows();
     const float* const here = source.row(row);
-    const Steps own = steps_of(here, last ? here : source.row(row + 1), here + std::ptrdiff_t{3} * (source.columns() - 1),
-                               source.columns());
+    const Steps own = steps_of(here, last ? here : source.row(row + 1),
+                               here + std::ptrdiff_t{3} * (source.columns() - 1), source.columns());
     const double middle = math::sine_cosine_of_turns(0.5 * (row + 0.5) / source.rows()).sine;
     const double end = math::sine_cosine_of_turns(0.5 * (row + 1.0) / source.rows()).sine;
     edges += columns_a_radian * own.across + rows_a_radian * end * own.down;

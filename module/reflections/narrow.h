@@ -40,13 +40,13 @@ inline constexpr double kFarLights = 3.0;
 [[nodiscard]] int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept;
 
 /// Over the texels' own root mean square: of cubemaps the root mean square of what neighbouring texels differ by, both
-/// ways; of lat-longs the root of what the edges between texels hold, their steps' squares by their length, for each unit
-/// of solid angle: a lobe of width w is cut by an edge on w times that length.
+/// ways; of lat-longs the root of what the edges between texels hold, their steps' squares by their length, for each
+/// unit of solid angle: a lobe of width w is cut by an edge on w times that length.
 [[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
 
 /// What the root mean square error of a mip of `size` is estimated to be, over its own: docs/reflections.md has what
-/// was measured. A share of the contrast, of cubemaps as alpha and of lat-longs as its root, and where all centres lie on
-/// a cubemap's lines what it costs to clear them.
+/// was measured. A share of the contrast, of cubemaps as alpha and of lat-longs as its root, and where all centres lie
+/// on a cubemap's lines what it costs to clear them.
 [[nodiscard]] double narrow_error(const projection::SanitizedSource& source, double contrast, double alpha,
                                   int size) noexcept;
 

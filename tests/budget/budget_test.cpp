@@ -135,7 +135,7 @@ TEST_CASE("A level of the mip chain is picked by what finer ones would change", 
   }
   CAPTURE(all.worst_case(), picked.worst_case());
   CHECK(all.share() >= 0.99);
-  CHECK(all.median() <= 10.0);
+  CHECK(all.median() <= 5.0);
   CHECK(picked.share() >= 0.99);
 }
 
@@ -272,6 +272,21 @@ void compare(const Image& image, const std::string& what, double roughness, cons
 }
 
 }  // namespace
+
+// Seen: 1.2 times the estimate, when all bounds were judged with the lights of the tightest ones.
+TEST_CASE("Lights that loose bounds merge count in the estimate", "[budget][specular]") {
+  RandomEnvironments random(300'061);
+  random.number();
+  random.number();
+  const LatLongImage image = random.lat_long(6, 24);
+  INFO(random.description());
+  const PrefilterOptions options{.size = kSize / 2, .mips = 1, .roughness = {0.4888}};
+  const PrefilterChoice choice = choose_prefilter(image.view(), options, {0.01});
+  const PrefilteredSpecular result = prefilter_specular(image.view(), choice.setting);
+  const auto truth = reference_specular(image.view(), 0.4888, centres(kSize / 2));
+  CHECK(result.mips[0].bright_texels > 0);
+  CHECK(level_error(result.cubemap, 0, truth).rms <= choice.error_estimate);
+}
 
 TEST_CASE("Bounds of the prefilter are picked by the environment's spectrum", "[budget][specular]") {
   RandomEnvironments random(73);

@@ -164,8 +164,8 @@ int size_for(double roughness, RandomEnvironments& random) {
 
 class Trial {
  public:
-  Trial(std::uint32_t seed, double least_roughness, RandomEnvironments& random, EstimateTrials& trials)
-      : seed_(seed), least_roughness_(least_roughness), random_(random), trials_(trials) {}
+  Trial(std::uint32_t seed, const RoughnessSpan& roughness, RandomEnvironments& random, EstimateTrials& trials)
+      : seed_(seed), roughness_(roughness), random_(random), trials_(trials) {}
 
   void run(const CubemapView& view) {
     project_it(view, "cubemap");
@@ -237,7 +237,7 @@ class Trial {
   template <class View>
   void prefilter_it(const View& view, const std::string& layout) {
     PrefilterOptions options{.mips = 1};
-    options.roughness = {random_.scale(least_roughness_, 1.0)};
+    options.roughness = {random_.scale(roughness_.least, roughness_.most)};
     options.size = size_for(options.roughness[0], random_);
     const PrefilteredSpecular result = prefilter_specular(view, options);
     const std::string place =
@@ -260,7 +260,7 @@ class Trial {
   }
 
   std::uint32_t seed_;
-  double least_roughness_;
+  RoughnessSpan roughness_;
   RandomEnvironments& random_;
   EstimateTrials& trials_;
 };
@@ -273,7 +273,7 @@ CubemapImage picture_of(const std::vector<CubemapImage>& pictures, RandomEnviron
 
 }  // namespace
 
-void add_estimate_trials(std::uint32_t seed, int count, double least_roughness,
+void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
                          const std::vector<CubemapImage>& pictures, EstimateTrials& trials) {
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
@@ -288,7 +288,7 @@ void add_estimate_trials(std::uint32_t seed, int count, double least_roughness,
     if (random.chance(0.5)) {
       if (!real) cube = random.cubemap(4, large ? 40 : 16);
       expose(cube.pixels);
-      Trial(own, least_roughness, random, trials).run(cube.view());
+      Trial(own, roughness, random, trials).run(cube.view());
     } else {
       LatLongImage image;
       if (real) {
@@ -297,7 +297,7 @@ void add_estimate_trials(std::uint32_t seed, int count, double least_roughness,
         image = random.lat_long(6, large ? 64 : 24);
       }
       expose(image.pixels);
-      Trial(own, least_roughness, random, trials).run(image.view());
+      Trial(own, roughness, random, trials).run(image.view());
     }
   }
 }

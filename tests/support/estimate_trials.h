@@ -15,12 +15,17 @@ namespace welkin::test {
 /// Trials by the kind of result, in the order of their names.
 using EstimateTrials = std::map<std::string, std::unique_ptr<Honesty>>;
 
+struct RoughnessSpan {
+  double least;
+  double most;
+};
+
 /// Makes `count` environments of the seeds from `seed` on (of suns, noise, patterns, gradients, horizons; dark ones;
 /// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; now and then one of `pictures`, turned into such a one),
-/// projects each, prefilters each to a mip of roughness `least_roughness` to 1, and adds what was estimated and what is
+/// projects each, prefilters each to a mip of a roughness within `roughness`, and adds what was estimated and what is
 /// true. Errors of projections are relative to the norm of the coefficients, those of mips (if their record has an
 /// estimate) to their root mean square over the sphere, at 24 of its texels.
-void add_estimate_trials(std::uint32_t seed, int count, double least_roughness,
+void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
                          const std::vector<CubemapImage>& pictures, EstimateTrials& trials);
 
 }  // namespace welkin::test
