@@ -26,20 +26,21 @@ constexpr double kRounding = 5e-7;
 /// Nanoseconds a texel and thread, docs/projection.md; a reduction on the fly takes some 2.5 / 1.2 times as long.
 constexpr double kTexelNanoseconds = 0.5;
 constexpr double kReductionFactor = 2.1;
-/// What is still to come over the last difference, see docs/error_budget.md.
-constexpr double kSafety = 1.2;
-constexpr double kFall = 0.25;  ///< of differences from level to level where light is smooth
+/// See docs/error_budget.md.
+constexpr double kSafety = 3.7;
+constexpr double kLeastFall = 0.25;
+constexpr double kMostFall = 1.0 / 3.0;
+constexpr double kOfBefore = 0.15;
 constexpr const char* kRelativeTo = "norm of the radiance coefficients at full size";
 
-/// What finer levels may still change, from the differences between the last ones: they halve from level to level
-/// where light is a point's and are quartered where it is smooth; one may be small by accident, three are not.
+/// What finer levels may still change, from the differences between the last ones: they are quartered from level to
+/// level where light is smooth and halve where it is a point's, which the factor covers. The series goes on as the last
+/// two say, within bounds; the last one may be small by accident.
 double still_to_come(const std::vector<double>& differences) {
-  double largest = 0.0;
-  double weight = 1.0;
-  const std::size_t looked_at = std::min<std::size_t>(3, differences.size());
-  for (std::size_t k = 0; k < looked_at; ++k, weight *= kFall)
-    largest = std::max(largest, weight * differences[differences.size() - 1 - k]);
-  return kSafety * largest;
+  const double last = differences[differences.size() - 1];
+  const double before = differences[differences.size() - 2];
+  const double fall = before > 0.0 ? std::clamp(last / before, kLeastFall, kMostFall) : kMostFall;
+  return std::max(kSafety * last * fall / (1.0 - fall), kOfBefore * before);
 }
 
 ProjectionOptions whole(ProjectionOptions options) {

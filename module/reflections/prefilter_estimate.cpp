@@ -36,7 +36,7 @@ constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatt
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
-constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights: what even light loses beside narrow lobes
+constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
@@ -52,6 +52,12 @@ struct Rings {
   double height;
   double fourth_order;
   double crossed;
+  /// Of even light by a lobe: a table's weights are floats, and few rings lie within a lobe.
+  [[nodiscard]] double rounded(double alpha) const {
+    const double rings = std::max(1.0, alpha / (3.0 * height));
+    return rounding / (rings * rings);
+  }
+
   double scattering;
   double rounding;
 };
@@ -119,7 +125,7 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
       source.face_size > 0 ? std::optional(rings_of(source.rings, source.face_size)) : std::nullopt;
   double square = spectral_square(mip, lobe, source.energies, rings) / (4.0 * kPi);
   square += of_lights * of_lights;
-  const double rounding = kRounding + (rings ? rings->rounding : 0.0);
+  const double rounding = kRounding + (rings ? rings->rounded(mip.alpha) : 0.0);
   return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
