@@ -27,10 +27,10 @@ constexpr double kRounding = 5e-7;
 constexpr double kTexelNanoseconds = 0.5;
 constexpr double kReductionFactor = 2.1;
 /// See docs/error_budget.md.
-constexpr double kSafety = 3.7;
+constexpr double kSafety = 2.7;
 constexpr double kLeastFall = 0.25;
 constexpr double kMostFall = 1.0 / 3.0;
-constexpr double kOfBefore = 0.15;
+constexpr double kOfBefore = 0.3;
 constexpr const char* kRelativeTo = "norm of the radiance coefficients at full size";
 
 /// What finer levels may still change, from the differences between the last ones: they are quartered from level to
