@@ -92,7 +92,8 @@ class Precomputation {
   SkyTables run() {
     transmittance();
     timed("sun paths", "lengths to the sun, of no wavelength", [&] {
-      paths_ = std::make_unique<sky::SunPaths>(air_, mapping_, sky::sun_path_size(options_), part(0.02, 0.06));
+      paths_ = std::make_unique<sky::SunPaths>(air_, mapping_, sky::sun_path_size(options_, air_, mapping_),
+                                               part(0.02, 0.06));
     });
     const std::size_t texels = sky::scattering_texels(options_);
     result_.scattering.assign(4 * texels, 0.0F);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/sunlight.h"
 #include "welkin/sky.h"
@@ -30,6 +31,10 @@ void check_options(const SkyTableOptions& options);
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, bool narrow = false) noexcept;
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
+/// The same in that air: where it is thin beside its shell, as many as for large tables: the lowest heights must not
+/// lie beyond it.
+[[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options, const Air& air,
+                                           const TableMapping& mapping) noexcept;
 
 /// Bytes of the tables themselves.
 [[nodiscard]] std::uint64_t result_bytes(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;

@@ -32,11 +32,19 @@ using Spectrum = std::array<double, kMostWavelengths>;
 
 constexpr double kLongestPiece = 25e3;  ///< metres
 constexpr double kLeastShare = 1e-4;    ///< of what scatters, where the sun seems not to reach
+constexpr double kEven = 1e-3;          ///< less counts as none
+constexpr double kSteepest = 8.0;       ///< of a fall's logarithm along a piece
 constexpr int kGuessHeights = 64;
 constexpr int kGuessSuns = 128;
-constexpr double kLowSun = 0.1;           ///< sine of an elevation below which directions are drawn towards the sun
-constexpr double kNarrow = 0.85;          ///< asymmetry of a lobe above which they are so by day too
-constexpr double kTowardsSun = 0.5;       ///< share of them
+constexpr double kLowSun = 0.1;      ///< sine of an elevation below which directions are drawn towards the sun
+constexpr double kNarrow = 0.85;     ///< asymmetry of a lobe above which they are so by day too
+constexpr double kTowardsSun = 0.5;  ///< share of them
+/// The same of a narrow lobe: every turn that is not drawn towards the sun makes a path count 1 / (1 - share) times as
+/// much, and light that comes low through haze has been turned many times.
+constexpr double kTowardsNarrow = 0.25;
+constexpr double kLittle = 0.02;  ///< of a path's first weight, below which most paths end
+/// The same of a narrow lobe: a path that was turned towards the sun weighs little, and yet all its light is to come.
+constexpr double kLittleNarrow = 3e-4;
 constexpr double kSunsetAsymmetry = 0.7;  ///< of their lobe about the horizon below the sun
 constexpr double kDeepSun = -0.1;  ///< sine of an elevation below which places are drawn by how much light is there
 constexpr double kDeepAsymmetry = 0.85;  ///< of the lobe about the horizon then
@@ -58,6 +66,7 @@ struct Piece {
   double scatters;                  ///< estimate of what it scatters to the ray's start, mean of the wavelengths
   double lit;                       ///< likewise, of sunlight
   double dusk;                      ///< how much more light there is there than where the path began, at night
+  double fall;                      ///< how fast what it scatters to the start falls along it: of its logarithm, 1/m
   sky::PathShells::Columns before;  ///< matter between the ray's start and `from`
 };
 
@@ -70,6 +79,9 @@ class MonteCarlo {
     if (sun.y < kDeepSun) sunset_asymmetry_ = kDeepAsymmetry;
     if (sun.y >= kLowSun && air.drawn_asymmetry() > kNarrow) {
       sunset_ = sun;
+      towards_sun_ = kTowardsNarrow;
+      little_ = kLittleNarrow;
+      narrow_ = true;
       sunset_asymmetry_ = air.drawn_asymmetry() * air.drawn_asymmetry();  // as light that was turned twice
     }
     guess_sunlight();
@@ -96,9 +108,9 @@ class MonteCarlo {
       if (order == options_.highest_order) return;
       if (!go_on(ray, place, weights, random, scratch.pieces)) return;
       const double most = *std::max_element(weights.begin(), weights.begin() + count());
-      if (most < kLittle * weight) {
-        if (!(random.number() * kLittle * weight < most)) return;
-        for (double& value : weights) value *= kLittle * weight / most;
+      if (most < little_ * weight) {
+        if (!(random.number() * little_ * weight < most)) return;
+        for (double& value : weights) value *= little_ * weight / most;
       }
     }
   }
@@ -111,8 +123,6 @@ class MonteCarlo {
   [[nodiscard]] std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(air_.wavelengths()); }
 
  private:
-  static constexpr double kLittle = 0.02;
-
   [[nodiscard]] AirRay ray_from(const Place& place) const {
     const double slope = std::sqrt(air_.radius() * air_.radius() + place.square) * glm::dot(place.up, place.direction);
     const double below = slope * slope - place.square;
@@ -194,7 +204,7 @@ class MonteCarlo {
       const double step = (walk.end() - from) / parts;
       for (int part = 0; part < parts && step > 0.0; ++part) {
         const double low = from + part * step;
-        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, before}, lit_here, before, pieces);
+        add_piece(ray, place, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, 0.0, before}, lit_here, before, pieces);
       }
       from = walk.end();
       if (walk.last()) return;
@@ -210,11 +220,25 @@ class MonteCarlo {
     const Place middle = moved(place, ray, piece.from + 0.5 * step);
     const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(middle);
     if (sun_.y < kDeepSun) piece.dusk = dusk(middle);
+    PathShells::Columns start{};
+    PathShells::Columns end{};
+    shells_.densities(piece.shell, ray.square + piece.from * (2.0 * ray.slope + piece.from), start);
+    shells_.densities(piece.shell, ray.square + piece.to * (2.0 * ray.slope + piece.to), end);
+    double first = 0.0;
+    double last = 0.0;
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
-      double scatters = 0.0;
-      for (const std::size_t k : scatterers_) scatters += inside[k] * air_.matter()[k].scattering[i];
-      const double depth = air_.optical_depth(before, i) + 0.5 * air_.optical_depth(inside, i);
-      piece.scatters += scatters * math::exponential(-depth);
+      const double here = air_.optical_depth(inside, i);
+      const double through = math::exponential(-air_.optical_depth(before, i));
+      const double halfway = through * math::exponential(-0.5 * here);
+      const double behind = through * math::exponential(-here);
+      for (const std::size_t k : scatterers_) {
+        piece.scatters += inside[k] * air_.matter()[k].scattering[i] * halfway;
+        first += start[k] * air_.matter()[k].scattering[i] * through;
+        last += end[k] * air_.matter()[k].scattering[i] * behind;
+      }
+    }
+    if (narrow_ && first > 0.0 && last > 0.0) {
+      piece.fall = std::clamp(math::logarithm(first / last), -kSteepest, kSteepest) / step;
     }
     piece.lit = piece.scatters * (lit + kLeastShare);
     for (std::size_t k = 0; k < air_.matter().size(); ++k) before[k] += inside[k];
@@ -240,6 +264,21 @@ class MonteCarlo {
     return drawn;
   }
 
+  /// A place of a piece, drawn as what it scatters falls along it; `chance` is multiplied by the density, 1/m.
+  static double draw_place(const Piece& piece, PathRandom& random, double& chance) {
+    const double length = piece.to - piece.from;
+    const double fall = piece.fall * length;
+    const double number = random.number();
+    if (std::abs(fall) < kEven) {
+      chance /= length;
+      return piece.from + number * length;
+    }
+    const double gone = 1.0 - math::exponential(-fall);
+    const double left = 1.0 - number * gone;
+    chance *= piece.fall * left / gone;
+    return piece.from + std::clamp(-math::logarithm(left) / piece.fall, 0.0, length);
+  }
+
   /// Transmittance to a place of a piece, and the densities there.
   void reach(const AirRay& ray, const Piece& piece, double s, Spectrum& through, PathShells::Columns& densities) const {
     PathShells::Columns columns = shells_.columns(ray, piece.shell, piece.from, s);
@@ -256,7 +295,7 @@ class MonteCarlo {
     double chance = 0.0;
     if (const Piece* const piece = draw_piece(
             pieces, [](const Piece& p) { return p.lit; }, random, chance)) {
-      const double s = piece->from + random.number() * (piece->to - piece->from);
+      const double s = draw_place(*piece, random, chance);
       sunlight(moved(place, ray, s), light);
       Spectrum through;
       PathShells::Columns densities{};
@@ -264,8 +303,7 @@ class MonteCarlo {
       const double cosine = std::clamp(glm::dot(place.direction, sun_), -1.0, 1.0);
       for (const std::size_t k : scatterers_) {
         for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
-          const double part =
-              densities[k] * air_.phase(air_.matter()[k], i, cosine) * (piece->to - piece->from) / chance;
+          const double part = densities[k] * air_.phase(air_.matter()[k], i, cosine) / chance;
           radiance[i] += weights[i] * part * air_.matter()[k].scattering[i] * through[i] * light[i];
         }
       }
@@ -316,25 +354,25 @@ class MonteCarlo {
     const Piece* const piece = draw_piece(
         pieces, [](const Piece& p) { return p.scatters * p.dusk; }, random, chance);
     if (piece == nullptr) return false;
-    const double s = piece->from + random.number() * (piece->to - piece->from);
+    const double s = draw_place(*piece, random, chance);
     PathShells::Columns densities{};
     reach(ray, *piece, s, through, densities);
     place = moved(place, ray, s);
-    chance *= air / (air + ground) / (piece->to - piece->from);
+    chance *= air / (air + ground);
     return scatter(densities, through, chance, place, weights, random);
   }
 
   /// The cosine over pi times the density of a direction that is drawn by the cosine or towards the sun.
   double draw_upwards(const dvec3& up, dvec3& direction, PathRandom& random) const {
     const bool low = sunset_ != dvec3(0.0);
-    const bool towards = low && random.number() < kTowardsSun;
+    const bool towards = low && random.number() < towards_sun_;
     direction = towards ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                         : sky::turned(up, std::sqrt(random.number()), random);
     const double cosine = glm::dot(up, direction);
     if (!(cosine > 0.0)) return 0.0;
     if (!low) return 1.0;
-    const double density = (1.0 - kTowardsSun) * cosine / pi +
-                           kTowardsSun * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, direction));
+    const double density = (1.0 - towards_sun_) * cosine / pi +
+                           towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, direction));
     return cosine / pi / density;
   }
 
@@ -352,15 +390,15 @@ class MonteCarlo {
     if (!(all > 0.0)) return false;
     const bool low = sunset_ != dvec3(0.0);
     const dvec3 old = place.direction;
-    place.direction = low && random.number() < kTowardsSun
+    place.direction = low && random.number() < towards_sun_
                           ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                           : drawn_by_phase(shares, all, old, random);
     const double cosine = std::clamp(glm::dot(old, place.direction), -1.0, 1.0);
     double density = 0.0;
     for (const std::size_t k : scatterers_) density += shares[k] / all * air_.drawn_phase(air_.matter()[k], cosine);
     if (low) {
-      density = (1.0 - kTowardsSun) * density +
-                kTowardsSun * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, place.direction));
+      density = (1.0 - towards_sun_) * density +
+                towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, place.direction));
     }
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       double scattered = 0.0;
@@ -393,6 +431,9 @@ class MonteCarlo {
   dvec3 sun_;
   dvec3 sunset_{0.0};
   double sunset_asymmetry_ = kSunsetAsymmetry;
+  double towards_sun_ = kTowardsSun;
+  double little_ = kLittle;
+  bool narrow_ = false;  ///< by day: places are drawn by how what scatters falls along a piece, too
   PathTracingOptions options_;
   std::vector<std::size_t> scatterers_;
   std::vector<double> guess_;

@@ -420,6 +420,25 @@ double most_on_ground(const SkyTables& tables) {
 
 }  // namespace
 
+// Heights of sun paths lay three scale heights apart: 1.4 times the sun's light arrived.
+TEST_CASE("Small tables of low air in a thick shell make no light", "[sky][tables]") {
+  Atmosphere air;
+  air.bottom_radius_m = 871'507.0;
+  air.top_radius_m = air.bottom_radius_m + 1.714e6;
+  air.aerosol.density = exponential_profile(970.0);
+  air.aerosol.scattering_per_m.assign(3, 3.5 / 970.0);
+  air.aerosol_asymmetry = 0.9;
+  air.solar_irradiance = {1.0, 1.0, 1.0};
+  const SkyTableOptions options{.heights = 5,
+                                .view_zeniths = 8,
+                                .sun_zeniths = 8,
+                                .sun_angles = 3,
+                                .irradiance_heights = 4,
+                                .irradiance_sun_zeniths = 9,
+                                .orders = 3};
+  CHECK(most_on_ground(precompute_sky(with_ground_albedo(air, 0.92), options)) < 0.6);
+}
+
 TEST_CASE("Tables of random atmospheres are finite, not negative and hold no more light than comes", "[sky][random]") {
   RandomAtmospheres atmospheres(2026);
   for (int i = 0; i < trials(600); ++i) {
