@@ -131,8 +131,7 @@ Json diagnostics_json(const Baked& baked) {
           {"clamped", diagnostics.texels_clamped},
           {"total_radiance_before_clamp", json_triple(diagnostics.total_radiance_before_clamp)},
           {"total_radiance", json_triple(diagnostics.total_radiance)},
-          {"harmonics_error_estimate", diagnostics.error_estimate},
-          {"peak_bytes", baked.light.peak_bytes}};
+          {"harmonics_error_estimate", diagnostics.error_estimate}};
 }
 
 /// All that differs from run to run is in here.

@@ -97,7 +97,8 @@ struct BakeTargets {
   std::optional<CubemapTarget> irradiance{};  ///< none: the cubemap stays in the result
 };
 
-/// Memory that `bake` needs at most, results included, source not. Throws `Error` (invalid_argument) as `bake`.
+/// Memory that `bake` needs at most on the threads of the caller's arena, results included, source not. Throws `Error`
+/// (invalid_argument) as `bake`.
 [[nodiscard]] std::uint64_t bake_bytes(const LatLongView& source, const BakeOptions& options = {});
 [[nodiscard]] std::uint64_t bake_bytes(const CubemapView& source, const BakeOptions& options = {});
 

@@ -305,17 +305,19 @@ double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept 
   return sum / (4.0 * std::numbers::pi);
 }
 
-bool has_narrow_lobe(const Atmosphere& atmosphere, int orders) {
+NarrowLobe narrow_lobe(const Atmosphere& atmosphere, int orders) {
   const std::vector<double>& scattering = atmosphere.aerosol.scattering_per_m;
+  NarrowLobe lobe = NarrowLobe::none;
   if (atmosphere.aerosol.density.empty() ||
       std::none_of(scattering.begin(), scattering.end(), [](double b) { return b > 0.0; })) {
-    return false;
+    return lobe;
   }
   for (std::size_t i = 0; orders > 1 && i < scattering.size(); ++i) {
     const double g = aerosol_asymmetry(atmosphere, i);
-    if (g < kNarrowBackward || phase_spectrum(atmosphere, g).narrow) return true;
+    if (phase_spectrum(atmosphere, g).narrow) return NarrowLobe::forward;
+    if (g < kNarrowBackward) lobe = NarrowLobe::backward;
   }
-  return false;
+  return lobe;
 }
 
 double phase_of(const std::vector<double>& moments, double cosine) noexcept {

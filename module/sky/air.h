@@ -154,8 +154,9 @@ inline constexpr double kNarrowBackward = -0.6;
 /// The same at each wavelength.
 [[nodiscard]] std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders);
 
-/// Whether one of them is narrow.
-[[nodiscard]] bool has_narrow_lobe(const Atmosphere& atmosphere, int orders);
+/// Which way the narrow lobe of an air sends light: forward if any does at any wavelength.
+enum class NarrowLobe { none, backward, forward };
+[[nodiscard]] NarrowLobe narrow_lobe(const Atmosphere& atmosphere, int orders);
 
 /// Whether all three are the same.
 [[nodiscard]] constexpr bool all_equal(const std::array<double, 3>& values) noexcept {

@@ -163,7 +163,8 @@ Aureole::Aureole(const Atmosphere& atmosphere, const std::array<double, 3>& asym
   for (std::size_t c = 0; c < 3; ++c) forward[c] = forward_share(atmosphere, asymmetries[c], options.orders);
   const bool narrow = std::any_of(asymmetries.begin(), asymmetries.end(),
                                   [&](double g) { return phase_spectrum(atmosphere, g).narrow; });
-  const bool glows = narrow && options.layout == ScatteringLayout::full && has_narrow_lobe(atmosphere, options.orders);
+  const bool glows =
+      narrow && options.layout == ScatteringLayout::full && narrow_lobe(atmosphere, options.orders) != NarrowLobe::none;
   for (std::size_t c = 0; c < (all_equal(asymmetries) ? 1 : 3); ++c) {
     Lobe& lobe = lobes_.emplace_back();
     if (forward[c] > kLeastForward) {

@@ -73,7 +73,7 @@ class Precomputation {
                  atmosphere.sun_angular_radius_degrees),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3),
-        source_shape_(sky::source_shape(options, sky::has_narrow_lobe(atmosphere, options.orders))),
+        source_shape_(sky::source_shape(options, sky::narrow_lobe(atmosphere, options.orders))),
         colours_(atmosphere, options.colour),
         aureole_(atmosphere, colours_.asymmetries(), options) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);

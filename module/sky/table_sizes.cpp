@@ -72,12 +72,13 @@ std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept {
   return product({options.irradiance_heights, options.irradiance_sun_zeniths, 3});
 }
 
-SourceShape source_shape(const SkyTableOptions& options, bool narrow) noexcept {
+SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexcept {
   const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
   const bool small = options.heights < 12 || options.view_zeniths < 16;
-  // Of a narrow lobe, light of a low sun changes fast with the height, and about the horizontal: 16 heights leave low
-  // places beside it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
-  const bool fine = narrow && !small;
+  // Of a lobe that is narrow forward, light of a low sun changes fast with the height, and about the horizontal: 16
+  // heights leave low places beside it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
+  const bool narrow = lobe != NarrowLobe::none;
+  const bool fine = lobe == NarrowLobe::forward && !small;
   return {.heights = fine ? 32 : std::clamp(options.heights, 4, 32),
           .zeniths = small ? 17 : (fine ? 65 : 33),
           .angles = small ? 13 : 25,
@@ -134,7 +135,7 @@ std::uint64_t sky_table_bytes(const Atmosphere& atmosphere, const SkyTableOption
   const std::uint64_t worker = sky::kMostRayNodes * sizeof(sky::RayNode) + 64 * ray_suns + (std::uint64_t{1} << 20U);
   const std::uint64_t workers = jobs::worker_count(jobs::Placement::arena);
   return sky::result_bytes(atmosphere, options) + sunlight + 16 * sky::irradiance_floats(options) +
-         sky::SourceSolver::bytes(sky::source_shape(options, sky::has_narrow_lobe(atmosphere, options.orders)),
+         sky::SourceSolver::bytes(sky::source_shape(options, sky::narrow_lobe(atmosphere, options.orders)),
                                   with_aerosol) +
          workers * worker;
 }

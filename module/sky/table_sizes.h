@@ -29,7 +29,7 @@ void check_options(const SkyTableOptions& options);
 [[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
 
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
-[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, bool narrow = false) noexcept;
+[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe = NarrowLobe::none) noexcept;
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
 /// The same in that air: where it is thin beside its shell, as many as for large tables: the lowest heights must not
 /// lie beyond it.
