@@ -20,6 +20,7 @@
 
 #include "bake.h"
 #include "cancel_latency.h"
+#include "command.h"
 #include "estimates.h"
 #include "irradiance_errors.h"
 #include "prefilter.h"
@@ -105,6 +106,7 @@ int main(int argc, char** argv) {
   perf::add_bakes(thread_counts);
 #if WELKIN_TOOLS
   perf::add_previews(thread_counts);
+  perf::add_command(thread_counts);
 #endif
   perf::add_result_cache();
   perf::add_transform(thread_counts);

@@ -12,10 +12,8 @@
 #include "welkin/bake.h"
 
 namespace welkin::perf {
-namespace {
 
-/// A sky over ground with clouds and grain, so that packing has as much to do as with a photograph.
-LatLongImage picture() {
+LatLongImage picture_of_previews() {
   constexpr int kWidth = 1024;
   constexpr int kHeight = 512;
   LatLongImage image{kWidth, kHeight, {}};
@@ -33,6 +31,8 @@ LatLongImage picture() {
   return image;
 }
 
+namespace {
+
 BakeOptions all_that_previews_show() {
   BakeOptions options;
   options.specular = PrefilterOptions{};
@@ -48,7 +48,7 @@ void add_previews(const std::vector<int>& thread_counts) {
   for (const int threads : thread_counts) {
     add_benchmark("Previews", "balls-256", "256", threads, kPixels, 0.0, []() -> std::function<void()> {
       const auto folder = scratch_file("previews", [](const auto& path) { std::filesystem::create_directory(path); });
-      auto light = std::make_shared<BakeResult>(bake(picture().view(), all_that_previews_show()));
+      auto light = std::make_shared<BakeResult>(bake(picture_of_previews().view(), all_that_previews_show()));
       return [light, folder] {
         const tool::PreviewOptions options{tool::tone_map_of(light->background->view(3))};
         benchmark::DoNotOptimize(tool::write_previews(*light, options, folder));

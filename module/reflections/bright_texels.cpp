@@ -31,7 +31,10 @@ constexpr double kPart = 0.25;
 constexpr double kOfCell = 0.25;
 
 /// Radians. `rows`: of a lat-long, or of a cubemap's six faces.
-double texel_height(bool cubemap, int rows) noexcept { return cubemap ? 0.5 * kPi / (rows / 6) : kPi / rows; }
+double texel_height(bool cubemap, int rows) noexcept {
+  const int face_rows = rows / 6;
+  return cubemap ? 0.5 * kPi / face_rows : kPi / rows;
+}
 
 /// A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
 bool is_wide(double high, double wide, double alpha) noexcept { return std::max(high, wide) > 2.0 * alpha; }

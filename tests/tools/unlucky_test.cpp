@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -182,21 +181,14 @@ TEST_CASE("A conversion does not write over what it reads", "[command][unlucky]"
   CHECK(run_welkin("convert " + quoted(map) + " " + quoted(folder.path() / "small.hdr") + " --size 32").exit_code == 0);
 }
 
-TEST_CASE("A repeated bake with a cache takes its files from there, at least ten times faster", "[command][unlucky]") {
-  using Clock = std::chrono::steady_clock;
+TEST_CASE("A repeated bake with a cache takes its files from there", "[command][unlucky]") {
   const TemporaryFolder folder;
   const std::filesystem::path input = folder.path() / "map.hdr";
   REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
   const std::string bake = quoted(input) + " --formats ktx2,env --cache " + quoted(folder.path() / "cache");
-  const auto timed = [&](const std::string& out) {
-    const auto start = Clock::now();
-    bake_into(folder.path() / out, bake);
-    return Clock::now() - start;
-  };
-  const auto first = timed("first");
-  auto again = timed("again");
+  CHECK(bake_into(folder.path() / "first", bake).at("times").size() > 1);
+  CHECK(bake_into(folder.path() / "again", bake).at("times").size() == 1);
   CHECK(bake_into(folder.path() / "quiet", bake + " --quiet").at("times").size() == 1);  // the same files
-  for (int i = 0; i < 2; ++i) again = std::min(again, timed("again"));
   CHECK(std::filesystem::exists(folder.path() / "again/environment.env"));
   CHECK(std::filesystem::exists(folder.path() / "again/preview_spheres.png"));
   for (const std::string& name : names_in(folder.path() / "first")) {
@@ -204,9 +196,6 @@ TEST_CASE("A repeated bake with a cache takes its files from there, at least ten
     if (name != "manifest.json")
       CHECK(file_text(folder.path() / "first" / name) == file_text(folder.path() / "again" / name));
   }
-  INFO("first " << std::chrono::duration<double>(first).count() << " s, again "
-                << std::chrono::duration<double>(again).count() << " s");
-  if (!kSanitized) CHECK(again * 10 < first);
 
   // The same name with other contents, and another option, are other bakes.
   const std::string before = file_text(folder.path() / "again/specular.ktx2");
