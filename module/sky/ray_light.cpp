@@ -88,6 +88,14 @@ SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept {
           .nodes = nodes};
 }
 
+double source_altitude(const TableMapping& mapping, const SourceShape& shape, std::size_t node) noexcept {
+  return mapping.altitude(unbent(static_cast<double>(node) / (shape.heights - 1), shape.height_bend));
+}
+
+double source_height(const SourceShape& shape, double height_coordinate) noexcept {
+  return bent(height_coordinate, shape.height_bend) * (shape.heights - 1);
+}
+
 WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward) {
   WavelengthGroup wavelengths;
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
@@ -224,7 +232,7 @@ RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, const Air&
         altitude_along(air.bottom_radius(), ray_.altitude, ray_.zenith_cosine, panel.distance), 0.0, air.thickness());
     const double here = air.bottom_radius() + altitude;
     const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + panel.distance) / here, -1.0, 1.0);
-    const Between height = between(mapping.height_coordinate(altitude) * (shape.heights - 1), shape.heights);
+    const Between height = between(source_height(shape, mapping.height_coordinate(altitude)), shape.heights);
     const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
     SourceSample samples[2]{};  // of both kinds of matter, or of molecules and of the aerosol
     SourceSample& sample = samples[0];

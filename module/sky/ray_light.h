@@ -17,14 +17,16 @@
 namespace welkin::sky {
 
 /// Nodes of a source. Heights and suns as in tables; zenith angles and angles between direction and sun evenly from 0
-/// to 180 degrees. All at least 2.
+/// to 180 degrees. All at least 2. Heights of air that lies low in a thick shell are bent: y of the tables' x becomes
+/// (1 + b) y / (y + b), such that the second node lies no higher than four scale heights.
 struct SourceShape {
   int heights = 32;
   int zeniths = 33;
   int angles = 25;
-  int suns = 48;        ///< a multiple of 16
-  int azimuths = 16;    ///< of half the circle, from which light is gathered
-  bool narrow = false;  ///< the aerosol's lobe: its light is held relative to a glow
+  int suns = 48;             ///< a multiple of 16
+  int azimuths = 16;         ///< of half the circle, from which light is gathered
+  bool narrow = false;       ///< the aerosol's lobe: its light is held relative to a glow
+  double height_bend = 0.0;  ///< b; 0: not bent
 
   /// Texels over angles and suns.
   [[nodiscard]] std::size_t picture() const noexcept {
@@ -80,6 +82,11 @@ struct ScatteringSource {
 };
 
 [[nodiscard]] SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept;
+
+/// Metres above the ground of a node of heights.
+[[nodiscard]] double source_altitude(const TableMapping& mapping, const SourceShape& shape, std::size_t node) noexcept;
+/// Position among a source's heights, 0 to heights - 1, of a tables' coordinate of heights.
+[[nodiscard]] double source_height(const SourceShape& shape, double height_coordinate) noexcept;
 
 // Light gathered along one ray for many suns: scratch of one worker.
 

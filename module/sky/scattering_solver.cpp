@@ -95,7 +95,7 @@ void SourceSolver::set_rules() {
   legendre_.resize(index(shape_.heights) * kZeniths * pair_count(bands));
   RayPanels panels(air_);
   for (int h = 0; h < shape_.heights; ++h) {
-    const double altitude = mapping_.altitude(static_cast<double>(h) / (shape_.heights - 1));
+    const double altitude = source_altitude(mapping_, shape_, index(h));
     rules_.push_back(direction_rule(horizon_cosine(air_.bottom_radius(), altitude)));
     for (std::size_t i = 0; i < kZeniths; ++i) {
       const double cosine = rules_.back().cosines[i];
@@ -296,7 +296,7 @@ void SourceSolver::march(bool single, const Control& control) {
 
 void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker) {
   const SolverKernels& kernels = solver_kernels();
-  const double altitude = mapping_.altitude(static_cast<double>(height) / (shape_.heights - 1));
+  const double altitude = source_altitude(mapping_, shape_, height);
   const double cosine = rules_[height].cosines[zenith];
   const bool ground = zenith < index(DirectionRule::kGroundNodes);
   const double length = ground ? distance_to_ground(air_.bottom_radius(), altitude, cosine)
@@ -427,7 +427,7 @@ std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const
 void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const {
   const std::size_t node = height * index(DirectionRule::kGroundNodes) + zenith;
   const std::size_t suns = index(shape_.suns);
-  const double altitude = mapping_.altitude(static_cast<double>(height) / (shape_.heights - 1));
+  const double altitude = source_altitude(mapping_, shape_, height);
   const double start = (air_.bottom_radius() + altitude) / air_.bottom_radius();
   const double distance = ground_distance_[node] / air_.bottom_radius();
   const double cosine = rules_[height].cosines[zenith];

@@ -73,7 +73,7 @@ class Precomputation {
                  atmosphere.sun_angular_radius_degrees),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3),
-        source_shape_(sky::source_shape(options, sky::narrow_lobe(atmosphere, options.orders))),
+        source_shape_(sky::source_shape(options, air_, mapping_)),
         colours_(atmosphere, options.colour),
         aureole_(atmosphere, colours_.asymmetries(), options) {
     if (options.colour == SkyColour::linear_srgb) weights_ = srgb_weights(atmosphere.wavelengths_nm);
@@ -314,7 +314,7 @@ void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& s
   }
   for (std::size_t h = 0; h < index(options_.irradiance_heights); ++h) {
     const sky::Cubic height =
-        sky::cubic_at(coordinate(h, options_.irradiance_heights) * (shape.heights - 1), shape.heights);
+        sky::cubic_at(sky::source_height(shape, coordinate(h, options_.irradiance_heights)), shape.heights);
     for (std::size_t s = 0; s < suns; ++s) {
       const double sun = places[s];
       const std::size_t left = std::min(static_cast<std::size_t>(sun), index(steps - 1));

@@ -28,9 +28,6 @@ double bend_of(double thickness, double top_tangent) {
   return ratio < kThinShell ? kViewBend * ratio : 0.0;
 }
 
-double bent(double x, double bend) { return bend > 0.0 ? (1.0 + bend) * x / (x + bend) : x; }
-double unbent(double x, double bend) { return bend > 0.0 ? bend * x / (1.0 + bend - x) : x; }
-
 // Of suns' coordinates (SunTerms). Found by trying: with these 48 nodes carry light scattered before to 0.4 % from 90
 // to -9 degrees and 2 % to -18 (against 192 nodes), and 64 nodes singly scattered light to 1e-4 by day and 1e-3 at
 // sunset.

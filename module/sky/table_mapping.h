@@ -24,6 +24,14 @@
 
 namespace welkin::sky {
 
+/// A coordinate from 0 to 1 whose nodes crowd at 0, y of x = (1 + b) y / (y + b), and back; b 0: the same.
+[[nodiscard]] inline double bent(double y, double bend) noexcept {
+  return bend > 0.0 ? (1.0 + bend) * y / (y + bend) : y;
+}
+[[nodiscard]] inline double unbent(double x, double bend) noexcept {
+  return bend > 0.0 ? bend * x / (1.0 + bend - x) : x;
+}
+
 /// A ray of a table.
 struct ViewRay {
   double zenith_cosine;

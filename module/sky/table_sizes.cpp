@@ -28,6 +28,10 @@ std::uint64_t product(std::initializer_list<int> sizes) {
   return result;
 }
 
+/// How many scale heights of the air the lowest interval between a source's heights holds at most. An even source over
+/// many of them passes light on from order to order without loss; fewer leave too few nodes above.
+constexpr double kMostScaleHeights = 4.0;
+
 }  // namespace
 
 void check_options(const SkyTableOptions& options) {
@@ -85,6 +89,15 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
           .suns = suns,
           .azimuths = narrow ? 32 : 16,  // 16 mistake high bands of a narrow lobe for lower ones
           .narrow = narrow};
+}
+
+SourceShape source_shape(const SkyTableOptions& options, const Air& air, const TableMapping& mapping) {
+  SourceShape shape = source_shape(options, narrow_lobe(air.atmosphere(), options.orders));
+  // b x / (1 + b - x) = y: the node at x lies at y. As y nears x, b grows beyond all bounds, and nothing is bent.
+  const double x = 1.0 / (shape.heights - 1);
+  const double y = mapping.height_coordinate(kMostScaleHeights * air.scale_height());
+  if (y < x) shape.height_bend = y * (1.0 - x) / (x - y);
+  return shape;
 }
 
 SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {

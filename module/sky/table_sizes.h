@@ -30,6 +30,8 @@ void check_options(const SkyTableOptions& options);
 
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe = NarrowLobe::none) noexcept;
+/// The same in that air: its heights bent where it is thin beside its shell.
+[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, const Air& air, const TableMapping& mapping);
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
 /// The same in that air: where it is thin beside its shell, as many as for large tables: the lowest heights must not
 /// lie beyond it.

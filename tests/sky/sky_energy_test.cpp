@@ -439,6 +439,32 @@ TEST_CASE("Small tables of low air in a thick shell make no light", "[sky][table
   CHECK(most_on_ground(precompute_sky(with_ground_albedo(air, 0.92), options)) < 0.6);
 }
 
+// Four kilometres of haze under 47 640 km of nothing: the lowest two of five heights lay a thousand scale heights
+// apart, so each order came to the ground nearly as strong as the one before, and 1.3 times the sun's light arrived.
+TEST_CASE("Orders of light in low haze under a thick shell fade", "[sky][tables]") {
+  Atmosphere air;
+  air.bottom_radius_m = 45.44e6;
+  air.top_radius_m = air.bottom_radius_m + 47.64e6;
+  air.aerosol.density = exponential_profile(4067.0);
+  air.aerosol.scattering_per_m = {0.0526, 0.0242, 0.0202};
+  air.aerosol_asymmetry = 0.999;
+  air.solar_irradiance = {1.0, 1.0, 1.0};
+  SkyTableOptions options{.heights = 5,
+                          .view_zeniths = 4,
+                          .sun_zeniths = 5,
+                          .sun_angles = 3,
+                          .irradiance_heights = 3,
+                          .irradiance_sun_zeniths = 5,
+                          .exact_orders = true};
+  std::vector<double> sums;
+  for (options.orders = 3; options.orders <= 6; ++options.orders) {
+    sums.push_back(most_on_ground(precompute_sky(with_ground_albedo(air, 0.0), options)));
+  }
+  CAPTURE(sums);
+  CHECK(sums.back() < 1.0);
+  CHECK(sums[3] - sums[2] < 0.7 * (sums[1] - sums[0]));
+}
+
 TEST_CASE("Tables of random atmospheres are finite, not negative and hold no more light than comes", "[sky][random]") {
   RandomAtmospheres atmospheres(2026);
   for (int i = 0; i < trials(600); ++i) {
