@@ -147,6 +147,7 @@ struct SkyRun {
   double to_sky;       ///< positions a metre of distance to the top beyond the shortest
   double to_ground;    ///< positions a metre of distance to the ground beyond h
   double view_bend;    ///< of these positions (TableMapping), or 0
+  ViewTerms view_terms;
 
   bool outside;          ///< the viewer is above the air
   double viewer_radius;  ///< then
@@ -162,8 +163,9 @@ struct SkyRun {
   double lowest_sun;           ///< a of the lowest
   double lowest_zenith;        ///< its mu_s
   SunTerms sun_terms;
-  SunTaps sun_taps;         ///< from inside
-  double azimuth_bend;      ///< q of the azimuths' coordinate, likewise
+  SunTaps sun_taps;     ///< from inside
+  double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
+  AzimuthTerms azimuth_terms;
   const float* brightness;  ///< of suns, in steps between nodes (sky/sky_curve.h, fine_steps): [(suns - 1) steps + 1]
   float fade;
 

@@ -74,11 +74,11 @@ ViewPlace SkySlice::view_place(double mu) const noexcept {
 }
 
 Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
-  return taps_at(TableMapping::azimuth_coordinate(cosine, mu_s) * (azimuths_ - 1), azimuths_);
+  return taps_at(mapping_.azimuth_coordinate(cosine, mu_s) * (azimuths_ - 1), azimuths_);
 }
 
 void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept {
-  const double bend = TableMapping::azimuth_bend(mu_s);
+  const double bend = mapping_.azimuth_bend(mu_s);
   for (std::size_t i = 0; i < cosines.size(); ++i) {
     const double position = TableMapping::bent_azimuth(cosines[i], bend) * (azimuths_ - 1);
     const int node = static_cast<int>(position);
@@ -183,6 +183,7 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   run.to_sky = (half - 1) * inverse_or_0(longest - shortest);
   run.to_ground = (half - 1) * inverse_or_0(rho - inside_);
   run.view_bend = mapping_.view_bend();
+  run.view_terms = mapping_.view_terms();
   run.outside = outside_;
   run.viewer_radius = bottom + altitude_;
   for (int i = 0; i < 3; ++i) run.sun[i] = sun[i];
@@ -203,7 +204,8 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
   std::copy_n(place.ratios, 2, run.sun_taps.ratios);
   run.brightness = brightness_.data();
   run.fade = place.fade;
-  run.azimuth_bend = TableMapping::azimuth_bend(run.sun_zenith);
+  run.azimuth_terms = mapping_.azimuth_terms();
+  run.azimuth_bend = mapping_.azimuth_bend(run.sun_zenith);
   run.half = half;
   run.azimuths = azimuths_;
   run.suns = suns_;

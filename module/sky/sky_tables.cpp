@@ -68,9 +68,7 @@ class Precomputation {
   Precomputation(const Atmosphere& atmosphere, const SkyTableOptions& options, const Control& control)
       : options_(options),
         air_(atmosphere),
-        mapping_(atmosphere.bottom_radius_m, atmosphere.top_radius_m,
-                 math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine,
-                 atmosphere.sun_angular_radius_degrees),
+        mapping_(sky::mapping_of(atmosphere, options)),
         control_(control),
         groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3),
         source_shape_(sky::source_shape(options, air_, mapping_)),
@@ -235,7 +233,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
   for (std::size_t k = 0; k < suns; ++k) {
     const double sun = suns_[k];
     for (int a = 0; a < angles; ++a) {
-      const double nu = angles > 1 ? TableMapping::angle_cosine(view.zenith_cosine, sun, coordinate(index(a), angles))
+      const double nu = angles > 1 ? mapping_.angle_cosine(view.zenith_cosine, sun, coordinate(index(a), angles))
                                    : view.zenith_cosine * sun;
       worker.set_sun(index(a) * suns + k, sun, nu);
     }

@@ -8,6 +8,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "sky/sky_geometry.h"
+#include "sky/table_sizes.h"
 
 namespace welkin::sky {
 namespace {
@@ -126,10 +127,7 @@ double lowest_sun_sine(const SkyTables& tables) noexcept {
   return math::sine_cosine_of_turns(tables.options.minimum_sun_elevation_degrees / 360.0).sine;
 }
 
-TableMapping mapping_of(const SkyTables& tables) noexcept {
-  return {tables.atmosphere.bottom_radius_m, tables.atmosphere.top_radius_m, lowest_sun_sine(tables),
-          tables.atmosphere.sun_angular_radius_degrees};
-}
+TableMapping mapping_of(const SkyTables& tables) noexcept { return mapping_of(tables.atmosphere, tables.options); }
 
 // Cubic in the optical depth, which is smooth where transmittance falls by decades.
 glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& mapping, double altitude,

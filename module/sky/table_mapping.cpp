@@ -28,50 +28,89 @@ double bend_of(double thickness, double top_tangent) {
   return ratio < kThinShell ? kViewBend * ratio : 0.0;
 }
 
-// Of suns' coordinates (SunTerms). Found by trying: with these 48 nodes carry light scattered before to 0.4 % from 90
-// to -9 degrees and 2 % to -18 (against 192 nodes), and 64 nodes singly scattered light to 1e-4 by day and 1e-3 at
-// sunset.
+// Of the coordinate of views to the top (ViewTerms), of suns' (SunTerms) and of azimuths' (AzimuthTerms). Found by
+// trying against the quadrature: those of few nodes with 8 azimuths, 32 or 64 suns and views of even lengths, those of
+// many with 64 views and suns, from 10 to -12 degrees, all that are many together.
+constexpr ViewTerms kManyViews{.zenith = 0.195, .horizon = 0.2};
+constexpr AzimuthTerms kFewAzimuths{
+    .most = 2.6, .middle = -0.0105, .width = 0.055, .deep = 0.7, .start = -0.08, .rise = 0.08};
+constexpr AzimuthTerms kManyAzimuths{
+    .most = 3.2, .middle = -0.0075, .width = 0.058, .deep = 0.7, .start = -0.08, .rise = 0.08};
+
+/// How suns' nodes are shared out.
+struct SunShares {
+  double level;   ///< of those that do not go to the sunset
+  double sunset;  ///< of all
+  double radii;   ///< of the disc, in w
+  double centre;
+};
+// Carry light scattered before to 0.4 % from 90 to -9 degrees and 2 % to -18 (48 nodes against 192).
 constexpr double kSunBend = 0.25;
 constexpr double kLevelShare = 0.2;
-constexpr double kSunsetShare = 0.15;
-constexpr double kSunsetRadii = 2.5;    ///< of the disc
+constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0};
+constexpr SunShares kManySuns{.level = 0.225, .sunset = 0.2, .radii = 3.15, .centre = -0.005};
 constexpr double kLeastSunset = 0.004;  ///< w of a sun that is a point, radians
 constexpr int kHalvings = 60;
+constexpr int kNewtonSteps = 8;
 
 double sigmoid(double mu, double width) { return mu / std::sqrt(mu * mu + width * width); }
 
-SunTerms smooth_terms(double lowest) {
+SunTerms smooth_terms(double lowest, double level_share = kLevelShare) {
   return {.bend = kSunBend,
-          .path = 1.0 - kLevelShare,
-          .level = kLevelShare / (1.0 - lowest),
+          .path = 1.0 - level_share,
+          .level = level_share / (1.0 - lowest),
           .lowest = lowest,
           .sunset = 0.0,
           .width = 1.0,
+          .centre = 0.0,
           .sunset_lowest = 0.0};
 }
 
-SunTerms sunset_terms(SunTerms terms, double sun_radius_degrees) {
-  terms.path *= 1.0 - kSunsetShare;
-  terms.level *= 1.0 - kSunsetShare;
-  terms.width = std::max(kLeastSunset, kSunsetRadii * sun_radius_degrees * std::numbers::pi / 180.0);
-  terms.sunset_lowest = sigmoid(terms.lowest, terms.width);
-  terms.sunset = kSunsetShare / (sigmoid(1.0, terms.width) - terms.sunset_lowest);
+SunTerms sunset_terms(double lowest, double sun_radius_degrees, const SunShares& shares) {
+  SunTerms terms = smooth_terms(lowest, shares.level);
+  terms.path *= 1.0 - shares.sunset;
+  terms.level *= 1.0 - shares.sunset;
+  terms.width = std::max(kLeastSunset, shares.radii * sun_radius_degrees * std::numbers::pi / 180.0);
+  terms.centre = shares.centre;
+  terms.sunset_lowest = sigmoid(terms.lowest - terms.centre, terms.width);
+  terms.sunset = shares.sunset / (sigmoid(1.0 - terms.centre, terms.width) - terms.sunset_lowest);
   return terms;
+}
+
+double crowded(double share, const ViewTerms& terms) {
+  if (!terms.crowd()) return share;
+  const double y = std::sqrt(share * (terms.zenith + (1.0 - terms.zenith) * share));
+  return y * (1.0 - terms.horizon + terms.horizon * y * y * y);
+}
+
+// y by Newton's method from above, where the quartic is convex: each step stays above, and doubles the digits.
+double uncrowded(double x, const ViewTerms& terms) {
+  if (!terms.crowd()) return x;
+  const double f = terms.horizon;
+  double y = 1.0;
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    y -= (y * (1.0 - f + f * y * y * y) - x) / (1.0 - f + 4.0 * f * y * y * y);
+  }
+  const double square = std::max(0.0, y) * std::max(0.0, y);
+  const double z = terms.zenith;
+  return unit(2.0 * square / (z + std::sqrt(z * z + 4.0 * (1.0 - z) * square)));
 }
 
 }  // namespace
 
-TableMapping::TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine,
-                           double sun_radius_degrees) noexcept
+TableMapping::TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine, double sun_radius_degrees,
+                           TableNodes nodes) noexcept
     : bottom_(bottom_radius),
       thickness_(top_radius - bottom_radius),
       top_tangent_(tangent_distance(bottom_radius, top_radius - bottom_radius)),
       view_bend_(bend_of(thickness_, top_tangent_)),
+      view_terms_(nodes.many_views && !thin() ? kManyViews : ViewTerms{}),
       sun_thickness_(std::max(thickness_, kThinnestForSuns * bottom_radius)),
       sun_tangent_(tangent_distance(bottom_radius, sun_thickness_)),
       lowest_(scaled_sun_distance(lowest_sun_sine)),
       smooth_sun_terms_(smooth_terms(lowest_sun_sine)),
-      sun_terms_(sunset_terms(smooth_sun_terms_, sun_radius_degrees)) {}
+      sun_terms_(sunset_terms(lowest_sun_sine, sun_radius_degrees, nodes.many_suns ? kManySuns : kFewSuns)),
+      azimuth_terms_(nodes.many_azimuths ? kManyAzimuths : kFewAzimuths) {}
 
 double TableMapping::height_coordinate(double altitude) const noexcept {
   const double inside = std::min(thickness_, std::max(0.0, altitude));
@@ -131,7 +170,8 @@ double TableMapping::view_position(double altitude, double zenith_cosine, bool g
   const int half = zeniths / 2;
   const double last = half - 1;
   if (ground) return last - last * bent(ground_coordinate(altitude, zenith_cosine), view_bend_);
-  return half + last * bent(transmittance_coordinate(altitude, zenith_cosine), view_bend_);
+  const double share = transmittance_coordinate(altitude, zenith_cosine);
+  return half + last * (thin() ? bent(share, view_bend_) : crowded(share, view_terms_));
 }
 
 double TableMapping::view_position(double altitude, double zenith_cosine, int zeniths) const noexcept {
@@ -142,7 +182,8 @@ ViewRay TableMapping::view_ray(double altitude, double position, int zeniths) co
   const int half = zeniths / 2;
   const double last = half - 1.0;
   if (position <= last) return ground_ray(altitude, last > 0.0 ? unbent((last - position) / last, view_bend_) : 1.0);
-  return transmittance_ray(altitude, last > 0.0 ? unbent((position - half) / last, view_bend_) : 1.0);
+  const double x = last > 0.0 ? (position - half) / last : 1.0;
+  return transmittance_ray(altitude, thin() ? unbent(x, view_bend_) : uncrowded(x, view_terms_));
 }
 
 double TableMapping::scaled_sun_distance(double sun_zenith_cosine) const noexcept {
@@ -155,7 +196,8 @@ double TableMapping::coordinate_of_sun(const SunTerms& terms, double sun_zenith_
   const double mu = std::max(sun_zenith_cosine, terms.lowest);
   const double a = scaled_sun_distance(mu);
   const double x = terms.path * std::max(1.0 - a / lowest_, 0.0) / (1.0 + terms.bend * a) +
-                   terms.level * (mu - terms.lowest) + terms.sunset * (sigmoid(mu, terms.width) - terms.sunset_lowest);
+                   terms.level * (mu - terms.lowest) +
+                   terms.sunset * (sigmoid(mu - terms.centre, terms.width) - terms.sunset_lowest);
   return unit(x);
 }
 
@@ -183,11 +225,12 @@ double TableMapping::smooth_sun_zenith_cosine(double coordinate) const noexcept 
   return sun_at(smooth_sun_terms_, coordinate);
 }
 
-double TableMapping::azimuth_bend(double sun_zenith) noexcept {
-  const double t = (sun_zenith - AzimuthTerms::kMiddle) / AzimuthTerms::kWidth;
-  const double u = std::max(AzimuthTerms::kStart - sun_zenith, 0.0) / AzimuthTerms::kRise;
+double TableMapping::azimuth_bend(double sun_zenith) const noexcept {
+  const AzimuthTerms& terms = azimuth_terms_;
+  const double t = (sun_zenith - terms.middle) / terms.width;
+  const double u = std::max(terms.start - sun_zenith, 0.0) / terms.rise;
   const double fall = 1.0 + t * t;
-  return AzimuthTerms::kMost / (fall * fall) - AzimuthTerms::kDeep * u * u / (1.0 + u * u);
+  return terms.most / (fall * fall) - terms.deep * u * u / (1.0 + u * u);
 }
 
 double TableMapping::bent_azimuth(double azimuth_cosine, double bend) noexcept {
@@ -195,17 +238,17 @@ double TableMapping::bent_azimuth(double azimuth_cosine, double bend) noexcept {
   return unit((1.0 + bend) * even / (1.0 + bend * even));
 }
 
-double TableMapping::azimuth_cosine(double coordinate, double sun_zenith) noexcept {
+double TableMapping::azimuth_cosine(double coordinate, double sun_zenith) const noexcept {
   const double bend = azimuth_bend(sun_zenith);
   return 2.0 * coordinate / (1.0 + bend * (1.0 - coordinate)) - 1.0;
 }
 
-double TableMapping::angle_coordinate(double view_zenith, double sun_zenith, double nu) noexcept {
+double TableMapping::angle_coordinate(double view_zenith, double sun_zenith, double nu) const noexcept {
   const double sines = sine_of(view_zenith) * sine_of(sun_zenith);
   return sines > kNoAzimuth ? azimuth_coordinate((nu - view_zenith * sun_zenith) / sines, sun_zenith) : 0.5;
 }
 
-double TableMapping::angle_cosine(double view_zenith, double sun_zenith, double coordinate) noexcept {
+double TableMapping::angle_cosine(double view_zenith, double sun_zenith, double coordinate) const noexcept {
   return cosine(view_zenith * sun_zenith +
                 sine_of(view_zenith) * sine_of(sun_zenith) * azimuth_cosine(coordinate, sun_zenith));
 }

@@ -5,18 +5,21 @@
 //   heights (all tables)            x = rho / H
 //   view zeniths (scattering)       half the nodes for rays that end on the ground, the horizon in the middle; in thin
 //       shells (T / H below 0.04; the Earth's 0.07), where all rays but the lowest are about as short, bent: y of x
-//       becomes (1 + b) y / (y + b), b = 2 T / H
+//       becomes (1 + b) y / (y + b), b = 2 T / H. In thicker ones x = y (1 - f + f y^3), y^2 = u (z + (1 - z) u), for
+//       rays to the top, u the share of the length: even in the angle about the zenith, and dense at the horizon
 //   zeniths (transmittance)         x = (d - d_min) / (d_max - d_min), d the distance to the top
 //   sun zeniths (scattering, irradiance)   x = path max(1 - a / A, 0) / (1 + bend a) + level (mu_s - lowest) + sunset
-//       (s(mu_s) - s(lowest)), s(mu) = mu / sqrt(mu^2 + w^2), a the length of the sun's ray from the ground beyond T
-//       over H - T, A the lowest sun's, w 2.5 radii of the disc: while it sets, light in the shadow's direction goes
-//       out within half a degree, and a sixth of the nodes is there; `bend` spreads them over the twilight as evenly as
-//       light falls, `level` over the day. The top counts as no lower than 0.008 R: under a thinner shell a day's paths
-//       are all so much shorter than the horizon's that they would share an interval
+//       (s(mu_s) - s(lowest)), s(mu) = (mu - c) / sqrt((mu - c)^2 + w^2), a the length of the sun's ray from the ground
+//       beyond T over H - T, A the lowest sun's, w about three radii of the disc: while it sets, light in the shadow's
+//       direction goes out within half a degree, and a fifth of the nodes is there; `bend` spreads them over the
+//       twilight as evenly as light falls, `level` over the day. The top counts as no lower than 0.008 R: under a
+//       thinner shell a day's paths are all so much shorter than the horizon's that they would share an interval
 //   sun angles                      x = (1 + q) y / (1 + q y), y = (1 + cos phi) / 2, phi the azimuth between view and
 //       sun. q = most / (1 + ((mu_s - middle) / width)^2)^2 - deep u^2 / (1 + u^2), u = max(start - mu_s, 0) / rise:
 //       about sunset nodes crowd opposite to the sun, where low rays run along the edge of the planet's shadow and meet
 //       it at a distance that changes fast with the azimuth; far below the horizon towards the sun, where all light is
+// Where nodes are dense others are missing, which only tables of many nodes can spare: z, f, w, c, the suns' shares and
+// q are those of `TableNodes`.
 // (Bruneton has the cosine nu between view and sun for the last. Most of its nodes are then angles that no azimuth
 // gives: they need filling, and interpolation across them has kinks; cos phi has none, and is as even about the sun's
 // plane.)
@@ -39,6 +42,22 @@ struct ViewRay {
   double distance;  ///< to the ground or the top, metres
 };
 
+/// Of which axes of a scattering table there are so many nodes that they crowd where light is sharp.
+/// `table_nodes` (sky/table_sizes.h) says it of options, and nothing else may.
+struct TableNodes {
+  bool many_views = false;
+  bool many_suns = false;
+  bool many_azimuths = false;
+};
+
+/// Coefficients of the coordinate of views to the top, of its share u of the length.
+struct ViewTerms {
+  double zenith = 1.0;   ///< z; 1: no more of them there
+  double horizon = 0.0;  ///< f; 0: likewise
+
+  [[nodiscard]] bool crowd() const noexcept { return zenith < 1.0 || horizon > 0.0; }
+};
+
 /// Coefficients of the suns' coordinate.
 struct SunTerms {
   double bend;
@@ -47,30 +66,31 @@ struct SunTerms {
   double lowest;  ///< sine of the elevation
   double sunset;
   double width;          ///< w
+  double centre;         ///< c
   double sunset_lowest;  ///< s(lowest)
 };
 
-/// Of q, which kernels compute too; sines of the sun's elevation. Found by trying with eight nodes against the
-/// quadrature, suns from 10 to -12 degrees, rays from 0.2 to 45 degrees above the horizon.
+/// Coefficients of q; sines of the sun's elevation.
 struct AzimuthTerms {
-  static constexpr double kMost = 2.6;
-  static constexpr double kMiddle = -0.0105;
-  static constexpr double kWidth = 0.055;
-  static constexpr double kDeep = 0.7;
-  static constexpr double kStart = -0.08;
-  static constexpr double kRise = 0.08;
+  double most;
+  double middle;
+  double width;
+  double deep;
+  double start;
+  double rise;
 };
 
 class TableMapping {
  public:
   /// Radii in metres; the sine of the lowest sun's elevation; the angular radius of its disc (the Earth's sun's).
-  TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine,
-               double sun_radius_degrees = 0.2678) noexcept;
+  TableMapping(double bottom_radius, double top_radius, double lowest_sun_sine, double sun_radius_degrees = 0.2678,
+               TableNodes nodes = {}) noexcept;
 
   [[nodiscard]] double bottom_radius() const noexcept { return bottom_; }
   /// Of so little air that views' coordinates are bent.
   [[nodiscard]] bool thin() const noexcept { return view_bend_ > 0.0; }
   [[nodiscard]] double view_bend() const noexcept { return view_bend_; }  ///< b; 0: not bent
+  [[nodiscard]] const ViewTerms& view_terms() const noexcept { return view_terms_; }
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
   [[nodiscard]] double top_tangent() const noexcept { return top_tangent_; }  ///< H
 
@@ -107,19 +127,20 @@ class TableMapping {
   [[nodiscard]] double sun_tangent() const noexcept { return sun_tangent_; }
 
   /// q under that sun.
-  [[nodiscard]] static double azimuth_bend(double sun_zenith) noexcept;
+  [[nodiscard]] double azimuth_bend(double sun_zenith) const noexcept;
+  [[nodiscard]] const AzimuthTerms& azimuth_terms() const noexcept { return azimuth_terms_; }
   /// Of the azimuth's cosine; one beyond 1 counts as 1.
-  [[nodiscard]] static double azimuth_coordinate(double azimuth_cosine, double sun_zenith) noexcept {
+  [[nodiscard]] double azimuth_coordinate(double azimuth_cosine, double sun_zenith) const noexcept {
     return bent_azimuth(azimuth_cosine, azimuth_bend(sun_zenith));
   }
   /// The same, given q.
   [[nodiscard]] static double bent_azimuth(double azimuth_cosine, double bend) noexcept;
-  [[nodiscard]] static double azimuth_cosine(double coordinate, double sun_zenith) noexcept;
+  [[nodiscard]] double azimuth_cosine(double coordinate, double sun_zenith) const noexcept;
 
   /// Of a cosine nu between view and sun; 1/2 where no azimuth matters. Impossible ones count as the nearest.
-  [[nodiscard]] static double angle_coordinate(double view_zenith, double sun_zenith, double nu) noexcept;
+  [[nodiscard]] double angle_coordinate(double view_zenith, double sun_zenith, double nu) const noexcept;
   /// nu = mu mu_s + sqrt(1 - mu^2) sqrt(1 - mu_s^2) cos phi.
-  [[nodiscard]] static double angle_cosine(double view_zenith, double sun_zenith, double coordinate) noexcept;
+  [[nodiscard]] double angle_cosine(double view_zenith, double sun_zenith, double coordinate) const noexcept;
 
  private:
   [[nodiscard]] double scaled_sun_distance(double sun_zenith_cosine) const noexcept;
@@ -132,11 +153,13 @@ class TableMapping {
   double thickness_;
   double top_tangent_;
   double view_bend_;
+  ViewTerms view_terms_;
   double sun_thickness_;
   double sun_tangent_;
   double lowest_;  ///< a of the lowest sun
   SunTerms smooth_sun_terms_;
   SunTerms sun_terms_;
+  AzimuthTerms azimuth_terms_;
 };
 
 }  // namespace welkin::sky

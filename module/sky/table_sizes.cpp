@@ -4,6 +4,7 @@
 #include <string>
 
 #include "jobs/tiles.h"
+#include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "sky/ray_nodes.h"
@@ -31,6 +32,11 @@ std::uint64_t product(std::initializer_list<int> sizes) {
 /// How many scale heights of the air the lowest interval between a source's heights holds at most. An even source over
 /// many of them passes light on from order to order without loss; fewer leave too few nodes above.
 constexpr double kMostScaleHeights = 4.0;
+
+// With fewer nodes those that crowd at the horizon or about sunset are missing elsewhere.
+constexpr int kLeastViews = 48;
+constexpr int kLeastSuns = 48;
+constexpr int kLeastAzimuths = 8;
 
 }  // namespace
 
@@ -62,6 +68,19 @@ void check_options(const SkyTableOptions& options) {
 
 int angles_of(const SkyTableOptions& options) noexcept {
   return options.layout == ScatteringLayout::full ? options.sun_angles : 1;
+}
+
+TableNodes table_nodes(const SkyTableOptions& options) noexcept {
+  if (options.layout != ScatteringLayout::full) return {};
+  return {.many_views = options.view_zeniths >= kLeastViews,
+          .many_suns = options.sun_zeniths >= kLeastSuns,
+          .many_azimuths = options.sun_zeniths >= kLeastSuns && options.sun_angles >= kLeastAzimuths};
+}
+
+TableMapping mapping_of(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {
+  return {atmosphere.bottom_radius_m, atmosphere.top_radius_m,
+          math::sine_cosine_of_turns(options.minimum_sun_elevation_degrees / 360.0).sine,
+          atmosphere.sun_angular_radius_degrees, table_nodes(options)};
 }
 
 std::uint64_t scattering_texels(const SkyTableOptions& options) noexcept {

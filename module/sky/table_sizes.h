@@ -7,6 +7,7 @@
 #include "sky/air.h"
 #include "sky/ray_light.h"
 #include "sky/sunlight.h"
+#include "sky/table_mapping.h"
 #include "welkin/sky.h"
 
 namespace welkin::sky {
@@ -16,6 +17,12 @@ void check_options(const SkyTableOptions& options);
 
 /// Cosines between view and sun that a layout has: 1 if compact.
 [[nodiscard]] int angles_of(const SkyTableOptions& options) noexcept;
+
+/// Which axes have many nodes. Compact tables have not, for those who look them up as published.
+[[nodiscard]] TableNodes table_nodes(const SkyTableOptions& options) noexcept;
+
+/// What the texels of tables with these options stand for.
+[[nodiscard]] TableMapping mapping_of(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
 /// Texels of the scattering table; floats of the other two.
 [[nodiscard]] std::uint64_t scattering_texels(const SkyTableOptions& options) noexcept;

@@ -72,7 +72,8 @@ WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places
   const DoubleLanes path = xsimd::max(constant(1.0) - a / constant(run.lowest_sun), constant(0.0)) /
                            (constant(1.0) + constant(terms.bend) * a);
   const DoubleLanes mu = xsimd::max(mu_s, constant(terms.lowest));
-  const DoubleLanes set = mu / xsimd::sqrt(mu * mu + constant(terms.width * terms.width));
+  const DoubleLanes above = mu - constant(terms.centre);
+  const DoubleLanes set = above / xsimd::sqrt(above * above + constant(terms.width * terms.width));
   const DoubleLanes x = between(constant(terms.path) * path + constant(terms.level) * (mu - constant(terms.lowest)) +
                                     constant(terms.sunset) * (set - constant(terms.sunset_lowest)),
                                 0.0, 1.0);
@@ -87,14 +88,22 @@ WELKIN_INLINE DoubleLanes bent(const SkyRun& run, DoubleLanes position) {
   return constant((1.0 + run.view_bend) * last) * position / (position + constant(run.view_bend * last));
 }
 
+/// Positions of rays to the top from 0 to half - 1 as they crowd at both ends (ViewTerms).
+WELKIN_INLINE DoubleLanes crowded(const SkyRun& run, DoubleLanes position) {
+  const double last = run.half - 1;
+  const ViewTerms& terms = run.view_terms;
+  const DoubleLanes u = position * constant(1.0 / last);
+  const DoubleLanes y = xsimd::sqrt(u * (constant(terms.zenith) + constant(1.0 - terms.zenith) * u));
+  return y * (constant((1.0 - terms.horizon) * last) + constant(terms.horizon * last) * (y * y * y));
+}
+
 /// q of the azimuths' coordinate (TableMapping).
-WELKIN_INLINE DoubleLanes azimuth_bend(DoubleLanes mu_s) {
+WELKIN_INLINE DoubleLanes azimuth_bend(const AzimuthTerms& terms, DoubleLanes mu_s) {
   const DoubleLanes one = constant(1.0);
-  const DoubleLanes t = (mu_s - constant(AzimuthTerms::kMiddle)) / constant(AzimuthTerms::kWidth);
-  const DoubleLanes u =
-      xsimd::max(constant(AzimuthTerms::kStart) - mu_s, constant(0.0)) / constant(AzimuthTerms::kRise);
+  const DoubleLanes t = (mu_s - constant(terms.middle)) / constant(terms.width);
+  const DoubleLanes u = xsimd::max(constant(terms.start) - mu_s, constant(0.0)) / constant(terms.rise);
   const DoubleLanes fall = one + t * t;
-  return constant(AzimuthTerms::kMost) / (fall * fall) - constant(AzimuthTerms::kDeep) * u * u / (one + u * u);
+  return constant(terms.most) / (fall * fall) - constant(terms.deep) * u * u / (one + u * u);
 }
 
 /// One register of directions.
@@ -137,7 +146,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
     store_suns(run, mu_s, k, places);
   }
   const DoubleLanes even = (between(cosine, -1.0, 1.0) + one) * constant(0.5);
-  const DoubleLanes bend = run.outside ? azimuth_bend(mu_s) : constant(run.azimuth_bend);
+  const DoubleLanes bend = run.outside ? azimuth_bend(run.azimuth_terms, mu_s) : constant(run.azimuth_bend);
   const DoubleLanes bent_even = xsimd::min((one + bend) * even / (one + bend * even), one);
   (bent_even * constant(run.azimuths - 1)).store_aligned(places.azimuth + k);
 
@@ -149,7 +158,9 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   const DoubleLanes down = constant(last) - (run.view_bend > 0.0 ? bent(run, below) : below);
   const DoubleLanes above =
       between((to_top(along, run.shell) - constant(run.shortest)) * constant(run.to_sky), 0.0, last);
-  const DoubleLanes up = run.view_bend > 0.0 ? bent(run, above) : above;
+  DoubleLanes up = above;
+  if (run.view_bend > 0.0) up = bent(run, above);
+  if (run.view_terms.crowd()) up = crowded(run, above);
   xsimd::select(ends, down, up).store_aligned(places.view + k);
   xsimd::select(ends, one, zero).store_aligned(places.ends + k);
 

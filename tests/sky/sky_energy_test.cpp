@@ -11,6 +11,7 @@
 #include "reference/sky_reference.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
+#include "sky/sunlight.h"
 #include "sky/table_mapping.h"
 #include "support/catch.h"
 #include "support/random_atmospheres.h"
@@ -53,9 +54,7 @@ Atmosphere conservative(double depth, double asymmetry) {
 class Leaving {
  public:
   explicit Leaving(const SkyTables& tables)
-      : tables_(tables),
-        options_(tables.options),
-        mapping_(tables.atmosphere.bottom_radius_m, tables.atmosphere.top_radius_m, -0.5) {
+      : tables_(tables), options_(tables.options), mapping_(sky::mapping_of(tables)) {
     for (int k = 0; k <= kGround; ++k) {
       const double mu = -0.02 + 1.02 * k / kGround;
       ground_sun_.push_back(std::max(0.0, mu) *
@@ -107,7 +106,7 @@ class Leaving {
 
   [[nodiscard]] double scattered(int sun, double view, double cos_phi, double nu) const {
     const double mu_s = mapping_.sun_zenith_cosine(static_cast<double>(sun) / (options_.sun_zeniths - 1));
-    const double angle = sky::TableMapping::azimuth_coordinate(cos_phi, mu_s) * (options_.sun_angles - 1);
+    const double angle = mapping_.azimuth_coordinate(cos_phi, mu_s) * (options_.sun_angles - 1);
     double value = 0.0;
     for (int corner = 0; corner < 4; ++corner) {
       const int v = std::min(static_cast<int>(view) + corner / 2, options_.view_zeniths - 1);
@@ -218,7 +217,7 @@ TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[
     options.until_change = 1e-6;
     const SkyTables tables = precompute_sky(air, options);
     const Leaving leaving(tables);
-    const sky::TableMapping mapping(air.bottom_radius_m, air.top_radius_m, -0.5);
+    const sky::TableMapping mapping = sky::mapping_of(tables);
     double scattered = 0.0;  // over the sun's zenith cosine: a quarter of the sphere's area times four
     double before = 0.0;
     for (int sun = 0; sun < options.sun_zeniths; ++sun) {
@@ -251,7 +250,7 @@ TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tabl
   options.until_change = 1e-4;
   const auto irradiance = [&](const Atmosphere& air) {
     const SkyTables tables = precompute_sky(air, options);
-    const sky::TableMapping mapping(air.bottom_radius_m, air.top_radius_m, -0.5);
+    const sky::TableMapping mapping = sky::mapping_of(tables);
     std::vector<double> all;
     for (int sun = 0; sun < options.irradiance_sun_zeniths; ++sun) {
       const double mu = mapping.sun_zenith_cosine(sun / (options.irradiance_sun_zeniths - 1.0));
@@ -387,12 +386,14 @@ TEST_CASE("What is estimated of further orders is neither more nor less than the
 // Of a shell of 1/60000 of the radius the whole day would lie in one of 63 intervals.
 TEST_CASE("Suns of a day are spread over nodes however thin the air is", "[sky][mapping]") {
   for (const double thickness : {0.06, 1.0, 1000.0, 60'000.0, 6e6}) {
-    const sky::TableMapping mapping(6.36e6, 6.36e6 + thickness, -0.5);
-    CAPTURE(thickness);
-    CHECK(mapping.sun_coordinate(0.5) < 0.95);
-    CHECK(mapping.sun_coordinate(0.1) < 0.82);
-    for (const double cosine : {1.0, 0.5, 0.1, 0.0, -0.2}) {
-      CHECK(std::abs(mapping.sun_zenith_cosine(mapping.sun_coordinate(cosine)) - cosine) < 1e-9);
+    for (const bool many : {false, true}) {
+      const sky::TableMapping mapping(6.36e6, 6.36e6 + thickness, -0.5, 0.2678, {.many_suns = many});
+      CAPTURE(thickness, many);
+      CHECK(mapping.sun_coordinate(0.5) < 0.95);
+      CHECK(mapping.sun_coordinate(0.1) < 0.82);
+      for (const double cosine : {1.0, 0.5, 0.1, 0.0, -0.2}) {
+        CHECK(std::abs(mapping.sun_zenith_cosine(mapping.sun_coordinate(cosine)) - cosine) < 1e-9);
+      }
     }
   }
 }

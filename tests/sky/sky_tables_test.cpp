@@ -36,7 +36,12 @@ struct Planet {
 const std::vector<Planet> kPlanets{{6.36e6, 6e4}, {3.39e6, 1e5}, {1.0, 1.0},   {1.0, 10.0},   {1e9, 1.0},
                                    {1e9, 1e10},   {1e9, 1e4},    {100.0, 1.0}, {6.36e6, 1e2}, {1234.5, 777.0}};
 
-sky::TableMapping mapping_of(const Planet& planet) { return {planet.radius, planet.radius + planet.thickness, -0.5}; }
+constexpr sky::TableNodes kFew{};
+constexpr sky::TableNodes kMany{.many_views = true, .many_suns = true, .many_azimuths = true};
+
+sky::TableMapping mapping_of(const Planet& planet, sky::TableNodes nodes = kFew) {
+  return {planet.radius, planet.radius + planet.thickness, -0.5, 0.2678, nodes};
+}
 
 }  // namespace
 
@@ -56,38 +61,47 @@ TEST_CASE("Altitudes map back from their coordinates", "[sky][mapping]") {
   }
 }
 
+namespace {
+
+void check_rays(const Planet& planet, const sky::TableMapping& mapping, int zeniths, double altitude) {
+  CAPTURE(planet.radius, planet.thickness, zeniths, altitude);
+  double worst = 0.0;
+  double worst_distance = 0.0;
+  double last = -2.0;
+  bool rising = true;
+  for (int node = 0; node < zeniths; ++node) {
+    const sky::ViewRay ray = mapping.view_ray(altitude, node, zeniths);
+    REQUIRE(std::abs(ray.zenith_cosine) <= 1.0);
+    REQUIRE(ray.ground == (node < zeniths / 2));
+    const double back = mapping.view_position(altitude, ray.zenith_cosine, ray.ground, zeniths);
+    // At the ground all rays down are one texel's, and at the top all rays up.
+    const bool one_texel = ray.ground && altitude == 0.0;
+    if (!one_texel) worst = std::max(worst, std::abs(back - node));
+    const double along = ray.ground
+                             ? sky::distance_to_ground(planet.radius, altitude, ray.zenith_cosine)
+                             : sky::distance_to_top(planet.radius, mapping.thickness(), altitude, ray.zenith_cosine);
+    worst_distance =
+        std::max(worst_distance, std::abs(along - ray.distance) / (ray.distance + planet.thickness * 1e-9));
+    // From the nadir to the horizon and from there to the zenith: cosines of both halves rise towards
+    // the horizon's node of the ground, and fall to the horizon's of the sky
+    if (ray.ground && node > 0) rising = rising && ray.zenith_cosine <= last + 1e-15;
+    last = ray.zenith_cosine;
+  }
+  CHECK(rising);
+  CHECK(worst < 1e-5 * zeniths);
+  CHECK(worst_distance < 1e-5);
+}
+
+}  // namespace
+
 TEST_CASE("Rays map back from their positions, at every height and on both sides of the horizon", "[sky][mapping]") {
   for (const Planet& planet : kPlanets) {
-    const sky::TableMapping mapping = mapping_of(planet);
-    for (const int zeniths : {4, 6, 64, 258}) {
-      for (int height = 0; height <= 16; ++height) {
-        const double altitude = mapping.altitude(height / 16.0);
-        CAPTURE(planet.radius, planet.thickness, zeniths, altitude);
-        double worst = 0.0;
-        double worst_distance = 0.0;
-        double last = -2.0;
-        bool rising = true;
-        for (int node = 0; node < zeniths; ++node) {
-          const sky::ViewRay ray = mapping.view_ray(altitude, node, zeniths);
-          REQUIRE(std::abs(ray.zenith_cosine) <= 1.0);
-          REQUIRE(ray.ground == (node < zeniths / 2));
-          const double back = mapping.view_position(altitude, ray.zenith_cosine, ray.ground, zeniths);
-          // At the ground all rays down are one texel's, and at the top all rays up.
-          const bool one_texel = ray.ground && height == 0;
-          if (!one_texel) worst = std::max(worst, std::abs(back - node));
-          const double along =
-              ray.ground ? sky::distance_to_ground(planet.radius, altitude, ray.zenith_cosine)
-                         : sky::distance_to_top(planet.radius, mapping.thickness(), altitude, ray.zenith_cosine);
-          worst_distance =
-              std::max(worst_distance, std::abs(along - ray.distance) / (ray.distance + planet.thickness * 1e-9));
-          // From the nadir to the horizon and from there to the zenith: cosines of both halves rise towards
-          // the horizon's node of the ground, and fall to the horizon's of the sky
-          if (ray.ground && node > 0) rising = rising && ray.zenith_cosine <= last + 1e-15;
-          last = ray.zenith_cosine;
+    for (const sky::TableNodes nodes : {kFew, kMany}) {
+      const sky::TableMapping mapping = mapping_of(planet, nodes);
+      for (const int zeniths : {4, 6, 64, 258}) {
+        for (int height = 0; height <= 16; ++height) {
+          check_rays(planet, mapping, zeniths, mapping.altitude(height / 16.0));
         }
-        CHECK(rising);
-        CHECK(worst < 1e-5 * zeniths);
-        CHECK(worst_distance < 1e-5);
       }
     }
   }
@@ -96,18 +110,20 @@ TEST_CASE("Rays map back from their positions, at every height and on both sides
 TEST_CASE("Suns map back from their coordinates, the lowest and the zenith are ends", "[sky][mapping]") {
   for (const Planet& planet : kPlanets) {
     for (const double lowest : {-1.0, -0.5, -0.1, 0.0}) {
-      const sky::TableMapping mapping(planet.radius, planet.radius + planet.thickness, lowest);
-      CAPTURE(planet.radius, planet.thickness, lowest);
-      CHECK(std::abs(mapping.sun_zenith_cosine(0.0) - lowest) < 1e-7);
-      CHECK(mapping.sun_zenith_cosine(1.0) == 1.0);
-      CHECK(mapping.sun_coordinate(1.0) == 1.0);
-      CHECK(mapping.sun_coordinate(-1.0) < 1e-12);
-      double last = -2.0;
-      for (int k = 0; k <= 500; ++k) {
-        const double cosine = mapping.sun_zenith_cosine(k / 500.0);
-        CHECK(cosine > last);
-        CHECK(std::abs(mapping.sun_coordinate(cosine) - k / 500.0) < 1e-7);
-        last = cosine;
+      for (const sky::TableNodes nodes : {kFew, kMany}) {
+        const sky::TableMapping mapping(planet.radius, planet.radius + planet.thickness, lowest, 0.2678, nodes);
+        CAPTURE(planet.radius, planet.thickness, lowest, nodes.many_suns);
+        CHECK(std::abs(mapping.sun_zenith_cosine(0.0) - lowest) < 1e-7);
+        CHECK(mapping.sun_zenith_cosine(1.0) == 1.0);
+        CHECK(mapping.sun_coordinate(1.0) == 1.0);
+        CHECK(mapping.sun_coordinate(-1.0) < 1e-12);
+        double last = -2.0;
+        for (int k = 0; k <= 500; ++k) {
+          const double cosine = mapping.sun_zenith_cosine(k / 500.0);
+          CHECK(cosine > last);
+          CHECK(std::abs(mapping.sun_coordinate(cosine) - k / 500.0) < 1e-7);
+          last = cosine;
+        }
       }
     }
   }
@@ -138,18 +154,20 @@ TEST_CASE("Altitudes along rays agree with long double", "[sky][mapping]") {
 
 TEST_CASE("Azimuths between view and sun map back, and cosines that none gives count as the nearest",
           "[sky][mapping]") {
-  using sky::TableMapping;
-  CHECK(TableMapping::angle_coordinate(1.0, 0.3, 0.3) == 0.5);
-  CHECK(TableMapping::angle_cosine(1.0, 0.3, 0.9) == 0.3);
-  CHECK(TableMapping::angle_cosine(0.6, 0.8, 1.0) == Approx(0.96).epsilon(1e-12));
-  CHECK(TableMapping::angle_cosine(0.6, 0.8, 0.0) == Approx(0.0).margin(1e-12));
-  CHECK(TableMapping::angle_coordinate(0.6, 0.8, 1.0) == 1.0);
-  CHECK(TableMapping::angle_coordinate(0.6, 0.8, -1.0) == 0.0);
-  for (const double mu : {-0.9, -0.1, 0.0, 0.5, 0.999}) {
-    for (const double mu_s : {-0.99, -0.3, -0.1, -0.01, 0.0, 0.7}) {
-      for (int k = 0; k <= 10; ++k) {
-        const double nu = TableMapping::angle_cosine(mu, mu_s, k / 10.0);
-        CHECK(TableMapping::angle_coordinate(mu, mu_s, nu) == Approx(k / 10.0).margin(1e-13));
+  for (const sky::TableNodes nodes : {kFew, kMany}) {
+    const sky::TableMapping mapping = mapping_of(kPlanets.front(), nodes);
+    CHECK(mapping.angle_coordinate(1.0, 0.3, 0.3) == 0.5);
+    CHECK(mapping.angle_cosine(1.0, 0.3, 0.9) == 0.3);
+    CHECK(mapping.angle_cosine(0.6, 0.8, 1.0) == Approx(0.96).epsilon(1e-12));
+    CHECK(mapping.angle_cosine(0.6, 0.8, 0.0) == Approx(0.0).margin(1e-12));
+    CHECK(mapping.angle_coordinate(0.6, 0.8, 1.0) == 1.0);
+    CHECK(mapping.angle_coordinate(0.6, 0.8, -1.0) == 0.0);
+    for (const double mu : {-0.9, -0.1, 0.0, 0.5, 0.999}) {
+      for (const double mu_s : {-0.99, -0.3, -0.1, -0.01, 0.0, 0.7}) {
+        for (int k = 0; k <= 10; ++k) {
+          const double nu = mapping.angle_cosine(mu, mu_s, k / 10.0);
+          CHECK(mapping.angle_coordinate(mu, mu_s, nu) == Approx(k / 10.0).margin(1e-13));
+        }
       }
     }
   }
@@ -304,6 +322,16 @@ SkyTableOptions small_options() {
           .orders = 3};
 }
 
+/// The fewest whose nodes crowd.
+SkyTableOptions crowded_options() {
+  SkyTableOptions options = small_options();
+  options.view_zeniths = 48;
+  options.sun_zeniths = 48;
+  options.sun_angles = 8;
+  options.orders = 2;
+  return options;
+}
+
 bool same_tables(const SkyTables& a, const SkyTables& b) {
   return a.transmittance == b.transmittance && a.scattering == b.scattering && a.single_mie == b.single_mie &&
          a.irradiance == b.irradiance && a.orders == b.orders && a.last_change == b.last_change;
@@ -354,6 +382,7 @@ TEST_CASE("A caller's own floating-point environment changes no bit of sky table
 TEST_CASE("Sky tables are the bits on record", "[sky][tables][same_bits]") {
   CHECK(hash(precompute_sky(earth_bruneton(), small_options())) == 0xe859e1cb85ff6558U);
   CHECK(hash(precompute_sky(mars(), small_options())) == 0xf778878c517d65acU);
+  CHECK(hash(precompute_sky(earth_bruneton(), crowded_options())) == 0x0U);
 }
 
 TEST_CASE("Precomputing a sky allocates nothing inside tiles", "[sky][tables]") {

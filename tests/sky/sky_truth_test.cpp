@@ -14,6 +14,7 @@
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_tables_for_tests.h"
+#include "sky/sunlight.h"
 #include "sky/table_mapping.h"
 #include "support/catch.h"
 #include "welkin/sky.h"
@@ -26,10 +27,6 @@ namespace {
 
 using glm::dvec3;
 using std::numbers::pi;
-
-sky::TableMapping mapping_of(const Atmosphere& air) {
-  return {air.bottom_radius_m, air.top_radius_m, -0.5, air.sun_angular_radius_degrees};
-}
 
 double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine))); }
 
@@ -53,7 +50,7 @@ struct Texel {
 
 Texel texel(const SkyTables& tables, int height, int view, int angle, int sun) {
   const SkyTableOptions& o = tables.options;
-  const sky::TableMapping mapping = mapping_of(tables.atmosphere);
+  const sky::TableMapping mapping = sky::mapping_of(tables);
   const bool full = o.layout == ScatteringLayout::full;
   const int angles = full ? o.sun_angles : 1;
   Texel t{};
@@ -61,7 +58,7 @@ Texel texel(const SkyTables& tables, int height, int view, int angle, int sun) {
   t.altitude = mapping.altitude(static_cast<double>(height) / (o.heights - 1));
   t.view = mapping.view_ray(t.altitude, view, o.view_zeniths);
   t.sun = mapping.sun_zenith_cosine(static_cast<double>(sun) / (o.sun_zeniths - 1));
-  t.azimuth_cosine = full ? sky::TableMapping::azimuth_cosine(static_cast<double>(angle) / (angles - 1), t.sun) : 0.0;
+  t.azimuth_cosine = full ? mapping.azimuth_cosine(static_cast<double>(angle) / (angles - 1), t.sun) : 0.0;
   return t;
 }
 
@@ -81,7 +78,7 @@ TEST_CASE("Transmittance tables match the truth to 1e-5 of the optical depth, gr
     const SkyTables tables =
         precompute_sky(air, {.heights = 2, .view_zeniths = 4, .sun_zeniths = 4, .sun_angles = 2, .orders = 1});
     const SkyTableOptions& o = tables.options;
-    const sky::TableMapping mapping = mapping_of(air);
+    const sky::TableMapping mapping = sky::mapping_of(tables);
     std::mt19937 generator(5);
     CAPTURE(air.name);
     double worst = 0.0;
@@ -278,7 +275,7 @@ void check_against_paths(const Atmosphere& air, std::int64_t paths, double error
   options.exact_orders = true;
   const SkyTables four = precompute_sky(air, options);
   constexpr std::size_t sun = 220;
-  const double mu_s = mapping_of(air).sun_zenith_cosine(sun / 256.0);
+  const double mu_s = sky::mapping_of(four).sun_zenith_cosine(sun / 256.0);
   const TracedIrradiance traced = trace_irradiance(air, mu_s, paths);
   for (std::size_t c = 0; c < 3; ++c) {
     const double found =
