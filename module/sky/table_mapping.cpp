@@ -29,8 +29,8 @@ double bend_of(double thickness, double top_tangent) {
 }
 
 // Of the coordinate of views to the top (ViewTerms), of suns' (SunTerms) and of azimuths' (AzimuthTerms). Found by
-// trying against the quadrature: those of few nodes with 8 azimuths, 32 or 64 suns and views of even lengths, those of
-// many with 64 views and suns, from 10 to -12 degrees, all that are many together.
+// trying against the quadrature: those of few nodes with 8 azimuths, suns from 10 to -12 degrees, rays from 0.2 to 45
+// degrees above the horizon; those of many all together, with 64 views, 8 azimuths and 64 suns, from 60 to -12.
 constexpr ViewTerms kManyViews{.zenith = 0.195, .horizon = 0.2};
 constexpr AzimuthTerms kFewAzimuths{
     .most = 2.6, .middle = -0.0105, .width = 0.055, .deep = 0.7, .start = -0.08, .rise = 0.08};
@@ -48,7 +48,7 @@ struct SunShares {
 constexpr double kSunBend = 0.25;
 constexpr double kLevelShare = 0.2;
 constexpr SunShares kFewSuns{.level = kLevelShare, .sunset = 0.15, .radii = 2.5, .centre = 0.0};
-constexpr SunShares kManySuns{.level = 0.225, .sunset = 0.2, .radii = 3.15, .centre = -0.005};
+constexpr SunShares kManySuns{.level = 0.23, .sunset = 0.2, .radii = 3.25, .centre = -0.0053};
 constexpr double kLeastSunset = 0.004;  ///< w of a sun that is a point, radians
 constexpr int kHalvings = 60;
 constexpr int kNewtonSteps = 8;

@@ -463,8 +463,8 @@ TEST_CASE("Refused sky tables say why", "[sky][codec]") {
   };
   CHECK(load(100).code == ErrorCode::limit_exceeded);
   std::vector<char> bytes = bytes_of(path);
-  for (const char version : {6, 8}) {  // older and newer ones
-    bytes[8] = version;
+  for (const int version : {6, 8}) {  // older and newer ones
+    bytes[8] = static_cast<char>(version);
     write(path, bytes);
     CHECK(load().code == ErrorCode::unsupported_file);
     CHECK(load().says("version " + std::to_string(version)));

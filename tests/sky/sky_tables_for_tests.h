@@ -46,4 +46,17 @@ namespace welkin::test {
   return tables;
 }
 
+/// Of few heights, and as many other nodes as it takes for those to crowd.
+[[nodiscard]] inline const std::shared_ptr<const SkyTables>& crowded_view_tables() {
+  static const std::shared_ptr<const SkyTables> tables = [] {
+    SkyTableOptions options;
+    options.heights = 6;
+    options.view_zeniths = 48;
+    options.sun_zeniths = 48;
+    options.orders = 2;
+    return std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  }();
+  return tables;
+}
+
 }  // namespace welkin::test
