@@ -355,8 +355,8 @@ int SoftCells::last_before(double place, int guess) const noexcept {
 
 namespace {
 
-constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;
-constexpr std::size_t kLargestTableBytes = std::size_t{48} << 20U;
+constexpr std::size_t kCacheBytes = std::size_t{128} << 20U;
+constexpr std::size_t kLargestTableBytes = std::size_t{96} << 20U;  // 2048 texels from 4096 x 2048 take 53 MiB
 
 math::TableCache<TileWeightKey, TileWeightTable>& cache() {
   static auto& tables = *new math::TableCache<TileWeightKey, TileWeightTable>(kCacheBytes);  // never destroyed
@@ -382,7 +382,7 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   for (const bool polar : {false, true}) {
     for (int row = 0; row < weights_.lines(); ++row) {
       const TileKind kind = weights_.kind_of(polar, row);
-      const std::size_t room = kind == TileKind::pole ? 0 : floats_for(kind, row);
+      const std::size_t room = floats_for(kind, row);
       lines_.push_back({floats, indices, room, false, {}});
       floats += room * rests;
       indices += 2 * rests * static_cast<std::size_t>(weights_.tiles_of(kind, row));
@@ -396,16 +396,29 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   indices_ = platform::AlignedBuffer<std::int32_t>(indices);
 }
 
-/// Room for a line's weights. An estimate from above: a line that needs more is weighed anew each time.
+/// Room for a line's weights, from above; a line that needs more after all is weighed anew each time.
+///
+/// On +Y a texel in row r and column t r covers the longitudes from atan(t r / (r + 1)) to atan((t r + 1) / r), about
+/// (1 + t) / (1 + t^2) / r radians: most where t = sqrt(2) - 1. It is deepest on the diagonal, sqrt(2) times as deep as
+/// beside the axis.
 std::size_t TileWeightTable::floats_for(TileKind kind, int row) const noexcept {
-  // A texel is at most 2 / size radians high, and begins and ends within ramps.
-  const int height = static_cast<int>(std::ceil(2.0 / weights_.size() * weights_.height() / kPi)) + 2;
+  constexpr double kWidest = 0.5 * (1.0 + std::numbers::sqrt2);
+  const auto touched = [](double cells) { return static_cast<int>(std::ceil(cells)) + 2; };  // with their ramps
   const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
-  if (kind == TileKind::side && row > 0) return tiles * static_cast<std::size_t>(height);
-  // On +Y, 1 / row radians wide; at the border between faces, 2 / size.
-  const double radians = kind == TileKind::side ? 2.0 / weights_.size() : std::min(0.5 * kPi, 1.0 / std::max(row, 1));
-  const int width = static_cast<int>(std::ceil(radians * weights_.width() / (2.0 * kPi))) + 2;
-  return tiles * static_cast<std::size_t>(height + 1) * static_cast<std::size_t>((width + 3) / 4 * 4);
+  const double texel = 2.0 / weights_.size();  // of a face whose edges are 2 long, in the middle radians
+  const double texel_rows = texel * weights_.height() / kPi;
+  if (kind == TileKind::side && row > 0) return tiles * static_cast<std::size_t>(touched(texel_rows));
+  double radians = texel;
+  double depth = std::numbers::sqrt2;
+  if (kind != TileKind::side) {
+    const double inner = row - (weights_.size() % 2 != 0 ? 0.5 : 0.0);
+    radians = inner > 0.0 ? std::min(0.5 * kPi, kWidest / inner) : 0.5 * kPi;
+    depth /= 1.0 + std::max(inner, 0.0) * texel * std::max(inner, 0.0) * texel;
+  }
+  if (kind == TileKind::pole) radians = 2.0 * kPi;
+  const int rows = std::min(touched(depth * texel_rows), weights_.height());
+  const int groups = groups_for(touched(radians * weights_.width() / (2.0 * kPi)));
+  return tiles * static_cast<std::size_t>(kGroup * rows * groups);
 }
 
 std::size_t TileWeightTable::bytes() const noexcept {
