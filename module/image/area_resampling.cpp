@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "image/area_weights.h"
@@ -15,6 +15,7 @@
 #include "image/image_kernels.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "platform/memory.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
@@ -25,28 +26,83 @@ namespace {
 constexpr int kTileTexels = 16384;
 constexpr std::int64_t kInlineTexels = 8192;
 constexpr double kShareOfCopy = 0.2;
+constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
 
 /// Draws all images of a run of tiles.
 class CubeMeans final : public RunSink {
  public:
-  CubeMeans(const TileWeights& weights, const PaddedPicture& picture, const std::array<float*, 6>& faces)
-      : weights_(weights), picture_(picture), faces_(faces) {}
+  /// `patch`: room for the RGB of the largest patch, and of what is read beyond it.
+  CubeMeans(const TileWeights& weights, const FloatPlane& picture, const std::array<float*, 6>& faces, float* patch)
+      : weights_(weights), picture_(picture), faces_(faces), patch_(patch) {}
 
   void take(const WeighedRun& run) override {
+    const std::span<const std::int32_t> columns(run.patches.columns, static_cast<std::size_t>(run.patches.count));
+    const auto [lowest, highest] = std::ranges::minmax(columns);
     for (const TileImage& image : images_of(run.kind)) {
       PlacedRun placed;
       if (!place_image(image, run, weights_.size(), weights_.width(), placed)) continue;
-      placed.patches.origin = picture_.texel(0, image.below ? weights_.height() - 1 : 0);
-      placed.patches.row_stride = image.below ? -picture_.stride() : picture_.stride();
-      kernels_.sample_patches(placed.patches, faces_[static_cast<std::size_t>(image.face)] + placed.offset);
+      PatchRun& patches = placed.patches;
+      patches.origin = picture_.texel(0, image.below ? weights_.height() - 1 : 0);
+      patches.row_stride = image.below ? -picture_.row_floats() : picture_.row_floats();
+      float* const rgb = faces_[static_cast<std::size_t>(image.face)] + placed.offset;
+      if (is_inside(patches, lowest) && is_inside(patches, highest)) {
+        kernels_.sample_patches(patches, rgb);
+      } else {
+        draw_at_seam(patches, rgb);
+      }
     }
   }
 
  private:
+  /// The picture's column where a patch begins whose first column is `column`, or whose last one where it is mirrored.
+  static int left_of(const PatchRun& run, int column) noexcept {
+    return run.mirrored ? run.base - column - 4 * run.patch_groups : run.base + column;
+  }
+
+  [[nodiscard]] bool is_inside(const PatchRun& run, int column) const noexcept {
+    const int left = left_of(run, column);
+    return left >= 0 && left + 4 * run.patch_groups + kReadBeyond <= weights_.width();
+  }
+
+  /// Draws patches that lie across the picture's seam from copies of their texels, and the others between them as
+  /// usual.
+  void draw_at_seam(const PatchRun& run, float* rgb) {
+    for (int first = 0; first < run.count;) {
+      int end = first;
+      while (end < run.count && is_inside(run, run.columns[end])) ++end;
+      if (end > first) {
+        kernels_.sample_patches(part_of(run, first, end - first), rgb + first * run.rgb_step);
+      } else {
+        kernels_.sample_patches(copied(part_of(run, first, 1)), rgb + first * run.rgb_step);
+        ++end;
+      }
+      first = end;
+    }
+  }
+
+  /// A run of one patch, from a copy of its texels.
+  [[nodiscard]] PatchRun copied(PatchRun run) {
+    static constexpr std::int32_t kFirst = 0;
+    const int across = 4 * run.patch_groups;
+    const int width = weights_.width();
+    const int left = (left_of(run, *run.columns) % width + width) % width;
+    for (int row = 0; row < run.patch_rows; ++row) {
+      const float* const from = run.origin + (*run.rows + row) * run.row_stride;
+      float* const to = patch_ + std::ptrdiff_t{3} * across * row;
+      for (int k = 0; k < across; ++k) std::copy_n(from + std::ptrdiff_t{3} * ((left + k) % width), 3, to + 3 * k);
+    }
+    run.origin = patch_;
+    run.row_stride = std::ptrdiff_t{3} * across;
+    run.rows = run.columns = &kFirst;
+    run.base = run.mirrored ? across : 0;
+    return run;
+  }
+
   const ImageKernels& kernels_ = image_kernels();
   const TileWeights& weights_;
-  const PaddedPicture& picture_;
+  const FloatPlane& picture_;
   std::array<float*, 6> faces_;
+  float* patch_;
 };
 
 }  // namespace
@@ -58,10 +114,12 @@ void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<
   const auto made = kept ? nullptr : std::make_shared<TileWeightTable>(key);
   const TileWeightTable& table = kept ? *kept : *made;
   const TileWeights& weights = table.weights();
-  const PaddedPicture picture(source, weights.border(), jobs::part_of(control, 0.0, kShareOfCopy));
+  const FloatPlane picture(source, jobs::part_of(control, 0.0, kShareOfCopy));
   const std::int64_t work = std::int64_t{6} * size * size + std::int64_t{source.width} * source.height;
   const jobs::Placement placement = work <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
   const std::size_t workers = jobs::worker_count(placement);
+  std::vector<platform::AlignedBuffer<float>> patches;
+  for (std::size_t k = 0; k < workers; ++k) patches.emplace_back(3 * (weights.largest_patch() + kReadBeyond));
   std::vector<TileScratch> scratch;
   if (!table.complete()) {
     scratch.reserve(workers);
@@ -72,7 +130,7 @@ void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<
   const auto tiles = static_cast<std::size_t>((lines + tile_lines - 1) / tile_lines);
   jobs::run_tiles(2 * tiles, placement, workers, jobs::part_of(control, kShareOfCopy, 1.0),
                   [&](std::size_t tile, std::size_t worker) {
-                    CubeMeans means(weights, picture, faces);
+                    CubeMeans means(weights, picture, faces, patches[worker].data());
                     const int first = static_cast<int>(tile % tiles) * tile_lines;
                     const bool polar = tile >= tiles;
                     for (int row = first; row < std::min(first + tile_lines, lines); ++row) {
@@ -175,50 +233,6 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
       rgb[i] = static_cast<float>(sums[i] / area);
     }
   }
-}
-
-namespace {
-
-constexpr int kPaddingTileTexels = 32768;
-constexpr int kBlock = 256;  ///< texels that are decoded at a time
-
-}  // namespace
-
-PaddedPicture::PaddedPicture(const LatLongView& source, int border, const Control& control)
-    : width_(source.width),
-      border_(border),
-      values_(static_cast<std::size_t>(stride()) * static_cast<std::size_t>(source.height)) {
-  const std::size_t texel_bytes = bytes_per_texel(source.format);
-  const int tile_rows = std::max(1, kPaddingTileTexels / width_);
-  const jobs::Placement placement = jobs::placement_for(std::int64_t{width_} * source.height);
-  jobs::run_tiles(static_cast<std::size_t>((source.height + tile_rows - 1) / tile_rows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first_row = static_cast<int>(tile) * tile_rows;
-                    for (int row = first_row; row < std::min(source.height, first_row + tile_rows); ++row) {
-                      const auto* const from = static_cast<const std::byte*>(row_of(source, row));
-                      float* const line = values_.data() + row * stride();
-                      float* const inside = line + std::ptrdiff_t{4} * border_;
-                      float rgb[3 * kBlock];
-                      for (int first = 0; first < width_; first += kBlock) {
-                        const int count = std::min(kBlock, width_ - first);
-                        decode_texels(source.format, from + static_cast<std::size_t>(first) * texel_bytes, count, rgb);
-                        for (int i = 0; i < count; ++i) {
-                          float* const texel = inside + std::ptrdiff_t{4} * (first + i);
-                          texel[0] = rgb[3 * i];
-                          texel[1] = rgb[3 * i + 1];
-                          texel[2] = rgb[3 * i + 2];
-                          texel[3] = 0.0F;
-                        }
-                      }
-                      for (int k = 0; k < border_; ++k) {  // one by one: the border may be wider than the picture
-                        const int left = width_ - 1 - k % width_;
-                        std::memcpy(inside - std::ptrdiff_t{4} * (k + 1), inside + std::ptrdiff_t{4} * left,
-                                    4 * sizeof(float));
-                        std::memcpy(inside + std::ptrdiff_t{4} * (width_ + k),
-                                    inside + std::ptrdiff_t{4} * (k % width_), 4 * sizeof(float));
-                      }
-                    }
-                  });
 }
 
 }  // namespace welkin::image

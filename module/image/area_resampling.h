@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 
-#include "platform/memory.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -22,24 +21,5 @@ void fill_cubemap_by_area(const LatLongView& source, int size, const std::array<
 /// the lat-long is finer than the cube. Takes 24 bytes a texel of the result. The view and the sizes are checked
 /// already. The same bits on any number of threads. Throws `Error` (cancelled).
 void fill_lat_long_by_area(const CubemapView& source, int width, int height, float* rgb, const Control& control);
-
-// A lat-long as texels of four floats, going on round the seam.
-
-/// Red, green, blue and 0 for each texel, and `border` more texels at both ends of each row: those round the seam.
-class PaddedPicture {
- public:
-  PaddedPicture(const LatLongView& source, int border, const Control& control);
-
-  [[nodiscard]] const float* texel(int column, int row) const noexcept {
-    return values_.data() + row * stride() + std::ptrdiff_t{4} * (column + border_);
-  }
-  /// Floats from a row to the next.
-  [[nodiscard]] std::ptrdiff_t stride() const noexcept { return std::ptrdiff_t{4} * (width_ + 2 * border_); }
-
- private:
-  int width_;
-  int border_;
-  platform::AlignedBuffer<float> values_;
-};
 
 }  // namespace welkin::image

@@ -202,6 +202,18 @@ std::span<const TileImage> images_of(TileKind kind) noexcept {
   }
 }
 
+PatchRun part_of(const PatchRun& run, int first, int count) {
+  PatchRun part = run;
+  const std::ptrdiff_t texels =
+      std::ptrdiff_t{4} * run.patch_groups * (run.row_weights != nullptr ? 1 : run.patch_rows);
+  part.rows += first;
+  part.columns += first;
+  part.weights += first * texels;
+  if (run.row_weights != nullptr) part.row_weights += std::ptrdiff_t{first} * run.patch_rows;
+  part.count = count;
+  return part;
+}
+
 bool place_image(const TileImage& image, const WeighedRun& run, int size, int width, PlacedRun& placed) {
   if (rest_of(image, width) != run.rest) return false;
   const bool odd = size % 2 != 0;
@@ -214,12 +226,8 @@ bool place_image(const TileImage& image, const WeighedRun& run, int size, int wi
   const bool rising = image.swapped ? image.lower : image.right;
   if (!rising && first == 0 && odd) {  // the middle texel of an odd number is its own image too
     ++first;
-    ++patches.rows;
-    ++patches.columns;
-    patches.weights += 4 * patches.patch_groups * (patches.row_weights != nullptr ? 1 : patches.patch_rows);
-    if (patches.row_weights != nullptr) patches.row_weights += patches.patch_rows;
     if (areas != nullptr) ++areas;
-    --patches.count;
+    patches = part_of(patches, 1, patches.count - 1);
   }
   if (patches.count <= 0) return false;
   const int half = (size + 1) / 2;

@@ -148,6 +148,9 @@ struct WeighedRun {
   const double* areas;  ///< of the tiles, in columns times height; may be missing
 };
 
+/// `count` of a run's points, from `first` on.
+[[nodiscard]] PatchRun part_of(const PatchRun& run, int first, int count);
+
 /// A run as one of its images has it: `patches` lacks its origin and stride only.
 struct PlacedRun {
   PatchRun patches;

@@ -37,11 +37,11 @@ Extent extent_of(const TileSide* sides, int number) noexcept {
 }  // namespace
 
 TileScratch::TileScratch(const TileWeights& weights)
-    : weights_(std::max(kRoomFloats, weights.most_weights())), polar_(weights.tiling()) {
+    : weights_(std::max(kRoomFloats, weights.largest_patch())), polar_(weights.tiling()) {
   const auto count = static_cast<std::size_t>(weights.tiling().half()) + 1;
   for (auto* indices : {&rows_, &columns_}) indices->resize(count);
   for (auto* values : {&areas_, &upper_, &lower_}) values->resize(count);
-  dense_.resize(weights.most_weights());
+  dense_.resize(weights.largest_patch());
   for (auto* values : {&across_, &along_}) values->resize(static_cast<std::size_t>(weights.width()) + 32);
   for (auto* values : {&down_, &from_, &to_}) values->resize(static_cast<std::size_t>(weights.height()) + 2);
 }
@@ -134,7 +134,7 @@ TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns)
 }
 
 /// Weights that one tile may need, and so must have room at least.
-std::size_t TileWeights::most_weights() const noexcept {
+std::size_t TileWeights::largest_patch() const noexcept {
   // A texel is at most sqrt(8) / size radians high and, but for the one around a pole, a quarter turn wide.
   const double rows = 3.0 / size() * height_ / kPi + 4.0;
   const double columns = size() % 2 != 0 ? width_ + 8.0 : 0.25 * width_ + 16.0;

@@ -104,8 +104,8 @@ class TileWeights {
   [[nodiscard]] TileKind kind_of(bool polar, int row) const noexcept;
   /// Tiles of a line.
   [[nodiscard]] int tiles_of(TileKind kind, int row) const noexcept;
-  /// How many columns a patch may reach beyond the lat-long's seam.
-  [[nodiscard]] int border() const noexcept { return reach_ + kSpareColumns; }
+  /// No patch has more texels.
+  [[nodiscard]] std::size_t largest_patch() const noexcept;
 
   /// Hands out the weights of a line of tiles, counted from +Y on side faces and from the pole, run after run. Lines
   /// next to each other take less if one scratch has them in rising order.
@@ -129,7 +129,6 @@ class TileWeights {
   [[nodiscard]] SoftCells soft_rows() const;
   [[nodiscard]] SoftCells soft_columns(double offset) const;
   [[nodiscard]] SideColumns columns_of_sides(const SoftCells& columns) const;
-  [[nodiscard]] std::size_t most_weights() const noexcept;
 
   void weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const;
   void weigh_border(TileScratch& scratch, RunSink& sink) const;

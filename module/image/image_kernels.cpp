@@ -12,7 +12,7 @@ namespace welkin::image::WELKIN_ISA {
 namespace {
 
 using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, simd::kParts, simd::kWidth, simd::Lanes,
-    simd::load_texels, simd::Quad, simd::repeated, simd::store_rgb, simd::Texels, simd::weighted_columns,
+    simd::load_rgb_texels, simd::Quad, simd::repeated_rgb, simd::store_rgb, simd::Texels, simd::weighted_columns,
     simd::weighted_ring;
 
 /// What is left to be added over the four texels.
@@ -152,8 +152,8 @@ void taps_of_places(const double* places, int count, bool cubic, std::int32_t* f
 
 // Weighted sums over patches of a picture.
 //
-// Four texels of a row are the 16 logical lanes. What is left of a patch, spread over them, is folded for several
-// points at once where registers are wide enough.
+// Four texels of a row, with zeros for fourth values, are the 16 logical lanes. What is left of a patch, spread over
+// them, is folded for several points at once where registers are wide enough.
 
 /// A patch before its last sums: over the four columns of a group.
 struct Spread {
@@ -166,7 +166,7 @@ WELKIN_INLINE bool uniform(const Spread& spread) { return no_bit_set(spread.diff
 template <bool mirrored>
 WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
   const int column = mirrored ? run.base - run.columns[point] - 4 * run.patch_groups : run.base + run.columns[point];
-  return run.origin + run.rows[point] * run.row_stride + 4 * static_cast<std::ptrdiff_t>(column);
+  return run.origin + run.rows[point] * run.row_stride + 3 * static_cast<std::ptrdiff_t>(column);
 }
 
 /// `product`: there are row weights. `known_rows`: of a patch of one group; 0 if the run knows.
@@ -177,13 +177,13 @@ WELKIN_INLINE Spread spread_value(const PatchRun& run, int point) {
   const float* const texels = first_texel<mirrored>(run, point);
   const float* const weights = run.weights + 4 * static_cast<std::ptrdiff_t>(point) * groups * (product ? 1 : rows);
   const float* const row_weights = product ? run.row_weights + static_cast<std::ptrdiff_t>(point) * rows : nullptr;
-  const Texels first = repeated(texels);
+  const Texels first = repeated_rgb(texels);
   Spread spread;
   for (int group = 0; group < groups; ++group) {
     const int weight_group = mirrored ? groups - 1 - group : group;
     Texels column;
     for (int row = 0; row < rows; ++row) {
-      const Texels here = load_texels(texels + row * run.row_stride + 16 * static_cast<std::ptrdiff_t>(group));
+      const Texels here = load_rgb_texels(texels + row * run.row_stride + 12 * static_cast<std::ptrdiff_t>(group));
       const Texels part = product ? weighted_ring(here, row_weights[row])
                                   : weighted_columns<mirrored>(here, weights + 4 * (row * groups + weight_group));
       column = row == 0 ? part : sum(column, part);

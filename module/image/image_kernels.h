@@ -40,9 +40,9 @@ struct GridRun {
 /// column. Nothing beyond rgb[3 count - 1] is written.
 using SampleGrid = void (*)(const GridRun& run, float* rgb);
 
-/// Points of a picture of texels of four floats, each the weighted sum of a patch of texels of its own.
+/// Points of a picture of packed RGB floats, each the weighted sum of a patch of texels of its own.
 struct PatchRun {
-  const float* origin;          ///< row 0, column 0
+  const float* origin;          ///< row 0, column 0; two texels right of a patch are read, but have no part in its sum
   std::ptrdiff_t row_stride;    ///< floats from a row to the next
   const std::int32_t* rows;     ///< [count]: first row of each patch
   const std::int32_t* columns;  ///< [count]: first column

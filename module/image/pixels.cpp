@@ -173,25 +173,36 @@ const void* row_of(const CubemapView& view, int face, int row) noexcept {
 }
 
 template <typename RowOf>
-FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row)
+FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row,
+                       jobs::Placement placement, const Control& control)
     : row_floats_(std::ptrdiff_t{3} * width) {
   if (format == PixelFormat::rgb32f) {
     first_ = static_cast<const float*>(address_of_row(0));
     if (height > 1) row_floats_ = static_cast<const float*>(address_of_row(1)) - first_;
     return;
   }
+  constexpr int kTileTexels = 32768;
   decoded_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(row_floats_ * height));
-  for (int row = 0; row < height; ++row) {
-    decode_texels(format, address_of_row(row), width, decoded_.get() + row * row_floats_);
-  }
+  const int tile_rows = std::max(1, kTileTexels / width);
+  jobs::run_tiles(static_cast<std::size_t>((height + tile_rows - 1) / tile_rows), placement,
+                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
+                    const int first = static_cast<int>(tile) * tile_rows;
+                    for (int row = first; row < std::min(height, first + tile_rows); ++row) {
+                      decode_texels(format, address_of_row(row), width, decoded_.get() + row * row_floats_);
+                    }
+                  });
   first_ = decoded_.get();
 }
 
-FloatPlane::FloatPlane(const LatLongView& view)
-    : FloatPlane(view.format, view.width, view.height, [&](int row) { return row_of(view, row); }) {}
+FloatPlane::FloatPlane(const LatLongView& view, const Control& control)
+    : FloatPlane(
+          view.format, view.width, view.height, [&](int row) { return row_of(view, row); },
+          jobs::placement_for(std::int64_t{view.width} * view.height), control) {}
 
 FloatPlane::FloatPlane(const CubemapView& view, int face)
-    : FloatPlane(view.format, view.size, view.size, [&](int row) { return row_of(view, face, row); }) {}
+    : FloatPlane(
+          view.format, view.size, view.size, [&](int row) { return row_of(view, face, row); },
+          jobs::Placement::calling_thread, Control{}) {}
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include <memory_resource>
 #include <span>
 
+#include "jobs/tiles.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
@@ -82,17 +83,21 @@ inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
 /// RGB floats: the caller's own where they are that already, else a decoded copy.
 class FloatPlane {
  public:
-  explicit FloatPlane(const LatLongView& view);
+  /// Decodes in the caller's arena. Throws `Error` (cancelled).
+  explicit FloatPlane(const LatLongView& view, const Control& control = {});
   FloatPlane(const CubemapView& view, int face);
 
   /// Three values.
   [[nodiscard]] const float* texel(int column, int row) const noexcept {
     return first_ + row * row_floats_ + std::ptrdiff_t{3} * column;
   }
+  /// Floats from a row to the next.
+  [[nodiscard]] std::ptrdiff_t row_floats() const noexcept { return row_floats_; }
 
  private:
   template <typename RowOf>
-  FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row);
+  FloatPlane(PixelFormat format, int width, int height, const RowOf& address_of_row, jobs::Placement placement,
+             const Control& control);
 
   std::unique_ptr<float[]> decoded_;
   const float* first_ = nullptr;

@@ -16,7 +16,8 @@
 //   Block                 the register of which as many as it has floats are transposed together: Quad, or Lanes
 //   load_widened(p)       kDoubleWidth aligned floats as doubles
 //   narrow(low, high)     two registers of doubles as one of floats, each rounded
-//   repeated(texel)       Texels: one texel in all four places
+//   load_rgb_texels(p)    Texels: four of packed RGB, their fourth values 0; reads up to 16 floats
+//   repeated_rgb(p)       Texels: one of RGB in all four places, its fourth value 0; reads 4 floats
 //   load_texel_pairs(p, q)  Texels: two that follow each other from p on, and two from q on
 //   weighted_columns<reversed>(texels, weights)  each texel times its own weight; reversed: the last is the first one's
 //   folded(texels)        the sum of the four, (q0 + q2) + (q1 + q3), as a Quad (four floats, vec_x86.h)
@@ -59,12 +60,6 @@ template <bool reversed, class Channel>
 WELKIN_INLINE Rgb load_rgba(const Channel* first) {
   return detail::rgb_from_rgba<reversed>(detail::load(first), detail::load(first + kWidth),
                                          detail::load(first + 2 * kWidth), detail::load(first + 3 * kWidth));
-}
-
-WELKIN_INLINE Texels load_texels(const float* texels) {
-  Texels result;
-  for (int k = 0; k < kParts; ++k) result.part[k] = Lanes::load_unaligned(texels + k * kWidth);
-  return result;
 }
 
 /// Four texels of a row, all times one weight.

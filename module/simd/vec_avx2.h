@@ -64,8 +64,21 @@ WELKIN_INLINE Lanes narrow(DoubleLanes low, DoubleLanes high) {
   return Lanes(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1));
 }
 
-WELKIN_INLINE Texels repeated(const float* texel) {
-  const Lanes two(_mm256_broadcast_ps(reinterpret_cast<const __m128*>(texel)));
+namespace detail {
+
+WELKIN_INLINE Lanes without_fourths(__m256 texels) { return Lanes(_mm256_blend_ps(texels, _mm256_setzero_ps(), 0x88)); }
+
+}  // namespace detail
+
+WELKIN_INLINE Texels load_rgb_texels(const float* rgb) {
+  const __m256i from_first = _mm256_setr_epi32(0, 1, 2, 0, 3, 4, 5, 0);
+  const __m256i from_fifth = _mm256_setr_epi32(2, 3, 4, 0, 5, 6, 7, 0);
+  return {detail::without_fourths(_mm256_permutevar8x32_ps(_mm256_loadu_ps(rgb), from_first)),
+          detail::without_fourths(_mm256_permutevar8x32_ps(_mm256_loadu_ps(rgb + 4), from_fifth))};
+}
+
+WELKIN_INLINE Texels repeated_rgb(const float* rgb) {
+  const Lanes two = detail::without_fourths(_mm256_broadcast_ps(reinterpret_cast<const __m128*>(rgb)));
   return {two, two};
 }
 

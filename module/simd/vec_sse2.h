@@ -67,8 +67,22 @@ WELKIN_INLINE Lanes narrow(DoubleLanes low, DoubleLanes high) {
   return Lanes(_mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high)));
 }
 
-WELKIN_INLINE Texels repeated(const float* texel) {
-  const Lanes one = Lanes::load_unaligned(texel);
+namespace detail {
+
+WELKIN_INLINE Lanes without_fourth(__m128 texel) {
+  return Lanes(_mm_and_ps(texel, _mm_castsi128_ps(_mm_setr_epi32(-1, -1, -1, 0))));
+}
+
+}  // namespace detail
+
+WELKIN_INLINE Texels load_rgb_texels(const float* rgb) {
+  const __m128i last_four = _mm_castps_si128(_mm_loadu_ps(rgb + 8));
+  return {detail::without_fourth(_mm_loadu_ps(rgb)), detail::without_fourth(_mm_loadu_ps(rgb + 3)),
+          detail::without_fourth(_mm_loadu_ps(rgb + 6)), Lanes(_mm_castsi128_ps(_mm_srli_si128(last_four, 4)))};
+}
+
+WELKIN_INLINE Texels repeated_rgb(const float* rgb) {
+  const Lanes one = detail::without_fourth(_mm_loadu_ps(rgb));
   return {one, one, one, one};
 }
 
