@@ -41,11 +41,35 @@ EightBitTable make_table(const Curve& curve) {
   return table;
 }
 
-void decode_eight_bit(const EightBitTable& table, const void* texels, int channels, int count, float* rgb) noexcept {
+// A template, for the loop takes a tenth longer where the number of channels is a variable (Zen 5).
+template <int channels>
+void decode_eight_bit(const EightBitTable& table, const void* texels, int count, float* rgb) noexcept {
   const auto* from = static_cast<const std::uint8_t*>(texels);
-  for (int i = 0; i < count; ++i, from += channels, rgb += 3) {
-    for (int c = 0; c < 3; ++c) rgb[c] = table[from[c]];
+  for (int i = 0; i < count; ++i) {
+    for (int c = 0; c < 3; ++c) rgb[3 * i + c] = table[from[channels * i + c]];
   }
+}
+
+// value / 255, rounded once. 1 / 255 = 2^-8 + 2^-16 + 2^-24 + ...: eight bits times the first two terms are exact, and
+// the rest is too small for its own rounding to be seen. Two products and a sum vectorise where a division is slow.
+constexpr float unit_from_byte(std::uint8_t byte) noexcept {
+  constexpr float kFirstTerms = 0x1.01p-8F;
+  constexpr auto kRest = static_cast<float>(1.0 / 255.0 - 0x1.01p-8);
+  const auto value = static_cast<float>(byte);
+  return value * kFirstTerms + value * kRest;
+}
+
+constexpr bool all_bytes_round_once() {
+  for (int i = 0; i < 256; ++i) {
+    if (unit_from_byte(static_cast<std::uint8_t>(i)) != static_cast<float>(i / 255.0)) return false;
+  }
+  return true;
+}
+static_assert(all_bytes_round_once());
+
+void decode_linear_bytes(const void* texels, int count, float* rgb) noexcept {
+  const auto* from = static_cast<const std::uint8_t*>(texels);
+  for (int k = 0; k < 3 * count; ++k) rgb[k] = unit_from_byte(from[k]);
 }
 
 void decode_half(const void* texels, int channels, int count, float* rgb) noexcept {
@@ -148,10 +172,10 @@ void decode_texels(PixelFormat format, const void* texels, int count, float* rgb
     }
     case PixelFormat::rgb16f: return decode_half(texels, 3, count, rgb);
     case PixelFormat::rgba16f: return decode_half(texels, 4, count, rgb);
-    case PixelFormat::rgb8: return decode_eight_bit(linear, texels, 3, count, rgb);
-    case PixelFormat::rgba8: return decode_eight_bit(linear, texels, 4, count, rgb);
-    case PixelFormat::srgb8: return decode_eight_bit(srgb, texels, 3, count, rgb);
-    case PixelFormat::srgba8: return decode_eight_bit(srgb, texels, 4, count, rgb);
+    case PixelFormat::rgb8: return decode_linear_bytes(texels, count, rgb);
+    case PixelFormat::rgba8: return decode_eight_bit<4>(linear, texels, count, rgb);
+    case PixelFormat::srgb8: return decode_eight_bit<3>(srgb, texels, count, rgb);
+    case PixelFormat::srgba8: return decode_eight_bit<4>(srgb, texels, count, rgb);
   }
 }
 

@@ -15,6 +15,12 @@
 
 namespace welkin::image {
 
+/// Whether channels are bytes, whose values lie between 0 and 1.
+[[nodiscard]] constexpr bool is_eight_bit(PixelFormat format) noexcept {
+  return format == PixelFormat::rgb8 || format == PixelFormat::rgba8 || format == PixelFormat::srgb8 ||
+         format == PixelFormat::srgba8;
+}
+
 /// Decodes `count` texels at `texels` to packed RGB floats. Exact for float and half formats; 8-bit ones
 /// are value / 255, through the sRGB transfer function where the format says so, rounded once to float.
 void decode_texels(PixelFormat format, const void* texels, int count, float* rgb) noexcept;

@@ -14,14 +14,9 @@
 namespace welkin::projection {
 namespace {
 
-bool is_eight_bit(PixelFormat format) {
-  return format == PixelFormat::rgb8 || format == PixelFormat::rgba8 || format == PixelFormat::srgb8 ||
-         format == PixelFormat::srgba8;
-}
-
 /// A row's channels as they are averaged: floats as they are, 8-bit values as 0 to 255.
 void decode_row(const CubemapView& cubemap, const std::byte* row, float* rgb) {
-  if (!is_eight_bit(cubemap.format)) {
+  if (!image::is_eight_bit(cubemap.format)) {
     image::decode_texels(cubemap.format, row, cubemap.size, rgb);
     return;
   }
@@ -34,7 +29,7 @@ void decode_row(const CubemapView& cubemap, const std::byte* row, float* rgb) {
 
 /// Back from an averaged channel to what the cubemap's format makes of it.
 float finish_channel(float average, PixelFormat format) {
-  if (!is_eight_bit(format)) return average;
+  if (!image::is_eight_bit(format)) return average;
   const auto encoded = static_cast<std::uint8_t>(static_cast<int>(average + 0.5F) & 0xFF);
   const std::uint8_t texel[3] = {encoded, encoded, encoded};
   float rgb[3];

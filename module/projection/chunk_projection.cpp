@@ -288,8 +288,7 @@ void ChunkProjection::decode_and_sanitize(const RowRun& run, const float* weight
 }
 
 void ChunkProjection::sanitize(const TexelRun& run, SanitizeRecord& record) const {
-  if (!sanitizer_.gamma() && !kernels_.any_outside(run.rgb, 3 * run.count, sanitizer_.low(), sanitizer_.high())) return;
-  sanitizer_.sanitize(run, record);
+  if (sanitizer_.may_change(cubemap_.format, run.rgb, run.count)) sanitizer_.sanitize(run, record);
 }
 
 void ChunkProjection::fold_decoded(const RowRun& run, Scratch& scratch) const {

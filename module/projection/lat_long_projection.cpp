@@ -269,7 +269,7 @@ struct LatLongProjector::State {
   void fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold, const FetchAhead& ahead,
                      Scratch& room) noexcept;
   static void decode(const ColumnRun& run, PixelFormat format, Scratch& room) noexcept;
-  void sanitize(const ColumnRun& run, Scratch& room, SanitizeRecord& record) noexcept;
+  void sanitize(const ColumnRun& run, PixelFormat format, Scratch& room, SanitizeRecord& record) noexcept;
   void fold_decoded(const ColumnRun& run, int position, Scratch& room) noexcept;
   void sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept;
   void sum_in_double(const ColumnRun& run, Scratch& room) noexcept;
@@ -341,7 +341,7 @@ void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* 
     const ColumnRun run = column_run(texels, format, row, chunk);
     clear_lanes(room);
     decode(run, format, room);
-    sanitize(run, room, record);
+    sanitize(run, format, room, record);
     fold_decoded(run, 0, room);
     sum_planes(run, {}, room);
     if (!fold_lanes(room, room.chunk_sums)) sum_in_double(run, room);
@@ -399,7 +399,8 @@ void LatLongProjector::State::decode(const ColumnRun& run, PixelFormat format, S
   }
 }
 
-void LatLongProjector::State::sanitize(const ColumnRun& run, Scratch& room, SanitizeRecord& record) noexcept {
+void LatLongProjector::State::sanitize(const ColumnRun& run, PixelFormat format, Scratch& room,
+                                       SanitizeRecord& record) noexcept {
   for (int half = 0; half < (run.second != nullptr ? 2 : 1); ++half) {
     const TexelRun texels{.rgb = room.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
                           .count = run.count,
@@ -409,9 +410,7 @@ void LatLongProjector::State::sanitize(const ColumnRun& run, Scratch& room, Sani
                           .weights = run.weights,
                           .weight_step = 1,
                           .weight_scale = run.row_weight};
-    if (!sanitizer.gamma() && !kernels.any_outside(texels.rgb, 3 * run.count, sanitizer.low(), sanitizer.high()))
-      continue;
-    sanitizer.sanitize(texels, record);
+    if (sanitizer.may_change(format, texels.rgb, run.count)) sanitizer.sanitize(texels, record);
   }
 }
 

@@ -241,10 +241,16 @@ void fold_sum_lanes(const double* lanes, int count, double* sums) {
 // Checks of a row of values.
 
 bool any_outside(const float* values, int count, float low, float high) {
-  // A comparison with NaN is false, so "not inside" catches it. No early exit: the loop vectorises.
-  int outside = 0;
-  for (int k = 0; k < count; ++k) outside |= static_cast<int>(!(values[k] >= low && values[k] <= high));
-  return outside != 0;
+  // A comparison with NaN is false, so "not inside" catches it.
+  int k = 0;
+  xsimd::batch_bool<float, Lanes::arch_type> inside(true);
+  for (; k + kWidth <= count; k += kWidth) {
+    const Lanes here = Lanes::load_unaligned(values + k);
+    inside = inside & (here >= Lanes(low)) & (here <= Lanes(high));
+  }
+  bool outside = !xsimd::all(inside);
+  for (; k < count; ++k) outside |= !(values[k] >= low && values[k] <= high);
+  return outside;
 }
 
 RowMeasure measure_row(const float* values, int count) {

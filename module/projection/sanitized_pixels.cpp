@@ -101,6 +101,8 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
   for_rows(rows.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
     float* const rgb = copy_.data() + row * row_values;
     image::decode_texels(format, rows[row], columns_, rgb);
+    first_texels_[row] = rgb;
+    if (!sanitizer.may_change(format, rgb, columns_)) return;
     sanitizer.sanitize({.rgb = rgb,
                         .count = columns_,
                         .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
@@ -110,7 +112,6 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
                         .weight_step = cubemap_ ? 1 : 0,
                         .weight_scale = 1.0},
                        records[tile]);
-    first_texels_[row] = rgb;
   });
   SanitizeRecord record;
   for (const SanitizeRecord& one : records) record.add(one);

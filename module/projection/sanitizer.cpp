@@ -9,6 +9,7 @@
 
 #include "image/pixels.h"
 #include "platform/text.h"
+#include "projection/projection_kernels.h"
 #include "welkin/core.h"
 
 namespace welkin::projection {
@@ -44,6 +45,12 @@ Sanitizer::Sanitizer(const PixelPolicy& policy)
   const bool clamp_lifts_negatives = policy.clamp && !policy.clamp->preserve_colour;
   if (policy.negative != NegativePolicy::keep || clamp_lifts_negatives) low_ = 0.0F;
   looks_at_every_texel_ = policy.gamma || policy.clamp.has_value() || policy.negative != NegativePolicy::keep;
+}
+
+bool Sanitizer::may_change(PixelFormat format, const float* rgb, int count) const noexcept {
+  if (policy_.gamma) return true;
+  if (image::is_eight_bit(format) && low_ <= 0.0F && high_ >= 1.0F) return false;
+  return projection_kernels().any_outside(rgb, 3 * count, low_, high_);
 }
 
 void Sanitizer::sanitize_channel(float& value, int texel, const TexelRun& run, SanitizeRecord& record) const noexcept {

@@ -56,7 +56,10 @@ class Sanitizer {
   /// Bounds between which a channel passes unchanged; NaN never does. Meaningless with gamma.
   [[nodiscard]] float low() const noexcept { return low_; }
   [[nodiscard]] float high() const noexcept { return high_; }
-  [[nodiscard]] bool gamma() const noexcept { return policy_.gamma; }
+
+  /// False if every channel of texels that were decoded from `format` passes unchanged. Cost: a comparison a channel,
+  /// nothing for eight bits, which lie between 0 and 1, unless the clamp is below 1.
+  [[nodiscard]] bool may_change(PixelFormat format, const float* rgb, int count) const noexcept;
 
   /// Applies the policies in Babylon.js's order: NaN and infinities, gamma, clamp. Records what it did.
   void sanitize(const TexelRun& run, SanitizeRecord& record) const noexcept;

@@ -236,9 +236,7 @@ void StripProjection::decode_and_sanitize(const Tile& tile, int face, const Piec
 
 void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb,
                                SanitizeRecord& record) const {
-  const bool untouched = !sanitizer_.gamma() && !projection_kernels().any_outside(rgb, kChannels * tile.positions,
-                                                                                  sanitizer_.low(), sanitizer_.high());
-  if (untouched) return;
+  if (!sanitizer_.may_change(cubemap_.format, rgb, tile.positions)) return;
   float solid_angles[kSegment];
   const int mirrored = std::min(row, cubemap_.size - 1 - row);
   image::texel_kernels().expand_texels({cubemap_.size, mirrored, tile.first_column, tile.positions, 1, midpoint_},

@@ -76,6 +76,23 @@ TEST_CASE("Eight-bit formats map their ends to 0 and 1", "[image]") {
   }
 }
 
+TEST_CASE("A byte is its value over 255, rounded once, in runs of any length", "[image]") {
+  std::vector<std::uint8_t> texels(std::size_t{4} * 256);
+  for (std::size_t k = 0; k < texels.size(); ++k) texels[k] = static_cast<std::uint8_t>(k * 37);
+  for (const int channels : {3, 4}) {
+    const PixelFormat format = channels == 3 ? PixelFormat::rgb8 : PixelFormat::rgba8;
+    for (int count = 1; count <= 256; count = count < 20 ? count + 1 : 2 * count) {
+      std::vector<float> rgb(static_cast<std::size_t>(3 * count) + 1, -1.0F);
+      image::decode_texels(format, texels.data(), count, rgb.data());
+      for (std::size_t k = 0; k + 1 < rgb.size(); ++k) {
+        const std::uint8_t byte = texels[k / 3 * static_cast<std::size_t>(channels) + k % 3];
+        REQUIRE(rgb[k] == static_cast<float>(byte / 255.0));
+      }
+      REQUIRE(rgb.back() == -1.0F);
+    }
+  }
+}
+
 // Promises: neighbours are those that touch on the sphere, over every seam, edge and corner; both ways.
 
 namespace {

@@ -217,6 +217,24 @@ TEST_CASE("A clamp reports what it takes away", "[sh][policy]") {
   }
 }
 
+TEST_CASE("A clamp below 1 takes light from bytes too, one of 1 none", "[sh][policy]") {
+  for (const int size : {1, 7, 64, 257}) {
+    for (const float maximum : {0.5F, 1.0F}) {
+      const TestCubemapBytes cubemap = make_cubemap_bytes(Content::random, size, 3, 1);
+      const TestLatLongBytes lat_long = make_lat_long_bytes(Content::random, 2 * size, size, 1, 3);
+      ProjectionOptions options;
+      options.pixels.clamp = RadianceClamp{maximum, false};
+      const auto check = [&](const auto& view) {
+        const Projection found = project(view, options);
+        CHECK((found.diagnostics.texels_clamped > 0) == (maximum < 1.0F));
+        CHECK(relative_error(found.radiance, reference_projection(view, options)) < 5e-7);
+      };
+      check(cubemap.view());
+      check(lat_long.view());
+    }
+  }
+}
+
 TEST_CASE("A colour-preserving clamp keeps the ratios of channels", "[sh][policy]") {
   TestCubemap cubemap{1, 3, {}};
   for (int face = 0; face < 6; ++face) cubemap.pixels.insert(cubemap.pixels.end(), {8000.0F, 4000.0F, 2000.0F});
