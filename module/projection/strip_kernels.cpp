@@ -146,7 +146,7 @@ WELKIN_INLINE void add_pairs(const char* middle, std::ptrdiff_t stride, Fetcher&
     }
     const Lanes below = load_values<Channel>(middle + i * stride);
     const Lanes above = load_values<Channel>(middle - (i + 1) * stride);
-    column.template add<i, begins>(adder, i % 2 == 0 ? adder.add(below, above) : below + above, below - above);
+    column.template add<i, begins>(adder, i % 4 == 0 ? adder.add(below, above) : below + above, below - above);
     add_pairs<Channel, moments, begin, end - 1, false, fetches>(middle, stride, fetcher, fetch, adder, column);
   }
 }
@@ -258,16 +258,16 @@ struct Classes {
 };
 
 /// Lanes `at` of the four mirrored pieces, `piece` floats apart.
-WELKIN_INLINE Classes load_classes(const float* at, int piece) {
+WELKIN_INLINE Classes load_classes(const Adder& adder, const float* at, int piece) {
   const Lanes top_left = Lanes::load_aligned(at);
   const Lanes top_right = Lanes::load_aligned(at + piece);
   const Lanes bottom_left = Lanes::load_aligned(at + 2 * piece);
   const Lanes bottom_right = Lanes::load_aligned(at + 3 * piece);
-  const Lanes top_sum = top_left + top_right;
+  const Lanes top_sum = adder.add(top_left, top_right);
   const Lanes top_difference = top_right - top_left;
-  const Lanes bottom_sum = bottom_left + bottom_right;
+  const Lanes bottom_sum = adder.add(bottom_left, bottom_right);
   const Lanes bottom_difference = bottom_right - bottom_left;
-  return {top_sum + bottom_sum, top_difference + bottom_difference, bottom_sum - top_sum,
+  return {adder.add(top_sum, bottom_sum), adder.add(top_difference, bottom_difference), bottom_sum - top_sum,
           bottom_difference - top_difference};
 }
 
@@ -307,6 +307,7 @@ WELKIN_INLINE void sum_moments_of(const StripMoments& strip, int moments, int gr
                                   FetchList& fetch, int lines) {
   constexpr int kFloats = kStripFunctions * 3 * kLanes;
   alignas(64) float packed[kFacesAtOnce][kFloats];
+  const Adder adder;
   Fetcher fetcher(fetch, lines);
   const int stride = moment_stride(groups * kLanes);
   const int piece = moments * stride;
@@ -320,9 +321,9 @@ WELKIN_INLINE void sum_moments_of(const StripMoments& strip, int moments, int gr
         if (lane % kLanes == 0) {
           for (int i = 0; i < kPairs; ++i) fetcher.fetch(i);
         }
-        const Classes a = load_classes(first, piece);
+        const Classes a = load_classes(adder, first, piece);
         if constexpr (faces > 1) {
-          sums.add(a, load_classes(second, piece), weight);
+          sums.add(a, load_classes(adder, second, piece), weight);
         } else {
           sums.add(a, a, weight);
         }

@@ -76,18 +76,18 @@ StripProjection::StripProjection(const CubemapView& cubemap, const ProjectionOpt
 StripProjection::Scratch::Scratch(const StripProjection& projection) {
   const int positions = widest_segment(projection.cubemap_.size);
   const int moments = projection.moments_;
-  floats_ = platform::AlignedBuffer<float>(projection.strip_weights_.size(positions) +
+  floats_ = platform::AlignedBuffer<float>(projection.strip_weights_.room_size(positions) +
                                            kFacesAtOnce * kPieces * piece_floats(moments, positions) +
                                            spare_floats(projection.strip_weights_, positions) +
                                            static_cast<std::size_t>(kStripRows * kChannels * positions));
   doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(6 * kSums * kSumLanes + kSums));
 }
 
-float* StripProjection::weights(Scratch& scratch) noexcept { return scratch.floats_.data(); }
+float* StripProjection::room(Scratch& scratch) noexcept { return scratch.floats_.data(); }
 
 float* StripProjection::face_moments(Scratch& scratch, int index) const noexcept {
   const int positions = widest_segment(cubemap_.size);
-  return weights(scratch) + strip_weights_.size(positions) +
+  return room(scratch) + strip_weights_.room_size(positions) +
          static_cast<std::size_t>(index * kPieces) * piece_floats(moments_, positions);
 }
 
@@ -183,7 +183,7 @@ void StripProjection::sum_piece(SumStrip sum, const StripRows& rows, const Tile&
 
 void StripProjection::sum_tile(int index, Scratch& scratch) const {
   const Tile tile = tile_at(index);
-  strip_weights_.fill(tile.strip, tile.first_column, tile.positions, weights(scratch), spare(scratch));
+  scratch.weights_ = strip_weights_.at(tile.strip, tile.first_column, tile.positions, room(scratch), spare(scratch));
   if (sum_direct_ == nullptr) return;
   const int groups = tile.positions / kLanes;
   for (std::size_t first = 0; first < faces_.size(); first += kFacesAtOnce) {
@@ -205,7 +205,7 @@ void StripProjection::sum_tile(int index, Scratch& scratch) const {
                   face_moments(scratch, static_cast<int>(k)), scratch);
       }
     }
-    kernels_.sum_moments(strip, moments_, groups, weights(scratch), fetch, kLinesAProduct);
+    kernels_.sum_moments(strip, moments_, groups, scratch.weights_, fetch, kLinesAProduct);
   }
 }
 
@@ -266,7 +266,7 @@ void StripProjection::sum_sanitized(const Tile& tile, int face, Scratch& scratch
   strip.face_count = 1;
   strip.faces[0] = face_moments(scratch, 0);
   strip.sums[0] = lanes(scratch, face);
-  kernels_.sum_moments(strip, moments_, tile.positions / kLanes, weights(scratch), nothing, 0);
+  kernels_.sum_moments(strip, moments_, tile.positions / kLanes, scratch.weights_, nothing, 0);
   projection_kernels().fold_sum_lanes(lanes(scratch, face), kSums, totals(scratch));
 }
 

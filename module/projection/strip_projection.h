@@ -39,6 +39,7 @@ class StripProjection {
    private:
     friend class StripProjection;
     platform::AlignedBuffer<float> floats_;
+    const float* weights_ = nullptr;  ///< of the tile that was summed last
     platform::AlignedBuffer<double> doubles_;
   };
 
@@ -75,7 +76,7 @@ class StripProjection {
   void sum_in_double(const Tile& tile, int face, Scratch& scratch) const;
 
   // Parts of the scratch.
-  [[nodiscard]] static float* weights(Scratch& scratch) noexcept;
+  [[nodiscard]] static float* room(Scratch& scratch) noexcept;  ///< of a tile's weights that are not kept
   [[nodiscard]] float* face_moments(Scratch& scratch, int index) const noexcept;
   [[nodiscard]] float* spare(Scratch& scratch) const noexcept;  ///< of rows of weights, or of moments to be reversed
   [[nodiscard]] float* decoded(Scratch& scratch) const noexcept;

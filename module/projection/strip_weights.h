@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "projection/strip_kernels.h"
 
@@ -17,8 +18,9 @@ class StripWeights {
   [[nodiscard]] static bool serve(int size) noexcept;
   [[nodiscard]] static int moments_for(int size) noexcept;
 
-  /// `place`: as `TexelWeights::place`; it must stay.
-  StripWeights(int size, bool midpoint, const int* place) noexcept;
+  /// `place`: as `TexelWeights::place`; it must stay. The weights of faces to 512 texels are looked up, or all computed
+  /// here if they are used for the first time.
+  StripWeights(int size, bool midpoint, const int* place);
 
   [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
 
@@ -29,12 +31,20 @@ class StripWeights {
   /// The weights of `positions` positions (a multiple of 16) from a column on, as `WeighMoments` says.
   void fill(int strip, int first_column, int positions, float* weights, float* scratch) const noexcept;
 
+  /// The same weights where they are kept, or else filled into `room`, which has `room_size` floats.
+  [[nodiscard]] const float* at(int strip, int first_column, int positions, float* room, float* scratch) const noexcept;
+  [[nodiscard]] std::size_t room_size(int positions) const noexcept { return kept_ ? 0 : size(positions); }
+
  private:
+  class Kept;
+  [[nodiscard]] std::shared_ptr<const Kept> compute_all() const;
+
   int size_;
   bool midpoint_;
   const int* place_;
   MomentsFromRows matrix_{};
-  double rows_[kMostMoments] = {};  ///< where weights are computed, from the strip's middle
+  double rows_[kMostMoments] = {};    ///< where weights are computed, from the strip's middle
+  std::shared_ptr<const Kept> kept_;  ///< all of a face's weights, or null
 };
 
 }  // namespace welkin::projection

@@ -16,20 +16,25 @@ using Texels = TexelsOf<Lanes>;
 
 namespace detail {
 
-// The k-th texel's channel c lies at position 3k + c of 48 floats, in three registers. A permutation of
-// the first two fetches what lies below 32, a second one adds the rest.
+// The k-th texel's channel c lies at position 3k + c of 48 floats, in three registers. No two of a channel's sixteen
+// lie in the same lane, since 16 is 1 modulo 3: lane l has it in the register r with r + l = c modulo 3. So the
+// registers are blended, and one permutation of the blend brings the texels in order. (A permutation of two registers,
+// of which it would take two, has the time of several blends.)
 struct RgbIndices {
-  std::int32_t low[3][16];
-  std::int32_t high[3][16];
+  std::uint16_t second[3];  ///< lanes that come from the second register
+  std::uint16_t third[3];
+  alignas(64) std::int32_t lane[3][16];
 };
 
 constexpr RgbIndices rgb_indices(bool reversed) {
   RgbIndices indices{};
   for (int c = 0; c < 3; ++c) {
-    for (int lane = 0; lane < 16; ++lane) {
-      const int position = 3 * (reversed ? 15 - lane : lane) + c;
-      indices.low[c][lane] = position < 32 ? position : 0;
-      indices.high[c][lane] = position < 32 ? lane : 16 + position - 32;
+    for (int texel = 0; texel < 16; ++texel) {
+      const int position = 3 * (reversed ? 15 - texel : texel) + c;
+      const auto bit = static_cast<std::uint16_t>(1U << (position % 16));
+      if (position / 16 == 1) indices.second[c] = static_cast<std::uint16_t>(indices.second[c] | bit);
+      if (position / 16 == 2) indices.third[c] = static_cast<std::uint16_t>(indices.third[c] | bit);
+      indices.lane[c][texel] = position % 16;
     }
   }
   return indices;
@@ -44,26 +49,26 @@ template <bool reversed>
 WELKIN_INLINE Rgb rgb_from_packed(__m512 v0, __m512 v1, __m512 v2) {
   const RgbIndices& indices = kRgbIndices<reversed>;
   const auto channel = [&](int c) WELKIN_INLINE_LAMBDA {
-    const __m512 below = _mm512_permutex2var_ps(v0, load_indices(indices.low[c]), v1);
-    return Lanes(_mm512_permutex2var_ps(below, load_indices(indices.high[c]), v2));
+    const __m512 blend = _mm512_mask_mov_ps(_mm512_mask_mov_ps(v0, indices.second[c], v1), indices.third[c], v2);
+    return Lanes(_mm512_permutexvar_ps(load_indices(indices.lane[c]), blend));
   };
   return {channel(0), channel(1), channel(2)};
 }
 
-// Two registers hold eight texels of four channels: lanes 0 to 7 take one channel, 8 to 15 another.
+// Four registers hold sixteen texels of four channels, register r the texels 4 r to 4 r + 3. Blended after turns within
+// each four lanes, register kRegisters[c][j] has channel c of its q-th texel in lane 4 q + j.
 struct RgbaIndices {
-  std::int32_t red_green[16];
-  std::int32_t blue[16];
+  alignas(64) std::int32_t lane[3][16];
 };
 
 constexpr RgbaIndices rgba_indices(bool reversed) {
+  constexpr int kRegisters[3][4] = {{0, 2, 1, 3}, {2, 0, 3, 1}, {1, 3, 0, 2}};
   RgbaIndices indices{};
-  for (int lane = 0; lane < 8; ++lane) {
-    const int texel = reversed ? 7 - lane : lane;
-    indices.red_green[lane] = 4 * texel;
-    indices.red_green[lane + 8] = 4 * texel + 1;
-    indices.blue[lane] = 4 * texel + 2;
-    indices.blue[lane + 8] = 4 * texel + 2;
+  for (int c = 0; c < 3; ++c) {
+    for (int lane = 0; lane < 16; ++lane) {
+      const int texel = 4 * kRegisters[c][lane % 4] + lane / 4;
+      indices.lane[c][reversed ? 15 - texel : texel] = lane;
+    }
   }
   return indices;
 }
@@ -73,18 +78,22 @@ alignas(64) inline constexpr RgbaIndices kRgbaIndices = rgba_indices(reversed);
 
 template <bool reversed>
 WELKIN_INLINE Rgb rgb_from_rgba(__m512 v0, __m512 v1, __m512 v2, __m512 v3) {
-  const __m512i red_green = load_indices(kRgbaIndices<reversed>.red_green);
-  const __m512i blue = load_indices(kRgbaIndices<reversed>.blue);
-  const __m512 first = reversed ? v2 : v0;
-  const __m512 second = reversed ? v3 : v1;
-  const __m512 third = reversed ? v0 : v2;
-  const __m512 fourth = reversed ? v1 : v3;
-  const __m512 rg_low = _mm512_permutex2var_ps(first, red_green, second);
-  const __m512 rg_high = _mm512_permutex2var_ps(third, red_green, fourth);
-  const __m512 b_low = _mm512_permutex2var_ps(first, blue, second);
-  const __m512 b_high = _mm512_permutex2var_ps(third, blue, fourth);
-  return {Lanes(_mm512_shuffle_f32x4(rg_low, rg_high, 0x44)), Lanes(_mm512_shuffle_f32x4(rg_low, rg_high, 0xEE)),
-          Lanes(_mm512_shuffle_f32x4(b_low, b_high, 0x44))};
+  constexpr __mmask16 kSecondHalves = 0xCCCC;
+  constexpr __mmask16 kOddLanes = 0xAAAA;
+  constexpr int kTurnedByTwo = 0x4E;
+  constexpr int kTurnedByOne = 0xB1;
+  const __m512 turned1 = _mm512_permute_ps(v1, kTurnedByTwo);
+  const __m512 turned3 = _mm512_permute_ps(v3, kTurnedByTwo);
+  const __m512 red_green01 = _mm512_mask_mov_ps(v0, kSecondHalves, turned1);  // r0 g0 r1 g1
+  const __m512 blue01 = _mm512_mask_mov_ps(turned1, kSecondHalves, v0);       // b1 a1 b0 a0
+  const __m512 red_green23 = _mm512_permute_ps(_mm512_mask_mov_ps(v2, kSecondHalves, turned3), kTurnedByOne);
+  const __m512 blue23 = _mm512_permute_ps(_mm512_mask_mov_ps(turned3, kSecondHalves, v2), kTurnedByOne);
+  const auto ordered = [](__m512 values, int c) WELKIN_INLINE_LAMBDA {
+    return Lanes(_mm512_permutexvar_ps(load_indices(kRgbaIndices<reversed>.lane[c]), values));
+  };
+  return {ordered(_mm512_mask_mov_ps(red_green01, kOddLanes, red_green23), 0),
+          ordered(_mm512_mask_mov_ps(red_green23, kOddLanes, red_green01), 1),
+          ordered(_mm512_mask_mov_ps(blue01, kOddLanes, blue23), 2)};
 }
 
 /// GCC 12 would rather give a load to each of the three permutations that use it: three times the load traffic, a third

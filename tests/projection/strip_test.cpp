@@ -249,6 +249,49 @@ TEST_CASE("What moments weigh gives every texel its integral", "[projection][str
   }
 }
 
+TEST_CASE("The weights of strips that are kept are those that would be computed", "[projection][strip]") {
+  for (const int size : {256, 288, 512}) {
+    const auto place = projection::TexelWeights::get({size, 3, false, size})->place();
+    const projection::StripWeights strips(size, false, place.data());
+    REQUIRE(strips.room_size(size / 2) == 0);
+    const int last = size / 2 / kStripRows - 1;
+    for (const auto& [strip, column] : {std::pair{0, 0}, {1, 32}, {last, 0}, {last, size / 2 - 16}}) {
+      const int positions = size / 2 - column;
+      CAPTURE(size, strip, column);
+      platform::AlignedBuffer<float> weights(strips.size(positions));
+      platform::AlignedBuffer<float> scratch(strips.scratch_size(positions));
+      strips.fill(strip, column, positions, weights.data(), scratch.data());
+      const float* const kept = strips.at(strip, column, positions, nullptr, nullptr);
+      REQUIRE(std::memcmp(kept, weights.data(), weights.size() * sizeof(float)) == 0);
+    }
+  }
+}
+
+TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[projection]") {
+  for (const auto& [size, bands] : {std::pair{256, 4}, {384, 6}, {640, 10}, {1024, 16}, {129, 4}}) {
+    const auto table = projection::TexelWeights::get({size, bands, false, size});
+    platform::AlignedBuffer<float> scratch(table->scratch_size());
+    const int functions = bands * bands;
+    std::vector<float> fine(static_cast<std::size_t>(functions) * projection::kChunk);
+    for (const int index : {0, table->chunk_count() / 2, table->chunk_count() - 1}) {
+      const projection::QuadrantChunk chunk = table->chunk(index);
+      const float* const weights = table->chunk_weights(index, scratch.data());
+      image::texel_kernels().integrate_texels(
+          {size, chunk.first_row, chunk.first_column, chunk.column_count, bands, false}, math::basis_constants(),
+          math::gauss_legendre(8), table->place().data(), fine.data(), projection::kChunk);
+      for (int f = 0; f < functions; ++f) {
+        for (int t = 0; t < chunk.column_count; ++t) {
+          CAPTURE(size, bands, index, f, t);
+          const auto truth = static_cast<double>(fine[static_cast<std::size_t>(f * projection::kChunk + t)]);
+          const auto weight = static_cast<double>(weights[f * projection::kChunk + t]);
+          // A float's last place, and what the rule may be off by: row 0 is the solid angle times Y(0, 0).
+          REQUIRE(std::abs(weight - truth) <= 1.2e-7 * std::abs(truth) + 2e-8 * static_cast<double>(fine[t]));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("A policy that changes nothing leaves a large face's bits", "[projection][strip]") {
   const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 4);
   ProjectionOptions clamped;
