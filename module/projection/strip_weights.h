@@ -18,8 +18,8 @@ class StripWeights {
   [[nodiscard]] static bool serve(int size) noexcept;
   [[nodiscard]] static int moments_for(int size) noexcept;
 
-  /// `place`: as `TexelWeights::place`; it must stay. The weights of faces to 512 texels are looked up, or all computed
-  /// here if they are used for the first time.
+  /// `place`: as `TexelWeights::place`; it must stay. The weights of faces of 256 texels are looked up, or all
+  /// computed here if they are used for the first time.
   StripWeights(int size, bool midpoint, const int* place);
 
   [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
