@@ -67,8 +67,8 @@ void round_even(const double* factors, const int* counts, int size, double const
 }  // namespace
 
 /// The weights of all strips of a face, one after the other. (At 256 they are 13 % as many bytes as the pixels, and
-/// read in a third of the time that computing them takes. At 512 the third-level cache has to give 2.2 MB, and a
-/// projection took 834 microseconds with them, 701 without.)
+/// read in a third of the time that computing them takes. At 512 2.2 MB come from the third-level cache, and a
+/// projection takes a fifth to a quarter longer.)
 class StripWeights::Kept {
  public:
   explicit Kept(std::size_t count) : floats(count) {}
