@@ -167,6 +167,7 @@ class HdrTexels {
   void convert(const std::uint8_t* planes, int length, bool reversed, float* rgb) const noexcept;
 
  private:
+  bool plain_;                                       // as they are stored
   std::array<std::array<double, 256>, 3> scales_{};  // of each component by exponent
   std::optional<glm::dmat3> matrix_;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "files/hdr.h"
+#include "files/hdr_kernels.h"
 
 namespace welkin::files {
 namespace {
@@ -255,7 +256,8 @@ void HdrColumns::decode() {
   planes_ = std::move(planes);
 }
 
-HdrTexels::HdrTexels(const glm::dvec3& divisor, const std::optional<glm::dmat3>& matrix) : matrix_(matrix) {
+HdrTexels::HdrTexels(const glm::dvec3& divisor, const std::optional<glm::dmat3>& matrix)
+    : plain_(divisor == glm::dvec3(1.0) && !matrix), matrix_(matrix) {
   constexpr int kBias = 128 + 8;
   for (int component = 0; component < 3; ++component) {
     auto& scales = scales_[static_cast<std::size_t>(component)];
@@ -266,6 +268,7 @@ HdrTexels::HdrTexels(const glm::dvec3& divisor, const std::optional<glm::dmat3>&
 }
 
 void HdrTexels::convert(const std::uint8_t* planes, int length, bool reversed, float* rgb) const noexcept {
+  if (plain_ && !reversed) return hdr_kernels().floats_from_rgbe(planes, length, rgb);
   const std::uint8_t* red = planes;
   const std::uint8_t* green = red + length;
   const std::uint8_t* blue = green + length;
