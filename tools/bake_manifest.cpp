@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -203,6 +204,12 @@ void OutputFolder::add(WrittenFile file) {
   const auto bytes = std::filesystem::file_size(place(file.name), unknown);
   file.bytes = unknown ? 0 : static_cast<std::uint64_t>(bytes);
   files_.push_back(std::move(file));
+}
+
+void OutputFolder::add_in_front(std::vector<WrittenFile> files) {
+  const auto count = static_cast<std::ptrdiff_t>(files_.size());
+  for (WrittenFile& file : files) add(std::move(file));
+  std::rotate(files_.begin(), files_.begin() + count, files_.end());
 }
 
 std::vector<std::string> OutputFolder::clamp_notes() const {

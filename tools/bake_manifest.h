@@ -44,6 +44,8 @@ class OutputFolder {
 
   /// Notes a file that is written; its size is looked up.
   void add(WrittenFile file);
+  /// The same of several, before those that are noted.
+  void add_in_front(std::vector<WrittenFile> files);
 
   /// One line for each file whose format could not hold all values.
   [[nodiscard]] std::vector<std::string> clamp_notes() const;

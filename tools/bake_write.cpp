@@ -1,9 +1,13 @@
 #include "tools/bake_write.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
+#include <utility>
 
+#include "jobs/tiles.h"
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -294,12 +298,43 @@ void write_harmonics(const Baked& baked, const BakeCommandOptions& options, Outp
 }
 
 /// Draws and writes the previews.
-void draw_previews(const Baked& baked, const BakeCommandOptions& options, OutputFolder& folder,
-                   const Control& control) {
+std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOptions& options,
+                                       const std::filesystem::path& folder, const Control& control) {
   const PreviewOptions how{tone_map_of(baked, options), options.preview_size};
-  for (const WrittenPreview& picture : write_previews(baked.light, how, folder.path(), control)) {
-    folder.add({picture.name, picture.what, "PNG", 0, 0, "", {{"width", picture.width}, {"height", picture.height}}});
+  std::vector<WrittenFile> files;
+  for (const WrittenPreview& picture : write_previews(baked.light, how, folder, control)) {
+    files.push_back(
+        {picture.name, picture.what, "PNG", 0, 0, "", {{"width", picture.width}, {"height", picture.height}}});
   }
+  return files;
+}
+
+/// All files but .env and the previews.
+void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
+  BakeResult& light = baked.light;
+  const Job job{options, folder, control};
+  write_computed(baked.picture, job);
+  if (light.background) write_lat_longs(*light.background, job);  // before it is turned
+  turn_to_engine(light, options.turn.to, control);
+  if (light.background) {
+    write_cubemap({"background", "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
+                  job);
+  }
+  if (light.specular) {
+    write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
+                   roughness_of(*light.specular), "radiance"},
+                  job);
+  }
+  if (light.irradiance) {
+    write_cubemap({"irradiance",
+                   "irradiance: divide by pi for what a white surface shows",
+                   {light.irradiance->view()},
+                   {},
+                   "irradiance"},
+                  job);
+  }
+  if (light.brdf) write_brdf(*light.brdf, options, folder, control);
+  write_harmonics(baked, options, folder);
 }
 
 }  // namespace
@@ -339,42 +374,39 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   const auto progress = [&](double done) {
     if (control.progress) control.progress(done);
   };
-  if (options.previews) {
-    timed(baked.passes, "previews", "drawn and written", [&] { draw_previews(baked, options, folder, control); });
+  std::vector<PassRecord> drawing;
+  std::vector<WrittenFile> previews;
+  const auto draw = [&] {
+    if (!options.previews) return;
+    measured(drawing, "previews", "drawn and written", [&] {
+      previews = draw_previews(baked, options, folder.path(), {control.stop, {}});
+    });
+  };
+  std::vector<PassRecord> writing;
+  const auto write = [&] {
+    progress(kPreviews);
+    if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {
+      measured(writing, "write .env", "environment.env",
+               [&] { write_env(baked, folder, part_of(control, kPreviews, kEnv)); });
+      baked.env.reset();
+    }
+    progress(kEnv);
+    measured(writing, "write", "all other files", [&] { write_files(baked, options, folder, control); });
+  };
+  begin_stage("write");
+  if (faces_of(options.turn.to) == glm::dmat3(1.0)) {
+    // Side by side: a picture is packed by one thread, a file written by another.
+    const jobs::Placement where = jobs::Placement::arena;
+    jobs::run_tiles(2, where, jobs::worker_count(where), {control.stop, {}},
+                    [&](std::size_t index, std::size_t) { index == 0 ? draw() : write(); });
+  } else {  // what is drawn is not turned yet
+    draw();
+    write();
   }
-  progress(kPreviews);
-  if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {
-    timed(baked.passes, "write .env", "environment.env",
-          [&] { write_env(baked, folder, part_of(control, kPreviews, kEnv)); });
-    baked.env.reset();
+  folder.add_in_front(std::move(previews));
+  for (std::vector<PassRecord>* const passes : {&drawing, &writing}) {
+    std::move(passes->begin(), passes->end(), std::back_inserter(baked.passes));
   }
-  progress(kEnv);
-  timed(baked.passes, "write", "all other files", [&] {
-    BakeResult& light = baked.light;
-    const Job job{options, folder, control};
-    write_computed(baked.picture, job);
-    if (light.background) write_lat_longs(*light.background, job);  // before it is turned
-    turn_to_engine(light, options.turn.to, control);
-    if (light.background) {
-      write_cubemap(
-          {"background", "the environment itself, with plain mips", light.background->views(), {}, "radiance"}, job);
-    }
-    if (light.specular) {
-      write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
-                     roughness_of(*light.specular), "radiance"},
-                    job);
-    }
-    if (light.irradiance) {
-      write_cubemap({"irradiance",
-                     "irradiance: divide by pi for what a white surface shows",
-                     {light.irradiance->view()},
-                     {},
-                     "irradiance"},
-                    job);
-    }
-    if (light.brdf) write_brdf(*light.brdf, options, folder, control);
-    write_harmonics(baked, options, folder);
-  });
   progress(1.0);
 }
 

@@ -36,11 +36,10 @@ struct Baked {
 /// The name of the library's bake among the command's own passes.
 inline constexpr const char* kBakePass = "bake";
 
-/// Runs `work` and notes how long it took.
+/// Runs `work` and notes how long it took. Of a stage, or of one of several things that a stage does side by side.
 template <typename Work>
-auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
+auto measured(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
   using Milliseconds = std::chrono::duration<double, std::milli>;
-  begin_stage(name);
   const auto start = std::chrono::steady_clock::now();
   struct Note {
     std::vector<PassRecord>& passes;
@@ -52,6 +51,13 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
     }
   } note{passes, name, reason, start};
   return work();
+}
+
+/// The same of a stage of its own.
+template <typename Work>
+auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
+  begin_stage(name);
+  return measured(passes, name, reason, work);
 }
 
 /// The plan by itself; of a file only the header is read.
