@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "jobs/activity.h"
+#include "platform/spin.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
@@ -21,11 +22,16 @@ namespace {
 thread_local const ThreadRole* innermost_role = nullptr;
 
 /// Looks whether a job is ready for about as long as it takes the system to wake two sleeping threads, which is what
-/// going to sleep at once would cost: the worker's, and then this one.
-void look_briefly(const JobRecord& job) noexcept {
+/// going to sleep at once would cost: the worker's, and then this one. `keeping`: it keeps its processor at first, for
+/// as long as a small job takes on a thread that is awake. Where the worker's threads take all processors, one of them
+/// waits for this one.
+void look_briefly(const JobRecord& job, bool keeping) noexcept {
+  constexpr std::chrono::microseconds kKeeping{20};
   constexpr std::chrono::microseconds kTime{150};
+  const auto ready = [&] { return job.ready.load(std::memory_order_acquire); };
+  if (keeping && spin_until(ready, kKeeping)) return;
   const auto end = Scheduler::Clock::now() + kTime;
-  while (!job.ready.load(std::memory_order_acquire) && Scheduler::Clock::now() < end) std::this_thread::yield();
+  while (!ready() && Scheduler::Clock::now() < end) std::this_thread::yield();
 }
 
 /// Made by the thread that runs a computation, which also gives the memory back; empty if there is none.
@@ -297,7 +303,7 @@ void Scheduler::wait(const JobRecord& job) {
   if (ready()) return;
   require_own_process();
   if (!ThreadRole::is_worker(*this)) {
-    look_briefly(job);
+    look_briefly(job, callers_may_look_);
     return wait_for(ready);
   }
   // Nothing must be left to another thread, because all may wait: what the job needs first is run here, and if another

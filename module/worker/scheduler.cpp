@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "platform/spin.h"
 #include "platform/thread.h"
 #include "welkin/worker.h"
 #include "worker/fork_guard.h"
@@ -48,6 +49,7 @@ Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), proc
   require_no_lost_locks();
   if (!options_.executor) own_threads_ = std::make_unique<ThreadExecutor>(options_);
   threads_ = own_threads_ ? own_threads_->concurrency() : options_.executor->concurrency();
+  callers_may_look_ = leaves_a_processor(threads_);
 }
 
 Scheduler::~Scheduler() {
@@ -69,7 +71,11 @@ void Scheduler::require_own_process() const {
 
 Scheduler::Lock Scheduler::locked() {
   require_own_process();
-  return Lock(mutex_);
+  // It is held for less than going to sleep takes, unless its holder is kept off the processors.
+  constexpr std::chrono::microseconds kTime{2};
+  Lock lock(mutex_, std::try_to_lock);
+  if (!lock && !(callers_may_look_ && spin_until([&] { return lock.try_lock(); }, kTime))) lock.lock();
+  return lock;
 }
 
 std::uint64_t Scheduler::next_id() noexcept {

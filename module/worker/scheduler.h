@@ -196,6 +196,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   std::shared_ptr<Scheduler> kept_;              ///< this, in a fork: its threads cannot be joined there
   std::unique_ptr<ThreadExecutor> own_threads_;  ///< null with an executor of the engine's
   int threads_ = 0;
+  bool callers_may_look_ = false;  ///< keeping their processor, for a job's end
 
   std::atomic<Arrival*> inbox_{nullptr};  ///< the newest first
   std::atomic<std::size_t> jobs_{0};      ///< in flight, those in the inbox too

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "jobs/activity.h"
+#include "platform/spin.h"
 #include "platform/thread.h"
 #include "worker/scheduler.h"
 
@@ -54,6 +55,7 @@ ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
       priority_(options.thread_priority),
       name_(options.name),
       arena_(threads_, static_cast<unsigned>(threads_)),
+      looks_(leaves_a_processor(threads_)),
       places_(static_cast<std::size_t>(threads_)) {
   arena_.initialize();
 }
@@ -84,10 +86,16 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   set_up_thread(number);
   const auto work = [&] {
     const ThreadRole role(scheduler);
-    for (;;) {
-      if (scheduler.run_next()) continue;
+    Place& place = places_[static_cast<std::size_t>(number)];
+    for (bool warm = false;;) {
+      if (scheduler.run_next()) {
+        warm = looks_;
+        continue;
+      }
       if (dismissed_) return;
-      park(scheduler, places_[static_cast<std::size_t>(number)]);
+      // Once only: who was called and found nothing takes part in what the others run.
+      if (std::exchange(warm, false) && look_for_work(scheduler, place)) continue;
+      park(scheduler, place);
     }
   };
   for (;;) {
@@ -100,10 +108,21 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
   }
 }
 
+bool ThreadExecutor::look_for_work(Scheduler& scheduler, Place& place) {
+  constexpr std::chrono::microseconds kTime{50};
+  place = &looking_;
+  // What came before this thread could be seen to look.
+  const WorkerLoad load = scheduler.load();
+  if (!dismissed_ && load.waiting == 0 && load.running == 0) {
+    spin_until([&] { return place.load(std::memory_order_acquire) == nullptr; }, kTime);
+  }
+  return place.exchange(nullptr) == nullptr || load.waiting > 0;
+}
+
 void ThreadExecutor::park(Scheduler& scheduler, Place& place) {
   Parking parking;
   parking.blocker = parking.group.defer([] {});
-  place = &parking;
+  place = &parking.blocker;
   // What came after this thread looked for work, but before it could be seen to be free.
   if (dismissed_ || scheduler.has_waiting()) call(place);
   parking.group.wait();
@@ -112,13 +131,26 @@ void ThreadExecutor::park(Scheduler& scheduler, Place& place) {
 bool ThreadExecutor::call(Place& place) {
   // The blocker is taken out of the parking before it goes: that is the waiting thread's, and gone as soon as the wait
   // ends.
-  Parking* const parking = place.load() != nullptr ? place.exchange(nullptr) : nullptr;
-  if (parking == nullptr) return false;
-  const tbb::task_handle blocker = std::move(parking->blocker);
+  tbb::task_handle* const waiting = place.load() != nullptr ? place.exchange(nullptr) : nullptr;
+  if (waiting == nullptr) return false;
+  if (waiting == &looking_) return true;
+  const tbb::task_handle blocker = std::move(*waiting);
   return true;
 }
 
+int ThreadExecutor::call_looking() {
+  int called = 0;
+  for (Place& place : places_) {
+    tbb::task_handle* looking = &looking_;
+    if (place.load() == looking && place.compare_exchange_strong(looking, nullptr)) ++called;
+  }
+  return called;
+}
+
 void ThreadExecutor::call(int count) {
+  if (count <= 0) return;
+  // All of these, as they are awake: who finds nothing to start takes part in what is started.
+  count -= call_looking();
   for (auto place = places_.begin(); count > 0 && place != places_.end(); ++place) {
     if (call(*place)) --count;
   }

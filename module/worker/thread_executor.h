@@ -15,10 +15,16 @@
 
 namespace welkin::detail {
 
+/// Whether so many threads that are busy leave a processor for another thread. If not, nobody keeps one for waiting.
+[[nodiscard]] inline bool leaves_a_processor(int threads) { return threads < available_threads(); }
+
 /// The threads take all slots of an arena as external threads, so that oneTBB sends none of the process's pool there,
 /// and the pool stays the engine's. A thread that finds nothing to start parks: it waits in the arena for a task group
 /// that whoever has work for it ends. oneTBB has it take part in the parallel work of the others meanwhile, and puts it
 /// to sleep if there is none.
+///
+/// A thread that has just ended a job, when no other runs, first looks for the next one for some microseconds: jobs
+/// that are posted one after the other find it awake.
 class ThreadExecutor {
  public:
   explicit ThreadExecutor(const WorkerOptions& options);
@@ -46,18 +52,25 @@ class ThreadExecutor {
     tbb::task_group group;
     tbb::task_handle blocker;  ///< the group's wait ends when this goes
   };
-  using Place = std::atomic<Parking*>;
+  /// Of a blocker, or of `looking_`.
+  using Place = std::atomic<tbb::task_handle*>;
 
   void serve(Scheduler& scheduler, int number);
+  /// For a while, if nothing runs. True if there may be something to start.
+  bool look_for_work(Scheduler& scheduler, Place& place);
   void park(Scheduler& scheduler, Place& place);
-  /// Whoever takes a parking out of its place ends its wait. True if there was one.
-  static bool call(Place& place);
+  /// Whoever takes a thread's blocker out of its place ends its wait. True if there was one.
+  bool call(Place& place);
+  /// Those that only look. Returns how many there were.
+  int call_looking();
   void set_up_thread(int number) const noexcept;
 
   int threads_;
   ThreadPriority priority_;
   std::string name_;
   tbb::task_arena arena_;
+  bool looks_;                 ///< whether a thread that looks takes no processor from who posts
+  tbb::task_handle looking_;   ///< blocks nothing: in the place of a thread that only looks
   std::vector<Place> places_;  ///< one a thread; null while the thread does not wait
   std::atomic<bool> dismissed_{false};
 
