@@ -94,8 +94,10 @@ struct SkyLightCounters {
 };
 
 /// One at a time in the worker's hands: a change that comes while something is made is looked at when that is done, the
-/// last one only; a new atmosphere stops what is made for the old one. So a sun that never rests still gets new
-/// reflections, and a storm of moves costs no more than one.
+/// last one only. A new atmosphere stops tables that are made for an old one, but not again before tables have been
+/// finished and curve and reflections made from them. So a sun that never rests still gets new reflections, an
+/// atmosphere that changes every frame is seen as it was when the last tables were begun, and a storm of moves costs no
+/// more than one.
 ///
 /// If the worker lets go of a request (it is full, or was terminated), `error()` says so, the light stays what it was,
 /// and the next call of any `set_` asks again.

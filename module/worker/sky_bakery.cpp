@@ -26,11 +26,22 @@ class SkyBakery::Request {
 SkyBakery::SkyBakery(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables)
     : worker_(worker), options_(std::move(options)), tables_(std::move(tables)) {}
 
+bool SkyBakery::curve_is_due() const noexcept {
+  return done_.curve != wish_.versions.curve || curve_tables_ != done_.tables;
+}
+
+bool SkyBakery::specular_is_due() const noexcept {
+  return wish_.versions.specular > 0 && (done_.specular != wish_.versions.specular || specular_tables_ != done_.tables);
+}
+
 SkyBakery::Step SkyBakery::next_step() const noexcept {
   if (closed_) return Step::none;
-  if (done_.tables != wish_.versions.tables) return Step::tables;
-  const bool curve = done_.curve != wish_.versions.curve;
-  const bool specular = done_.specular != wish_.versions.specular;
+  const bool curve = curve_is_due();
+  const bool specular = specular_is_due();
+  // What the last tables were made for comes before the next ones: an atmosphere that never rests must not keep light
+  // waiting for ever.
+  const bool unused = (curve && curve_tables_ != done_.tables) || (specular && specular_tables_ != done_.tables);
+  if (done_.tables != wish_.versions.tables && !unused) return Step::tables;
   // In turns: an altitude that never rests must not keep reflections waiting for ever.
   if (curve && !(specular && last_ == Step::curve)) return Step::curve;
   return specular ? Step::specular : Step::none;
@@ -49,7 +60,7 @@ void SkyBakery::set(const SkyWish& wish, bool stop) {
     const std::scoped_lock lock(mutex_);
     wish_ = wish;
     error_ = nullptr;
-    if (stop) stop_.request_stop();
+    if (stop && !spared_ && last_ == Step::tables) stop_.request_stop();
     if (!claim()) return;
   }
   post();
@@ -115,6 +126,7 @@ void SkyBakery::run(const Control& control) {
     const std::scoped_lock lock(mutex_);
     if (stopped) {
       ++counts_.given_up;  // the step stays due
+      spared_ = true;
     } else {
       settle(step, wish.versions, std::move(error));
     }
@@ -167,9 +179,18 @@ void SkyBakery::make(Step step, const SkyWish& wish, const Control& control) {
 /// With the mutex held. Marks a step as done, or as not to be tried again; without tables that goes for all steps.
 void SkyBakery::settle(Step step, const SkyVersions& wanted, std::exception_ptr error) {
   const bool no_tables = error && step == Step::tables;
-  if (step == Step::tables) done_.tables = wanted.tables;
-  if (step == Step::curve || no_tables) done_.curve = wanted.curve;
-  if (step == Step::specular || no_tables) done_.specular = wanted.specular;
+  if (step == Step::tables) {
+    done_.tables = wanted.tables;
+    spared_ = false;
+  }
+  if (step == Step::curve || no_tables) {
+    done_.curve = wanted.curve;
+    curve_tables_ = done_.tables;
+  }
+  if (step == Step::specular || no_tables) {
+    done_.specular = wanted.specular;
+    specular_tables_ = done_.tables;
+  }
   if (!error) return;
   ++counts_.failures;
   error_ = std::move(error);

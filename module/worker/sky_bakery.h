@@ -59,7 +59,8 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   SkyBakery(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables);
 
   /// Changes the wish, and posts a request if one is due and none is in the worker's hands.
-  /// `stop`: what is being made is for nothing now.
+  /// `stop`: tables that are being made are for nothing now. They are given up, but only once between two tables that
+  /// are finished: else a wish that changes faster than tables are made would never see any.
   void set(const SkyWish& wish, bool stop);
 
   /// Posts a request if one is due and none is in the worker's hands, as after one that the worker let go of. Does
@@ -83,6 +84,8 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   class Request;
 
   [[nodiscard]] Step next_step() const noexcept;
+  [[nodiscard]] bool curve_is_due() const noexcept;
+  [[nodiscard]] bool specular_is_due() const noexcept;
   [[nodiscard]] bool claim() noexcept;
   void post();
   void run(const Control& control);
@@ -97,6 +100,8 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   mutable std::mutex mutex_;
   SkyWish wish_;
   SkyVersions done_;
+  std::uint64_t curve_tables_ = 0;     ///< version of the tables that the last curve was made from
+  std::uint64_t specular_tables_ = 0;  ///< likewise the last reflections
   SkyArrivals arrivals_;
   SkyBakeCounts counts_;
   std::shared_ptr<const SkyTables> tables_;
@@ -105,6 +110,7 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   std::exception_ptr error_;
   Step last_ = Step::none;  ///< that was begun
   bool running_ = false;
+  bool spared_ = false;  ///< tables were given up since the last that were finished: the next ones are not
   bool closed_ = false;
 };
 

@@ -219,6 +219,43 @@ TEST_CASE("an altitude that never rests does not keep reflections waiting", "[dy
   }));
 }
 
+TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynamic_sky]") {
+  Worker worker(options_with(1));
+  SkyLightOptions options = quick();
+  options.tables.heights = 12;  // many of this test's frames
+  options.tables.view_zeniths = 32;
+  options.tables.sun_zeniths = 32;
+  options.tables.orders = 4;
+  options.blend_seconds = 0.0;
+  SkyLight sky(worker, earth(), options);
+  sky.set_sun(20.0, 0.0);
+  double albedo = 0.0;
+  int changes = 0;
+  SphericalHarmonics last = sky.light().radiance;
+  CHECK(eventually([&] {
+    albedo = albedo > 0.98 ? 0.0 : albedo + 0.001;
+    sky.set_atmosphere(with_ground_albedo(earth(), albedo));
+    const SkyLightFrame& frame = sky.update(0.016);
+    if (frame.ready && !same(frame.radiance, last)) {
+      last = frame.radiance;
+      ++changes;
+    }
+    return changes >= 4 && sky.counters().speculars_baked >= 3;
+  }));
+  // Tables are made for what was wished when they were begun, and what was begun is given up but once before them.
+  const SkyLightCounters counters = sky.counters();
+  CHECK(counters.given_up <= counters.tables_baked + 1);
+  CHECK(counters.curves_baked + 1 >= counters.tables_baked);
+  REQUIRE(settle(sky));
+  const auto tables =
+      std::make_shared<const SkyTables>(precompute_sky(with_ground_albedo(earth(), albedo), options.tables));
+  CHECK(same(sky.light().radiance, SkyCurve(SkyView(tables, 0.0), options.curve).at(sky.light().sun.direction)));
+  const auto specular = SkySpecular{tables, 0.0, sky.light().sun.direction, options.specular}({});
+  REQUIRE(sky.light().reflections[0].specular);
+  CHECK(std::memcmp(sky.light().reflections[0].specular->cubemap.face(0, 0), specular->cubemap.face(0, 0),
+                    specular->cubemap.bytes()) == 0);
+}
+
 TEST_CASE("light stays finite for the brightest intensity, the smallest disc and the longest direction",
           "[dynamic_sky]") {
   Worker worker(options_with(1));
