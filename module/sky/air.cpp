@@ -12,6 +12,9 @@ namespace {
 
 /// How far the exponent of a density may go within a shell: four Gauss nodes then integrate it to 2e-6.
 constexpr double kLargestExponent = 1.5;
+/// Likewise where nothing but lengths is wanted, and below which share of the light that all else takes none is lost.
+constexpr double kLengthExponent = 1.8;
+constexpr double kFaint = 1e-6;
 /// Densities below are too thin to be seen, whatever their slope.
 constexpr double kThinnest = 1e-12;
 constexpr std::size_t kMostShells = 160;
@@ -50,12 +53,8 @@ Air::Air(const Atmosphere& atmosphere)
     }
   }
   std::sort(breaks.begin(), breaks.end());
-  shells_.push_back(0.0);
-  for (std::size_t i = 1; i < breaks.size(); ++i) {
-    // nearer than rounding can tell apart: one and the same
-    if (breaks[i] > shells_.back() + 1e-12 * thickness_) divide(shells_.back(), breaks[i]);
-  }
-  shells_.back() = thickness_;
+  shells_ = cut_at(breaks, {.exponent = kLargestExponent, .faint = 0.0});
+  length_shells_ = cut_at(breaks, {.exponent = kLengthExponent, .faint = kFaint});
 }
 
 bool Air::matters(const Constituent& constituent) noexcept {
@@ -65,31 +64,54 @@ bool Air::matters(const Constituent& constituent) noexcept {
   return !constituent.density.empty() && (acts(constituent.scattering_per_m) || acts(constituent.absorption_per_m));
 }
 
+// Whether others take so much more of the light there, at every wavelength, that its own slope does not show.
+bool Air::fainter(double share, std::size_t constituent, double altitude) const noexcept {
+  for (std::size_t wavelength = 0; wavelength < atmosphere_->wavelengths_nm.size(); ++wavelength) {
+    double others = 0.0;
+    for (std::size_t i = 0; i < matter_.size(); ++i) {
+      if (i != constituent) others += extinction(i, wavelength) * density(matter_[i]->density, altitude);
+    }
+    if (!(extinction(constituent, wavelength) * density(matter_[constituent]->density, altitude) < share * others)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
 // end (falling ones) or at the upper (rising ones).
-double Air::steepness(double low, double high) const noexcept {
+double Air::steepness(double low, double high, double faint) const noexcept {
   double steepest = 0.0;
-  for (const Constituent* const matter : matter_) {
-    if (!matters(*matter)) continue;
-    const DensityLayer& layer = layer_at(matter->density, 0.5 * (low + high));
+  for (std::size_t i = 0; i < matter_.size(); ++i) {
+    const Constituent& matter = *matter_[i];
+    if (!matters(matter)) continue;
+    const DensityLayer& layer = layer_at(matter.density, 0.5 * (low + high));
     const double slope = layer.exponential_scale_per_m;
-    if (layer.exponential_term == 0.0) continue;
-    const double here = density(matter->density, slope < 0.0 ? low : high);
-    if (here > kThinnest) steepest = std::max(steepest, std::abs(slope));
+    if (layer.exponential_term == 0.0 || std::abs(slope) <= steepest) continue;
+    const double where = slope < 0.0 ? low : high;
+    if (density(matter.density, where) > kThinnest && !fainter(faint, i, where)) steepest = std::abs(slope);
   }
   return steepest;
 }
 
-// Steps up from the lower end while the air thins fast. (A density that grows upwards is cut as finely all the way.)
-void Air::divide(double low, double high) {
-  double at = low;
-  while (shells_.size() < kMostShells) {
-    const double step = kLargestExponent / std::max(steepness(at, high), 1e-300);
-    if (!(at + 1.3 * step < high)) break;
-    at += step;
-    shells_.push_back(at);
+// Steps up from the lower end of each stretch while the air thins fast. (A density that grows upwards is cut as finely
+// all the way.)
+std::vector<double> Air::cut_at(const std::vector<double>& breaks, const Cut& cut) const {
+  std::vector<double> shells{0.0};
+  for (std::size_t i = 1; i < breaks.size(); ++i) {
+    // nearer than rounding can tell apart: one and the same
+    if (!(breaks[i] > shells.back() + 1e-12 * thickness_)) continue;
+    double at = shells.back();
+    while (shells.size() < kMostShells) {
+      const double step = cut.exponent / std::max(steepness(at, breaks[i], cut.faint), 1e-300);
+      if (!(at + 1.3 * step < breaks[i])) break;
+      at += step;
+      shells.push_back(at);
+    }
+    shells.push_back(breaks[i]);
   }
-  shells_.push_back(high);
+  shells.back() = thickness_;
+  return shells;
 }
 
 void Air::densities(double altitude, Amounts& amounts) const noexcept {

@@ -37,6 +37,10 @@ class Air {
   /// matters changes by no more than e^2.5.
   [[nodiscard]] const std::vector<double>& shells() const noexcept { return shells_; }
 
+  /// The same for lengths alone, four Gauss nodes of which are right to 1e-6: what takes less than a millionth of the
+  /// light that all else takes does not matter.
+  [[nodiscard]] const std::vector<double>& length_shells() const noexcept { return length_shells_; }
+
   /// The smallest scale height of what there is, at most the thickness.
   [[nodiscard]] double scale_height() const noexcept { return scale_height_; }
 
@@ -46,16 +50,23 @@ class Air {
   [[nodiscard]] double albedo(std::size_t wavelength) const noexcept;
 
  private:
-  void divide(double low, double high);
+  /// How finely air is cut.
+  struct Cut {
+    double exponent;  ///< how far that of a density may go within a shell
+    double faint;     ///< share of what all else takes below which matter does not count
+  };
+  [[nodiscard]] std::vector<double> cut_at(const std::vector<double>& breaks, const Cut& cut) const;
   /// Whether it has any effect: what has none must not cut the air into shells.
   [[nodiscard]] static bool matters(const Constituent& constituent) noexcept;
-  [[nodiscard]] double steepness(double low, double high) const noexcept;
+  [[nodiscard]] bool fainter(double share, std::size_t constituent, double altitude) const noexcept;
+  [[nodiscard]] double steepness(double low, double high, double faint) const noexcept;
 
   const Atmosphere* atmosphere_;
   double thickness_;
   double scale_height_;
   std::vector<const Constituent*> matter_;
   std::vector<double> shells_;
+  std::vector<double> length_shells_;
 };
 
 // How dense one kind of matter is at an altitude: the twin, in double, of what tables evaluate in lanes.

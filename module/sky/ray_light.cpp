@@ -13,7 +13,10 @@ namespace welkin::sky {
 namespace {
 
 constexpr std::size_t kLanes = simd::kLanes;
-constexpr double kNegligible = 1e-7;        ///< share of what a panel scatters that is left out
+constexpr double kNegligible = 3e-4;        ///< share of what a panel scatters that is taken for the other matter's
+constexpr double kUnseen = 1e-9;            ///< share of a ray's aerosol that is left out
+constexpr double kThinPanel = 2.5;          ///< scale heights that a sample may stand for...
+constexpr double kThinStep = 1.3;           ///< ... or steps of a source's heights
 constexpr std::size_t kMostSunNodes = 256;  ///< of a row of sunlight
 constexpr int kGlowNodes = 1025;
 constexpr double kGlowDepth = 0.5;  ///< of aerosol, that a glow is typical of
@@ -38,18 +41,16 @@ Between between(double position, int nodes) noexcept {
   return {node, inside - node};
 }
 
-/// What a panel sends on of light that is nearly the same all over it: one sample in the middle of what scatters, which
-/// is exact for sources that vary linearly along the panel.
-struct ScatteringPanel {
+/// What nodes of a ray that follow each other scatter.
+struct ScatteredWeights {
   double distance = 0.0;
   double whole = 0.0;
   double shares[2]{};      ///< of molecules and aerosol
   double weights[2][3]{};  ///< likewise, at each wavelength
 };
 
-ScatteringPanel scattering_of(const RayNode* nodes, std::size_t count, const WavelengthGroup& group,
-                              bool with_aerosol) noexcept {
-  ScatteringPanel panel;
+ScatteredWeights weights_of(const RayNode* nodes, std::size_t count, const WavelengthGroup& group) noexcept {
+  ScatteredWeights sum;
   double moment = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     const RayNode& node = nodes[k];
@@ -57,18 +58,18 @@ ScatteringPanel scattering_of(const RayNode* nodes, std::size_t count, const Wav
     for (std::size_t c = 0; c < 3; ++c) {
       const double seen = node.weight * node.transmittance[c];
       const double rayleigh = seen * node.density[kRayleigh] * group.rayleigh[c];
-      const double aerosol = with_aerosol ? seen * node.density[kAerosol] * group.aerosol[c] : 0.0;
-      panel.weights[kRayleigh][c] += rayleigh;
-      panel.weights[kAerosol][c] += aerosol;
-      panel.shares[kRayleigh] += rayleigh;
-      panel.shares[kAerosol] += aerosol;
+      const double aerosol = seen * node.density[kAerosol] * group.aerosol[c];
+      sum.weights[kRayleigh][c] += rayleigh;
+      sum.weights[kAerosol][c] += aerosol;
+      sum.shares[kRayleigh] += rayleigh;
+      sum.shares[kAerosol] += aerosol;
       here += rayleigh + aerosol;
     }
-    panel.whole += here;
+    sum.whole += here;
     moment += here * node.distance;
   }
-  panel.distance = panel.whole > 0.0 ? moment / panel.whole : 0.0;
-  return panel;
+  sum.distance = sum.whole > 0.0 ? moment / sum.whole : 0.0;
+  return sum;
 }
 
 }  // namespace
@@ -161,9 +162,10 @@ RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
       angle_cosine_(padded_),
       row_(padded_),
       row_fraction_(padded_),
-      sums_(8 * padded_),
-      scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 4 * static_cast<std::size_t>(shape.suns),
+      sums_(12 * padded_),
+      scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 16 * static_cast<std::size_t>(shape.suns),
                         4 * kMostSunNodes)) {
+  panels_.reserve(kMostRayNodes);
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
 }
 
@@ -171,14 +173,16 @@ SkySuns RayLight::suns() const noexcept {
   return {zenith_cosine_.data(), angle_cosine_.data(), row_.data(), row_fraction_.data(), static_cast<int>(padded_)};
 }
 
-void RayLight::place(const Air& air, const Ray& ray, const WavelengthGroup& group, double coarseness) noexcept {
+void RayLight::place(const Air& air, const Ray& ray, const WavelengthGroup& group) noexcept {
   ray_ = ray;
-  nodes_.place(air, ray, group.extinctions, coarseness);
+  nodes_.place(air, ray, group.extinctions);
 }
 
 const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept {
   std::fill_n(sums_.data(), 8 * padded_, 0.0F);
   const double radius = air.bottom_radius() + ray_.altitude;
+  double all_aerosol = 0.0;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) all_aerosol += nodes_[n].weight * nodes_[n].density[kAerosol];
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const RayNode& node = nodes_[n];
     const double here = air.bottom_radius() + node.altitude;
@@ -186,7 +190,6 @@ const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, co
     light.at(node.altitude, sample);
     sample.start_ratio = static_cast<float>(radius / here);
     sample.distance_ratio = static_cast<float>(node.distance / here);
-    for (std::size_t c = 0; c < 3; ++c) sample.transmittance[c] = static_cast<float>(node.transmittance[c]);
     const double view_cosine = std::clamp((radius * ray_.zenith_cosine + node.distance) / here, -1.0, 1.0);
     const double from = altitude_along(air.bottom_radius(), node.altitude, view_cosine, -0.5 * node.weight);
     const double to = altitude_along(air.bottom_radius(), node.altitude, view_cosine, 0.5 * node.weight);
@@ -196,8 +199,12 @@ const float* RayLight::sunlight(const SolverKernels& kernels, const Air& air, co
     sample.sinking = static_cast<float>(0.5 * slope *
                                         (horizon_cosine(air.bottom_radius(), std::max(0.0, to)) -
                                          horizon_cosine(air.bottom_radius(), std::max(0.0, from))));
-    sample.rayleigh = static_cast<float>(node.weight * node.density[kRayleigh]);
-    sample.aerosol = static_cast<float>(node.weight * node.density[kAerosol]);
+    const double aerosol = node.weight * node.density[kAerosol];
+    for (std::size_t c = 0; c < 3; ++c) {
+      sample.rayleigh[c] = static_cast<float>(node.weight * node.density[kRayleigh] * node.transmittance[c]);
+      sample.aerosol[c] = static_cast<float>(aerosol * node.transmittance[c]);
+    }
+    sample.with_aerosol = aerosol > kUnseen * all_aerosol;
     kernels.add_sunlight(sample, light.nodes(), suns(), scratch_.data(), sums_.data());
   }
   return sums_.data();
@@ -209,70 +216,136 @@ void RayLight::multiply_glow(const Glow& glow, float* light) const noexcept {
   }
 }
 
-RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
-                                        const ScatteringSource& source, const TableMapping& mapping) noexcept {
-  const SourceShape& shape = source.shape;
-  const std::size_t picture = 4 * shape.picture();
-  for (std::size_t i = 0; i < padded_; ++i) {
-    const Between angle = between(place_of_angle(this->angle_cosine(i), shape.angles), shape.angles);
-    row_.data()[i] = angle.node * shape.suns;
-    row_fraction_.data()[i] = static_cast<float>(angle.fraction);
+// As many as one sample stands for: four of a panel, if they lie no further apart than what is between heights is
+// known, or what panels are cut by. A panel may cross all of a thin shell, in whose middle there is more light than on
+// the average.
+std::size_t RayLight::nodes_of_panel(const Air& air, const SourceShape& shape, const TableMapping& mapping,
+                                     std::size_t first) const noexcept {
+  std::size_t count = mapping.thin() ? 2 : kPanelNodes;
+  const auto apart = [&](std::size_t a, std::size_t b) {
+    const double low = std::min(nodes_[a].altitude, nodes_[b].altitude);
+    const double high = std::max(nodes_[a].altitude, nodes_[b].altitude);
+    if (high - low <= kThinPanel * air.scale_height()) return false;
+    return source_height(shape, mapping.height_coordinate(high)) -
+               source_height(shape, mapping.height_coordinate(low)) >
+           kThinStep;
+  };
+  if (count == kPanelNodes && apart(first, first + 3)) count = 2;
+  if (count == 2 && (apart(first, first + 1) || apart(first + 2, first + 3))) count = 1;
+  return count;
+}
+
+std::span<const ScatteringPanel> RayLight::panels(const Air& air, const WavelengthGroup& group,
+                                                  const SourceShape& shape, const TableMapping& mapping) noexcept {
+  panels_.clear();
+  const double radius = air.bottom_radius() + ray_.altitude;
+  for (std::size_t panel = 0; panel < nodes_.size(); panel += kPanelNodes) {
+    const std::size_t count = nodes_of_panel(air, shape, mapping, panel);
+    for (std::size_t n = panel; n < panel + kPanelNodes; n += count) {
+      const ScatteredWeights sum = weights_of(&nodes_[n], count, group);
+      if (!(sum.whole > 0.0)) continue;
+      const double altitude = std::clamp(
+          altitude_along(air.bottom_radius(), ray_.altitude, ray_.zenith_cosine, sum.distance), 0.0, air.thickness());
+      const double here = air.bottom_radius() + altitude;
+      const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + sum.distance) / here, -1.0, 1.0);
+      const Between height = between(source_height(shape, mapping.height_coordinate(altitude)), shape.heights);
+      const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
+      ScatteringPanel& to = panels_.emplace_back();
+      to.start_ratio = static_cast<float>(radius / here);
+      to.distance_ratio = static_cast<float>(sum.distance / here);
+      to.view_cosine = static_cast<float>(zenith_cosine);
+      to.height = height.node;
+      to.height_fraction = static_cast<float>(height.fraction);
+      to.zenith = zenith.node;
+      to.zenith_fraction = static_cast<float>(zenith.fraction);
+      // what is left of the one that hardly scatters is the other's, so that no light is lost
+      for (std::size_t matter = 0; matter < 2; ++matter)
+        to.scatters[matter] = sum.shares[matter] > kNegligible * sum.whole;
+      for (std::size_t matter = 0; matter < 2; ++matter) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double others = to.scatters[1 - matter] ? 0.0 : sum.weights[1 - matter][c];
+          to.weights[matter][c] = to.scatters[matter] ? static_cast<float>(sum.weights[matter][c] + others) : 0.0F;
+        }
+      }
+    }
+  }
+  return panels_;
+}
+
+namespace {
+
+SourceSample sample_of(const ScatteringPanel& panel, const ScatteringSource& source) noexcept {
+  const auto height = static_cast<std::size_t>(panel.height);
+  SourceSample sample{};
+  sample.start_ratio = panel.start_ratio;
+  sample.distance_ratio = panel.distance_ratio;
+  sample.view_cosine = panel.view_cosine;
+  const float shares[2] = {1.0F - panel.height_fraction, panel.height_fraction};
+  for (std::size_t k = 0; k < 2; ++k) {
+    sample.steps[k] = source.steps.data() + (height + k) * source.shape.sun_steps();
+    sample.step_weights[k] = shares[k];
+  }
+  return sample;
+}
+
+void add_molecules(const ScatteringPanel& panel, const ScatteringSource& source, SourceSample& sample) noexcept {
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::size_t height = static_cast<std::size_t>(panel.height) + k;
+    sample.molecules[k] = source.rayleigh.data() + height * source.shape.molecule_row();
+    for (std::size_t c = 0; c < 3; ++c) {
+      sample.molecule_weights[k][c] = sample.step_weights[k] * panel.weights[kRayleigh][c];
+    }
+  }
+}
+
+void add_pictures(const ScatteringPanel& panel, const ScatteringSource& source, SourceSample& sample) noexcept {
+  const auto zeniths = static_cast<std::size_t>(source.shape.zeniths);
+  const float shares[2] = {1.0F - panel.zenith_fraction, panel.zenith_fraction};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t row =
+        (static_cast<std::size_t>(panel.height) + k / 2) * zeniths + static_cast<std::size_t>(panel.zenith) + k % 2;
+    sample.pictures[k] = source.aerosol.data() + row * 4 * source.shape.picture();
+    for (std::size_t c = 0; c < 3; ++c) {
+      sample.weights[k][c] = sample.step_weights[k / 2] * shares[k % 2] * panel.weights[kAerosol][c];
+    }
+  }
+  sample.count = 4;
+}
+
+}  // namespace
+
+RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, std::span<const ScatteringPanel> panels,
+                                        const ScatteringSource& source, const SunAxis& axis) noexcept {
+  const auto aerosol = [](const ScatteringPanel& panel) { return panel.scatters[kAerosol]; };
+  if (std::any_of(panels.begin(), panels.end(), aerosol)) {
+    kernels.place_angles(angle_cosine_.data(), static_cast<int>(padded_), source.shape.angles, source.shape.suns,
+                         row_.data(), row_fraction_.data());
   }
   const bool apart = source.glow.any();
-  std::fill_n(sums_.data(), (apart ? 8 : 4) * padded_, 0.0F);
-  const SunAxis axis = sun_axis(mapping, shape.suns);
-  const double radius = air.bottom_radius() + ray_.altitude;
-  const bool with_aerosol = !source.aerosol.empty();
-  // A panel may cross all of a thin shell, in whose middle there is more light than on the average.
-  const std::size_t nodes_a_sample = mapping.thin() ? 2 : kPanelNodes;
-  for (std::size_t n = 0; n < nodes_.size(); n += nodes_a_sample) {
-    const ScatteringPanel panel = scattering_of(&nodes_[n], nodes_a_sample, group, with_aerosol);
-    if (!(panel.whole > 0.0)) continue;
-    const double altitude = std::clamp(
-        altitude_along(air.bottom_radius(), ray_.altitude, ray_.zenith_cosine, panel.distance), 0.0, air.thickness());
-    const double here = air.bottom_radius() + altitude;
-    const double zenith_cosine = std::clamp((radius * ray_.zenith_cosine + panel.distance) / here, -1.0, 1.0);
-    const Between height = between(source_height(shape, mapping.height_coordinate(altitude)), shape.heights);
-    const Between zenith = between(place_of_angle(zenith_cosine, shape.zeniths), shape.zeniths);
-    SourceSample samples[2]{};  // of both kinds of matter, or of molecules and of the aerosol
-    SourceSample& sample = samples[0];
-    sample.start_ratio = static_cast<float>(radius / here);
-    sample.distance_ratio = static_cast<float>(panel.distance / here);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const bool upper = k >= 2;
-      const bool next = k % 2 == 1;
-      const double share =
-          (upper ? height.fraction : 1.0 - height.fraction) * (next ? zenith.fraction : 1.0 - zenith.fraction);
-      const auto row =
-          static_cast<std::size_t>(height.node + (upper ? 1 : 0)) * static_cast<std::size_t>(shape.zeniths) +
-          static_cast<std::size_t>(zenith.node + (next ? 1 : 0));
-      for (std::size_t matter = 0; matter < 2; ++matter) {
-        if (!(panel.shares[matter] > kNegligible * panel.whole)) continue;  // nothing at all too
-        const std::vector<float>& values = matter == kRayleigh ? source.rayleigh : source.aerosol;
-        SourceSample& to = samples[apart ? matter : 0];
-        to.pictures[to.count] = values.data() + row * picture;
-        for (std::size_t c = 0; c < 3; ++c) {
-          to.weights[to.count][c] = static_cast<float>(share * panel.weights[matter][c]);
-        }
-        ++to.count;
-      }
+  const auto size = static_cast<int>(source.shape.picture());
+  const auto add = [&](bool molecules, bool pictures, float* sums) {
+    std::fill_n(sums, 8 * padded_, 0.0F);
+    for (const ScatteringPanel& panel : panels) {
+      SourceSample sample = sample_of(panel, source);
+      if (molecules && panel.scatters[kRayleigh]) add_molecules(panel, source, sample);
+      if (pictures && panel.scatters[kAerosol]) add_pictures(panel, source, sample);
+      kernels.add_source(sample, axis, size, suns(), scratch_.data(), sums);
     }
-    for (std::size_t matter = 0; matter < (apart ? 2 : 1); ++matter) {
-      SourceSample& one = samples[matter];
-      if (apart && one.count == 0) continue;
-      one.start_ratio = sample.start_ratio;
-      one.distance_ratio = sample.distance_ratio;
-      for (std::size_t k = 0; k < 2; ++k) {
-        one.steps[k] = source.steps.data() + (static_cast<std::size_t>(height.node) + k) * shape.sun_steps();
-        one.step_weights[k] = static_cast<float>(k == 0 ? 1.0 - height.fraction : height.fraction);
-      }
-      kernels.add_source(one, axis, static_cast<int>(shape.picture()), shape.suns, suns(), scratch_.data(),
-                         sums_.data() + matter * 4 * padded_);
-    }
-  }
+    fold_pairs(sums);
+  };
+  add(true, !apart, sums_.data());
   if (!apart) return {sums_.data(), nullptr};
-  multiply_glow(source.glow, sums_.data() + 4 * padded_);
-  return {sums_.data(), sums_.data() + 4 * padded_};
+  float* const aerosols = sums_.data() + 4 * padded_;
+  add(false, true, aerosols);
+  multiply_glow(source.glow, aerosols);
+  return {sums_.data(), aerosols};
+}
+
+// [padded][2][4] to [padded][4]
+void RayLight::fold_pairs(float* sums) const noexcept {
+  for (std::size_t i = 0; i < padded_; ++i) {
+    for (std::size_t c = 0; c < 4; ++c) sums[4 * i + c] = sums[8 * i + c] + sums[8 * i + 4 + c];
+  }
 }
 
 }  // namespace welkin::sky

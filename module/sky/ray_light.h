@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -36,8 +37,13 @@ struct SourceShape {
   [[nodiscard]] std::size_t sun_steps() const noexcept {
     return (static_cast<std::size_t>((suns - 1) * kSunSteps + 1) + 15) / 16 * 16;
   }
+  /// Floats of the aerosol's source.
   [[nodiscard]] std::size_t size() const noexcept {
     return static_cast<std::size_t>(heights) * static_cast<std::size_t>(zeniths) * 4 * picture();
+  }
+  /// Of the molecules' at a height.
+  [[nodiscard]] std::size_t molecule_row() const noexcept {
+    return static_cast<std::size_t>(kMoleculeTerms) * 4 * static_cast<std::size_t>(suns);
   }
 };
 
@@ -58,12 +64,13 @@ class Glow {
 };
 
 /// Radiance that arrives from everywhere, folded with a phase function: what a unit of scattering sends on in a
-/// direction. [heights][zeniths][angles][suns][4]
+/// direction.
 struct ScatteringSource {
   SourceShape shape;
   Glow glow;  ///< the aerosol's is relative to it, if there is any
+  /// Bands 0 and 2, all that their phase function has, of every direction: [heights][kMoleculeTerms][suns][4].
   std::vector<float> rayleigh;
-  std::vector<float> aerosol;  ///< empty: nothing but molecules scatters
+  std::vector<float> aerosol;  ///< [heights][zeniths][angles][suns][4]; empty: nothing but molecules scatters
 
   /// Mean over all directions and channels: [heights][suns].
   std::vector<double> brightness;
@@ -73,7 +80,7 @@ struct ScatteringSource {
 
   explicit ScatteringSource(const SourceShape& nodes, bool with_aerosol)
       : shape(nodes),
-        rayleigh(nodes.size()),
+        rayleigh(static_cast<std::size_t>(nodes.heights) * nodes.molecule_row()),
         aerosol(with_aerosol ? nodes.size() : 0),
         brightness(static_cast<std::size_t>(nodes.heights) * static_cast<std::size_t>(nodes.suns)) {}
 
@@ -105,6 +112,17 @@ struct WavelengthGroup {
 /// wavelength's share of `forward` (`forward_shares`; none: 0) counts neither as scattered nor as taken out.
 [[nodiscard]] WavelengthGroup wavelength_group(const Air& air, std::size_t group, std::span<const double> forward);
 
+/// What a stretch of a ray sends on of light that is nearly the same all over it: one sample in the middle of what
+/// scatters, which is exact for sources that vary linearly along it. Of no sun, and so kept from order to order.
+struct ScatteringPanel {
+  float start_ratio, distance_ratio;  ///< as a sample's (sky_kernels.h)
+  float view_cosine;
+  std::int32_t height, zenith;  ///< of a source's nodes, the one below
+  float height_fraction, zenith_fraction;
+  bool scatters[2];     ///< whether molecules and aerosol do
+  float weights[2][3];  ///< likewise, at each wavelength
+};
+
 class RayLight {
  public:
   /// For `count` suns of a ray, and sources of that shape.
@@ -121,11 +139,15 @@ class RayLight {
   }
 
   /// Places samples along a ray; what follows is about it.
-  void place(const Air& air, const Ray& ray, const WavelengthGroup& group, double coarseness = 1.0) noexcept;
+  void place(const Air& air, const Ray& ray, const WavelengthGroup& group) noexcept;
 
   /// Sunlight scattered once, without phase functions, coefficients and irradiance: metres. [count][8]: three channels
   /// of the molecules', a place left out, three of the aerosol's, another.
   const float* sunlight(const SolverKernels& kernels, const Air& air, const Sunlight& light) noexcept;
+
+  /// The ray's samples of light that was scattered before, in the direction of the ray. Valid until the next call.
+  std::span<const ScatteringPanel> panels(const Air& air, const WavelengthGroup& group, const SourceShape& shape,
+                                          const TableMapping& mapping) noexcept;
 
   /// Light of a source, [count][4] each: all of it, or that of molecules and aerosol apart where a glow is seen in the
   /// aerosol's.
@@ -133,22 +155,26 @@ class RayLight {
     const float* light;
     const float* aerosol;  ///< null: in the other
   };
-  Scattered scattered(const SolverKernels& kernels, const Air& air, const WavelengthGroup& group,
-                      const ScatteringSource& source, const TableMapping& mapping) noexcept;
+  Scattered scattered(const SolverKernels& kernels, std::span<const ScatteringPanel> panels,
+                      const ScatteringSource& source, const SunAxis& axis) noexcept;
 
  private:
   [[nodiscard]] SkySuns suns() const noexcept;
+  void fold_pairs(float* sums) const noexcept;
+  [[nodiscard]] std::size_t nodes_of_panel(const Air& air, const SourceShape& shape, const TableMapping& mapping,
+                                           std::size_t first) const noexcept;
   void multiply_glow(const Glow& glow, float* light) const noexcept;
 
   std::size_t count_;
   std::size_t padded_;
   RayNodes nodes_;
   Ray ray_{};
+  std::vector<ScatteringPanel> panels_;
   platform::AlignedBuffer<float> zenith_cosine_;
   platform::AlignedBuffer<float> angle_cosine_;
   platform::AlignedBuffer<std::int32_t> row_;
   platform::AlignedBuffer<float> row_fraction_;
-  platform::AlignedBuffer<float> sums_;     ///< [padded][8]
+  platform::AlignedBuffer<float> sums_;     ///< [padded][12]
   platform::AlignedBuffer<float> scratch_;  ///< a slice or a picture
 };
 

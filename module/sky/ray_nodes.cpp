@@ -61,7 +61,7 @@ const Collocation& collocation() {
 }  // namespace
 
 RayPanels::RayPanels(const Air& air) {
-  ends_.reserve(2 * air.shells().size() + 8);
+  ends_.reserve(2 * std::max(air.shells().size(), air.length_shells().size()) + 8);
   static_cast<void>(collocation());  // made here, where memory may run out, and not inside a tile
 }
 
@@ -71,8 +71,7 @@ void RayPanels::add(double place, double length) noexcept {
 
 // A sphere of altitude b is passed at -r mu -+ sqrt(D), D = (r mu)^2 + (b - h) (2 R + b + h): the way down passes
 // spheres below the start, from the highest on; the way up those above the lowest point.
-void RayPanels::cut(const Air& air, const Ray& ray) noexcept {
-  const std::vector<double>& shells = air.shells();
+void RayPanels::cut(const Air& air, const Ray& ray, const std::vector<double>& shells) noexcept {
   const double along = (air.bottom_radius() + ray.altitude) * ray.zenith_cosine;
   const auto inside = [&](double shell) {
     return (shell - ray.altitude) * (2.0 * air.bottom_radius() + shell + ray.altitude);
@@ -103,7 +102,7 @@ void RayPanels::cut(const Air& air, const Ray& ray) noexcept {
 
 Amounts lengths_along(const Air& air, const Ray& ray, RayPanels& panels) noexcept {
   const Collocation& rule = collocation();
-  panels.cut(air, ray);
+  panels.cut(air, ray, air.length_shells());
   Amounts sums{};
   Amounts density;
   for (std::size_t panel = 1; panel < panels.ends().size(); ++panel) {
@@ -132,7 +131,7 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
   const Collocation& rule = collocation();
   const double size = to - from;
   const double radius = air.bottom_radius() + ray.altitude;
-  if (!last_chance && size > coarseness_ * kLongestAngle * radius_along(radius, ray.zenith_cosine, 0.5 * (from + to))) {
+  if (!last_chance && size > kLongestAngle * radius_along(radius, ray.zenith_cosine, 0.5 * (from + to))) {
     return false;
   }
   RayNode* const nodes = nodes_.data() + count_;
@@ -168,12 +167,11 @@ bool RayNodes::try_panel(const Air& air, const Ray& ray, const Extinctions& exti
   return true;
 }
 
-void RayNodes::place(const Air& air, const Ray& ray, const Extinctions& extinctions, double coarseness) noexcept {
-  panels_.cut(air, ray);
+void RayNodes::place(const Air& air, const Ray& ray, const Extinctions& extinctions) noexcept {
+  panels_.cut(air, ray, air.shells());
   const std::vector<double>& ends = panels_.ends();
   count_ = 0;
   transmittance_ = {1.0, 1.0, 1.0};
-  coarseness_ = coarseness;
   for (std::size_t panel = 1; panel < ends.size(); ++panel) {
     double from = ends[panel - 1];
     pending_.assign(1, ends[panel]);

@@ -33,7 +33,8 @@ class RayPanels {
   RayPanels& operator=(RayPanels&&) noexcept = default;
   ~RayPanels() = default;
 
-  void cut(const Air& air, const Ray& ray) noexcept;
+  /// `shells`: the air's, or its length shells.
+  void cut(const Air& air, const Ray& ray, const std::vector<double>& shells) noexcept;
   [[nodiscard]] const std::vector<double>& ends() const noexcept { return ends_; }
 
  private:
@@ -61,8 +62,8 @@ struct RayNode {
 class RayNodes {
  public:
   explicit RayNodes(const Air& air);
-  /// Allocates nothing. `coarseness`: 1, or more where light is smooth: how long panels may be along the curve.
-  void place(const Air& air, const Ray& ray, const Extinctions& extinctions, double coarseness = 1.0) noexcept;
+  /// Allocates nothing.
+  void place(const Air& air, const Ray& ray, const Extinctions& extinctions) noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const RayNode& operator[](std::size_t i) const noexcept { return nodes_[i]; }
@@ -76,7 +77,6 @@ class RayNodes {
   std::vector<double> pending_;
   std::size_t count_ = 0;
   std::array<double, 3> transmittance_{};
-  double coarseness_ = 1.0;
 };
 
 }  // namespace welkin::sky

@@ -20,10 +20,11 @@ using std::numbers::pi;
 constexpr std::size_t kSunBlock = simd::kLanes;  ///< suns that are projected together
 constexpr std::size_t kZeniths = DirectionRule::kZeniths;
 constexpr int kPhaseNodes = 513;
-constexpr int kRayleighBands = 3;
-constexpr double kSmallestLobe = 0.05;  ///< below that share no direction is near the lobe
-constexpr double kCoarseness = 2.0;     ///< of rays: light scattered before is smooth
+constexpr double kNoSine = 1e-6;         ///< of a sun's zenith angle
+constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
+constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
+constexpr int kFewestAzimuths = 8;
 constexpr int kSmoothOrder = 3;  ///< from it on half of the azimuths do (errors below 2e-3, of the Earth 1e-4)
 
 // Of what orders beyond the last one add.
@@ -42,16 +43,14 @@ struct SourceSolver::Worker {
         values(pair_count(bands)),
         harmonics(pair_count(bands) * 3 * kSunBlock),
         lobed(harmonics.size()),
-        rayleigh(index(bands) * 3 * kSunBlock),
-        aerosol(rayleigh.size()) {}
+        aerosol(index(bands) * 3 * kSunBlock) {}
 
   RayLight light;
   std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
   std::vector<float> values;     ///< [pairs]
   std::vector<float> harmonics;  ///< [pairs][3][block]
   std::vector<float> lobed;      ///< likewise, each wavelength's times its own lobe's moments, where lobes differ
-  std::vector<float> rayleigh;   ///< [m][3][block]: for one zenith, folded
-  std::vector<float> aerosol;
+  std::vector<float> aerosol;    ///< [m][3][block]: for one zenith, folded
 };
 
 SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Sunlight& light,
@@ -66,6 +65,9 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
       bands_(spectra_.front().bands),
       ones_(index(bands_), 1.0),
       with_aerosol_(scatters(air.atmosphere().aerosol)),
+      axis_(sun_axis(mapping, shape.suns)),
+      panels_(index(shape.heights) * kZeniths * kKeptPanels),
+      panel_count_(index(shape.heights) * kZeniths),
       radiance_(index(shape.heights) * kZeniths * 3 * index(shape.azimuths) * index(shape.suns)),
       source_(shape, with_aerosol_),
       total_(shape, with_aerosol_),
@@ -80,10 +82,13 @@ SourceSolver::SourceSolver(const Air& air, const TableMapping& mapping, const Su
 std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) noexcept {
   const std::uint64_t radiance =
       std::uint64_t{4} * index(shape.heights) * kZeniths * 3 * index(shape.azimuths) * index(shape.suns);
-  const std::uint64_t sources = std::uint64_t{4} * shape.size() * (with_aerosol ? 4 : 2);
+  const std::uint64_t sources =
+      std::uint64_t{8} * (index(shape.heights) * shape.molecule_row() + (with_aerosol ? shape.size() : 0));
+  const std::uint64_t panels =
+      std::uint64_t{index(shape.heights)} * kZeniths * (kKeptPanels * sizeof(ScatteringPanel) + sizeof(std::size_t));
   const std::uint64_t small =
       std::uint64_t{8} * index(shape.heights) * (21 * index(shape.suns) + kZeniths * (shape.narrow ? 410 : 220));
-  return radiance + sources + small;
+  return radiance + sources + panels + small;
 }
 
 void SourceSolver::set_rules() {
@@ -197,7 +202,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   double all = 0.0;
   for (int order = 1; order <= options.orders; ++order) {
     if (order > 1) next_source(part(2 * order - 3));
-    if (order == kSmoothOrder && !shape_.narrow) set_azimuths(shape_.azimuths / 2);
+    if (order == kSmoothOrder && !shape_.narrow) set_azimuths(smooth_azimuths());
     march(order == 1, part(2 * order - 2));
     measure();
     add_order({}, {});
@@ -211,7 +216,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
     next_source(part(2 * order - 3));
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
-    set_azimuths(shape_.azimuths / 2);
+    set_azimuths(smooth_azimuths());
     march(false, part(2 * order - 2));
     measure();
     const bool at_last = order == orders_ + kRestOrders;
@@ -261,41 +266,51 @@ void SourceSolver::add_order(const std::vector<double>& factors, const std::vect
   }
   if (direct_ground_) return;  // the first order has no source
   const std::size_t suns = index(shape_.suns);
-  const std::size_t height = index(shape_.zeniths) * 4 * shape_.picture();
-  std::vector<float> row(4 * suns, 1.0F);
-  for (std::size_t h = 0; h < index(shape_.heights); ++h) {
-    for (std::size_t s = 0; s < suns; ++s) {
-      double mean = 1.0;
-      for (std::size_t c = 0; c < 3 && !factors.empty(); ++c) {
-        const double factor = factors[(h * 3 + c) * suns + s];
-        row[4 * s + c] = static_cast<float>(factor);
-        mean += (factor - 1.0) / 3.0;
-      }
-      total_.brightness[h * suns + s] += mean * source_.brightness[h * suns + s];
-    }
-    const auto add = [&](const std::vector<float>& from, std::vector<float>& to) {
-      if (from.empty()) return;
-      for (std::size_t i = h * height; i < (h + 1) * height; i += row.size()) {
-        for (std::size_t k = 0; k < row.size(); ++k) to[i + k] += row[k] * from[i + k];
-      }
-    };
-    add(source_.rayleigh, total_.rayleigh);
-    add(source_.aerosol, total_.aerosol);
+  std::vector<float> rows(index(shape_.heights) * 4 * suns, 1.0F);  // of all heights: tiles allocate nothing
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    rows[(i / suns / 3 * suns + i % suns) * 4 + i / suns % 3] = static_cast<float>(factors[i]);
   }
+  each_height([&](std::size_t height) { add_order_at(height, factors, rows.data() + height * 4 * suns); });
+}
+
+void SourceSolver::add_order_at(std::size_t height, const std::vector<double>& factors, const float* row) {
+  const std::size_t suns = index(shape_.suns);
+  for (std::size_t s = 0; s < suns; ++s) {
+    double mean = 1.0;
+    for (std::size_t c = 0; c < 3 && !factors.empty(); ++c) {
+      mean += (factors[(height * 3 + c) * suns + s] - 1.0) / 3.0;
+    }
+    total_.brightness[height * suns + s] += mean * source_.brightness[height * suns + s];
+  }
+  const auto add = [&](const std::vector<float>& from, std::vector<float>& to) {
+    const std::size_t size = from.size() / index(shape_.heights);
+    for (std::size_t i = height * size; i < (height + 1) * size; i += 4 * suns) {
+      for (std::size_t k = 0; k < 4 * suns; ++k) to[i + k] += row[k] * from[i + k];
+    }
+  };
+  add(source_.rayleigh, total_.rayleigh);
+  add(source_.aerosol, total_.aerosol);
+}
+
+// Half of them, but no fewer than carry the bands that twice scattered light has.
+int SourceSolver::smooth_azimuths() const noexcept {
+  return std::max(shape_.azimuths / 2, std::min(shape_.azimuths, kFewestAzimuths));
 }
 
 void SourceSolver::march(bool single, const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   std::vector<Worker> scratch;
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
-  jobs::run_tiles(index(shape_.heights) * kZeniths, jobs::Placement::arena, workers, control,
+  // Rays of about one zenith angle see the same pictures of the source: one after the other they find them in the
+  // cache.
+  const std::size_t heights = index(shape_.heights);
+  jobs::run_tiles(heights * kZeniths, jobs::Placement::arena, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
-                    march_ray(single, tile / kZeniths, tile % kZeniths, scratch[worker]);
+                    march_ray(single, tile % heights, tile / heights, scratch[worker]);
                   });
 }
 
 void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker) {
-  const SolverKernels& kernels = solver_kernels();
   const double altitude = source_altitude(mapping_, shape_, height);
   const double cosine = rules_[height].cosines[zenith];
   const bool ground = zenith < index(DirectionRule::kGroundNodes);
@@ -311,21 +326,25 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
                   std::clamp(cosine * sun_cosines_[s] + sine * sun_sines_[s] * azimuth, -1.0, 1.0));
     }
   }
-  ray.place(air_, {altitude, cosine, ground, length}, group_, single ? 1.0 : kCoarseness);
-  const std::size_t count = ray.count();
-  if (!single) {
-    const RayLight::Scattered sums = ray.scattered(kernels, air_, group_, source_, mapping_);
-    for (std::size_t c = 0; c < 3; ++c) {
-      float* const radiance = radiance_.data() + radiance_index(height, zenith, c);
-      for (std::size_t i = 0; i < count; ++i) {
-        radiance[i] = sums.light[4 * i + c];
-        if (sums.aerosol != nullptr) radiance[i] += sums.aerosol[4 * i + c];
-      }
+  if (single) {
+    ray.place(air_, {altitude, cosine, ground, length}, group_);
+    const std::span<const ScatteringPanel> panels = ray.panels(air_, group_, shape_, mapping_);
+    const std::size_t place = height * kZeniths + zenith;
+    panel_count_[place] = panels.size();
+    if (panels.size() <= kKeptPanels) {
+      std::copy(panels.begin(), panels.end(), panels_.begin() + static_cast<std::ptrdiff_t>(place * kKeptPanels));
     }
-    return;
+    add_sunlit(height, zenith, worker);
+  } else {
+    add_scattered(height, zenith, {altitude, cosine, ground, length}, worker);
   }
-  const float* const sums = ray.sunlight(kernels, air_, light_);
-  for (std::size_t i = 0; i < count; ++i) {
+}
+
+void SourceSolver::add_sunlit(std::size_t height, std::size_t zenith, Worker& worker) {
+  RayLight& ray = worker.light;
+  const std::size_t suns = index(shape_.suns);
+  const float* const sums = ray.sunlight(solver_kernels(), air_, light_);
+  for (std::size_t i = 0; i < ray.count(); ++i) {
     const double nu = ray.angle_cosine(i);
     std::array<double, 3> aerosol{};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -336,6 +355,25 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
           group_.solar[c] * (group_.rayleigh[c] * rayleigh_phase(nu) * static_cast<double>(sums[8 * i + c]) +
                              group_.aerosol[c] * aerosol[c] * static_cast<double>(sums[8 * i + 4 + c]));
       radiance_[radiance_index(height, zenith, c) + i] = static_cast<float>(value);
+    }
+  }
+}
+
+void SourceSolver::add_scattered(std::size_t height, std::size_t zenith, const Ray& ray, Worker& worker) {
+  RayLight& light = worker.light;
+  const std::size_t place = height * kZeniths + zenith;
+  std::span<const ScatteringPanel> panels(panels_.data() + place * kKeptPanels,
+                                          std::min(panel_count_[place], kKeptPanels));
+  if (panel_count_[place] > kKeptPanels) {
+    light.place(air_, ray, group_);
+    panels = light.panels(air_, group_, shape_, mapping_);
+  }
+  const RayLight::Scattered sums = light.scattered(solver_kernels(), panels, source_, axis_);
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* const radiance = radiance_.data() + radiance_index(height, zenith, c);
+    for (std::size_t i = 0; i < light.count(); ++i) {
+      radiance[i] = sums.light[4 * i + c];
+      if (sums.aerosol != nullptr) radiance[i] += sums.aerosol[4 * i + c];
     }
   }
 }
@@ -386,24 +424,33 @@ void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& wo
 
 // Of the last order: irradiance from above, and the mean over all directions.
 void SourceSolver::measure() {
+  each_height([&](std::size_t height) { measure_at(height); });
+}
+
+void SourceSolver::measure_at(std::size_t height) {
   const std::size_t suns = index(shape_.suns);
-  std::fill(order_irradiance_.begin(), order_irradiance_.end(), 0.0);
-  std::fill(scalar_.begin(), scalar_.end(), 0.0);
-  for (std::size_t h = 0; h < index(shape_.heights); ++h) {
-    for (std::size_t i = 0; i < kZeniths; ++i) {
-      const double weight = rules_[h].weights[i] / (2.0 * static_cast<double>(azimuths_));
-      const double upward = 4.0 * pi * std::max(0.0, rules_[h].cosines[i]) * weight;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float* const rays = radiance_.data() + radiance_index(h, i, c);
-        for (std::size_t s = 0; s < suns; ++s) {
-          double sum = 0.0;
-          for (std::size_t j = 0; j < azimuths_; ++j) sum += static_cast<double>(rays[j * suns + s]);
-          scalar_[(h * 3 + c) * suns + s] += weight * sum;
-          order_irradiance_[(h * 3 + c) * suns + s] += upward * sum;
-        }
+  std::fill_n(order_irradiance_.begin() + static_cast<std::ptrdiff_t>(height * 3 * suns), 3 * suns, 0.0);
+  std::fill_n(scalar_.begin() + static_cast<std::ptrdiff_t>(height * 3 * suns), 3 * suns, 0.0);
+  for (std::size_t i = 0; i < kZeniths; ++i) {
+    const double weight = rules_[height].weights[i] / (2.0 * static_cast<double>(azimuths_));
+    const double upward = 4.0 * pi * std::max(0.0, rules_[height].cosines[i]) * weight;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* const rays = radiance_.data() + radiance_index(height, i, c);
+      for (std::size_t s = 0; s < suns; ++s) {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < azimuths_; ++j) sum += static_cast<double>(rays[j * suns + s]);
+        scalar_[(height * 3 + c) * suns + s] += weight * sum;
+        order_irradiance_[(height * 3 + c) * suns + s] += upward * sum;
       }
     }
   }
+}
+
+// Short work between passes, which the next one waits for.
+template <class Work>
+void SourceSolver::each_height(const Work& work) const {
+  jobs::run_tiles(index(shape_.heights), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
+                  [&](std::size_t tile, std::size_t) { work(tile); });
 }
 
 // The irradiance of the ground that is reflected, at a point with that sun.
@@ -462,44 +509,63 @@ void SourceSolver::multiply_lobes(Worker& worker) const {
   }
 }
 
-// J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
-void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
-  const SolverKernels& kernels = solver_kernels();
-  const int bands = bands_;
-  const bool lobed = with_aerosol_ && spectra_.size() > 1;
-  if (lobed) multiply_lobes(worker);
-  const auto fold_with = [&](int z, const std::vector<float>& harmonics, const std::vector<double>& moments, int used,
-                             std::vector<float>& by_order) {
-    const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
-    for (int m = 0; m < used; ++m) {
-      for (int l = m; l < used; ++l) {
-        worker.values[pair_index(bands, l, m)] =
-            static_cast<float>(values[pair_index(bands, l, m)] * moments[index(l)]);
+// Y(0, 0) to Y(2, 2) without what depends on the direction, as `even_legendre` has them; terms as in sky_kernels.h.
+void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker) {
+  const std::size_t suns = index(shape_.suns);
+  const std::vector<double>& moments = spectra_.front().rayleigh;
+  const double band_0 = moments[0] * std::sqrt(0.25 / pi);
+  const double band_2 = moments[2] * std::sqrt(5.0 / (4.0 * pi));
+  float* const row = source_.rayleigh.data() + height * shape_.molecule_row() + 4 * first_sun;
+  for (std::size_t s = 0; s < kSunBlock; ++s) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto harmonic = [&](int l, int m, std::size_t sun) {
+        return static_cast<double>(worker.harmonics[(pair_index(bands_, l, m) * 3 + c) * kSunBlock + sun]);
+      };
+      // Of a sun in the zenith no azimuth matters: the sun before it tells what its coefficients tend to.
+      const std::size_t near = s > 0 && sun_sines_[first_sun + s] < kNoSine ? s - 1 : s;
+      const double sine = std::max(sun_sines_[first_sun + near], kNoSine);
+      const double terms[kMoleculeTerms] = {band_0 * harmonic(0, 0, s), band_2 * harmonic(2, 0, s),
+                                            band_2 * std::sqrt(0.75) * harmonic(2, 2, s),
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 1, near) / sine,
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 2, near) / (sine * sine)};
+      for (std::size_t k = 0; k < index(kMoleculeTerms); ++k) {
+        row[k * 4 * suns + 4 * s + c] = static_cast<float>(terms[k]);
       }
     }
-    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, used, by_order.data());
-  };
+  }
+}
+
+// J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
+void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
   // The mean of all directions is that of the harmonic that is the same everywhere, Y(0, 0) = 1 / sqrt(4 pi).
   for (std::size_t s = 0; s < kSunBlock; ++s) {
     double mean = 0.0;
     for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(worker.harmonics[c * kSunBlock + s]);
     source_.brightness[height * index(shape_.suns) + first_sun + s] = std::max(0.0, mean / std::sqrt(36.0 * pi));
   }
+  fold_molecules(height, first_sun, worker);
+  if (!with_aerosol_) return;
+  const SolverKernels& kernels = solver_kernels();
+  const int bands = bands_;
+  const bool lobed = spectra_.size() > 1;
+  if (lobed) multiply_lobes(worker);
+  const std::vector<float>& harmonics = lobed ? worker.lobed : worker.harmonics;
+  const std::vector<double>& moments = lobed ? ones_ : spectra_.front().aerosol;
   for (int z = 0; z < shape_.zeniths; ++z) {
-    fold_with(z, worker.harmonics, spectra_.front().rayleigh, kRayleighBands, worker.rayleigh);
-    if (with_aerosol_) {
-      fold_with(z, lobed ? worker.lobed : worker.harmonics, lobed ? ones_ : spectra_.front().aerosol, bands,
-                worker.aerosol);
+    const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
+    for (int m = 0; m < bands; ++m) {
+      for (int l = m; l < bands; ++l) {
+        const std::size_t pair = pair_index(bands, l, m);
+        worker.values[pair] = static_cast<float>(values[pair] * moments[index(l)]);
+      }
     }
+    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, bands, worker.aerosol.data());
     const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
-      const std::size_t at = place + 4 * index(a) * index(shape_.suns);
       const float* const azimuths =
           source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
-      kernels.sum_orders(worker.rayleigh.data(), kRayleighBands, azimuths, source_.rayleigh.data() + at);
-      if (with_aerosol_) {
-        kernels.sum_orders(worker.aerosol.data(), bands, azimuths, source_.aerosol.data() + at);
-      }
+      kernels.sum_orders(worker.aerosol.data(), bands, azimuths,
+                         source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns));
     }
     if (source_.glow.any()) divide_by_glow(height, index(z), first_sun);
   }

@@ -57,14 +57,22 @@ class SourceSolver {
                                                    const std::vector<double>& last) const;
   void set_lobe_scale(std::size_t lobe);
   [[nodiscard]] double aerosol_phase(std::size_t lobe, double cosine) const noexcept;
+  [[nodiscard]] int smooth_azimuths() const noexcept;
   void march(bool single, const Control& control);
   void march_ray(bool single, std::size_t height, std::size_t zenith, Worker& worker);
+  void add_sunlit(std::size_t height, std::size_t zenith, Worker& worker);
+  void add_scattered(std::size_t height, std::size_t zenith, const Ray& ray, Worker& worker);
   void gather(const Control& control);
   void project(std::size_t height, std::size_t first_sun, Worker& worker);
   void measure();
+  void measure_at(std::size_t height);
+  void add_order_at(std::size_t height, const std::vector<double>& factors, const float* row);
+  template <class Work>
+  void each_height(const Work& work) const;
   void add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const;
   void multiply_lobes(Worker& worker) const;
   void fold(std::size_t height, std::size_t first_sun, Worker& worker);
+  void fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker);
   void divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun);
   [[nodiscard]] std::array<double, 3> ground_light(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double total_scattered() const noexcept;
@@ -93,6 +101,10 @@ class SourceSolver {
   std::vector<double> lobe_scale_;                           ///< of it: [spectra][heights][suns]
   std::vector<std::array<double, 3>> ground_transmittance_;  ///< [heights][ground nodes]
   std::vector<double> ground_distance_;
+
+  SunAxis axis_;                          ///< of the source
+  std::vector<ScatteringPanel> panels_;   ///< of rays that have few enough: [heights][zeniths][kKeptPanels]
+  std::vector<std::size_t> panel_count_;  ///< [heights][zeniths]; more than are kept: they are placed anew
 
   std::vector<float> radiance_;  ///< of the last order: [heights][zeniths][3][azimuths][suns]
   ScatteringSource source_;

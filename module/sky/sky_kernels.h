@@ -38,12 +38,12 @@ struct SunlitSample {
   float view_cosine, turning, sinking;
   const float* rows[4];  ///< transmittance to the sun at four heights around: [nodes][4], red, green, blue and 0
   float row_weights[4];
-  float transmittance[4];   ///< from the ray's start, and 0
-  float rayleigh, aerosol;  ///< density times length
+  float rayleigh[4], aerosol[4];  ///< density times length times transmittance from the ray's start, and 0
+  bool with_aerosol;              ///< else there is too little of it
 };
 
-/// sums[count][8] += rayleigh times light that the sample sends on before phase functions, red, green, blue and 0, and
-/// aerosol times it. slice: scratch, 4 `nodes` floats, nodes a multiple of 4.
+/// sums[count][8] += rayleigh times the sunlight that reaches the sample, red, green, blue and 0, and aerosol times it.
+/// slice: scratch, 4 `nodes` floats, nodes a multiple of 4.
 using AddSunlight = void (*)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
 
 /// How a sun's zenith cosine maps to its place among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +
@@ -58,23 +58,40 @@ struct SunAxis {
   int nodes;
 };
 
-/// A sample that sends on light of a source: the sum of eight pictures of it, [angles][suns][4] each.
+/// Rows of what molecules send on at a height, [kMoleculeTerms][suns][4]: with mu the cosine of a direction's zenith
+/// angle, mu_s the sun's and nu that between both, q = nu - mu mu_s,
+///   t0 + (3 mu^2 - 1) / 2 t1 - (1 - mu^2) t2 + mu q t3 + q^2 t4,
+/// all that bands 0 and 2 of the light about a point leave; q is the product of both sines and the azimuth's cosine.
+inline constexpr int kMoleculeTerms = 5;
+
+/// A sample that sends on light of a source: what molecules do at two heights, and the sum of four pictures of what the
+/// aerosol does, [angles][suns][4] each.
 struct SourceSample {
   float start_ratio;
   float distance_ratio;
-  const float* pictures[8];
-  float weights[8][4];  ///< of red, green, blue and nothing
+  float view_cosine;          ///< mu of the ray there
+  const float* molecules[2];  ///< null: nothing of them
+  float molecule_weights[2][4];
+  const float* pictures[4];
+  float weights[4][4];  ///< of red, green, blue and nothing
   int count;            ///< of pictures
   /// The source's brightness between suns at the two heights (ScatteringSource::steps), and their shares.
   const float* steps[2];
   float step_weights[2];
 };
 
-/// sums[count][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles and
-/// suns. picture: scratch, 4 `size` floats, 4 `axis.nodes` and the steps; size: angles times suns, suns a multiple of
-/// 16; `next_row`: suns, or 0 if there is but one angle.
-using AddSource = void (*)(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
-                           float* picture, float* sums);
+/// sums[count][2][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles
+/// and suns, not below 0. Of the two, the share of the nearer node of suns and that of the next one, to be added up at
+/// last. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
+/// `suns.row` and its fractions count only where there are pictures.
+using AddSource = void (*)(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns,
+                           float* scratch, float* sums);
+
+/// Places of `count` angles, a multiple of 16, among nodes evenly from 0 to 180 degrees, by their cosines: `row` times
+/// the node below, and the fraction towards the next. Within 1e-4 of the step between nodes; 4e-4 radians next to 0 and
+/// 180 degrees, where a float's cosine says no more.
+using PlaceAngles = void (*)(const float* cosines, int count, int angles, int row, std::int32_t* rows,
+                             float* fractions);
 
 /// A ring of directions of one zenith angle, for 16 suns: cosines of whole multiples of the azimuth project it.
 struct SkyRing {
@@ -100,6 +117,7 @@ using SumSkyOrders = void (*)(const float* by_order, int used, const float* azim
 struct SolverKernels {
   AddSunlight add_sunlight;
   AddSource add_source;
+  PlaceAngles place_angles;
   ProjectSkyRing project_ring;
   FoldSkyOrders fold_orders;
   SumSkyOrders sum_orders;

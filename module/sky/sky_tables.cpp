@@ -217,9 +217,14 @@ void Precomputation::scatter(const WavelengthGroup& group, const Fold& fold, con
   const std::size_t count = index(sky::angles_of(options_)) * index(options_.sun_zeniths);
   std::vector<sky::RayLight> scratch;
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, source_shape_, count);
-  jobs::run_tiles(
-      index(options_.heights) * index(options_.view_zeniths), jobs::Placement::arena, workers, control,
-      [&](std::size_t tile, std::size_t worker) { scatter_ray(group, fold, light, solver, tile, scratch[worker]); });
+  // Rays of about one zenith angle see the same pictures of the source: one after the other they find them in the
+  // cache.
+  const std::size_t heights = index(options_.heights);
+  const std::size_t views = index(options_.view_zeniths);
+  jobs::run_tiles(heights * views, jobs::Placement::arena, workers, control, [&](std::size_t tile, std::size_t worker) {
+    const std::size_t ray = tile % heights * views + tile / heights;
+    scatter_ray(group, fold, light, solver, ray, scratch[worker]);
+  });
 }
 
 // Compact tables have no azimuth: theirs is that at right angles to the sun's.
@@ -246,7 +251,8 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
     store(group, fold, sums, nullptr, ray * worker.count() + i, i, worker.angle_cosine(i));
   }
   if (!solver.any()) return;
-  const sky::RayLight::Scattered often = worker.scattered(kernels, air_, group, solver.source(), mapping_);
+  const sky::RayLight::Scattered often = worker.scattered(kernels, worker.panels(air_, group, source_shape_, mapping_),
+                                                          solver.source(), sky::sun_axis(mapping_, source_shape_.suns));
   for (std::size_t i = 0; i < worker.count(); ++i) {
     store(group, fold, nullptr, &often, ray * worker.count() + i, i, worker.angle_cosine(i));
   }

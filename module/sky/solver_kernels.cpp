@@ -6,7 +6,7 @@
 namespace welkin::sky::WELKIN_ISA {
 namespace {
 
-using simd::kLanes, simd::kWidth, simd::Lanes, simd::Quad;
+using simd::kLanes, simd::kNarrowWidth, simd::kWidth, simd::Lanes, simd::NarrowLanes, simd::Quad;
 
 using Indices = xsimd::batch<std::int32_t, Lanes::arch_type>;
 
@@ -40,12 +40,10 @@ WELKIN_INLINE Lanes sun_zenith(float start_ratio, float distance_ratio, const Sk
   return Lanes(start_ratio) * load(suns.zenith_cosine + i) + Lanes(distance_ratio) * load(suns.angle_cosine + i);
 }
 
-/// Transmittance from the ray's start to the sample and on to the sun, over the nodes of a row.
+/// Transmittance from the sample to the sun, over the nodes of a row.
 WELKIN_INLINE void make_slice(const SunlitSample& sample, int nodes, float* slice) {
   Lanes weights[4];
-  for (int k = 0; k < 4; ++k) {
-    weights[k] = Lanes::load_aligned(repeated(sample.transmittance, sample.row_weights[k]).values);
-  }
+  for (int k = 0; k < 4; ++k) weights[k] = Lanes(sample.row_weights[k]);
   for (int i = 0; i < 4 * nodes; i += kWidth) {
     Lanes sum(0.0F);
     for (int k = 0; k < 4; ++k) sum = sum + weights[k] * load(sample.rows[k] + i);
@@ -63,16 +61,20 @@ WELKIN_INLINE Lanes risen(Lanes t) {
 WELKIN_INLINE Lanes disc_share(const SunlitSample& sample, Lanes mu, Lanes nu, Lanes above_horizon) {
   const Lanes moved = Lanes(sample.turning) * (nu - Lanes(sample.view_cosine) * mu) - Lanes(sample.sinking);
   const Lanes width = xsimd::max(xsimd::max(moved, Lanes(0.0F) - moved), Lanes(0.03125F));
-  const Lanes t =
-      xsimd::min(xsimd::max(Lanes(sample.disc_slope) * above_horizon + Lanes(sample.disc_offset), Lanes(0.0F) - width),
-                 Lanes(1.0F) + width);
-  return xsimd::min(xsimd::max((risen(t + width) - risen(t - width)) / (width + width), Lanes(0.0F)), Lanes(1.0F));
+  const Lanes risen_by = Lanes(sample.disc_slope) * above_horizon + Lanes(sample.disc_offset);
+  const auto lit = risen_by >= Lanes(1.0F) + width;
+  if (xsimd::all(lit)) return Lanes(1.0F);
+  const Lanes t = xsimd::min(xsimd::max(risen_by, Lanes(0.0F) - width), Lanes(1.0F) + width);
+  const Lanes share =
+      xsimd::min(xsimd::max((risen(t + width) - risen(t - width)) / (width + width), Lanes(0.0F)), Lanes(1.0F));
+  return xsimd::select(lit, Lanes(1.0F), share);
 }
 
 WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
   const Lanes mu = xsimd::min(xsimd::max(zenith_cosine, Lanes(-1.0F)), Lanes(1.0F));
-  const Lanes longer = xsimd::sqrt(mu * mu + Lanes(axis.reach)) + xsimd::max(mu, Lanes(0.0F) - mu);
-  const Lanes distance = xsimd::select(mu > Lanes(0.0F), Lanes(axis.reach) / longer, longer);
+  // Cancels by day, but by no more than a float's last bit of 1: `reach` is 0.016 at least, the shortest distance
+  // 0.008.
+  const Lanes distance = xsimd::sqrt(mu * mu + Lanes(axis.reach)) - mu;
   const Lanes a = xsimd::max(distance - Lanes(axis.shortest), Lanes(0.0F)) * Lanes(axis.scale);
   const Lanes path =
       xsimd::max(Lanes(1.0F) - a * Lanes(axis.inverse_lowest), Lanes(0.0F)) / (Lanes(1.0F) + Lanes(axis.bend) * a);
@@ -94,12 +96,14 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
   alignas(64) std::int32_t node[kWidth];
   alignas(64) float fraction[kWidth];
   alignas(64) float shares[kWidth];
-  const Quad rayleigh(sample.rayleigh);
-  const Quad aerosol(sample.aerosol);
+  const Quad rayleigh = Quad::load_unaligned(sample.rayleigh);
+  const Quad aerosol = Quad::load_unaligned(sample.aerosol);
   for (int i = 0; i < suns.count; i += kWidth) {
     const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
     const Lanes above = mu - Lanes(sample.horizon);
-    disc_share(sample, mu, load(suns.angle_cosine + i), above).store_aligned(shares);
+    const Lanes share = disc_share(sample, mu, load(suns.angle_cosine + i), above);
+    if (!xsimd::any(share > Lanes(0.0F))) continue;  // all in the planet's shadow
+    share.store_aligned(shares);
     const Lanes y = xsimd::max(above, Lanes(0.0F));
     const Place place =
         place_among(Lanes(sample.rational) * (y / (y + Lanes(sample.bend))) + Lanes(sample.linear) * y, nodes);
@@ -109,7 +113,7 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
       if (shares[k] == 0.0F) continue;
       const Quad light = Quad(shares[k]) * colour_at(slice, node[k], Quad(fraction[k]));
       add_to(sums + 8 * (i + k), rayleigh * light);
-      add_to(sums + 8 * (i + k) + 4, aerosol * light);
+      if (sample.with_aerosol) add_to(sums + 8 * (i + k) + 4, aerosol * light);
     }
   }
 }
@@ -128,39 +132,130 @@ WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inver
   }
 }
 
-void add_source(const SourceSample& sample, const SunAxis& axis, int size, int next_row, const SkySuns& suns,
-                float* picture, float* sums) {
-  Lanes weights[8];
+/// What molecules send on at the sample's height and zenith angle, relative to the brightness: coefficients of 1, q and
+/// q^2, `rows`[3][nodes][4].
+WELKIN_INLINE void mix_molecules(const SourceSample& sample, int nodes, const float* inverse, float* rows) {
+  const Lanes low = Lanes::load_aligned(repeated(sample.molecule_weights[0], 1.0F).values);
+  const Lanes high = Lanes::load_aligned(repeated(sample.molecule_weights[1], 1.0F).values);
+  const Lanes cosine(sample.view_cosine);
+  const Lanes square = cosine * cosine;
+  const Lanes second = Lanes(1.5F) * square - Lanes(0.5F);
+  const Lanes sine_square = Lanes(1.0F) - square;
+  const int row = 4 * nodes;
+  for (int i = 0; i < row; i += kWidth) {
+    Lanes terms[kMoleculeTerms];
+    for (int k = 0; k < kMoleculeTerms; ++k) {
+      terms[k] = low * load(sample.molecules[0] + k * row + i) + high * load(sample.molecules[1] + k * row + i);
+    }
+    const Lanes scale = load(inverse + i);
+    (scale * (terms[0] + second * terms[1] - sine_square * terms[2])).store_unaligned(rows + i);
+    (scale * (cosine * terms[3])).store_unaligned(rows + row + i);
+    (scale * terms[4]).store_unaligned(rows + 2 * row + i);
+  }
+}
+
+/// The sum of the pictures, relative to the brightness.
+WELKIN_INLINE void mix_pictures(const SourceSample& sample, int nodes, int size, const float* inverse, float* picture) {
+  Lanes weights[4];
   for (int k = 0; k < sample.count; ++k) weights[k] = Lanes::load_aligned(repeated(sample.weights[k], 1.0F).values);
-  float* const inverse = picture + 4 * size;
-  float* const steps = inverse + 4 * axis.nodes;
-  mix_steps(sample, axis.nodes, inverse, steps);
-  for (int row = 0; row < 4 * size; row += 4 * axis.nodes) {
-    for (int i = 0; i < 4 * axis.nodes; i += kWidth) {
+  for (int row = 0; row < 4 * size; row += 4 * nodes) {
+    for (int i = 0; i < 4 * nodes; i += kWidth) {
       Lanes sum(0.0F);
       for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.pictures[k] + row + i);
       (sum * load(inverse + i)).store_unaligned(picture + row + i);
     }
   }
+}
+
+constexpr int kPair = 8;  ///< floats of two nodes of suns that follow each other
+
+/// The weights of both are w0 = b (1 - f) and w1 = b f: b times the first of these plus b f times the second.
+alignas(64) constexpr float kFirstOfPair[kPair] = {1.0F, 1.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.0F};
+alignas(64) constexpr float kSlopeOfPair[kPair] = {-1.0F, -1.0F, -1.0F, -1.0F, 1.0F, 1.0F, 1.0F, 1.0F};
+
+WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
+
+// Both nodes about a sun lie side by side, so that one register holds them; they are added up apart.
+template <bool molecules, bool pictures>
+WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, const SkySuns& suns, const float* picture,
+                             const float* rows, const float* steps, float* sums) {
   alignas(64) std::int32_t node[kWidth];
   alignas(64) std::int32_t step[kWidth];
   alignas(64) float fraction[kWidth];
   alignas(64) float part[kWidth];
+  alignas(64) float across[kWidth];
+  const int row = 4 * axis.nodes;
   for (int i = 0; i < suns.count; i += kWidth) {
-    const Place place = sun_place(axis, sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i));
-    (Indices::load_unaligned(suns.row + i) + place.node).store_aligned(node);
+    const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
+    (load(suns.angle_cosine + i) - Lanes(sample.view_cosine) * mu).store_aligned(across);
+    const Place place = sun_place(axis, mu);
+    place.node.store_aligned(node);
     place.fraction.store_aligned(fraction);
     const Lanes fine = place.fraction * Lanes(static_cast<float>(kSunSteps));
     const Indices whole = xsimd::min(xsimd::to_int(fine), Indices(kSunSteps - 1));
     (place.node * Indices(kSunSteps) + whole).store_aligned(step);
     (fine - xsimd::to_float(whole)).store_aligned(part);
     for (int k = 0; k < kWidth; ++k) {
-      const Quad along(fraction[k]);
-      const Quad low = colour_at(picture, node[k], along);
-      const Quad high = colour_at(picture, node[k] + next_row, along);
       const float brightness = steps[step[k]] + part[k] * (steps[step[k] + 1] - steps[step[k]]);
-      add_to(sums + 4 * (i + k), Quad(brightness) * between(low, high, Quad(suns.row_fraction[i + k])));
+      const NarrowLanes first(brightness);
+      const NarrowLanes slope(brightness * fraction[k]);
+      const NarrowLanes q(across[k]);
+      const int at = 4 * node[k];
+      for (int h = 0; h < kPair; h += kNarrowWidth) {
+        NarrowLanes light(0.0F);
+        if constexpr (molecules) {
+          light = load_narrow(rows + at + h) +
+                  q * (load_narrow(rows + row + at + h) + q * load_narrow(rows + 2 * row + at + h));
+          light = xsimd::max(light, NarrowLanes(0.0F));
+        }
+        if constexpr (pictures) {
+          const float* const nearer = picture + 4 * suns.row[i + k] + at + h;
+          const NarrowLanes low = load_narrow(nearer);
+          light = light + (low + NarrowLanes(suns.row_fraction[i + k]) * (load_narrow(nearer + row) - low));
+        }
+        const NarrowLanes weight = first * load_narrow(kFirstOfPair + h) + slope * load_narrow(kSlopeOfPair + h);
+        float* const sum = sums + kPair * (i + k) + h;
+        (load_narrow(sum) + weight * light).store_unaligned(sum);
+      }
     }
+  }
+}
+
+void add_source(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns, float* scratch,
+                float* sums) {
+  float* const picture = scratch;
+  float* const inverse = picture + 4 * size;
+  float* const rows = inverse + 4 * axis.nodes;
+  float* const steps = rows + 3 * 4 * axis.nodes;
+  mix_steps(sample, axis.nodes, inverse, steps);
+  const bool molecules = sample.molecules[0] != nullptr;
+  if (molecules) mix_molecules(sample, axis.nodes, inverse, rows);
+  if (sample.count > 0) mix_pictures(sample, axis.nodes, size, inverse, picture);
+  if (molecules && sample.count > 0) {
+    add_light<true, true>(sample, axis, suns, picture, rows, steps, sums);
+  } else if (molecules) {
+    add_light<true, false>(sample, axis, suns, picture, rows, steps, sums);
+  } else if (sample.count > 0) {
+    add_light<false, true>(sample, axis, suns, picture, rows, steps, sums);
+  }
+}
+
+/// Abramowitz and Stegun 4.4.46: arccos x = sqrt(1 - x) times this polynomial for x from 0 to 1, within 2e-8.
+constexpr float kArcCosine[8] = {1.5707963050F, -0.2145988016F, 0.0889789874F, -0.0501743046F,
+                                 0.0308918810F, -0.0170881256F, 0.0066700901F, -0.0012624911F};
+
+void place_angles(const float* cosines, int count, int angles, int row, std::int32_t* rows, float* fractions) {
+  constexpr float inverse_pi = 0.318309886F;
+  for (int i = 0; i < count; i += kWidth) {
+    const Lanes x = xsimd::min(xsimd::max(load(cosines + i), Lanes(-1.0F)), Lanes(1.0F));
+    const Lanes size = xsimd::max(x, Lanes(0.0F) - x);
+    Lanes polynomial(kArcCosine[7]);
+    for (int k = 6; k >= 0; --k) polynomial = polynomial * size + Lanes(kArcCosine[k]);
+    const Lanes turned = xsimd::sqrt(Lanes(1.0F) - size) * polynomial * Lanes(inverse_pi);
+    const Lanes share = xsimd::select(x < Lanes(0.0F), Lanes(1.0F) - turned, turned);
+    const Place place = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
+    (place.node * Indices(row)).store_unaligned(rows + i);
+    place.fraction.store_unaligned(fractions + i);
   }
 }
 
@@ -232,6 +327,7 @@ void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosine
 const SolverKernels solver_kernels_table = {
     .add_sunlight = add_sunlight,
     .add_source = add_source,
+    .place_angles = place_angles,
     .project_ring = project_sky_ring,
     .fold_orders = fold_sky_orders,
     .sum_orders = sum_sky_orders,

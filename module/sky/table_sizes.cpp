@@ -38,6 +38,8 @@ constexpr int kLeastViews = 48;
 constexpr int kLeastSuns = 48;
 constexpr int kLeastAzimuths = 8;
 
+constexpr int kCompactHeights = 16;
+
 }  // namespace
 
 void check_options(const SkyTableOptions& options) {
@@ -102,6 +104,14 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
   // heights leave low places beside it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
   const bool narrow = lobe != NarrowLobe::none;
   const bool fine = lobe == NarrowLobe::forward && !small;
+  // Compact tables, which have no azimuth, are wrong by more than what fewer nodes lose.
+  if (options.layout == ScatteringLayout::compact && !narrow) {
+    return {.heights = std::clamp(options.heights, 4, kCompactHeights),
+            .zeniths = 17,
+            .angles = 13,
+            .suns = std::min(suns, 32),
+            .azimuths = 8};
+  }
   return {.heights = fine ? 32 : std::clamp(options.heights, 4, 32),
           .zeniths = small ? 17 : (fine ? 65 : 33),
           .angles = small ? 13 : 25,
@@ -120,8 +130,9 @@ SourceShape source_shape(const SkyTableOptions& options, const Air& air, const T
 }
 
 SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
-  return options.heights < 12 || options.view_zeniths < 16 ? SunPaths::Size{.heights = 32, .zeniths = 64}
-                                                           : SunPaths::Size{};
+  if (options.heights < 12 || options.view_zeniths < 16) return {.heights = 32, .zeniths = 64};
+  if (options.layout == ScatteringLayout::compact) return {.heights = 64, .zeniths = 128};
+  return {};
 }
 
 SunPaths::Size sun_path_size(const SkyTableOptions& options, const Air& air, const TableMapping& mapping) noexcept {
