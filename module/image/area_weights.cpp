@@ -15,6 +15,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kGroup = 4;
 constexpr std::size_t kRoomFloats = 16384;  ///< of weights at a time, if one tile does not need more
+constexpr int kStretch = 32;                ///< tiles whose patches have one size at least
 
 int groups_for(int columns) noexcept { return (columns + kGroup - 1) / kGroup; }
 
@@ -40,6 +41,7 @@ TileScratch::TileScratch(const TileWeights& weights)
     : weights_(std::max(kRoomFloats, weights.largest_patch())), polar_(weights.tiling()) {
   const auto count = static_cast<std::size_t>(weights.tiling().half()) + 1;
   for (auto* indices : {&rows_, &columns_}) indices->resize(count);
+  for (auto* counts : {&down_count_, &across_count_}) counts->resize(count, 1);
   for (auto* values : {&areas_, &upper_, &lower_}) values->resize(count);
   dense_.resize(weights.largest_patch());
   for (auto* values : {&across_, &along_}) values->resize(static_cast<std::size_t>(weights.width()) + 32);
@@ -151,30 +153,52 @@ void TileWeights::weigh(TileKind kind, int row, TileScratch& scratch, RunSink& s
   row == 0 ? weigh_border(scratch, sink) : weigh_rectangles(row, scratch, sink);
 }
 
+TileWeights::PatchSize TileWeights::patch_size(const TileScratch& scratch, int first, int end) const noexcept {
+  int rows = 1;
+  int columns = 1;
+  for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(end); ++k) {
+    rows = std::max(rows, scratch.down_count_[k]);
+    columns = std::max(columns, scratch.across_count_[k]);
+  }
+  return {std::min(rows, rows_.count()), groups_for(columns)};
+}
+
+/// A line's tiles differ: beside a pole the widest patch and the highest one belong to different tiles.
+int TileWeights::tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept {
+  int last = std::min(first + kStretch, end);
+  size = patch_size(scratch, first, last);
+  while (last < end) {
+    const int next = std::min(last + kStretch, end);
+    if (patch_size(scratch, last, next) != size) break;
+    last = next;
+  }
+  return last - first;
+}
+
 void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const {
   const int half = tiling_.half();
-  int most = 1;
   int guess = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(half); ++k) {
     guess = scratch.rows_[k] = rows_.first_beyond(scratch.upper_[k], guess);
-    most = std::max(most, rows_.last_before(scratch.lower_[k], guess) - guess + 1);
+    scratch.down_count_[k] = rows_.last_before(scratch.lower_[k], guess) - guess + 1;
+    scratch.across_count_[k] = 1;
   }
-  most = std::min(most, rows_.count());
   WeighedRun run{TileKind::side, half - 1 - row, 0, 0, {}, scratch.areas_.data()};
-  run.patches.patch_rows = most;
-  const int at_a_time = std::max(1, static_cast<int>(scratch.weights_.size()) / most);
-  for (int first = 0; first < half; first += at_a_time) {
-    const int count = std::min(at_a_time, half - first);
+  for (int first = 0; first < half;) {
+    PatchSize size;
+    int count = tiles_together(scratch, first, half, size);
+    count = std::min(count, std::max(1, static_cast<int>(scratch.weights_.size()) / size.rows));
+    run.patches.patch_rows = size.rows;
     float* weights = scratch.weights_.data();
     for (int k = 0; k < count; ++k) {
       const auto at = static_cast<std::size_t>(first + k);
       const double top = scratch.upper_[at];
       const double bottom = scratch.lower_[at];
-      scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - most);
-      rows_.integrals_from_edges(top, scratch.rows_[at], most + 1, scratch.from_.data());
-      rows_.integrals_from_edges(bottom, scratch.rows_[at], most + 1, scratch.to_.data());
+      scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - size.rows);
+      rows_.integrals_from_edges(top, scratch.rows_[at], size.rows + 1, scratch.from_.data());
+      rows_.integrals_from_edges(bottom, scratch.rows_[at], size.rows + 1, scratch.to_.data());
       const double scale = 1.0 / (bottom - top);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(most); ++i) {
+      for (std::size_t i = 0; i < static_cast<std::size_t>(size.rows); ++i) {
         const double share = (scratch.to_[i] - scratch.from_[i]) - (scratch.to_[i + 1] - scratch.from_[i + 1]);
         *weights++ = static_cast<float>(std::max(0.0, share * scale));
       }
@@ -194,6 +218,7 @@ void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink)
       run.patches.weights = columns.weights.data() + std::ptrdiff_t{first} * kGroup * columns.groups;
       sink.take(run);
     }
+    first += count;
   }
 }
 
@@ -245,9 +270,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
   for (run.rest = 0; run.rest < 4; ++run.rest) {
     if (!needed_[static_cast<std::size_t>(run.rest)]) continue;
     const SoftCells& columns = columns_[static_cast<std::size_t>(run.rest)];
-    // First what each tile covers, then all with patches of one size.
-    int most_rows = 1;
-    int most_columns = 1;
+    // First what each tile covers, then stretches of them with patches of one size.
     int row_guess = 0;
     for (int k = 0; k < count; ++k) {
       TileSide side[PolarRow::kMostSides];
@@ -256,18 +279,18 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       const int guess = static_cast<int>(extent.left * columns_per_radian_) + reach_;
       scratch.columns_[at] = columns.first_beyond(extent.left * columns_per_radian_, guess);
       scratch.rows_[at] = row_guess = rows_.first_beyond(extent.top, row_guess);
-      most_columns =
-          std::max(most_columns, columns.last_before(extent.right * columns_per_radian_, scratch.columns_[at]) -
-                                     scratch.columns_[at] + 1);
-      most_rows = std::max(most_rows, rows_.last_before(extent.bottom, row_guess) - row_guess + 1);
+      scratch.across_count_[at] =
+          columns.last_before(extent.right * columns_per_radian_, scratch.columns_[at]) - scratch.columns_[at] + 1;
+      scratch.down_count_[at] = rows_.last_before(extent.bottom, row_guess) - row_guess + 1;
     }
     PatchRun& patches = run.patches;
-    patches.patch_rows = std::min(most_rows, rows_.count());
-    patches.patch_groups = groups_for(most_columns);
-    const auto patch = static_cast<std::size_t>(patches.patch_rows * patches.patch_groups * kGroup);
-    const int at_a_time = static_cast<int>(std::max<std::size_t>(1, scratch.weights_.size() / patch));
-    for (run.first = 0; run.first < count; run.first += at_a_time) {
-      patches.count = std::min(at_a_time, count - run.first);
+    for (run.first = 0; run.first < count; run.first += patches.count) {
+      PatchSize size;
+      const int together = tiles_together(scratch, run.first, count, size);
+      patches.patch_rows = size.rows;
+      patches.patch_groups = size.groups;
+      const auto patch = static_cast<std::size_t>(size.rows * size.groups * kGroup);
+      patches.count = std::min(together, static_cast<int>(std::max<std::size_t>(1, scratch.weights_.size() / patch)));
       for (int k = 0; k < patches.count; ++k) {
         const auto at = static_cast<std::size_t>(run.first + k);
         scratch.rows_[at] = std::min(scratch.rows_[at], rows_.count() - patches.patch_rows);
@@ -383,11 +406,15 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
     for (int row = 0; row < weights_.lines(); ++row) {
       const TileKind kind = weights_.kind_of(polar, row);
       const std::size_t room = floats_for(kind, row);
-      lines_.push_back({floats, indices, room, false, {}});
+      const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
+      const std::size_t runs = std::min(tiles, tiles / kStretch + 2 + room / (kRoomFloats / 2));
+      lines_.push_back({floats, indices, runs_.size(), room, runs, false, {}});
+      runs_.resize(runs_.size() + runs * rests);
       floats += room * rests;
-      indices += 2 * rests * static_cast<std::size_t>(weights_.tiles_of(kind, row));
+      indices += 2 * rests * tiles;
       if ((floats + indices) * sizeof(float) > kLargestTableBytes) {
         lines_.clear();
+        runs_.clear();
         return;
       }
     }
@@ -422,7 +449,7 @@ std::size_t TileWeightTable::floats_for(TileKind kind, int row) const noexcept {
 }
 
 std::size_t TileWeightTable::bytes() const noexcept {
-  return floats_.bytes() + indices_.bytes() + lines_.size() * sizeof(Line) + sizeof(*this);
+  return floats_.bytes() + indices_.bytes() + lines_.size() * sizeof(Line) + runs_.size() * sizeof(Run) + sizeof(*this);
 }
 
 bool TileWeightTable::complete() const noexcept {
@@ -438,29 +465,37 @@ class TileWeightTable::Filler final : public RunSink {
   }
 
   void take(const WeighedRun& run) override {
-    const PatchRun& patches = run.patches;
-    const bool product = patches.row_weights != nullptr;
-    const auto patch = static_cast<std::size_t>(patches.patch_rows * (product ? 1 : 4 * patches.patch_groups));
-    if (tiles_ * patch > line_.floats || run.rest >= table_.rests_) {
-      line_.kept = false;
-    } else {
-      const auto rest = static_cast<std::size_t>(run.rest);
-      const auto first = static_cast<std::size_t>(run.first);
-      const auto count = static_cast<std::size_t>(patches.count);
-      line_.patches[rest] = {patches.patch_rows, patches.patch_groups};
-      std::copy_n(product ? patches.row_weights : patches.weights, patch * count,
-                  table_.floats_.data() + line_.first_float + rest * line_.floats + first * patch);
-      std::int32_t* const indices = table_.indices_.data() + line_.first_index + 2 * rest * tiles_ + first;
-      std::copy_n(patches.rows, count, indices);
-      std::copy_n(patches.columns, count, indices + tiles_);
-    }
+    keep(run);
     next_.take(run);
   }
 
  private:
+  void keep(const WeighedRun& run) {
+    const PatchRun& patches = run.patches;
+    const auto rest = static_cast<std::size_t>(run.rest);
+    const auto count = static_cast<std::size_t>(patches.count);
+    const bool product = patches.row_weights != nullptr;
+    const std::size_t floats =
+        count * static_cast<std::size_t>(patches.patch_rows * (product ? 1 : 4 * patches.patch_groups));
+    if (run.rest >= table_.rests_ || used_[rest] + floats > line_.floats || line_.runs_of[rest] == line_.runs) {
+      line_.kept = false;
+      return;
+    }
+    const std::size_t run_at = line_.first_run + rest * line_.runs + line_.runs_of[rest]++;
+    table_.runs_[run_at] = {run.first, patches.count, patches.patch_rows, patches.patch_groups, used_[rest]};
+    std::copy_n(product ? patches.row_weights : patches.weights, floats,
+                table_.floats_.data() + line_.first_float + rest * line_.floats + used_[rest]);
+    used_[rest] += floats;
+    std::int32_t* const indices =
+        table_.indices_.data() + line_.first_index + 2 * rest * tiles_ + static_cast<std::size_t>(run.first);
+    std::copy_n(patches.rows, count, indices);
+    std::copy_n(patches.columns, count, indices + tiles_);
+  }
+
   TileWeightTable& table_;
   Line& line_;
   std::size_t tiles_;
+  std::size_t used_[4] = {};  ///< floats, of each rest
   RunSink& next_;
 };
 
@@ -475,22 +510,26 @@ void TileWeightTable::read(bool polar, int row, TileScratch* scratch, RunSink& s
   const TileKind kind = weights_.kind_of(polar, row);
   if (lines_.empty() || !lines_[line_index(polar, row)].kept) return weights_.weigh(kind, row, *scratch, sink);
   const Line& line = lines_[line_index(polar, row)];
-  const int tiles = weights_.tiles_of(kind, row);
+  const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
+  const bool product = kind == TileKind::side && row > 0;
   WeighedRun run{kind, polar ? row : weights_.lines() - 1 - row, 0, 0, {}, nullptr};
   for (run.rest = 0; run.rest < rests_; ++run.rest) {
     const auto rest = static_cast<std::size_t>(run.rest);
-    if (line.patches[rest].rows == 0) continue;
-    const float* const weights = floats_.data() + line.first_float + rest * line.floats;
-    const std::int32_t* const indices = indices_.data() + line.first_index + 2 * rest * static_cast<std::size_t>(tiles);
-    const bool product = kind == TileKind::side && row > 0;
-    run.patches.count = tiles;
-    run.patches.patch_rows = line.patches[rest].rows;
-    run.patches.patch_groups = line.patches[rest].groups;
-    run.patches.rows = indices;
-    run.patches.columns = indices + tiles;
-    run.patches.weights = product ? weights_.side_columns(run.rest).weights.data() : weights;
-    run.patches.row_weights = product ? weights : nullptr;
-    sink.take(run);
+    const TileWeights::SideColumns& columns = weights_.side_columns(run.rest);
+    for (std::size_t k = 0; k < line.runs_of[rest]; ++k) {
+      const Run& stored = runs_[line.first_run + rest * line.runs + k];
+      const float* const weights = floats_.data() + line.first_float + rest * line.floats + stored.float_offset;
+      run.first = stored.first;
+      run.patches.count = stored.count;
+      run.patches.patch_rows = stored.rows;
+      run.patches.patch_groups = stored.groups;
+      run.patches.rows = indices_.data() + line.first_index + 2 * rest * tiles + static_cast<std::size_t>(stored.first);
+      run.patches.columns = run.patches.rows + tiles;
+      run.patches.weights =
+          product ? columns.weights.data() + std::ptrdiff_t{kGroup} * columns.groups * stored.first : weights;
+      run.patches.row_weights = product ? weights : nullptr;
+      sink.take(run);
+    }
   }
 }
 

@@ -83,6 +83,7 @@ class TileScratch {
   friend class TileWeights;
   std::vector<float> weights_;
   std::vector<std::int32_t> rows_, columns_;
+  std::vector<int> down_count_, across_count_;  ///< what each tile touches
   std::vector<double> areas_, upper_, lower_;
   std::vector<double> dense_, across_, along_, down_, from_, to_;
   int line_ = -1;  ///< whose heights `lower_` has
@@ -134,6 +135,17 @@ class TileWeights {
   void weigh_border(TileScratch& scratch, RunSink& sink) const;
   void weigh_polar(int row, TileScratch& scratch, RunSink& sink) const;
   void weigh_pole(TileScratch& scratch, RunSink& sink) const;
+
+  /// What patches of a stretch of tiles need at most: rows, and groups of four columns.
+  struct PatchSize {
+    int rows = 1;
+    int groups = 1;
+
+    friend bool operator==(const PatchSize&, const PatchSize&) = default;
+  };
+  [[nodiscard]] PatchSize patch_size(const TileScratch& scratch, int first, int end) const noexcept;
+  /// How many tiles from `first` on go together, with patches of one size.
+  [[nodiscard]] int tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept;
 
   template <class Sides>
   void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
@@ -191,12 +203,18 @@ class TileWeightTable {
   struct Line {
     std::size_t first_float = 0;
     std::size_t first_index = 0;
+    std::size_t first_run = 0;
     std::size_t floats = 0;  ///< that there is room for, for each rest
+    std::size_t runs = 0;    ///< the same
     bool kept = false;
-    struct Patches {
-      int rows = 0;  ///< 0: no image has that rest
-      int groups = 0;
-    } patches[4];
+    std::size_t runs_of[4] = {};  ///< none: no image has that rest
+  };
+  struct Run {
+    int first = 0;
+    int count = 0;
+    int rows = 0;
+    int groups = 0;
+    std::size_t float_offset = 0;  ///< within the line's rest
   };
   class Filler;
 
@@ -208,6 +226,7 @@ class TileWeightTable {
   TileWeights weights_;
   int rests_;  ///< that images may have
   std::vector<Line> lines_;
+  std::vector<Run> runs_;
   platform::AlignedBuffer<float> floats_;
   platform::AlignedBuffer<std::int32_t> indices_;  ///< rows of a line's patches, then columns, for each rest
 };
