@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "image/geometry.h"
@@ -52,15 +53,19 @@ class Search {
       : source_(source),
         grid_(source.cubemap() ? image::TexelGrid::cubemap(source.columns())
                                : image::TexelGrid::lat_long(source.columns(), source.rows())),
-        angles_(static_cast<std::size_t>(grid_.row_classes()) * width()),
+        angles_a_row_(source.cubemap() ? width() : 1),
+        angles_(static_cast<std::size_t>(grid_.row_classes()) * angles_a_row_),
         face_rows_(source.cubemap() ? source.columns() : source.rows()) {
-    for (int kind = 0; kind < grid_.row_classes(); ++kind) grid_.solid_angles(kind, angles_of_class(kind));
-    double total = 0.0;
-    for (int row = 0; row < source.rows(); ++row) {
-      double angle = 0.0;
-      for (const double steradians : angles_of(row)) angle += steradians;
-      total += angle * source.range(row).mean;
+    std::vector<double> of_rows;  // of each class
+    for (int kind = 0; kind < grid_.row_classes(); ++kind) {
+      grid_.solid_angles(kind, angles_of_class(kind));
+      const std::span<const double> angles = angles_of_class(kind);
+      const double sum = std::accumulate(angles.begin(), angles.end(), 0.0);
+      of_rows.push_back(source.cubemap() ? sum : sum * source.columns());
     }
+    double total = 0.0;
+    for (int row = 0; row < source.rows(); ++row)
+      total += of_rows[static_cast<std::size_t>(grid_.class_of(row))] * source.range(row).mean;
     mean_ = std::max(0.0, total / (4.0 * kPi));
     const double peak = lobe(1.0, alpha) / lobe_integral(alpha);
     scale_ = peak;
@@ -86,12 +91,11 @@ class Search {
   void measure(int band, std::vector<Cell>& cells) const noexcept {
     const std::size_t first = starts_[static_cast<std::size_t>(band)];
     for (int row = first_row(band); row < end_row(band); ++row) {
-      const std::span<const double> angles = angles_of(row);
       for (int column = 0; column < source_.columns(); ++column) {
         Cell& cell = cells[first + cell_of(band, column)];
         const double own = light(row, column);
         cell.darkest = std::min(own, cell.darkest);
-        cell.blurred += own * angles[static_cast<std::size_t>(column)] * scale_;
+        cell.blurred += own * angle_of(row, column) * scale_;
       }
     }
   }
@@ -102,13 +106,12 @@ class Search {
     bool bright = false;
     for (int row = first_row(band); row < end_row(band); ++row) {
       if (!(static_cast<double>(source_.range(row).largest) > threshold_)) continue;
-      const std::span<const double> angles = angles_of(row);
       for (int column = 0; column < source_.columns(); ++column) {
         const double own = light(row, column);
         if (!(own > threshold_)) continue;
         const Cell& cell = cells[starts_[static_cast<std::size_t>(band)] + cell_of(band, column)];
         bright = bright || cell.blurred > kOfCell * threshold_;
-        BrightTexel texel{row, column, {}, {}, angles[static_cast<std::size_t>(column)]};
+        BrightTexel texel{row, column, {}, {}, angle_of(row, column)};
         const float* const rgb = source_.row(row) + std::ptrdiff_t{3} * column;
         std::copy_n(rgb, 3, texel.excess.begin());
         texel.rest[0] = static_cast<float>(cell.darkest);
@@ -145,10 +148,11 @@ class Search {
 
   [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(source_.columns()); }
   [[nodiscard]] std::span<double> angles_of_class(int kind) noexcept {
-    return std::span(angles_).subspan(static_cast<std::size_t>(kind) * width(), width());
+    return std::span(angles_).subspan(static_cast<std::size_t>(kind) * angles_a_row_, angles_a_row_);
   }
-  [[nodiscard]] std::span<const double> angles_of(int row) const noexcept {
-    return std::span(angles_).subspan(static_cast<std::size_t>(grid_.class_of(row)) * width(), width());
+  [[nodiscard]] double angle_of(int row, int column) const noexcept {
+    const std::size_t first = static_cast<std::size_t>(grid_.class_of(row)) * angles_a_row_;
+    return angles_[angles_a_row_ == 1 ? first : first + static_cast<std::size_t>(column)];
   }
   [[nodiscard]] int first_row(int band) const noexcept {
     return band / bands_a_face_ * face_rows_ + band % bands_a_face_ * band_rows_;
@@ -172,7 +176,8 @@ class Search {
 
   const projection::SanitizedSource& source_;
   image::TexelGrid grid_;
-  std::vector<double> angles_;
+  std::size_t angles_a_row_;    ///< all texels of a lat-long's row have one
+  std::vector<double> angles_;  ///< steradians, by classes of rows
   int face_rows_;
   int band_rows_ = 1;
   int bands_a_face_ = 1;
@@ -194,7 +199,7 @@ BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, doubl
   const auto product = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
   const std::size_t found = product(rows, columns) / static_cast<std::size_t>(kPeak) + 1;
   // a list that grows is there twice for a moment, once with room for double
-  return {std::min(found, most), product(cubemap ? (columns + 1) / 2 : rows, columns) * sizeof(double) +
+  return {std::min(found, most), product(cubemap ? (columns + 1) / 2 : rows, cubemap ? columns : 1) * sizeof(double) +
                                      product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};
 }
 
