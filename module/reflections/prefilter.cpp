@@ -316,7 +316,8 @@ void Prefilter<View>::run_spectral(const Control& control) {
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
 
   const Stopwatch analysis;
-  const transforms::Spectrum spectrum = transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4));
+  const transforms::Spectrum spectrum =
+      transforms::analyse(rings.view, plan_.bands, jobs::part_of(control, 0.0, 0.4), transforms::SourceRows::fewer);
   memory_.take(spectrum.bytes());
   note("analyse", std::to_string(plan_.bands) + " bands", analysis.milliseconds());
   energies_ = energies_of(spectrum);

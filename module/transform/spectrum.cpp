@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "platform/float_environment.h"
 #include "transform/ring_fft.h"
 #include "transform/ring_legendre.h"
+#include "transform/row_reduction.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
 
@@ -66,14 +68,17 @@ struct AnalysisScratch {
 
 class Analysis {
  public:
-  Analysis(const LatLongView& source, int bands)
+  /// `reduced`: how the rows are brought to fewer first, if it has rows.
+  Analysis(const LatLongView& source, int bands, const ReducedShape& reduced)
       : source_(source),
         bands_(bands),
+        reduced_(reduced),
+        columns_of_row_(reduced.rows > 0 ? reduced.columns : source.width),
         fourier_kernels_(fourier_kernels()),
         legendre_kernels_(legendre_kernels()),
-        fourier_(RingFourier::get(source.width)),
+        fourier_(RingFourier::get(columns_of_row_)),
         factors_(LegendreFactors::get(bands)),
-        rings_(LegendreRings::get({source.height, bands, RingPlaces::edges})),
+        rings_(LegendreRings::get({reduced.rows > 0 ? reduced.rows : source.height, bands, RingPlaces::edges})),
         groups_(rings_->groups()),
         zeros_(std::size_t{3} * static_cast<std::size_t>(source.width), 0.0F),
         columns_(static_cast<std::size_t>(bands) * static_cast<std::size_t>(groups_) * kColumnFloats),
@@ -82,6 +87,10 @@ class Analysis {
   [[nodiscard]] Spectrum run(const Control& control);
 
  private:
+  [[nodiscard]] jobs::Placement placement() const noexcept {
+    const std::int64_t texels = std::int64_t{source_.width} * source_.height;
+    return jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
+  }
   [[nodiscard]] const float* row(int index) const noexcept {
     const std::ptrdiff_t packed = std::ptrdiff_t{12} * source_.width;
     const std::ptrdiff_t stride = source_.row_stride_bytes != 0 ? source_.row_stride_bytes : packed;
@@ -93,11 +102,14 @@ class Analysis {
                kColumnFloats;
   }
   [[nodiscard]] RowQuads rows_of(int group) const noexcept;
-  void transform_rows(int group, RowScratch& room) noexcept;
+  void transform_rows(const RowQuads& rows, int group, RowScratch& room) noexcept;
+  void transform_all_rows(const Control& control);
   void sum_order(int m, AnalysisScratch& room) noexcept;
 
   const LatLongView& source_;
   int bands_;
+  ReducedShape reduced_;
+  int columns_of_row_;  ///< that is transformed
   const FourierKernels& fourier_kernels_;
   const LegendreKernels& legendre_kernels_;
   std::shared_ptr<const RingFourier> fourier_;
@@ -132,16 +144,23 @@ RowQuads Analysis::rows_of(int group) const noexcept {
   return rows;
 }
 
-void Analysis::transform_rows(int group, RowScratch& room) noexcept {
+void Analysis::transform_rows(const RowQuads& rows, int group, RowScratch& room) noexcept {
   const platform::FlushDenormalsScope flush;
-  const int width = source_.width;
-  fourier_kernels_.load_row_quads(rows_of(group), width, room.planes.data());
+  const int width = columns_of_row_;
+  fourier_kernels_.load_row_quads(rows, width, room.planes.data());
   for (int channel = 0; channel < 3; ++channel) {
     float* const plane = room.planes.data() + std::ptrdiff_t{kComplexFloats} * channel * width;
     const float* const z = fourier_->transform(fourier_kernels_, plane, room.work.data());
     fourier_kernels_.part_orders(z, width, rings_->orders(group), channel, column(0, group),
                                  std::ptrdiff_t{kColumnFloats} * groups_);
   }
+}
+
+/// The integral of order m over a column, over the value at its middle.
+double column_extent(std::int64_t width, int m) noexcept {
+  if (m == 0) return 2.0 * kPi / static_cast<double>(width);
+  return 2.0 * math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
+         m;
 }
 
 void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
@@ -155,15 +174,11 @@ void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
   }
   // A pixel's longitude is pi - 2 pi (i + 1/2) / width, and its extent turns the value at the centre into an integral;
   // the column numbers are doubled.
-  const std::int64_t width = source_.width;
-  const math::SineCosine phase =
-      math::sine_cosine_of_turns(static_cast<double>(m * (width + 1) % (2 * width)) / static_cast<double>(2 * width));
-  const double extent =
-      m == 0
-          ? 2.0 * kPi / static_cast<double>(width)
-          : 2.0 *
-                math::sine_cosine_of_turns(static_cast<double>(m % (2 * width)) / static_cast<double>(2 * width)).sine /
-                m;
+  const std::int64_t columns = columns_of_row_;
+  const math::SineCosine phase = math::sine_cosine_of_turns(static_cast<double>(m * (columns + 1) % (2 * columns)) /
+                                                            static_cast<double>(2 * columns));
+  const double extent = column_extent(source_.width, m) /
+                        (reduced_.rows > 0 ? column_response(source_.width, reduced_.halvings, m) : 1.0);
   IntegralRun run{.alpha = factors_->alpha(m),
                   .beta = factors_->beta(m),
                   .first = {},
@@ -177,17 +192,24 @@ void Analysis::sum_order(int m, AnalysisScratch& room) noexcept {
   legendre_kernels_.integrate_sums(run, room.sums.data(), spectrum_.order(m));
 }
 
-Spectrum Analysis::run(const Control& control) {
-  const std::int64_t texels = std::int64_t{source_.width} * source_.height;
-  const jobs::Placement placement = jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
+void Analysis::transform_all_rows(const Control& control) {
+  std::optional<ReducedRows> reduced;
+  if (reduced_.rows > 0) reduced.emplace(source_, reduced_).fill(jobs::part_of(control, 0.0, 0.6));
+  const jobs::Placement placement = this->placement();
   const std::size_t workers = jobs::worker_count(placement);
-  {
-    std::vector<RowScratch> rooms;
-    for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(source_.width, *fourier_);
-    jobs::run_tiles(
-        static_cast<std::size_t>(groups_), placement, workers, jobs::part_of(control, 0.0, 0.4),
-        [&](std::size_t group, std::size_t worker) { transform_rows(static_cast<int>(group), rooms[worker]); });
-  }
+  std::vector<RowScratch> rooms;
+  for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(columns_of_row_, *fourier_);
+  jobs::run_tiles(static_cast<std::size_t>(groups_), placement, workers,
+                  jobs::part_of(control, reduced ? 0.6 : 0.0, 1.0), [&](std::size_t tile, std::size_t worker) {
+                    const int group = static_cast<int>(tile);
+                    transform_rows(reduced ? reduced->quads(group) : rows_of(group), group, rooms[worker]);
+                  });
+}
+
+Spectrum Analysis::run(const Control& control) {
+  transform_all_rows(jobs::part_of(control, 0.0, 0.4));
+  const jobs::Placement placement = this->placement();
+  const std::size_t workers = jobs::worker_count(placement);
   std::vector<AnalysisScratch> rooms;
   for (std::size_t k = 0; k < workers; ++k) rooms.emplace_back(bands_);
   // A low order and a high one together: tiles of equal work.
@@ -202,14 +224,15 @@ Spectrum Analysis::run(const Control& control) {
 
 }  // namespace
 
-Spectrum analyse(const LatLongView& source, int bands, const Control& control) {
+Spectrum analyse(const LatLongView& source, int bands, const Control& control, SourceRows rows) {
   image::check_view(source);
   image::require_range("bands", bands, 1, kMaximumSpectrumBands);
   if (source.format != PixelFormat::rgb32f) {
     throw Error(ErrorCode::invalid_argument, "the transform reads rgb32f pixels only; decode them first");
   }
   jobs::throw_if_cancelled(control);
-  return Analysis(source, bands).run(control);
+  const bool all = rows == SourceRows::all;
+  return Analysis(source, bands, all ? ReducedShape{} : reduced_shape(source.width, source.height, bands)).run(control);
 }
 
 namespace {

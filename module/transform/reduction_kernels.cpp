@@ -1,0 +1,63 @@
+#include "transform/reduction_kernels.h"
+
+#include "simd/vec.h"
+
+namespace welkin::transforms::WELKIN_ISA {
+namespace {
+
+using simd::kWidth, simd::Lanes;
+
+WELKIN_INLINE void share_register(const StepRun& run, float* const* sums, int at) {
+  Lanes total[kStepShares];
+  for (int k = 0; k < kStepShares; ++k) total[k] = Lanes::load_unaligned(sums[k] + at);
+  const float* row = run.row + at;
+  Lanes above = Lanes::load_unaligned(row);
+  for (int edge = 0; edge < run.edges; ++edge) {
+    row += run.row_stride;
+    const Lanes below = Lanes::load_unaligned(row);
+    const Lanes step = below - above;
+    const float* const shares = run.shares + edge * kStepShares;
+    for (int k = 0; k < kStepShares; ++k) total[k] = total[k] + step * Lanes(shares[k]);
+    above = below;
+  }
+  for (int k = 0; k < kStepShares; ++k) total[k].store_unaligned(sums[k] + at);
+}
+
+void share_steps(const StepRun& run, float* const* sums) {
+  int at = 0;
+  for (; at + kWidth <= run.floats; at += kWidth) share_register(run, sums, at);
+  for (; at < run.floats; ++at) {
+    for (int edge = 0; edge < run.edges; ++edge) {
+      const float* const row = run.row + edge * run.row_stride + at;
+      const float step = row[run.row_stride] - row[0];
+      for (int k = 0; k < kStepShares; ++k) sums[k][at] += step * run.shares[edge * kStepShares + k];
+    }
+  }
+}
+
+// Plain loops, which the compiler vectorises: the order of operations is that of the source.
+void halve_columns(const float* in, int count, float* out) {
+  constexpr int block = 32;  // texels of the result
+  float sums[6 * block];
+  for (int first = 0; first < count; first += block) {
+    const int texels = count - first < block ? count - first : block;
+    const float* const from = in + 6 * static_cast<std::ptrdiff_t>(first);
+    for (int k = 0; k < 6 * texels; ++k) {
+      sums[k] = (from[k] + from[k + 15]) * 0.0625F + (from[k + 3] + from[k + 12]) * 0.3125F +
+                (from[k + 6] + from[k + 9]) * 0.625F;
+    }
+    float* const to = out + 3 * static_cast<std::ptrdiff_t>(first);
+    for (int i = 0; i < texels; ++i) {
+      for (int c = 0; c < 3; ++c) to[3 * i + c] = sums[6 * i + c];
+    }
+  }
+}
+
+}  // namespace
+
+const ReductionKernels reduction_kernels_table = {
+    .share_steps = share_steps,
+    .halve_columns = halve_columns,
+};
+
+}  // namespace welkin::transforms::WELKIN_ISA

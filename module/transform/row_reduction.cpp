@@ -1,0 +1,262 @@
+#include "transform/row_reduction.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "transform/ring_legendre.h"
+
+namespace welkin::transforms {
+namespace {
+
+constexpr int kFilterOrder = 5;
+constexpr int kColumnsOfBand = 4;
+constexpr int kStripColumns = 512;  ///< of the source, that are worked on at a time
+constexpr int kTileEdges = 64;      ///< coarse edges of a tile
+constexpr int kSharesBefore = 2;    ///< coarse edges before an interval that its fine edges give to
+constexpr int kSharesBeyond = 2;    ///< coarse edges beyond a pole that fine edges give to
+
+/// Fine columns that filters read beyond either end of a strip.
+constexpr int margin_of(int halvings) { return 2 * ((1 << halvings) - 1); }
+
+/// Lagrange's polynomials of the nodes -2 to 3 at 0 <= t < 1.
+std::array<double, kStepShares> shares_at(double t) {
+  std::array<double, kStepShares> shares{};
+  for (int k = 0; k < kStepShares; ++k) {
+    double share = 1.0;
+    for (int other = 0; other < kStepShares; ++other) {
+      if (other != k) share *= (t + (kSharesBefore - other)) / (k - other);
+    }
+    shares[static_cast<std::size_t>(k)] = share;
+  }
+  return shares;
+}
+
+}  // namespace
+
+ReducedShape reduced_shape(int width, int height, int bands) noexcept {
+  constexpr int lanes = 2 * kRingLanes;
+  ReducedShape shape;
+  shape.rows = (2 * bands + lanes - 1) / lanes * lanes;
+  if (width % 2 != 0 || 2 * std::int64_t{height} < 3 * std::int64_t{shape.rows}) return {};
+  shape.columns = width;
+  while (shape.columns % 4 == 0 && shape.columns / 2 >= kColumnsOfBand * bands) {
+    shape.columns /= 2;
+    ++shape.halvings;
+  }
+  return shape;
+}
+
+double column_response(int width, int halvings, int order) noexcept {
+  double response = 1.0;
+  for (int k = 0; k < halvings; ++k, width /= 2) {
+    const double cosine =
+        math::sine_cosine_of_turns(static_cast<double>(order % (2 * width)) / (2.0 * static_cast<double>(width)))
+            .cosine;
+    for (int power = 0; power < kFilterOrder; ++power) response *= cosine;
+  }
+  return response;
+}
+
+/// Columns of the source, `first` to `end`, whole ones of the result.
+struct ReducedRows::Strip {
+  int first;
+  int end;
+  int margin;  ///< beyond both ends
+
+  [[nodiscard]] int columns() const noexcept { return end - first + 2 * margin; }
+  [[nodiscard]] std::size_t floats() const noexcept { return std::size_t{3} * static_cast<std::size_t>(columns()); }
+};
+
+/// One worker's room: the sums of as many coarse edges as one interval gives to, and one that is thrown away.
+struct ReducedRows::Room {
+  explicit Room(std::size_t strip_floats) : stride((strip_floats + 15) / 16 * 16), floats((kStepShares + 1) * stride) {}
+  [[nodiscard]] float* sums(int slot) noexcept { return floats.data() + static_cast<std::size_t>(slot) * stride; }
+  [[nodiscard]] float* nowhere() noexcept { return sums(kStepShares); }
+
+  std::size_t stride;
+  platform::AlignedBuffer<float> floats;
+};
+
+ReducedRows::ReducedRows(const LatLongView& source, const ReducedShape& shape)
+    : source_(source),
+      shape_(shape),
+      kernels_(reduction_kernels()),
+      source_stride_(source.row_stride_bytes != 0 ? source.row_stride_bytes / std::ptrdiff_t{sizeof(float)}
+                                                  : std::ptrdiff_t{3} * source.width),
+      row_floats_(std::size_t{3} * static_cast<std::size_t>(shape.columns)),
+      rows_(row_floats_ * static_cast<std::size_t>(shape.rows + 2)) {
+  find_shares();
+  std::fill_n(row(row_of_zeros()), row_floats_, 0.0F);
+}
+
+void ReducedRows::find_shares() {
+  const std::int64_t height = source_.height;
+  const int equator = shape_.rows / 2;
+  const auto all = static_cast<std::size_t>(height) * kStepShares;
+  shares_.assign(all, 0.0F);
+  beyond_.assign(all, 0.0F);
+  across_.assign(all, 0.0F);
+  first_edges_.assign(static_cast<std::size_t>(shape_.rows) + 1, source_.height);
+  for (int edge = source_.height - 1; edge > 0; --edge) {
+    const std::int64_t place = edge * std::int64_t{shape_.rows};
+    const auto interval = static_cast<int>(place / height);
+    for (int k = interval; k >= 0 && first_edges_[static_cast<std::size_t>(k)] > edge; --k)
+      first_edges_[static_cast<std::size_t>(k)] = edge;
+    const auto shares = shares_at(static_cast<double>(place % height) / static_cast<double>(height));
+    const std::size_t at = static_cast<std::size_t>(edge) * kStepShares;
+    double across = 0.0;
+    for (int k = 0; k < kStepShares; ++k) {
+      const double share = shares[static_cast<std::size_t>(k)];
+      const int to = interval - kSharesBefore + k;
+      const int pole_distance = to < 0 ? -to : to - shape_.rows;
+      if (to >= 0 && to <= shape_.rows) {
+        shares_[at + static_cast<std::size_t>(k)] = static_cast<float>(share);
+      } else {
+        beyond_[at + static_cast<std::size_t>(pole_distance - 1)] = static_cast<float>(share);
+      }
+      // Twice what goes beyond the equator, and once what goes to it: minus from the north, plus from the south.
+      const std::int64_t side = 2 * std::int64_t{edge} - height;
+      if (side < 0 && to >= equator) across -= (to > equator ? 2.0 : 1.0) * share;
+      if (side > 0 && to <= equator) across += (to < equator ? 2.0 : 1.0) * share;
+    }
+    across_[at] = static_cast<float>(0.5 * across);
+  }
+}
+
+void ReducedRows::add_interval(int interval, const float* shares, const Strip& strip, bool turned,
+                               float* const* sums) noexcept {
+  const int first_edge = first_edges_[static_cast<std::size_t>(interval)];
+  const int edges = first_edges_[static_cast<std::size_t>(interval) + 1] - first_edge;
+  if (edges <= 0) return;
+  const int width = source_.width;
+  const auto* const above =
+      static_cast<const float*>(source_.pixels) + static_cast<std::ptrdiff_t>(first_edge - 1) * source_stride_;
+  int column = ((strip.first - strip.margin + (turned ? width / 2 : 0)) % width + width) % width;
+  for (int done = 0; done < strip.columns();) {
+    const int count = std::min(strip.columns() - done, width - column);
+    std::array<float*, kStepShares> here{};
+    for (int k = 0; k < kStepShares; ++k) here[static_cast<std::size_t>(k)] = sums[k] + std::ptrdiff_t{3} * done;
+    kernels_.share_steps({above + std::ptrdiff_t{3} * column, source_stride_,
+                          shares + static_cast<std::ptrdiff_t>(first_edge) * kStepShares, edges, 3 * count},
+                         here.data());
+    done += count;
+    column = 0;
+  }
+}
+
+/// What edges near a pole give beyond it to coarse edge `edge`, half a turn away.
+void ReducedRows::add_beyond_pole(int edge, const Strip& strip, Room& room) noexcept {
+  const bool south = edge > shape_.rows / 2;
+  const int distance = south ? shape_.rows - edge : edge;
+  if (distance > kSharesBeyond) return;
+  std::array<float*, kStepShares> sums{};
+  sums.fill(room.nowhere());
+  sums[static_cast<std::size_t>(distance - 1)] = room.sums(edge % kStepShares);
+  for (int k = 0; k < kSharesBeyond; ++k)
+    add_interval(south ? shape_.rows - 1 - k : k, beyond_.data(), strip, true, sums.data());
+}
+
+void ReducedRows::finish(float* sums, const Strip& strip, int to) noexcept {
+  int columns = strip.columns();
+  for (int k = 0; k < shape_.halvings; ++k) {
+    columns = columns / 2 - kFilterOrder / 2;
+    kernels_.halve_columns(sums, columns, sums);
+  }
+  std::copy_n(sums, std::ptrdiff_t{3} * columns, row(to) + std::ptrdiff_t{3} * (strip.first >> shape_.halvings));
+}
+
+/// The steps at coarse edges `first_edge` to `end_edge` - 1.
+void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Room& room) noexcept {
+  for (int interval = first_edge - kStepShares + 1 + kSharesBefore; interval < end_edge + kSharesBefore; ++interval) {
+    if (interval >= 0 && interval < shape_.rows) {
+      std::array<float*, kStepShares> sums{};
+      for (int k = 0; k < kStepShares; ++k) {
+        const int edge = interval - kSharesBefore + k;
+        const bool here = edge >= first_edge && edge < end_edge;
+        sums[static_cast<std::size_t>(k)] = here ? room.sums(edge % kStepShares) : room.nowhere();
+      }
+      add_interval(interval, shares_.data(), strip, false, sums.data());
+    }
+    const int edge = interval - kSharesBefore;  // no later interval gives to it
+    if (edge < first_edge) continue;
+    float* const sums = room.sums(edge % kStepShares);
+    add_beyond_pole(edge, strip, room);
+    if (edge == shape_.rows / 2) {
+      std::transform(sums, sums + strip.floats(), room.nowhere(), [](float step) { return -0.5F * step; });
+      finish(room.nowhere(), strip, row_of_negated_step());
+      std::transform(sums, sums + strip.floats(), sums, [](float step) { return 0.5F * step; });
+    }
+    finish(sums, strip, edge - 1);
+    std::fill_n(sums, strip.floats(), 0.0F);
+  }
+}
+
+/// Half the sum of the rows next to the equator, with half of what edges give across it.
+void ReducedRows::sum_equator(const Strip& strip, Room& room) noexcept {
+  const int equator = shape_.rows / 2;
+  float* const sum = room.sums(0);
+  const auto* const pixels = static_cast<const float*>(source_.pixels);
+  const float* const below = pixels + static_cast<std::ptrdiff_t>(source_.height / 2) * source_stride_;
+  const float* const above = pixels + static_cast<std::ptrdiff_t>((source_.height + 1) / 2 - 1) * source_stride_;
+  const int width = source_.width;
+  int column = (strip.first - strip.margin + width) % width;
+  for (int k = 0; k < strip.columns(); ++k) {
+    for (int c = 0; c < 3; ++c)
+      sum[3 * k + c] = 0.5F * below[std::ptrdiff_t{3} * column + c] + 0.5F * above[std::ptrdiff_t{3} * column + c];
+    if (++column == width) column = 0;
+  }
+  std::array<float*, kStepShares> sums{};
+  sums.fill(room.nowhere());
+  sums[0] = sum;
+  for (int interval = equator - kStepShares / 2; interval < equator + kStepShares / 2; ++interval)
+    add_interval(interval, across_.data(), strip, false, sums.data());
+  finish(sum, strip, row_of_half_sum());
+}
+
+void ReducedRows::fill(const Control& control) {
+  const int margin = margin_of(shape_.halvings);
+  const int strips = (source_.width + kStripColumns - 1) / kStripColumns;
+  const int blocks = (shape_.rows - 1 + kTileEdges - 1) / kTileEdges;
+  const jobs::Placement placement = jobs::placement_for(std::int64_t{source_.width} * source_.height);
+  const std::size_t workers = jobs::worker_count(placement);
+  std::vector<Room> rooms;
+  for (std::size_t k = 0; k < workers; ++k)
+    rooms.emplace_back(std::size_t{3} * static_cast<std::size_t>(kStripColumns + 2 * margin));
+  jobs::run_tiles(static_cast<std::size_t>(strips) * static_cast<std::size_t>(blocks + 1), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const platform::FlushDenormalsScope flush;
+                    Room& room = rooms[worker];
+                    std::fill_n(room.floats.data(), room.floats.size(), 0.0F);
+                    const int block = static_cast<int>(tile) / strips;
+                    const int first = static_cast<int>(tile) % strips * kStripColumns;
+                    const Strip strip{first, std::min(first + kStripColumns, source_.width), margin};
+                    if (block == blocks) return sum_equator(strip, room);
+                    const int first_edge = 1 + block * kTileEdges;
+                    sum_steps(first_edge, std::min(first_edge + kTileEdges, shape_.rows), strip, room);
+                  });
+}
+
+RowQuads ReducedRows::quads(int group) const noexcept {
+  const int equator = shape_.rows / 2;
+  const float* const black = row(row_of_zeros());
+  RowQuads rows{};
+  for (int lane = 0; lane < kRingLanes; ++lane) {
+    const int edge = group * kRingLanes + lane + 1;
+    rows.a[lane] = rows.b[lane] = rows.c[lane] = rows.d[lane] = black;
+    if (edge < equator) {
+      rows.a[lane] = row(edge - 1);
+      rows.c[lane] = row(shape_.rows - edge - 1);
+    } else if (edge == equator) {
+      rows.a[lane] = rows.d[lane] = row(row_of_half_sum());
+      rows.b[lane] = row(row_of_negated_step());
+      rows.c[lane] = row(edge - 1);
+    }
+  }
+  return rows;
+}
+
+}  // namespace welkin::transforms

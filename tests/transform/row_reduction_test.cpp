@@ -1,0 +1,266 @@
+// Sources far finer than their bands, brought to fewer rows and columns before the transform.
+
+#include "transform/row_reduction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "transform/reduction_kernels.h"
+#include "transform/spectrum.h"
+#include "welkin/core.h"
+#include "welkin/image.h"
+
+namespace welkin::test {
+
+using transforms::SourceRows, transforms::Spectrum, transforms::ReducedShape;
+
+namespace {
+
+struct Shape {
+  int width;
+  int height;
+  int bands;
+};
+
+/// Halvings of columns: 1, 2, none (the width does not divide by four), 3 and none.
+constexpr Shape kShapes[] = {{768, 384, 64}, {1536, 771, 48}, {1030, 513, 64}, {2048, 200, 60}, {130, 195, 33}};
+
+/// The root of the mean square over all coefficients but the mean's, which would hide the rest.
+double rms_of(const Spectrum& spectrum) {
+  double squares = 0.0;
+  for (int m = 0; m < spectrum.bands(); ++m) {
+    for (int l = std::max(1, m); l < spectrum.bands(); ++l) {
+      for (int c = 0; c < 3; ++c) squares += (m > 0 ? 2.0 : 1.0) * std::norm(spectrum.value(l, m, c));
+    }
+  }
+  return std::sqrt(squares / (3.0 * (spectrum.bands() * spectrum.bands() - 1.0)));
+}
+
+/// By degree: the root of the mean square over the orders of what `a` and `b` differ by.
+std::vector<double> errors_of(const Spectrum& a, const Spectrum& b) {
+  std::vector<double> errors;
+  for (int l = 0; l < a.bands(); ++l) {
+    double squares = 0.0;
+    for (int m = 0; m <= l; ++m) {
+      for (int c = 0; c < 3; ++c) squares += (m > 0 ? 2.0 : 1.0) * std::norm(a.value(l, m, c) - b.value(l, m, c));
+    }
+    errors.push_back(std::sqrt(squares / (3.0 * (2 * l + 1))));
+  }
+  return errors;
+}
+
+/// What row_reduction.h says of degree l, its next orders, and float rounding.
+double bound_at(int l, const Shape& shape, double rounding) {
+  const ReducedShape reduced = transforms::reduced_shape(shape.width, shape.height, shape.bands);
+  const double degree = (l + 2) * std::numbers::pi / reduced.rows;
+  const double rows = 0.005 * std::pow(degree, 5.0) * std::max(1.0, degree);
+  const double columns =
+      reduced.halvings > 0 ? std::pow(std::tan(0.5 * std::numbers::pi * l / reduced.columns), 5.0) : 0.0;
+  return 1.1 * (rows + columns) + rounding;
+}
+
+/// `scale`: what errors are shares of.
+void check_errors(const LatLongImage& image, const Shape& shape, double scale, double rounding) {
+  const std::vector<double> errors = errors_of(transforms::analyse(image.view(), shape.bands, {}),
+                                               transforms::analyse(image.view(), shape.bands, {}, SourceRows::fewer));
+  int above = 0;
+  for (int l = 1; l < shape.bands; ++l) {
+    const double error = errors[static_cast<std::size_t>(l)] / scale;
+    CAPTURE(l, error, bound_at(l, shape, rounding));
+    const bool within = error < bound_at(l, shape, rounding);
+    if (!within && above++ < 3) CHECK(within);
+  }
+  CHECK(above == 0);
+}
+
+/// Black but for a texel of each channel, on both sides of the seam.
+LatLongImage three_texels(const Shape& shape, int row) {
+  LatLongImage image{shape.width, shape.height, {}};
+  image.pixels.resize(std::size_t{3} * static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height));
+  for (int c = 0; c < 3; ++c) {
+    const int column = (shape.width - 1 + c) % shape.width;
+    image.pixels[static_cast<std::size_t>(3 * (row * shape.width + column) + c)] = 1.0F + static_cast<float>(c);
+  }
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("Few rows have the harmonics of all rows", "[transform][reduction]") {
+  for (const Shape& shape : kShapes) {
+    CAPTURE(shape.width, shape.height, shape.bands);
+    REQUIRE(transforms::reduced_shape(shape.width, shape.height, shape.bands).rows > 0);
+    const TestLatLong noise = make_lat_long(Content::random, shape.width, shape.height, 91);
+    const LatLongImage image{shape.width, shape.height, noise.pixels};
+    check_errors(image, shape, rms_of(transforms::analyse(image.view(), shape.bands, {})), 3e-5);
+  }
+}
+
+TEST_CASE("A texel at a pole or the equator keeps its harmonics in few rows", "[transform][reduction]") {
+  for (const Shape& shape : kShapes) {
+    const int middle = shape.height / 2;
+    // Next to a pole a texel is smaller than a coarse ring's by far: errors are shares of what one at the equator has.
+    const double scale = rms_of(transforms::analyse(three_texels(shape, middle).view(), shape.bands, {}));
+    for (const int row : {0, 1, 4, middle - 1, middle, middle + 1, shape.height - 2, shape.height - 1}) {
+      CAPTURE(shape.width, shape.height, shape.bands, row);
+      check_errors(three_texels(shape, row), shape, scale, 1e-4);
+    }
+  }
+}
+
+TEST_CASE("A uniform source of many rows has its mean and nothing else", "[transform][reduction]") {
+  for (const Shape& shape : kShapes) {
+    CAPTURE(shape.width, shape.height, shape.bands);
+    const auto values = std::size_t{3} * static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
+    const LatLongImage image{shape.width, shape.height, std::vector<float>(values, 0.7F)};
+    const Spectrum spectrum = transforms::analyse(image.view(), shape.bands, {}, SourceRows::fewer);
+    const double mean = static_cast<double>(0.7F) * std::sqrt(4.0 * std::numbers::pi);
+    CHECK(std::abs(spectrum.value(0, 0, 0) - mean) < 2e-7 * mean);
+    double rest = 0.0;
+    for (int m = 0; m < shape.bands; ++m) {
+      for (int l = std::max(1, m); l < shape.bands; ++l) rest = std::max(rest, std::abs(spectrum.value(l, m, 1)));
+    }
+    CHECK(rest < 2e-7 * mean);
+  }
+}
+
+TEST_CASE("Only sources finer than their bands are brought to fewer rows", "[transform][reduction]") {
+  CHECK(transforms::reduced_shape(1024, 512, 415) == ReducedShape{});
+  CHECK(transforms::reduced_shape(8192, 4096, 415) == ReducedShape{832, 2048, 2});
+  CHECK(transforms::reduced_shape(8191, 4096, 415) == ReducedShape{});  // half a turn is no whole number of columns
+  CHECK(transforms::reduced_shape(8190, 4096, 415) == ReducedShape{832, 8190, 0});
+  CHECK(transforms::reduced_shape(2, 4096, 1) == ReducedShape{32, 2, 0});
+  const TestLatLong noise = make_lat_long(Content::random, 257, 128, 3);
+  const Spectrum all = transforms::analyse(noise.view(), 20, {});
+  const Spectrum same = transforms::analyse(noise.view(), 20, {}, SourceRows::fewer);
+  const std::vector<double> errors = errors_of(all, same);
+  CHECK(*std::ranges::max_element(errors) == 0.0);
+}
+
+TEST_CASE("Fewer rows have the same bits on any threads and instruction set", "[transform][reduction][determinism]") {
+  const TestLatLong noise = make_lat_long(Content::high_range, 1540, 257, 17);
+  const auto values_of = [&] {
+    const Spectrum spectrum = transforms::analyse(noise.view(), 50, {}, SourceRows::fewer);
+    std::vector<float> values;
+    for (int m = 0; m < 50; ++m)
+      values.insert(values.end(), spectrum.order(m), spectrum.order(m) + transforms::kHarmonicFloats * (50 - m));
+    return values;
+  };
+  const InstructionSet before = active_instruction_set();
+  force_instruction_set(InstructionSet::sse2);
+  const std::vector<float> expected = values_of();
+  for (const InstructionSet set : available_instruction_sets()) {
+    force_instruction_set(set);
+    for (const int threads : {1, 2, 5}) {
+      CAPTURE(name(set), threads);
+      run_with_threads(threads, [&] { CHECK(same_bytes<float>(values_of(), expected)); });
+    }
+  }
+  force_instruction_set(before);
+}
+
+namespace {
+
+std::vector<float> noise_of(std::size_t count, std::uint32_t state) {
+  std::vector<float> values;
+  for (std::size_t k = 0; k < count; ++k) {
+    state = state * 1664525U + 1013904223U;
+    values.push_back(static_cast<float>(state >> 8U) * 0x1p-23F - 1.0F);
+  }
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("Steps are shared as the definition says", "[transform][reduction][kernels]") {
+  constexpr int kShares = transforms::kStepShares;
+  for (const InstructionSet set : available_instruction_sets()) {
+    for (const int floats : {1, 2, 3, 7, 16, 64, 257}) {
+      for (const int edges : {1, 2, 5}) {
+        CAPTURE(name(set), floats, edges);
+        const auto width = static_cast<std::size_t>(floats);
+        const std::size_t stride = width + 3;
+        const std::vector<float> rows = noise_of(stride * static_cast<std::size_t>(edges + 1), 5);
+        const std::vector<float> shares = noise_of(static_cast<std::size_t>(kShares * edges), 6);
+        std::vector<float> sums = noise_of(kShares * width, 7);
+        std::vector<double> truth(sums.begin(), sums.end());
+        std::array<float*, kShares> places{};
+        for (std::size_t k = 0; k < kShares; ++k) {
+          places[k] = sums.data() + k * width;
+          for (std::size_t i = 0; i < width; ++i) {
+            for (std::size_t edge = 0; edge < static_cast<std::size_t>(edges); ++edge) {
+              const double step = static_cast<double>(rows[(edge + 1) * stride + i]) - rows[edge * stride + i];
+              truth[k * width + i] += step * shares[edge * kShares + k];
+            }
+          }
+        }
+        transforms::reduction_kernels(set).share_steps(
+            {rows.data(), static_cast<std::ptrdiff_t>(stride), shares.data(), edges, floats}, places.data());
+        double error = 0.0;
+        for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - sums[i]));
+        CHECK(error < 2e-6);
+      }
+    }
+  }
+}
+
+TEST_CASE("Columns are halved as the definition says", "[transform][reduction][kernels]") {
+  constexpr double kTaps[] = {1.0, 5.0, 10.0, 10.0, 5.0, 1.0};
+  for (const InstructionSet set : available_instruction_sets()) {
+    for (const int count : {1, 2, 3, 7, 32, 64, 257}) {
+      CAPTURE(name(set), count);
+      std::vector<float> values = noise_of(static_cast<std::size_t>(3 * (2 * count + 4)), 8);
+      std::vector<double> truth;
+      for (int i = 0; i < count; ++i) {
+        for (int c = 0; c < 3; ++c) {
+          double sum = 0.0;
+          for (int k = 0; k < 6; ++k) sum += kTaps[k] / 16.0 * values[static_cast<std::size_t>(3 * (2 * i + k) + c)];
+          truth.push_back(sum);
+        }
+      }
+      transforms::reduction_kernels(set).halve_columns(values.data(), count, values.data());  // in place
+      double error = 0.0;
+      for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - values[i]));
+      CHECK(error < 1e-6);
+    }
+  }
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_CASE("Tiles that bring rows to fewer allocate nothing", "[transform][reduction][allocation]") {
+  const TestLatLong source = make_lat_long(Content::random, 1024, 512, 42);
+  for (const int threads : {1, 3}) {
+    run_with_threads(threads, [&] {
+      forget_allocations_in_tiles();
+      static_cast<void>(transforms::analyse(source.view(), 60, {}, SourceRows::fewer));
+      CHECK(allocations_in_tiles() == 0);
+    });
+  }
+}
+#endif
+
+TEST_CASE("Bringing rows to fewer can be stopped", "[transform][reduction][cancellation]") {
+  const TestLatLong source = make_lat_long(Content::random, 1024, 512, 43);
+  std::stop_source stop;
+  int calls = 0;
+  const Control stopping{stop.get_token(), [&](double) {
+                           if (++calls == 3) stop.request_stop();
+                         }};
+  CHECK(thrown_by([&] {
+          static_cast<void>(transforms::analyse(source.view(), 60, stopping, SourceRows::fewer));
+        }).code == ErrorCode::cancelled);
+}
+
+}  // namespace welkin::test
