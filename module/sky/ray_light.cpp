@@ -164,7 +164,7 @@ RayLight::RayLight(const Air& air, const SourceShape& shape, std::size_t count)
       row_fraction_(padded_),
       sums_(12 * padded_),
       scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 16 * static_cast<std::size_t>(shape.suns),
-                        4 * kMostSunNodes)) {
+                        8 * kMostSunNodes)) {
   panels_.reserve(kMostRayNodes);
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
 }

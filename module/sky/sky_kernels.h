@@ -43,7 +43,7 @@ struct SunlitSample {
 };
 
 /// sums[count][8] += rayleigh times the sunlight that reaches the sample, red, green, blue and 0, and aerosol times it.
-/// slice: scratch, 4 `nodes` floats, nodes a multiple of 4.
+/// slice: scratch, 8 `nodes` floats, nodes a multiple of 4.
 using AddSunlight = void (*)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
 
 /// How a sun's zenith cosine maps to its place among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +

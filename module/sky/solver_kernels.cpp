@@ -10,7 +10,11 @@ using simd::kLanes, simd::kNarrowWidth, simd::kWidth, simd::Lanes, simd::NarrowL
 
 using Indices = xsimd::batch<std::int32_t, Lanes::arch_type>;
 
+constexpr int kPair = 8;  ///< floats of two nodes of suns that follow each other, or of molecules and aerosol
+
 WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
+WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
+
 /// A place among nodes: the one below, and the fraction towards the next.
 struct Place {
   Indices node;
@@ -22,8 +26,6 @@ WELKIN_INLINE Place place_among(Lanes position, int nodes) {
   const Indices node = xsimd::min(xsimd::to_int(inside), Indices(nodes - 2));
   return {node, inside - xsimd::to_float(node)};
 }
-
-WELKIN_INLINE Quad between(Quad low, Quad high, Quad fraction) { return low + fraction * (high - low); }
 
 /// Four channels' weights, again and again.
 struct Repeated {
@@ -40,14 +42,20 @@ WELKIN_INLINE Lanes sun_zenith(float start_ratio, float distance_ratio, const Sk
   return Lanes(start_ratio) * load(suns.zenith_cosine + i) + Lanes(distance_ratio) * load(suns.angle_cosine + i);
 }
 
-/// Transmittance from the sample to the sun, over the nodes of a row.
+/// Transmittance from the sample to the sun, over the nodes of a row: each twice, for molecules and aerosol.
 WELKIN_INLINE void make_slice(const SunlitSample& sample, int nodes, float* slice) {
   Lanes weights[4];
   for (int k = 0; k < 4; ++k) weights[k] = Lanes(sample.row_weights[k]);
   for (int i = 0; i < 4 * nodes; i += kWidth) {
     Lanes sum(0.0F);
     for (int k = 0; k < 4; ++k) sum = sum + weights[k] * load(sample.rows[k] + i);
-    xsimd::max(sum, Lanes(0.0F)).store_unaligned(slice + i);
+    alignas(64) float light[kWidth];
+    xsimd::max(sum, Lanes(0.0F)).store_aligned(light);
+    for (int q = 0; q < kWidth; q += 4) {
+      const Quad node = Quad::load_aligned(light + q);
+      node.store_unaligned(slice + 2 * (i + q));
+      node.store_unaligned(slice + 2 * (i + q) + 4);
+    }
   }
 }
 
@@ -82,13 +90,6 @@ WELKIN_INLINE Place sun_place(const SunAxis& axis, Lanes zenith_cosine) {
   return place_among(x * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
 }
 
-/// Four channels at a place of a row.
-WELKIN_INLINE Quad colour_at(const float* row, std::int32_t node, Quad fraction) {
-  return between(Quad::load_unaligned(row + 4 * node), Quad::load_unaligned(row + 4 * node + 4), fraction);
-}
-
-WELKIN_INLINE void add_to(float* sum, Quad value) { (Quad::load_unaligned(sum) + value).store_unaligned(sum); }
-
 // Places are computed across texels; then each texel takes its four channels with one load a node, which beats
 // gathering them channel by channel on every instruction set.
 void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums) {
@@ -96,8 +97,11 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
   alignas(64) std::int32_t node[kWidth];
   alignas(64) float fraction[kWidth];
   alignas(64) float shares[kWidth];
-  const Quad rayleigh = Quad::load_unaligned(sample.rayleigh);
-  const Quad aerosol = Quad::load_unaligned(sample.aerosol);
+  alignas(64) float matter[kPair]{};  // molecules and aerosol side by side, in one register where it holds both
+  for (int c = 0; c < 4; ++c) {
+    matter[c] = sample.rayleigh[c];
+    matter[4 + c] = sample.with_aerosol ? sample.aerosol[c] : 0.0F;
+  }
   for (int i = 0; i < suns.count; i += kWidth) {
     const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
     const Lanes above = mu - Lanes(sample.horizon);
@@ -111,9 +115,14 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
     place.fraction.store_aligned(fraction);
     for (int k = 0; k < kWidth; ++k) {
       if (shares[k] == 0.0F) continue;
-      const Quad light = Quad(shares[k]) * colour_at(slice, node[k], Quad(fraction[k]));
-      add_to(sums + 8 * (i + k), rayleigh * light);
-      if (sample.with_aerosol) add_to(sums + 8 * (i + k) + 4, aerosol * light);
+      const float* const low = slice + kPair * node[k];
+      float* const sum = sums + kPair * (i + k);
+      for (int h = 0; h < kPair; h += kNarrowWidth) {
+        const NarrowLanes first = load_narrow(low + h);
+        const NarrowLanes light =
+            NarrowLanes(shares[k]) * (first + NarrowLanes(fraction[k]) * (load_narrow(low + kPair + h) - first));
+        (load_narrow(sum + h) + load_narrow(matter + h) * light).store_unaligned(sum + h);
+      }
     }
   }
 }
@@ -167,13 +176,9 @@ WELKIN_INLINE void mix_pictures(const SourceSample& sample, int nodes, int size,
   }
 }
 
-constexpr int kPair = 8;  ///< floats of two nodes of suns that follow each other
-
 /// The weights of both are w0 = b (1 - f) and w1 = b f: b times the first of these plus b f times the second.
 alignas(64) constexpr float kFirstOfPair[kPair] = {1.0F, 1.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.0F};
 alignas(64) constexpr float kSlopeOfPair[kPair] = {-1.0F, -1.0F, -1.0F, -1.0F, 1.0F, 1.0F, 1.0F, 1.0F};
-
-WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
 
 // Both nodes about a sun lie side by side, so that one register holds them; they are added up apart.
 template <bool molecules, bool pictures>

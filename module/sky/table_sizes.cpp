@@ -38,7 +38,7 @@ constexpr int kLeastViews = 48;
 constexpr int kLeastSuns = 48;
 constexpr int kLeastAzimuths = 8;
 
-constexpr int kCompactHeights = 16;
+constexpr int kCompactHeights = 28;  ///< of 16 errors by day are three times as large
 
 }  // namespace
 
@@ -110,7 +110,7 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
             .zeniths = 17,
             .angles = 13,
             .suns = std::min(suns, 32),
-            .azimuths = 8};
+            .azimuths = 10};
   }
   return {.heights = fine ? 32 : std::clamp(options.heights, 4, 32),
           .zeniths = small ? 17 : (fine ? 65 : 33),

@@ -40,6 +40,12 @@ constexpr sky::SunAxis kAxis{.reach = 0.019F,
                              .lowest = -0.5F,
                              .nodes = kNodes};
 
+std::vector<float> numbers(std::mt19937& generator, std::size_t count, double low, double high) {
+  std::vector<float> values(count);
+  for (float& value : values) value = static_cast<float>(std::uniform_real_distribution<double>(low, high)(generator));
+  return values;
+}
+
 /// Two heights, four pictures and the suns of a ray, at random.
 struct Scene {
   std::mt19937 generator{11};
@@ -48,24 +54,17 @@ struct Scene {
   std::vector<std::int32_t> row;
   sky::SourceSample sample{};
 
-  std::vector<float> numbers(std::size_t count, double low, double high) {
-    std::vector<float> values(count);
-    for (float& value : values)
-      value = static_cast<float>(std::uniform_real_distribution<double>(low, high)(generator));
-    return values;
-  }
-
   Scene() {
     for (int k = 0; k < 2; ++k) {
-      molecules[k] = numbers(sky::kMoleculeTerms * 4 * kNodes, -0.2, 1.0);
-      steps[k] = numbers(kSteps + 15, 0.5, 2.0);
+      molecules[k] = numbers(generator, sky::kMoleculeTerms * 4 * kNodes, -0.2, 1.0);
+      steps[k] = numbers(generator, kSteps + 15, 0.5, 2.0);
       sample.molecules[k] = molecules[k].data();
       sample.steps[k] = steps[k].data();
       sample.step_weights[k] = k == 0 ? 0.3F : 0.7F;
       for (int c = 0; c < 3; ++c) sample.molecule_weights[k][c] = 0.1F * static_cast<float>(1 + k + c);
     }
     for (int k = 0; k < 4; ++k) {
-      pictures[k] = numbers(4 * kAngles * kNodes, 0.0, 1.0);
+      pictures[k] = numbers(generator, 4 * kAngles * kNodes, 0.0, 1.0);
       sample.pictures[k] = pictures[k].data();
       for (int c = 0; c < 3; ++c) sample.weights[k][c] = 0.05F * static_cast<float>(1 + k + c);
     }
@@ -73,9 +72,9 @@ struct Scene {
     sample.start_ratio = 0.98F;
     sample.distance_ratio = 0.04F;
     sample.view_cosine = 0.35F;
-    sun = numbers(kCount, -0.6, 1.0);
-    nu = numbers(kCount, -1.0, 1.0);
-    fraction = numbers(kCount, 0.0, 1.0);
+    sun = numbers(generator, kCount, -0.6, 1.0);
+    nu = numbers(generator, kCount, -1.0, 1.0);
+    fraction = numbers(generator, kCount, 0.0, 1.0);
     for (int i = 0; i < kCount; ++i) row.push_back(kNodes * (i % (kAngles - 1)));
   }
 
@@ -132,6 +131,77 @@ struct Scene {
   }
 };
 
+/// A sample in sunlight, whose suns stand from below its horizon to the zenith.
+struct SunlitScene {
+  static constexpr int kRow = 20;  ///< nodes
+  std::mt19937 generator{5};
+  std::vector<float> rows[4], sun, nu;
+  sky::SunlitSample sample{};
+
+  explicit SunlitScene(int count, bool with_aerosol) {
+    sample.start_ratio = 0.99F;
+    sample.distance_ratio = 0.02F;
+    sample.horizon = -0.05F;
+    sample.rational = 0.7F * kRow;
+    sample.bend = 0.2F;
+    sample.linear = 0.35F * kRow;
+    sample.disc_slope = 9.0F;
+    sample.disc_offset = 0.3F;
+    sample.view_cosine = 0.3F;
+    sample.turning = 0.4F;
+    sample.sinking = 0.1F;
+    const std::vector<float> factors = numbers(generator, 12, 0.1, 0.9);
+    for (std::size_t k = 0; k < 4; ++k) {
+      rows[k] = numbers(generator, 4 * kRow, 0.0, 1.0);
+      sample.rows[k] = rows[k].data();
+      sample.row_weights[k] = factors[k];
+      sample.rayleigh[k] = k < 3 ? factors[4 + k] : 0.0F;
+      sample.aerosol[k] = k < 3 ? factors[8 + k] : 0.0F;
+    }
+    sample.with_aerosol = with_aerosol;
+    sun = numbers(generator, static_cast<std::size_t>(count), -0.3, 1.0);
+    nu = numbers(generator, sun.size(), -1.0, 1.0);
+  }
+
+  /// The disc's visible share, of a middle that rises by 2 w about `risen`: by Simpson's rule.
+  static double share(double risen, double width) {
+    const auto visible = [](double t) {
+      const double inside = std::clamp(t, 0.0, 1.0);
+      return inside * inside * (3.0 - 2.0 * inside);
+    };
+    constexpr int steps = 2000;
+    double sum = 0.0;
+    for (int i = 0; i <= steps; ++i) {
+      const double weight = i == 0 || i == steps ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0);
+      sum += weight * visible(risen + width * (2.0 * i / steps - 1.0));
+    }
+    return sum / (3.0 * steps);
+  }
+
+  /// Of sun i, matter 0 or 1.
+  double expected(std::size_t i, std::size_t matter, std::size_t c) const {
+    const auto number = [](float value) { return static_cast<double>(value); };
+    if (matter == 1 && !sample.with_aerosol) return 0.0;
+    const double mu = number(sample.start_ratio) * number(sun[i]) + number(sample.distance_ratio) * number(nu[i]);
+    const double above = mu - number(sample.horizon);
+    const double turned = number(nu[i]) - number(sample.view_cosine) * mu;
+    const double width = std::max(std::abs(number(sample.turning) * turned - number(sample.sinking)), 0.03125);
+    const double y = std::max(above, 0.0);
+    const double x = number(sample.rational) * y / (y + number(sample.bend)) + number(sample.linear) * y;
+    const double place = std::clamp(x, 0.0, kRow - 1.0);
+    const auto node = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kRow - 2));
+    double ends[2] = {};
+    for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t e = 0; e < 2; ++e) {
+        ends[e] += number(sample.row_weights[k]) * number(rows[k][4 * (node + e) + c]);
+      }
+    }
+    const double light = ends[0] + (place - static_cast<double>(node)) * (ends[1] - ends[0]);
+    return number(matter == 0 ? sample.rayleigh[c] : sample.aerosol[c]) * light *
+           share(number(sample.disc_slope) * above + number(sample.disc_offset), width);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("Light of a source along a ray is its twin's in double", "[sky][tables][kernels]") {
@@ -155,6 +225,28 @@ TEST_CASE("Light of a source along a ray is its twin's in double", "[sky][tables
       }
       CAPTURE(kinds);
       CHECK(worst < 2e-5);
+    }
+  });
+}
+
+TEST_CASE("Sunlight that reaches a sample is its twin's in double", "[sky][tables][kernels]") {
+  on_every_instruction_set([](const sky::SolverKernels& kernels) {
+    for (const int count : {16, 48, 272}) {
+      for (const bool with_aerosol : {false, true}) {
+        const SunlitScene scene(count, with_aerosol);
+        const sky::SkySuns suns{scene.sun.data(), scene.nu.data(), nullptr, nullptr, count};
+        std::vector<float> slice(8 * SunlitScene::kRow);
+        std::vector<float> sums(8 * scene.sun.size(), 1.0F);  // they are added to
+        kernels.add_sunlight(scene.sample, SunlitScene::kRow, suns, slice.data(), sums.data());
+        double worst = 0.0;
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          const std::size_t c = i % 4;
+          const double exact = c < 3 ? scene.expected(i / 8, i / 4 % 2, c) : 0.0;
+          worst = std::max(worst, std::abs(static_cast<double>(sums[i]) - 1.0 - exact));
+        }
+        CAPTURE(count, with_aerosol);
+        CHECK(worst < 2e-5);
+      }
     }
   });
 }

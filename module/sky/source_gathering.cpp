@@ -1,0 +1,198 @@
+// The source that an order leaves for the next (scattering_solver.h): the light about a point, what the ground sends
+// included, to harmonics; folded with the phase functions; and back to directions.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "jobs/tiles.h"
+#include "sky/air.h"
+#include "sky/scattering_solver.h"
+#include "sky/sky_geometry.h"
+#include "sky/solver_worker.h"
+#include "sky/vertical_harmonics.h"
+
+namespace welkin::sky {
+namespace {
+
+using solver::index, solver::kSunBlock, solver::kZeniths;
+using std::numbers::pi;
+
+constexpr double kNoSine = 1e-6;  ///< of a sun's zenith angle
+
+}  // namespace
+
+// From the radiance of the last order, the ground's light and the phase functions to the next source.
+void SourceSolver::gather(const Control& control) {
+  const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+  const std::size_t blocks = index(shape_.suns) / kSunBlock;
+  std::vector<Worker> scratch;
+  for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
+  jobs::run_tiles(index(shape_.heights) * blocks, jobs::Placement::arena, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    project(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
+                    fold(tile / blocks, tile % blocks * kSunBlock, scratch[worker]);
+                  });
+  source_.set_steps();
+}
+
+void SourceSolver::project(std::size_t height, std::size_t first_sun, Worker& worker) {
+  const SolverKernels& kernels = solver_kernels();
+  const std::size_t suns = index(shape_.suns);
+  const bool reflects = *std::max_element(group_.albedo.begin(), group_.albedo.end()) > 0.0;
+  std::fill(worker.harmonics.begin(), worker.harmonics.end(), 0.0F);
+  for (std::size_t i = 0; i < kZeniths; ++i) {
+    const double weight = rules_[height].weights[i] * 2.0 * pi / static_cast<double>(azimuths_);
+    const double* const values = legendre_.data() + (height * kZeniths + i) * worker.values.size();
+    for (std::size_t k = 0; k < worker.values.size(); ++k) {
+      worker.values[k] = static_cast<float>(values[k] * weight);
+    }
+    SkyRing ring{
+        .radiance = radiance_.data() + radiance_index(height, i, 0) + first_sun,
+        .channel_stride = static_cast<std::ptrdiff_t>(azimuths_ * suns),
+        .azimuth_stride = static_cast<std::ptrdiff_t>(suns),
+        .azimuths = static_cast<int>(azimuths_),
+        .azimuth_cosines = azimuth_cosines_.data(),
+        .values = worker.values.data(),
+        .bands = bands_,
+        .orders = azimuths_ == index(shape_.azimuths) ? bands_ : std::min(bands_, static_cast<int>(azimuths_))};
+    if (reflects && i < index(DirectionRule::kGroundNodes)) {
+      add_ground(height, i, first_sun, worker);
+      ring.radiance = worker.rays.data();
+      ring.channel_stride = static_cast<std::ptrdiff_t>(azimuths_ * kSunBlock);
+      ring.azimuth_stride = static_cast<std::ptrdiff_t>(kSunBlock);
+    }
+    kernels.project_ring(ring, worker.harmonics.data());
+  }
+}
+
+// The irradiance of the ground that is reflected, at a point with that sun.
+std::array<double, 3> SourceSolver::ground_light(double sun_zenith_cosine) const noexcept {
+  if (direct_ground_) {
+    std::array<double, 3> light = light_.at(0.0, sun_zenith_cosine);
+    for (std::size_t c = 0; c < 3; ++c) light[c] *= group_.solar[c] * std::max(0.0, sun_zenith_cosine);
+    return light;
+  }
+  const double position = mapping_.smooth_sun_coordinate(sun_zenith_cosine) * ((shape_.suns - 1) * kSunSteps);
+  const int step = std::min(static_cast<int>(position), (shape_.suns - 1) * kSunSteps - 1);
+  std::array<double, 3> light{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto low = static_cast<double>(ground_before_[c][index(step)]);
+    const auto high = static_cast<double>(ground_before_[c][index(step + 1)]);
+    light[c] = low + (position - step) * (high - low);
+  }
+  return light;
+}
+
+void SourceSolver::add_ground(std::size_t height, std::size_t zenith, std::size_t first_sun, Worker& worker) const {
+  const std::size_t node = height * index(DirectionRule::kGroundNodes) + zenith;
+  const std::size_t suns = index(shape_.suns);
+  const double altitude = source_altitude(mapping_, shape_, height);
+  const double start = (air_.bottom_radius() + altitude) / air_.bottom_radius();
+  const double distance = ground_distance_[node] / air_.bottom_radius();
+  const double cosine = rules_[height].cosines[zenith];
+  const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
+  for (std::size_t j = 0; j < azimuths_; ++j) {
+    const double azimuth = ray_azimuths_[j];
+    for (std::size_t s = 0; s < kSunBlock; ++s) {
+      const double sun = sun_cosines_[first_sun + s];
+      const double nu = cosine * sun + sine * sun_sines_[first_sun + s] * azimuth;
+      const std::array<double, 3> light = ground_light(std::clamp(start * sun + distance * nu, -1.0, 1.0));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto arrived =
+            static_cast<double>(radiance_[radiance_index(height, zenith, c) + j * suns + first_sun + s]);
+        worker.rays[(c * azimuths_ + j) * kSunBlock + s] =
+            static_cast<float>(arrived + ground_transmittance_[node][c] * group_.albedo[c] / pi * light[c]);
+      }
+    }
+  }
+}
+
+// chi_l c(l, m), where the wavelengths' chi_l differ.
+void SourceSolver::multiply_lobes(Worker& worker) const {
+  std::copy(worker.harmonics.begin(), worker.harmonics.end(), worker.lobed.begin());
+  for (int m = 0; m < bands_; ++m) {
+    for (int l = m; l < bands_; ++l) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        float* const harmonic = worker.lobed.data() + (pair_index(bands_, l, m) * 3 + c) * kSunBlock;
+        const auto moment = static_cast<float>(spectra_[c].aerosol[index(l)]);
+        for (std::size_t s = 0; s < kSunBlock; ++s) harmonic[s] *= moment;
+      }
+    }
+  }
+}
+
+// Y(0, 0) to Y(2, 2) without what depends on the direction, as `even_legendre` has them; terms as in sky_kernels.h.
+void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker) {
+  const std::size_t suns = index(shape_.suns);
+  const std::vector<double>& moments = spectra_.front().rayleigh;
+  const double band_0 = moments[0] * std::sqrt(0.25 / pi);
+  const double band_2 = moments[2] * std::sqrt(5.0 / (4.0 * pi));
+  float* const row = source_.rayleigh.data() + height * shape_.molecule_row() + 4 * first_sun;
+  for (std::size_t s = 0; s < kSunBlock; ++s) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto harmonic = [&](int l, int m, std::size_t sun) {
+        return static_cast<double>(worker.harmonics[(pair_index(bands_, l, m) * 3 + c) * kSunBlock + sun]);
+      };
+      // Of a sun in the zenith no azimuth matters: the sun before it tells what its coefficients tend to.
+      const std::size_t near = s > 0 && sun_sines_[first_sun + s] < kNoSine ? s - 1 : s;
+      const double sine = std::max(sun_sines_[first_sun + near], kNoSine);
+      const double terms[kMoleculeTerms] = {band_0 * harmonic(0, 0, s), band_2 * harmonic(2, 0, s),
+                                            band_2 * std::sqrt(0.75) * harmonic(2, 2, s),
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 1, near) / sine,
+                                            band_2 * std::sqrt(3.0) * harmonic(2, 2, near) / (sine * sine)};
+      for (std::size_t k = 0; k < index(kMoleculeTerms); ++k) {
+        row[k * 4 * suns + 4 * s + c] = static_cast<float>(terms[k]);
+      }
+    }
+  }
+}
+
+// J(direction) = sum over l and m of chi_l c(l, m) Y(l, m)(direction), for both phase functions.
+void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worker) {
+  // The mean of all directions is that of the harmonic that is the same everywhere, Y(0, 0) = 1 / sqrt(4 pi).
+  for (std::size_t s = 0; s < kSunBlock; ++s) {
+    double mean = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) mean += static_cast<double>(worker.harmonics[c * kSunBlock + s]);
+    source_.brightness[height * index(shape_.suns) + first_sun + s] = std::max(0.0, mean / std::sqrt(36.0 * pi));
+  }
+  fold_molecules(height, first_sun, worker);
+  if (!with_aerosol_) return;
+  const SolverKernels& kernels = solver_kernels();
+  const int bands = bands_;
+  const bool lobed = spectra_.size() > 1;
+  if (lobed) multiply_lobes(worker);
+  const std::vector<float>& harmonics = lobed ? worker.lobed : worker.harmonics;
+  const std::vector<double>& moments = lobed ? ones_ : spectra_.front().aerosol;
+  for (int z = 0; z < shape_.zeniths; ++z) {
+    const double* const values = source_legendre_.data() + index(z) * pair_count(bands);
+    for (int m = 0; m < bands; ++m) {
+      for (int l = m; l < bands; ++l) {
+        const std::size_t pair = pair_index(bands, l, m);
+        worker.values[pair] = static_cast<float>(values[pair] * moments[index(l)]);
+      }
+    }
+    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, bands, worker.aerosol.data());
+    const std::size_t place = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
+    for (int a = 0; a < shape_.angles; ++a) {
+      const float* const azimuths =
+          source_azimuths_.data() + (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
+      kernels.sum_orders(worker.aerosol.data(), bands, azimuths,
+                         source_.aerosol.data() + place + 4 * index(a) * index(shape_.suns));
+    }
+    if (source_.glow.any()) divide_by_glow(height, index(z), first_sun);
+  }
+}
+
+void SourceSolver::divide_by_glow(std::size_t height, std::size_t zenith, std::size_t first_sun) {
+  for (std::size_t a = 0; a < index(shape_.angles); ++a) {
+    const std::size_t first = (zenith * index(shape_.angles) + a) * index(shape_.suns) + first_sun;
+    float* const texels = source_.aerosol.data() + 4 * (height * index(shape_.zeniths) * shape_.picture() + first);
+    for (std::size_t s = 0; s < kSunBlock; ++s) {
+      for (std::size_t c = 0; c < 3; ++c) texels[4 * s + c] *= inverse_glow_[3 * (first + s) + c];
+    }
+  }
+}
+
+}  // namespace welkin::sky
