@@ -12,8 +12,7 @@ namespace {
 
 /// How far the exponent of a density may go within a shell: four Gauss nodes then integrate it to 2e-6.
 constexpr double kLargestExponent = 1.5;
-/// Likewise where nothing but lengths is wanted, and below which share of the light that all else takes none is lost.
-constexpr double kLengthExponent = 1.8;
+/// Below which share of what all else takes of the light a density does not count where lengths alone are wanted.
 constexpr double kFaint = 1e-6;
 /// Densities below are too thin to be seen, whatever their slope.
 constexpr double kThinnest = 1e-12;
@@ -53,8 +52,8 @@ Air::Air(const Atmosphere& atmosphere)
     }
   }
   std::sort(breaks.begin(), breaks.end());
-  shells_ = cut_at(breaks, {.exponent = kLargestExponent, .faint = 0.0});
-  length_shells_ = cut_at(breaks, {.exponent = kLengthExponent, .faint = kFaint});
+  shells_ = cut_at(breaks, 0.0);
+  length_shells_ = cut_at(breaks, kFaint);
 }
 
 bool Air::matters(const Constituent& constituent) noexcept {
@@ -96,14 +95,14 @@ double Air::steepness(double low, double high, double faint) const noexcept {
 
 // Steps up from the lower end of each stretch while the air thins fast. (A density that grows upwards is cut as finely
 // all the way.)
-std::vector<double> Air::cut_at(const std::vector<double>& breaks, const Cut& cut) const {
+std::vector<double> Air::cut_at(const std::vector<double>& breaks, double faint) const {
   std::vector<double> shells{0.0};
   for (std::size_t i = 1; i < breaks.size(); ++i) {
     // nearer than rounding can tell apart: one and the same
     if (!(breaks[i] > shells.back() + 1e-12 * thickness_)) continue;
     double at = shells.back();
     while (shells.size() < kMostShells) {
-      const double step = cut.exponent / std::max(steepness(at, breaks[i], cut.faint), 1e-300);
+      const double step = kLargestExponent / std::max(steepness(at, breaks[i], faint), 1e-300);
       if (!(at + 1.3 * step < breaks[i])) break;
       at += step;
       shells.push_back(at);

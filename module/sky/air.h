@@ -50,12 +50,9 @@ class Air {
   [[nodiscard]] double albedo(std::size_t wavelength) const noexcept;
 
  private:
-  /// How finely air is cut.
-  struct Cut {
-    double exponent;  ///< how far that of a density may go within a shell
-    double faint;     ///< share of what all else takes below which matter does not count
-  };
-  [[nodiscard]] std::vector<double> cut_at(const std::vector<double>& breaks, const Cut& cut) const;
+  /// Shells within which no density is too steep. `faint`: the share of what all else takes of the light below which
+  /// matter does not count.
+  [[nodiscard]] std::vector<double> cut_at(const std::vector<double>& breaks, double faint) const;
   /// Whether it has any effect: what has none must not cut the air into shells.
   [[nodiscard]] static bool matters(const Constituent& constituent) noexcept;
   [[nodiscard]] bool fainter(double share, std::size_t constituent, double altitude) const noexcept;
