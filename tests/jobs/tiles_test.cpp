@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
-#include <xmmintrin.h>
 
 #include <algorithm>
 #include <atomic>
@@ -21,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "float_environment/modes.h"
 #include "jobs/task_graph.h"
 #include "platform/thread.h"
 #include "support/catch.h"
@@ -187,19 +187,20 @@ TEST_CASE("What a progress callback throws comes out", "[jobs]") {
 }
 
 TEST_CASE("Tiles see the default floating-point environment and leave the caller's alone", "[jobs]") {
-  const unsigned before = _mm_getcsr();
-  const unsigned flush_and_round_up = before | 0x8040U | 0x4000U;  // flush to zero, denormals are zero, round up
-  _mm_setcsr(flush_and_round_up);
+  const FloatEnvironment callers = flushing(mode_named("upward"));
   std::atomic<bool> all_default{true};
-  for (const Placement placement : kBoth) {
-    run(64, placement, {}, [&](std::size_t, std::size_t) {
-      if ((_mm_getcsr() & 0xFFC0U) != 0x1F80U) all_default = false;
-    });
+  FloatEnvironment after;
+  {
+    const InEnvironment environment(callers);
+    for (const Placement placement : kBoth) {
+      run(64, placement, {}, [&](std::size_t, std::size_t) {
+        if (current_environment() != FloatEnvironment{}) all_default = false;
+      });
+    }
+    after = current_environment();
   }
-  const unsigned after = _mm_getcsr();
-  _mm_setcsr(before);
   CHECK(all_default);
-  CHECK((after & 0xFFC0U) == (flush_and_round_up & 0xFFC0U));
+  CHECK((after == callers));
 }
 
 TEST_CASE("The number of threads is checked", "[jobs]") {

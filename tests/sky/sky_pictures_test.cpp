@@ -1,8 +1,6 @@
 // Pictures of skies, small skies for reflections, and skies that keep an environment.
 #include "sky/sky_pictures.h"
 
-#include <xmmintrin.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "float_environment/modes.h"
 #include "image/geometry.h"
 #include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
@@ -101,7 +100,7 @@ TEST_CASE("sky pictures: the same bits on any threads and instruction set", "[sk
   const InstructionSet before = active_instruction_set();
   const SkyView& view = view_at(900.0);
   const glm::dvec3 sun = sun_direction(1.0, 10.0);
-  force_instruction_set(InstructionSet::sse2);
+  force_instruction_set(available_instruction_sets().front());
   CubemapImage cube;
   LatLongImage map;
   run_with_threads(1, [&] {
@@ -285,22 +284,6 @@ TEST_CASE("sky specular: it is the sky's cubemap, prefiltered", "[sky][view][spe
 
 namespace {
 
-constexpr unsigned kUsual = 0x1F80;
-constexpr unsigned kFlushing = kUsual | 0x8040;                     // denormals are zero
-constexpr unsigned kUpwards = kUsual | 0x4000;                      // rounding
-constexpr unsigned kRaising = kUsual & ~(0x80U | 0x200U | 0x400U);  // invalid, by zero, overflow
-
-class Environment {
- public:
-  explicit Environment(unsigned csr) : saved_(_mm_getcsr()) { _mm_setcsr(csr); }
-  ~Environment() { _mm_setcsr(saved_); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  unsigned saved_;
-};
-
 using Values = std::vector<glm::dvec3>;
 
 Values coefficients(const SphericalHarmonics& harmonics) {
@@ -331,13 +314,13 @@ TEST_CASE("Skies are the same bits under any floating-point environment", "[sky]
   };
   for (std::size_t k = 0; k < calls.size(); ++k) {
     const Values expected = calls[k]();
-    for (const unsigned csr : {kFlushing, kUpwards, kRaising}) {
+    for (const char* const mode : {"flushed", "upward", "raising"}) {
       Values found;
       {
-        const Environment environment(csr);
+        const InEnvironment environment(mode_named(mode));
         found = calls[k]();
       }
-      CAPTURE(k, csr);
+      CAPTURE(k, mode);
       CHECK(same_bytes<glm::dvec3>(found, expected));
     }
   }

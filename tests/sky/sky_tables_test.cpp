@@ -1,6 +1,4 @@
 // Sky tables: how texels stand for states, quadratures, and what the calls that make them promise.
-#include <xmmintrin.h>
-
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "float_environment/modes.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -372,10 +371,10 @@ TEST_CASE("Sky tables are the same bits on any number of threads and instruction
 
 TEST_CASE("A caller's own floating-point environment changes no bit of sky tables", "[sky][tables][same_bits]") {
   const SkyTables wanted = precompute_sky(earth_bruneton(), small_options());
-  const unsigned before = _mm_getcsr();
-  _mm_setcsr(before | 0x8040U | 0x6000U);  // denormals are flushed, rounding is towards 0
-  const SkyTables found = precompute_sky(earth_bruneton(), small_options());
-  _mm_setcsr(before);
+  const SkyTables found = [] {
+    const InEnvironment environment(flushing(mode_named("toward_zero")));
+    return precompute_sky(earth_bruneton(), small_options());
+  }();
   CHECK(same_tables(found, wanted));
 }
 

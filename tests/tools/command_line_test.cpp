@@ -124,7 +124,8 @@ TEST_CASE("command: --version tells version and instruction sets", "[tools]") {
   CHECK(result.exit_code == 0);
   CHECK(contains(result.output, "welkin " WELKIN_VERSION_STRING));
   for (const auto set : welkin::available_instruction_sets()) CHECK(contains(result.output, welkin::name(set)));
-  CHECK(contains(run_welkin("--version", "WELKIN_ISA=sse2").output, "in use: sse2"));
+  const std::string narrowest = welkin::name(welkin::available_instruction_sets().front());
+  CHECK(contains(run_welkin("--version", "WELKIN_ISA=" + narrowest).output, "in use: " + narrowest));
 }
 
 // The command says by its exit code who is to blame, and says why on standard error alone.

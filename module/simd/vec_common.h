@@ -1,0 +1,73 @@
+// What all instruction sets have in common, in terms of Quad and Pair, which vec_x86.h and vec_neon.h define before
+// they include this.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "platform/compiler.h"
+#include "simd/dispatch.h"
+
+namespace welkin::simd {
+inline namespace WELKIN_ISA {
+
+/// One register for each channel.
+template <class Register>
+struct RgbOf {
+  Register red, green, blue;
+};
+
+/// Four texels of four floats side by side: the 16 logical lanes.
+template <class Register>
+struct TexelsOf {
+  Register part[static_cast<std::size_t>(kLanes) / Register::size];
+};
+
+/// Asks for the line-th cache line after an address, which need not be that of anything. Hence whole numbers: a pointer
+/// must not leave its array.
+WELKIN_INLINE void fetch_line(const char* address, int line) {
+  constexpr std::uintptr_t line_bytes = 64;
+  const std::uintptr_t place =
+      reinterpret_cast<std::uintptr_t>(address) + static_cast<std::uintptr_t>(line) * line_bytes;
+  WELKIN_FETCH(reinterpret_cast<const char*>(place));  // NOLINT(performance-no-int-to-ptr): see above
+}
+
+/// The same into the second-level cache only, for what is read in a while and in more pieces at once than the first one
+/// has ways.
+WELKIN_INLINE void fetch_line_early(const char* address) { WELKIN_FETCH_SECOND_LEVEL(address); }
+
+// Where AVX-512 has instructions of its own for it (vec_avx512.h), the others have none.
+#ifndef __AVX512F__
+
+/// 16 texels of packed RGB in the reversed order.
+WELKIN_INLINE void reverse_rgb(const float* texels, float* reversed) {
+  for (int k = 0; k < kLanes; ++k) {
+    const float* const from = texels + 3 * (kLanes - 1 - k);
+    for (int c = 0; c < 3; ++c) reversed[3 * k + c] = from[c];
+  }
+}
+
+/// Adds.
+struct Adder {
+  template <class Register>  // NOLINTNEXTLINE(readability-convert-member-functions-to-static): AVX-512's is none
+  [[nodiscard]] WELKIN_INLINE Register add(Register a, Register b) const {
+    return a + b;
+  }
+};
+
+#endif
+
+/// sums = the 16 lanes of each of four rows: lanes k and k + 8 first, then k and k + 4, k + 2, k + 1.
+WELKIN_INLINE void sum_rows(const float* rows, Quad& sums) {
+  const auto row_lanes = [&](int row) WELKIN_INLINE_LAMBDA {
+    const float* const r = rows + row * kLanes;
+    return (Quad::load_aligned(r) + Quad::load_aligned(r + 8)) +
+           (Quad::load_aligned(r + 4) + Quad::load_aligned(r + 12));
+  };
+  Quad four[4] = {row_lanes(0), row_lanes(1), row_lanes(2), row_lanes(3)};
+  transpose(four);
+  sums = (four[0] + four[2]) + (four[1] + four[3]);
+}
+
+}  // namespace WELKIN_ISA
+}  // namespace welkin::simd
