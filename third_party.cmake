@@ -12,12 +12,15 @@ if(NOT TARGET glm::glm)
   target_include_directories(glm::glm INTERFACE ${GLM_INCLUDE_DIRS})
 endif()
 
-# SIMD registers with operators, one source for every instruction set. Headers only. (libxsimd-dev)
+# SIMD registers with operators, one source for every instruction set. Headers only. (libxsimd-dev) For ARM we have our own
+# (module/simd/neon_registers.h says why).
 # Debian's package names xtl as a dependency that it neither needs nor brings: an empty target satisfies it.
-if(NOT TARGET xtl)
-  add_library(xtl INTERFACE IMPORTED)
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
+  if(NOT TARGET xtl)
+    add_library(xtl INTERFACE IMPORTED)
+  endif()
+  find_package(xsimd REQUIRED)
 endif()
-find_package(xsimd REQUIRED)
 
 # What welkin::files is built with. A codec that is switched off is not looked for; its files are then refused with an
 # error that says what Welkin was built without.

@@ -1,7 +1,14 @@
 # welkin_isa_sources(SOURCE...): kernels. Each source is compiled once per instruction set into the same library; which
 # build runs is decided at run time. Kernels are optimised in every configuration: an unoptimised one tells nothing and
 # takes minutes. (Under a sanitizer less: there it is the compiler that takes minutes, and the bits are the same.)
-set(welkin_instruction_sets sse2 avx2 avx512)
+#
+# The sets are those of the processor that is compiled for.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
+  set(welkin_instruction_sets neon)
+else()
+  set(welkin_instruction_sets sse2 avx2 avx512)
+endif()
+set(welkin_options_neon)  # part of the processor
 if(MSVC)
   set(welkin_options_sse2)
   set(welkin_options_avx2 /arch:AVX2)
@@ -21,16 +28,24 @@ else()
   endif()
 endif()
 
-foreach(isa IN LISTS welkin_instruction_sets)
-  add_library(welkin_kernels_${isa} OBJECT)
-  target_include_directories(welkin_kernels_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/module)
-  # xsimd's namespace is renamed for each instruction set, so that the linker keeps every build's inline functions.
-  target_compile_definitions(welkin_kernels_${isa} PRIVATE WELKIN_ISA=${isa} xsimd=xsimd_${isa})
-  target_compile_options(welkin_kernels_${isa} PRIVATE ${welkin_options_${isa}} ${welkin_kernel_optimisation})
-  target_link_libraries(welkin_kernels_${isa} PRIVATE welkin_flags xsimd)
-  set_target_properties(welkin_kernels_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-endforeach()
+# welkin_isa_library(PREFIX [SOURCE...]): object libraries PREFIX_sse2 and so on, each with one build of the sources.
+function(welkin_isa_library prefix)
+  foreach(isa IN LISTS welkin_instruction_sets)
+    set(library ${prefix}_${isa})
+    add_library(${library} OBJECT ${ARGN})
+    target_include_directories(${library} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/module)
+    # xsimd's namespace is renamed for each instruction set, so that the linker keeps every build's inline functions.
+    target_compile_definitions(${library} PRIVATE WELKIN_ISA=${isa} xsimd=xsimd_${isa})
+    target_compile_options(${library} PRIVATE ${welkin_options_${isa}} ${welkin_kernel_optimisation})
+    target_link_libraries(${library} PRIVATE welkin_flags)
+    if(TARGET xsimd)
+      target_link_libraries(${library} PRIVATE xsimd)
+    endif()
+    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endforeach()
+endfunction()
 
+# To the library's own, welkin_kernels_sse2 and so on.
 function(welkin_isa_sources)
   list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   foreach(isa IN LISTS welkin_instruction_sets)

@@ -18,8 +18,17 @@ if(NOT welkin_all_codecs)
 projection/sun_detection|reflections/prefilter|worker/errors|worker/results|worker/sources_and_handles)_test")
 endif()
 list(APPEND sources float_environment/modes.cpp)
+list(REMOVE_ITEM sources simd/vector_kernels.cpp)
 add_executable(welkin_tests ${sources})
 target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/module)
+if("simd/vector_layer_test.cpp" IN_LIST sources)  # the vector layer's own functions, as kernels
+  include(${PROJECT_SOURCE_DIR}/cmake/instruction_sets.cmake)
+  welkin_isa_library(welkin_vector_kernels simd/vector_kernels.cpp)
+  foreach(isa IN LISTS welkin_instruction_sets)
+    target_include_directories(welkin_vector_kernels_${isa} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+    target_sources(welkin_tests PRIVATE $<TARGET_OBJECTS:welkin_vector_kernels_${isa}>)
+  endforeach()
+endif()
 if(TARGET Catch2::Catch2WithMain)
   target_link_libraries(welkin_tests PRIVATE Catch2::Catch2WithMain)
 else()
@@ -27,12 +36,20 @@ else()
 endif()
 target_link_libraries(welkin_tests PRIVATE welkin_internal welkin_reference welkin_report welkin_test_map welkin_flags TBB::tbb
                                            OpenEXR::OpenEXR SPNG::SPNG WebP::WebP nlohmann_json::nlohmann_json)
+# Tests run the command through a shell, which cannot run programs for another processor: a script that can stands in.
+set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin)
+if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR)
+  set(command ${CMAKE_CURRENT_BINARY_DIR}/emulated/welkin)
+  list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
+  file(WRITE ${command} "#!/bin/sh\nexec ${emulator} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin \"$@\"\n")
+  file(CHMOD ${command} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endif()
 # Where things are on this machine: in a header of its own, so that all other objects are the same in every clone.
 file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/places/places.h CONTENT
 "#pragma once
 #define WELKIN_TEST_DATA \"${CMAKE_CURRENT_SOURCE_DIR}/data\"
 #define WELKIN_SHARED \"${PROJECT_SOURCE_DIR}/../shared\"
-#define WELKIN_COMMAND \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin\"
+#define WELKIN_COMMAND \"${command}\"
 ")
 target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/places)
 # What tests are made of is compiled once, run once: most of the compiler's time would be in optimising checks. (The

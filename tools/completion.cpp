@@ -215,7 +215,7 @@ std::string manual_page(const Program& program) {
   for (const Command& command : program.commands) text += roff_command(command);
   return text +
          ".SH ENVIRONMENT\n"
-         ".TP\n.B WELKIN_ISA\nThe instruction set to use: sse2, avx2 or avx512.\n"
+         ".TP\n.B WELKIN_ISA\nThe instruction set to use: sse2, avx2, avx512 or neon.\n"
          ".TP\n.B NO_COLOR\nIf it is set to anything, nothing is printed in colour.\n";
 }
 

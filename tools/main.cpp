@@ -38,7 +38,7 @@ Directions: y is up, and a lat-long's centre looks along +z.
 
 Results go to standard output, everything else to standard error.
 The same input gives the same bits on every machine and number of threads;
-WELKIN_ISA=sse2|avx2|avx512 in the environment picks an instruction set.)";
+WELKIN_ISA=sse2|avx2|avx512|neon in the environment picks an instruction set.)";
 
 /// In the list of commands; what follows its name is for the program that it is.
 Command report_command() {

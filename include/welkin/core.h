@@ -129,16 +129,17 @@ void run_with_threads(int threads, const std::function<void()>& work);
 
 // ---- Instruction sets
 
-/// The builds of the kernels that an x86-64 binary carries, narrowest first. All give the same bits.
-enum class InstructionSet { sse2, avx2, avx512 };
+/// The builds of the kernels: the first three are what an x86-64 binary carries, narrowest first, the last what one for
+/// 64-bit ARM carries. All give the same bits.
+enum class InstructionSet { sse2, avx2, avx512, neon };
 
-[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512"
+[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512", "neon"
 
 /// Those that this processor and operating system can run, narrowest first.
 [[nodiscard]] std::vector<InstructionSet> available_instruction_sets();
 
-/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2 or avx512)
-/// said otherwise when it was first asked for, or `force_instruction_set` did since.
+/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2, avx512 or
+/// neon) said otherwise when it was first asked for, or `force_instruction_set` did since.
 /// Throws `Error` (invalid_argument) if WELKIN_ISA names none, or one that cannot run here.
 [[nodiscard]] InstructionSet active_instruction_set();
 

@@ -1,15 +1,16 @@
 // The vector layer of the kernels: registers of lanes, and how texels get into them. Only for kernel sources.
 //
 // Every kernel source is compiled once per instruction set, with WELKIN_ISA naming it and its namespace. Kernels count
-// in groups of 16 logical lanes (kLanes): 1 register of AVX-512, 2 of AVX2, 4 of SSE2. Lane k of a group meets the same
-// operations in the same order whatever the width, so all builds give the same bits. That holds because only + - * /
-// sqrt and data movement are used, and contraction is off.
+// in groups of 16 logical lanes (kLanes): 1 register of AVX-512, 2 of AVX2, 4 of SSE2 or NEON. Lane k of a group meets
+// the same operations in the same order whatever the width, so all builds give the same bits. That holds because only
+// + - * / sqrt and data movement are used, and contraction is off.
 //
 // xsimd's namespace is renamed per instruction set on the compiler's command line (-Dxsimd=xsimd_avx2). Its inline
 // functions would otherwise have the same names in all builds; where a compiler does not inline them the linker keeps
 // one copy, and a machine without AVX could run the AVX one.
 //
 // A header an instruction set defines:
+//   Quad, Pair            registers of four floats and of two doubles
 //   Lanes, DoubleLanes    registers of floats and of doubles, of the set's full width
 //   NarrowLanes           the widest register of at most eight floats
 //   Rgb                   three registers of Lanes; Texels: four texels of four floats, a group of Lanes
@@ -20,13 +21,14 @@
 //   repeated_rgb(p)       Texels: one of RGB in all four places, its fourth value 0; reads 4 floats
 //   load_texel_pairs(p, q)  Texels: two that follow each other from p on, and two from q on
 //   weighted_columns<reversed>(texels, weights)  each texel times its own weight; reversed: the last is the first one's
-//   folded(texels)        the sum of the four, (q0 + q2) + (q1 + q3), as a Quad (four floats, vec_x86.h)
+//   folded(texels)        the sum of the four, (q0 + q2) + (q1 + q3), as a Quad (four floats)
 //   store_thrice(lanes, p), store_without_fourth(lanes, p), reverse_rgb(p, q)  between packed RGB and others
 //   Adder                 adds on units that would be idle, where there are any
 //   no_bit_set(texels)    whether all bits are 0
 //   transpose(rows)       of an array of Blocks
 //   sum_rows(rows, sums)  for a Block of rows: the sum of each one's 16 lanes
-//   detail::              what load_rgb and load_rgba below call
+//   detail::load(p)       kWidth floats, or as many binary16 as floats
+//   detail::rgb_from_...  what load_rgb and load_rgba below call, or (WELKIN_VEC_LOADS_CHANNELS) these two themselves
 #pragma once
 
 #if defined(__AVX512F__)
@@ -35,6 +37,8 @@
 #include "simd/vec_avx2.h"
 #elif defined(__SSE2__) || defined(_M_X64)
 #include "simd/vec_sse2.h"
+#elif defined(__aarch64__)
+#include "simd/vec_neon.h"
 #else
 #error "There is no vector layer for this processor yet."
 #endif
@@ -47,6 +51,8 @@ inline constexpr int kDoubleWidth = static_cast<int>(DoubleLanes::size);
 inline constexpr int kNarrowWidth = static_cast<int>(NarrowLanes::size);
 inline constexpr int kBlock = static_cast<int>(Block::size);
 inline constexpr int kParts = kLanes / kWidth;  ///< registers of a group
+
+#ifndef WELKIN_VEC_LOADS_CHANNELS
 
 /// `kWidth` texels from `first` on, in memory order or reversed (the last one in lane 0).
 template <bool reversed>
@@ -61,6 +67,8 @@ WELKIN_INLINE Rgb load_rgba(const Channel* first) {
   return detail::rgb_from_rgba<reversed>(detail::load(first), detail::load(first + kWidth),
                                          detail::load(first + 2 * kWidth), detail::load(first + 3 * kWidth));
 }
+
+#endif
 
 /// Four texels of a row, all times one weight.
 WELKIN_INLINE Texels weighted_ring(const float* texels, float weight) {
