@@ -20,6 +20,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "transform/dark_scale.h"
 #include "transform/ring_fft.h"
 #include "transform/ring_legendre.h"
 #include "transform/row_reduction.h"
@@ -48,6 +49,12 @@ std::complex<double> Spectrum::value(int l, int m, int channel) const noexcept {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+const float* row_of(const LatLongView& picture, int row) noexcept {
+  const std::ptrdiff_t packed = std::ptrdiff_t{12} * picture.width;
+  const std::ptrdiff_t stride = picture.row_stride_bytes != 0 ? picture.row_stride_bytes : packed;
+  return reinterpret_cast<const float*>(static_cast<const std::byte*>(picture.pixels) + row * stride);
+}
 
 /// What the Fourier stage needs for one group of rings.
 struct RowScratch {
@@ -91,11 +98,7 @@ class Analysis {
     const std::int64_t texels = std::int64_t{source_.width} * source_.height;
     return jobs::placement_for(texels + std::int64_t{bands_} * bands_ * groups_);
   }
-  [[nodiscard]] const float* row(int index) const noexcept {
-    const std::ptrdiff_t packed = std::ptrdiff_t{12} * source_.width;
-    const std::ptrdiff_t stride = source_.row_stride_bytes != 0 ? source_.row_stride_bytes : packed;
-    return reinterpret_cast<const float*>(static_cast<const std::byte*>(source_.pixels) + index * stride);
-  }
+  [[nodiscard]] const float* row(int index) const noexcept { return row_of(source_, index); }
   [[nodiscard]] float* column(int m, int group) noexcept {
     return columns_.data() +
            (static_cast<std::size_t>(m) * static_cast<std::size_t>(groups_) + static_cast<std::size_t>(group)) *
@@ -222,6 +225,60 @@ Spectrum Analysis::run(const Control& control) {
   return std::move(spectrum_);
 }
 
+// Dark pictures and spectra: see dark_scale.h. Of others the first texel is looked at, or few.
+
+DarkScale dark_scale_of(const LatLongView& picture) noexcept {
+  Brightness brightness;
+  for (int row = 0; row < picture.height && !brightness.is_enough(); ++row) {
+    brightness.look_at(row_of(picture, row), picture.width, 3);
+  }
+  return brightness.scale();
+}
+
+/// A coefficient counts as a texel does: the zonal factors are at most about 1, and one harmonic is all of a picture.
+DarkScale dark_scale_of(const Spectrum& spectrum) noexcept {
+  Brightness brightness;
+  for (int m = 0; m < spectrum.bands() && !brightness.is_enough(); ++m) {
+    for (int i = 0; i < spectrum.bands() - m; ++i) {
+      const float* const at = spectrum.order(m) + std::ptrdiff_t{kHarmonicFloats} * i;
+      const float magnitudes[3] = {std::max(std::abs(at[0]), std::abs(at[1])),
+                                   std::max(std::abs(at[2]), std::abs(at[3])),
+                                   std::max(std::abs(at[4]), std::abs(at[5]))};
+      brightness.look_at(magnitudes, 1, 3);
+    }
+  }
+  return brightness.scale();
+}
+
+/// Packed.
+std::vector<float> multiplied(const LatLongView& picture, const DarkScale& scale) {
+  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture.width);
+  std::vector<float> pixels(row_floats * static_cast<std::size_t>(picture.height));
+  for (int row = 0; row < picture.height; ++row) {
+    multiply_channels(row_of(picture, row), picture.width, 3, scale,
+                      pixels.data() + row_floats * static_cast<std::size_t>(row));
+  }
+  return pixels;
+}
+
+/// The real parts by the scale, and the imaginary ones.
+void multiply_harmonics(const float* from, int count, const DarkScale& scale, float* to) noexcept {
+  for (int i = 0; i < kHarmonicFloats * count; i += kHarmonicFloats) {
+    for (int k = 0; k < 6; ++k) {
+      const double factor = scale.factor[static_cast<std::size_t>(k / 2)];
+      to[i + k] = static_cast<float>(static_cast<double>(from[i + k]) * factor);
+    }
+  }
+}
+
+Spectrum multiplied(const Spectrum& spectrum, const DarkScale& scale) {
+  Spectrum result(spectrum.bands());
+  for (int m = 0; m < spectrum.bands(); ++m) {
+    multiply_harmonics(spectrum.order(m), spectrum.bands() - m, scale, result.order(m));
+  }
+  return result;
+}
+
 }  // namespace
 
 Spectrum analyse(const LatLongView& source, int bands, const Control& control, SourceRows rows) {
@@ -231,8 +288,13 @@ Spectrum analyse(const LatLongView& source, int bands, const Control& control, S
     throw Error(ErrorCode::invalid_argument, "the transform reads rgb32f pixels only; decode them first");
   }
   jobs::throw_if_cancelled(control);
-  const bool all = rows == SourceRows::all;
-  return Analysis(source, bands, all ? ReducedShape{} : reduced_shape(source.width, source.height, bands)).run(control);
+  const ReducedShape shape =
+      rows == SourceRows::all ? ReducedShape{} : reduced_shape(source.width, source.height, bands);
+  const DarkScale scale = dark_scale_of(source);
+  if (scale.is_one()) return Analysis(source, bands, shape).run(control);
+  const std::vector<float> brighter = multiplied(source, scale);
+  return multiplied(Analysis({brighter.data(), source.width, source.height}, bands, shape).run(control),
+                    scale.inverse());
 }
 
 namespace {
@@ -381,7 +443,17 @@ void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::
                 "the grid has " + std::to_string(grid.columns()) + " columns; it needs an even number");
   }
   jobs::throw_if_cancelled(control);
-  Synthesis(spectrum, zonal, grid).run(control);
+  const DarkScale scale = dark_scale_of(spectrum);
+  if (scale.is_one()) {
+    Synthesis(spectrum, zonal, grid).run(control);
+    return;
+  }
+  Synthesis(multiplied(spectrum, scale), zonal, grid).run(control);
+  constexpr int border = image::SphereGrid::kBorder;
+  for (int ring = -border; ring < grid.rings() + border; ++ring) {
+    float* const texels = grid.texel(-border, ring);
+    multiply_channels(texels, grid.columns() + 2 * border, 4, scale.inverse(), texels);
+  }
 }
 
 GridSize grid_for_bands(int bands, double oversampling) noexcept {

@@ -50,9 +50,9 @@ enum class SourceRows {
 };
 
 /// Projects a lat-long of finite rgb32f pixels (any size, any row stride), its texels taken as areas, exactly but for
-/// rounding: some 1e-7 of what the brightest texel gives. Texels below 1e30 in magnitude; below 1e-30 they may count
-/// as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a band and row, beside the
-/// result. Throws `Error` (invalid_argument, cancelled).
+/// rounding: some 1e-7 of what the brightest texel gives. Texels below 1e30 in magnitude; those that are 1e-35 of the
+/// brightest, or less, may count as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a
+/// band and row, beside the result. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] Spectrum analyse(const LatLongView& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
 
