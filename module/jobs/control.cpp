@@ -23,11 +23,28 @@ Control part_of(const Control& control, double from, double to) {
   return part;
 }
 
+#if defined(__aarch64__)
+
+constexpr std::memory_order kAdding = std::memory_order_acq_rel;
+
+/// Whether something was added since the last report. Adds nothing, and so has its place among the additions.
+bool Progress::is_behind() noexcept {
+  return reported_.load(std::memory_order_relaxed) < done_.fetch_add(0, std::memory_order_acq_rel);
+}
+
+#else
+
+constexpr std::memory_order kAdding = std::memory_order_relaxed;
+
+bool Progress::is_behind() noexcept { return reported_.load(std::memory_order_relaxed) < done(); }
+
+#endif
+
 void Progress::add(std::uint64_t units) {
-  done_.fetch_add(units, std::memory_order_relaxed);
+  done_.fetch_add(units, kAdding);
   if (!wanted()) return;
   // Whoever holds the lock reports for the others too, and looks once more after letting go of it.
-  while (reported_.load(std::memory_order_relaxed) < done()) {
+  while (is_behind()) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return;
     const std::uint64_t now = done();

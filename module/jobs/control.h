@@ -23,9 +23,11 @@ inline void throw_if_cancelled(const Control& control) { throw_if_cancelled(cont
 /// Adds up the units of work that several threads have done, and tells the caller which share of the whole that is:
 /// one call at a time, never falling, the last call being 1.
 ///
-/// The counts are relaxed. oneTBB orders every task before the join, and the lock orders the callbacks (whoever fails
-/// to get it has counted before: on x86 no later instruction overtakes that addition). An order between tasks, made
-/// here, would hide from the thread sanitizer the races of tasks that do not overlap in time.
+/// The counts are relaxed on x86. oneTBB orders every task before the join, and the lock orders the callbacks (whoever
+/// fails to get it has counted before: no later instruction overtakes that addition there). An order between tasks,
+/// made here, would hide from the thread sanitizer the races of tasks that do not overlap in time. ARM needs that
+/// order: an addition and the look after the lock has its place among the count's changes, so that either the look sees
+/// what was added or who added sees the lock free.
 class Progress {
  public:
   /// `control` must outlive this. `whole` is the number of units that will be added in all.
@@ -38,6 +40,8 @@ class Progress {
   void add(std::uint64_t units);
 
  private:
+  [[nodiscard]] bool is_behind() noexcept;
+
   const Control& control_;
   std::uint64_t whole_;
   std::atomic<std::uint64_t> done_{0};
