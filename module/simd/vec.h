@@ -27,6 +27,9 @@
 //   no_bit_set(texels)    whether all bits are 0
 //   transpose(rows)       of an array of Blocks
 //   sum_rows(rows, sums)  for a Block of rows: the sum of each one's 16 lanes
+//   Integers, IntegerGroup  a register of whole numbers as wide as Lanes; as many as make 16 lanes
+//   Bytes                 16 bytes; load_bytes(p); interleave(from, to): four planes of bytes to texels of four
+//   widened(bytes)        16 bytes as an IntegerGroup; last_of_each_four(integers): in each four lanes their last
 //   detail::load(p)       kWidth floats, or as many binary16 as floats
 //   detail::rgb_from_...  what load_rgb and load_rgba below call, or (WELKIN_VEC_LOADS_CHANNELS) these two themselves
 #pragma once

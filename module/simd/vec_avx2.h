@@ -13,6 +13,8 @@ using Block = Quad;
 
 using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
+using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
+using IntegerGroup = IntegersOf<Integers>;
 
 namespace detail {
 
@@ -118,6 +120,14 @@ WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
 WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) {
   _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(values, _mm256_setr_epi32(0, 1, 2, 4, 5, 6, 3, 7)));
 }
+
+/// 16 bytes as whole numbers.
+WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
+  return {Integers(_mm256_cvtepu8_epi32(bytes)), Integers(_mm256_cvtepu8_epi32(_mm_srli_si128(bytes, 8)))};
+}
+
+/// In each four lanes their last.
+WELKIN_INLINE Integers last_of_each_four(Integers values) { return Integers(_mm256_shuffle_epi32(values, 0xFF)); }
 
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

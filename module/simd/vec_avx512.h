@@ -13,6 +13,8 @@ using Block = Lanes;
 
 using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
+using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
+using IntegerGroup = IntegersOf<Integers>;
 
 namespace detail {
 
@@ -282,6 +284,14 @@ WELKIN_INLINE void sum_rows(const float* rows, Lanes& sums) {
   // Element i of block b is row 4i + b.
   const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
   sums = Lanes(_mm512_permutexvar_ps(order, sums_of_blocks));
+}
+
+/// 16 bytes as whole numbers.
+WELKIN_INLINE IntegerGroup widened(Bytes bytes) { return {Integers(_mm512_cvtepu8_epi32(bytes))}; }
+
+/// In each four lanes their last.
+WELKIN_INLINE Integers last_of_each_four(Integers values) {
+  return Integers(_mm512_shuffle_epi32(values, static_cast<_MM_PERM_ENUM>(0xFF)));
 }
 
 }  // namespace WELKIN_ISA

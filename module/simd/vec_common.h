@@ -23,6 +23,12 @@ struct TexelsOf {
   Register part[static_cast<std::size_t>(kLanes) / Register::size];
 };
 
+/// Whole numbers in the 16 logical lanes.
+template <class Register>
+struct IntegersOf {
+  Register part[static_cast<std::size_t>(kLanes) / Register::size];
+};
+
 /// Asks for the line-th cache line after an address, which need not be that of anything. Hence whole numbers: a pointer
 /// must not leave its array.
 WELKIN_INLINE void fetch_line(const char* address, int line) {

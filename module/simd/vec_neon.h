@@ -44,6 +44,8 @@ inline namespace WELKIN_ISA {
 
 using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
+using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
+using IntegerGroup = IntegersOf<Integers>;
 
 namespace detail {
 
@@ -134,6 +136,36 @@ WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
 
 /// The first three of four lanes; what follows them is overwritten too.
 WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) { vst1q_f32(packed, values); }
+
+/// 16 bytes.
+using Bytes = uint8x16_t;
+
+WELKIN_INLINE Bytes load_bytes(const std::uint8_t* p) { return vld1q_u8(p); }
+
+/// The k-th byte of each of four, one after the other, for k = 0, 1, 2, ... 15.
+WELKIN_INLINE void interleave(const Bytes (&from)[4], Bytes (&to)[4]) {
+  const uint16x8_t low[2] = {vreinterpretq_u16_u8(vzip1q_u8(from[0], from[1])),
+                             vreinterpretq_u16_u8(vzip1q_u8(from[2], from[3]))};
+  const uint16x8_t high[2] = {vreinterpretq_u16_u8(vzip2q_u8(from[0], from[1])),
+                              vreinterpretq_u16_u8(vzip2q_u8(from[2], from[3]))};
+  to[0] = vreinterpretq_u8_u16(vzip1q_u16(low[0], low[1]));
+  to[1] = vreinterpretq_u8_u16(vzip2q_u16(low[0], low[1]));
+  to[2] = vreinterpretq_u8_u16(vzip1q_u16(high[0], high[1]));
+  to[3] = vreinterpretq_u8_u16(vzip2q_u16(high[0], high[1]));
+}
+
+/// 16 bytes as whole numbers.
+WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
+  const uint16x8_t low = vmovl_u8(vget_low_u8(bytes));
+  const uint16x8_t high = vmovl_high_u8(bytes);
+  return {Integers(vreinterpretq_s32_u32(vmovl_u16(vget_low_u16(low)))),
+          Integers(vreinterpretq_s32_u32(vmovl_high_u16(low))),
+          Integers(vreinterpretq_s32_u32(vmovl_u16(vget_low_u16(high)))),
+          Integers(vreinterpretq_s32_u32(vmovl_high_u16(high)))};
+}
+
+/// In each four lanes their last.
+WELKIN_INLINE Integers last_of_each_four(Integers values) { return Integers(vdupq_laneq_s32(values, 3)); }
 
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

@@ -13,6 +13,8 @@ using Block = Quad;
 
 using Rgb = RgbOf<Lanes>;
 using Texels = TexelsOf<Lanes>;
+using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
+using IntegerGroup = IntegersOf<Integers>;
 
 namespace detail {
 
@@ -116,6 +118,18 @@ WELKIN_INLINE void store_thrice(Lanes values, float* thrice) {
 
 /// The first three of four lanes; what follows them is overwritten too.
 WELKIN_INLINE void store_without_fourth(Lanes values, float* packed) { _mm_storeu_ps(packed, values); }
+
+/// 16 bytes as whole numbers.
+WELKIN_INLINE IntegerGroup widened(Bytes bytes) {
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i low = _mm_unpacklo_epi8(bytes, zero);
+  const __m128i high = _mm_unpackhi_epi8(bytes, zero);
+  return {Integers(_mm_unpacklo_epi16(low, zero)), Integers(_mm_unpackhi_epi16(low, zero)),
+          Integers(_mm_unpacklo_epi16(high, zero)), Integers(_mm_unpackhi_epi16(high, zero))};
+}
+
+/// In each four lanes their last.
+WELKIN_INLINE Integers last_of_each_four(Integers values) { return Integers(_mm_shuffle_epi32(values, 0xFF)); }
 
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

@@ -17,6 +17,21 @@ inline namespace WELKIN_ISA {
 using Quad = xsimd::batch<float, xsimd::sse2>;
 using Pair = xsimd::batch<double, xsimd::sse2>;
 
+/// 16 bytes.
+using Bytes = __m128i;
+
+WELKIN_INLINE Bytes load_bytes(const std::uint8_t* p) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p)); }
+
+/// The k-th byte of each of four, one after the other, for k = 0, 1, 2, ... 15.
+WELKIN_INLINE void interleave(const Bytes (&from)[4], Bytes (&to)[4]) {
+  const __m128i low[2] = {_mm_unpacklo_epi8(from[0], from[1]), _mm_unpacklo_epi8(from[2], from[3])};
+  const __m128i high[2] = {_mm_unpackhi_epi8(from[0], from[1]), _mm_unpackhi_epi8(from[2], from[3])};
+  to[0] = _mm_unpacklo_epi16(low[0], low[1]);
+  to[1] = _mm_unpackhi_epi16(low[0], low[1]);
+  to[2] = _mm_unpacklo_epi16(high[0], high[1]);
+  to[3] = _mm_unpackhi_epi16(high[0], high[1]);
+}
+
 /// The first double plus the second.
 WELKIN_INLINE double sum(Pair values) { return _mm_cvtsd_f64(_mm_add_sd(values, _mm_unpackhi_pd(values, values))); }
 

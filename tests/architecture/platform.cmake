@@ -1,6 +1,6 @@
 # cmake -DROOT=<the repository> -P platform.cmake: what differs between systems and compilers stands in module/platform.
 # Elsewhere no header of a system, no call of a system that needs no such header, no assembly and no attribute of one
-# compiler may be named; intrinsics only in module/simd and in sources of kernels.
+# compiler may be named; intrinsics only in module/simd.
 cmake_minimum_required(VERSION 3.22)
 
 set(before "(^|[^A-Za-z0-9_])")
@@ -8,7 +8,7 @@ set(pattern_system_header
     "#include <((sys|linux|mach|arpa|net|netinet)/[a-z_/]+|aio|direct|dirent|dlfcn|fcntl|ftw|glob|io|poll|process|pthread|pwd|sched|semaphore|spawn|strings|termios|unistd|utime|wait|windows|Windows)\\.h>")
 set(pattern_system_call
     "${before}(clock_gettime|gmtime_r|localtime_r|mkdtemp|mkstemp|nanosleep|pclose|popen|setenv|sigaction|unsetenv) *\\(")
-set(pattern_intrinsics "#include <([a-z]*intrin|cpuid|arm_neon)\\.h>")
+set(pattern_intrinsics "#include <([a-z]*intrin|cpuid|arm_neon)\\.h>|${before}(_mm[0-9]*_|__m(128|256|512)|v[a-z0-9]+q_[fsu](16|32|64))")
 set(pattern_assembly "${before}(__asm__|__asm|asm)[^A-Za-z0-9_]")
 set(pattern_compiler "\\[\\[(gnu|clang|msvc)::|__attribute__|__builtin_|__declspec|#pragma (GCC|clang)|_Pragma")
 set(kinds system_header system_call intrinsics assembly compiler)
@@ -17,7 +17,7 @@ set(kinds system_header system_call intrinsics assembly compiler)
 # programs each have one file that speaks to the system.
 set(allowed_system_header "^(tools/terminal|perf/report/process)\\.cpp$")
 set(allowed_system_call "${allowed_system_header}")
-set(allowed_intrinsics "^module/(simd/[a-z_0-9]+\\.h|[a-z]+/[a-z_]*kernels\\.(h|cpp))$")
+set(allowed_intrinsics "^module/simd/[a-z_0-9]+\\.h$")
 set(allowed_assembly "^$")
 set(allowed_compiler "^include/welkin/(core|welkin)\\.h$")
 
