@@ -38,7 +38,6 @@ struct Intrinsics<float> {
   static WELKIN_INLINE Register div(Register a, Register b) { return vdivq_f32(a, b); }
   static WELKIN_INLINE Register sqrt(Register a) { return vsqrtq_f32(a); }
   static WELKIN_INLINE Register abs(Register a) { return vabsq_f32(a); }
-  static WELKIN_INLINE Register neg(Register a) { return vnegq_f32(a); }
   static WELKIN_INLINE Mask less(Register a, Register b) { return vcltq_f32(a, b); }
   static WELKIN_INLINE Mask at_most(Register a, Register b) { return vcleq_f32(a, b); }
   static WELKIN_INLINE Mask equal(Register a, Register b) { return vceqq_f32(a, b); }
@@ -60,7 +59,6 @@ struct Intrinsics<double> {
   static WELKIN_INLINE Register div(Register a, Register b) { return vdivq_f64(a, b); }
   static WELKIN_INLINE Register sqrt(Register a) { return vsqrtq_f64(a); }
   static WELKIN_INLINE Register abs(Register a) { return vabsq_f64(a); }
-  static WELKIN_INLINE Register neg(Register a) { return vnegq_f64(a); }
   static WELKIN_INLINE Mask less(Register a, Register b) { return vcltq_f64(a, b); }
   static WELKIN_INLINE Mask at_most(Register a, Register b) { return vcleq_f64(a, b); }
   static WELKIN_INLINE Mask equal(Register a, Register b) { return vceqq_f64(a, b); }
@@ -150,7 +148,6 @@ struct batch {
   friend WELKIN_INLINE batch operator*(batch a, batch b) { return Do::mul(a.data, b.data); }
   friend WELKIN_INLINE batch operator/(batch a, batch b) { return Do::div(a.data, b.data); }
   WELKIN_INLINE batch& operator+=(batch b) { return *this = *this + b; }
-  WELKIN_INLINE batch operator-() const { return Do::neg(data); }
 
   friend WELKIN_INLINE batch operator&(batch a, batch b) {
     return Do::from_bits(vandq_u32(Do::bits(a.data), Do::bits(b.data)));
@@ -170,7 +167,6 @@ struct batch {
   friend WELKIN_INLINE Bool operator>(batch a, batch b) { return Do::less(b.data, a.data); }
   friend WELKIN_INLINE Bool operator>=(batch a, batch b) { return Do::at_most(b.data, a.data); }
   friend WELKIN_INLINE Bool operator==(batch a, batch b) { return Do::equal(a.data, b.data); }
-  friend WELKIN_INLINE Bool operator!=(batch a, batch b) { return !(a == b); }
 };
 
 template <class Value, class Arch>

@@ -31,7 +31,6 @@ void root(const float* a, const float* b, float* to) { each(a, b, to, [](auto x,
 void least(const float* a, const float* b, float* to) { each(a, b, to, [](auto x, auto y) { return xsimd::min(x, y); }); }
 void largest(const float* a, const float* b, float* to) { each(a, b, to, [](auto x, auto y) { return xsimd::max(x, y); }); }
 void magnitude(const float* a, const float* b, float* to) { each(a, b, to, [](auto x, auto) { return xsimd::abs(x); }); }
-void negative(const float* a, const float* b, float* to) { each(a, b, to, [](auto x, auto) { return -x; }); }
 void select_less(const float* a, const float* b, float* to) {
   each(a, b, to, [](auto x, auto y) { return xsimd::select(x < y, x, y); });
 }
@@ -58,7 +57,7 @@ void widened(const float* a, double* to) {
 void comparisons(const float* a, const float* b, int* to) {
   const Lanes one(1.0F);
   const Lanes none(0.0F);
-  float counts[6][kLanes];
+  float counts[5][kLanes];
   for (int k = 0; k < kLanes; k += kWidth) {
     const Lanes x = Lanes::load_unaligned(a + k);
     const Lanes y = Lanes::load_unaligned(b + k);
@@ -67,9 +66,8 @@ void comparisons(const float* a, const float* b, int* to) {
     xsimd::select(x > y, one, none).store_unaligned(counts[2] + k);
     xsimd::select(x >= y, one, none).store_unaligned(counts[3] + k);
     xsimd::select(x == y, one, none).store_unaligned(counts[4] + k);
-    xsimd::select(x != y, one, none).store_unaligned(counts[5] + k);
   }
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 5; ++i) {
     to[i] = 0;
     for (int k = 0; k < kLanes; ++k) to[i] += counts[i][k] > 0.0F ? 1 : 0;
   }
@@ -158,7 +156,6 @@ const VectorKernels vector_kernels_table = {
     .least = least,
     .largest = largest,
     .magnitude = magnitude,
-    .negative = negative,
     .select_less = select_less,
     .whole = whole,
     .double_quotient = double_quotient,

@@ -13,13 +13,13 @@ using FloatOperation = void (*)(const float* a, const float* b, float* to);
 using DoubleOperation = void (*)(const double* a, const double* b, double* to);
 
 struct VectorKernels {
-  FloatOperation sum, difference, product, quotient, root, least, largest, magnitude, negative;
+  FloatOperation sum, difference, product, quotient, root, least, largest, magnitude;
   FloatOperation select_less;  ///< a < b ? a : b, by a comparison and a choice
   FloatOperation whole;        ///< of a, towards zero, as a float again
   DoubleOperation double_quotient, double_root, double_least, double_largest;
   void (*narrowed)(const double* a, float* to);
   void (*widened)(const float* a, double* to);
-  void (*comparisons)(const float* a, const float* b, int* to);  ///< [6]: of how many lanes < <= > >= == != hold
+  void (*comparisons)(const float* a, const float* b, int* to);  ///< [5]: of how many lanes < <= > >= == hold
   bool (*any_less)(const float* a, const float* b);              ///< in any of the first lanes of a register
   bool (*all_less)(const float* a, const float* b);
   bool (*no_bit_set)(const float* texels);

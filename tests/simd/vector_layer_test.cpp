@@ -108,7 +108,6 @@ TEST_CASE("Vector operations on floats round and choose as a plain loop does", "
     require_as_twin<float>(kernels.largest, largest<float>);
     require_as_twin<float>(kernels.select_less, least<float>);
     require_as_twin<float>(kernels.magnitude, [](float a, float) { return std::abs(a); });
-    require_as_twin<float>(kernels.negative, [](float a, float) { return -a; });
     require_as_twin<float>(kernels.whole, whole);
   }
 }
@@ -147,7 +146,7 @@ TEST_CASE("Doubles become floats by one rounding, and floats doubles by none", "
   }
 }
 
-TEST_CASE("Vector comparisons take NaN for nothing but unequal", "[simd]") {
+TEST_CASE("Vector comparisons hold for no NaN", "[simd]") {
   const std::vector<float> numbers = awkward_numbers<float>();
   for (const InstructionSet set : available_instruction_sets()) {
     CAPTURE(name(set));
@@ -156,16 +155,15 @@ TEST_CASE("Vector comparisons take NaN for nothing but unequal", "[simd]") {
       std::array<float, kLanes> b{};
       std::copy_n(numbers.begin(), kLanes, a.begin());
       b.fill(second);
-      int expected[6] = {};
+      int expected[5] = {};
       for (const float first : a) {
-        const bool held[6] = {first<second, first <= second, first> second, first >= second, first == second,
-                              first != second};
-        for (int i = 0; i < 6; ++i) expected[i] += held[i] ? 1 : 0;
+        const bool held[5] = {first<second, first <= second, first> second, first >= second, first == second};
+        for (int i = 0; i < 5; ++i) expected[i] += held[i] ? 1 : 0;
       }
-      int found[6] = {};
+      int found[5] = {};
       vector_kernels(set).comparisons(a.data(), b.data(), found);
       CAPTURE(second);
-      REQUIRE(std::equal(found, found + 6, expected));
+      REQUIRE(std::equal(found, found + 5, expected));
     }
     const std::array<float, kLanes> ones = [] {
       std::array<float, kLanes> values{};
