@@ -39,7 +39,10 @@ WELKIN_INLINE void convert_run(const std::uint8_t* const (&planes)[kComponents],
                                          simd::load_bytes(planes[2] + first), simd::load_bytes(planes[3] + first)};
   Bytes texels[kComponents];
   simd::interleave(components, texels);
-  for (int k = 0; k < kComponents; ++k) convert_group(texels[k], rgb + 3 * kTexels * k);
+  convert_group(texels[0], rgb);
+  convert_group(texels[1], rgb + 3 * kTexels);
+  convert_group(texels[2], rgb + 6 * kTexels);
+  convert_group(texels[3], rgb + 9 * kTexels);
 }
 
 void floats_from_rgbe(const std::uint8_t* planes, int length, float* rgb) {

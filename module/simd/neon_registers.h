@@ -147,6 +147,9 @@ struct batch {
   friend WELKIN_INLINE batch operator-(batch a, batch b) { return Do::sub(a.data, b.data); }
   friend WELKIN_INLINE batch operator*(batch a, batch b) { return Do::mul(a.data, b.data); }
   friend WELKIN_INLINE batch operator/(batch a, batch b) { return Do::div(a.data, b.data); }
+  WELKIN_INLINE batch operator-() const {
+    return Do::from_bits(veorq_u32(Do::bits(data), Do::bits(Do::all(Value(-0.0F)))));
+  }
   WELKIN_INLINE batch& operator+=(batch b) { return *this = *this + b; }
 
   friend WELKIN_INLINE batch operator&(batch a, batch b) {
