@@ -11,12 +11,16 @@
 #include <thread>
 #include <vector>
 
+#include "platform/float_environment.h"
 #include "welkin/worker.h"
 
 namespace welkin::detail {
 
 /// Whether so many threads that are busy leave a processor for another thread. If not, nobody keeps one for waiting.
-[[nodiscard]] inline bool leaves_a_processor(int threads) { return threads < available_threads(); }
+[[nodiscard]] inline bool leaves_a_processor(int threads) {
+  const platform::FloatingPointScope floating_point;  // counting processors divides
+  return threads < available_threads();
+}
 
 /// The threads take all slots of an arena as external threads, so that oneTBB sends none of the process's pool there,
 /// and the pool stays the engine's. A thread that finds nothing to start parks: it waits in the arena for a task group
