@@ -9,9 +9,9 @@
 // functions would otherwise have the same names in all builds; where a compiler does not inline them the linker keeps
 // one copy, and a machine without AVX could run the AVX one.
 //
-// Two operators of xsimd's differ between its sets. != (of a NaN false with AVX, true with SSE2) is not for kernels, and
-// NEON's registers have none. The sign's change (0 - x with AVX-512, which leaves a zero's sign) is for values that are
-// not 0, or whose sign is lost then.
+// Two operators of xsimd's differ between its sets. != (of a NaN false with AVX, true with SSE2) is not for kernels,
+// and NEON's registers have none. The sign's change (0 - x with AVX-512, which leaves a zero's sign) is for values that
+// are not 0, or whose sign is lost then.
 //
 // A header an instruction set defines:
 //   Quad, Pair            registers of four floats and of two doubles
