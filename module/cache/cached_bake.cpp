@@ -27,6 +27,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     // The narrowest lobe of the whole chain decides which texels are taken out, and a cubemap's rings.
     writer.put(plan.least_alpha);
     writer.put(plan.reach);
+    writer.put(plan.sums ? 1 : 0);  // of small cubemaps
   }
   if (mip.method == MipMethod::narrow) {
     writer.put(2);  // the version of its bits

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "image/geometry.h"
+#include "image/pixels.h"
 #include "reflections/lobe.h"
 #include "reflections/ring_table.h"
 #include "transform/transform_kernels.h"
@@ -37,6 +37,9 @@ constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are s
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
+
+constexpr double kSummedSafety = 4.0;  ///< of sums over texels
+constexpr double kSumRounding = 3e-7;  ///< of theirs
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
@@ -129,18 +132,53 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
   return (rings ? kRingSafety : kSafety) * (rounding + std::sqrt(square) / rms);
 }
 
+SourceVariation variation_of(const CubemapView& source) {
+  double steps = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  double count = 0.0;
+  const int last = 3 * source.size;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < source.size; ++row) {
+      const auto* const here = static_cast<const float*>(image::row_of(source, face, row));
+      const auto* const below =
+          static_cast<const float*>(image::row_of(source, face, std::min(row + 1, source.size - 1)));
+      for (int k = 0; k < last; ++k) {
+        const auto value = static_cast<double>(here[k]);
+        const double across = value - static_cast<double>(here[k + 3 < last ? k + 3 : k]);
+        const double down = value - static_cast<double>(below[k]);
+        steps += across * across + down * down;
+        sum += value;
+        squares += value * value;
+      }
+      count += last;
+    }
+  }
+  return {std::sqrt(steps / count), std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)))};
+}
+
+double summed_rms_error(const LobeTable::Error& weights, const SourceVariation& source, double of_lights, double rms) {
+  if (!(rms > 0.0)) return kRounding;
+  // white noise differs by twice its deviation; three channels are counted together
+  const double noise = 0.5 * weights.texels * source.steps;
+  const double halves = weights.halves * source.spread;
+  const double square = 3.0 * (noise * noise + halves * halves) + of_lights * of_lights;
+  return kSummedSafety * (kSumRounding + std::sqrt(square) / rms);
+}
+
 double rms_of_level(const CubemapChain& chain, int level) {
   const int size = chain.level_size(level);
   const int step = (size + kMostSamples - 1) / kMostSamples;
-  std::vector<double> angles(static_cast<std::size_t>(size));
   double squares = 0.0;
   double whole = 0.0;
   for (int row = step / 2; row < size; row += step) {
-    image::cubemap_row_solid_angles(row, angles);
+    const double v = (2.0 * row + 1.0) / size - 1.0;
     for (int face = 0; face < 6; ++face) {
       const float* const values = chain.face(level, face) + std::ptrdiff_t{3} * size * row;
       for (int column = step / 2; column < size; column += step) {
-        const double steradians = angles[static_cast<std::size_t>(column)];
+        const double u = (2.0 * column + 1.0) / size - 1.0;
+        const double square = 1.0 + u * u + v * v;
+        const double steradians = 1.0 / (square * std::sqrt(square));  // over the middle's: near enough
         for (int c = 0; c < 3; ++c) {
           const auto value = static_cast<double>(values[3 * column + c]);
           squares += steradians * value * value;

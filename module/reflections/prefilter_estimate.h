@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "reflections/lobe_table.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
@@ -27,6 +28,17 @@ struct SpectralSource {
 /// (`BrightLights::error`). docs/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
+
+/// What light a cubemap has that weights may err by, per texel and channel.
+struct SourceVariation {
+  double steps = 0.0;   ///< root mean square of what neighbours differ by, over two directions
+  double spread = 0.0;  ///< standard deviation
+};
+[[nodiscard]] SourceVariation variation_of(const CubemapView& source);
+
+/// As `spectral_rms_error`, of a mip that is a sum of texels.
+[[nodiscard]] double summed_rms_error(const LobeTable::Error& weights, const SourceVariation& source, double of_lights,
+                                      double rms);
 
 /// Root mean square over the sphere of a level's radiance, all three channels together, from at most 32 x 32 texels a
 /// face.
