@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kCacheBytes = std::size_t{128} << 20U;
 constexpr int kLeastFace = 8;
-constexpr int kLargestFace = 128;
+constexpr int kLargestFace = 64;
 constexpr std::size_t kMostTaps = 2000;  ///< of a texel
 
 /// Texels of a mip within the sixteenth.
@@ -108,7 +108,7 @@ class LobeTable::Builder {
             const glm::dvec3 direction = image::face_direction(mip.size, face, own_column + 0.5, own_row + 0.5);
             for (const LobeWeights::Weight& weight : weights.about(direction))
               parts_.push_back({weight.level, weight.point, k, static_cast<float>(weight.value)});
-            if (k == 0 && looks_at(mip.size, row, column)) {
+            if (looks_at(mip.size, own_row, own_column)) {
               weights.add_square_error(squares);
               ++looked;
             }
@@ -124,9 +124,9 @@ class LobeTable::Builder {
     table_.mips_.push_back(std::move(made));
   }
 
-  /// Some places of either face.
+  /// Some places of either face; all of a small mip.
   static bool looks_at(int size, int row, int column) noexcept {
-    const int step = std::max(2, size / 4);
+    const int step = std::max(1, size / 4);
     return row % step == 0 && column % step == 0;
   }
 

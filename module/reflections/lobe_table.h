@@ -37,7 +37,7 @@ struct LobeTableKey {
 /// mip's weights depend on the size of the faces and on that mip alone.
 class LobeTable {
  public:
-  /// Whether a mip may be made so: faces of 8 to 128 texels, an even number; a mip of half that or less.
+  /// Whether a mip may be made so: faces of 8 to 64 texels, an even number; a mip of half that or less.
   [[nodiscard]] static bool serves(int face_size, const LobeMip& mip) noexcept;
 
   /// From a bounded cache. All mips are served. Throws `Error` (cancelled) while it makes one.

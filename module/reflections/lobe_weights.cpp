@@ -29,6 +29,7 @@ LobeWeights::LobeWeights(const std::vector<CubeLevel>& levels, double alpha)
       scale_(1.0 / lobe_integral(alpha)),
       width_square_(std::min(1.0, 4.0 * square(alpha) / std::max(1e-9, (1.0 - alpha) * (1.0 + alpha)))),
       kink_(scale_ * lobe(1e-6, alpha) * 1e6),
+      smooth_(scale_ * lobe(1.0, alpha) * square(square(alpha))),
       two_(math::gauss_legendre(2)),
       three_(math::gauss_legendre(3)) {
   for (const CubeLevel& shape : levels) {
@@ -150,11 +151,13 @@ double LobeWeights::lobe_over(std::size_t which, std::size_t point) const {
   return scale_ * sum / area;
 }
 
-/// At a place of a face's plane.
+/// At a place of a face's plane, with the sign of the cosine beyond the horizon: differences over it see no kink. The
+/// lobe is cosine / (1 - (1 - alpha^2) h^2)^2, h^2 = (1 + cosine) / 2.
 double LobeWeights::lobe_at(const image::Frame& frame, double u, double v) const {
   const double along =
       glm::dot(frame.normal, direction_) + u * glm::dot(frame.u, direction_) + v * glm::dot(frame.v, direction_);
-  return scale_ * lobe(along / std::sqrt(1.0 + u * u + v * v), alpha_);
+  const double cosine = along / std::sqrt(1.0 + u * u + v * v);
+  return smooth_ * cosine / square(square(alpha_) * 0.5 * (1.0 + cosine) + 0.5 * (1.0 - cosine));
 }
 
 /// What a point's value is to be for those between it and its neighbours to be right: four points lose a share of the
@@ -163,8 +166,7 @@ double LobeWeights::wanted(std::size_t which, std::size_t point) const {
   const double mean = lobe_over(which, point);
   const Level& level = levels_[which];
   const double cosine = glm::dot(level.places[point], direction_);
-  if (which == 0 || width_square_ + 2.0 - 2.0 * cosine > square(kBent * level.step) || cosine < 3.0 * level.step)
-    return mean;
+  if (which == 0 || width_square_ + 2.0 - 2.0 * cosine > square(kBent * level.step) || cosine <= 0.0) return mean;
   const int edge = level.shape.edge();
   const auto on_face = static_cast<int>(point % static_cast<std::size_t>(edge * edge));
   const image::Frame& frame = image::face_frame(static_cast<int>(point / static_cast<std::size_t>(edge * edge)));

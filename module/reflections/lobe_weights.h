@@ -66,6 +66,7 @@ class LobeWeights {
   double scale_ = 0.0;         ///< 1 over the lobe's integral
   double width_square_ = 0.0;  ///< of the lobe, as 2 (1 - cosine)
   double kink_ = 0.0;          ///< the lobe's slope at the horizon
+  double smooth_ = 0.0;        ///< the lobe's factor: see `lobe_at`
   std::vector<Level> levels_;
   std::size_t top_ = 0;  ///< the coarsest level that is used
   glm::dvec3 direction_{};

@@ -39,7 +39,7 @@ constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
 
 constexpr double kSummedSafety = 4.0;  ///< of sums over texels
-constexpr double kSumRounding = 3e-7;  ///< of theirs
+constexpr double kSumRounding = 1e-6;  ///< of theirs
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {

@@ -55,7 +55,7 @@ TEST_CASE("Light that goes to coarser points keeps its moments up to the third",
 
 TEST_CASE("A lobe's weights are its integrals over all texels", "[prefilter][sums]") {
   const std::vector<CubeLevel> levels = reflections::cube_levels(16);
-  for (const double alpha : {0.02, 0.1, 0.4, 1.0}) {
+  for (const double alpha : {0.05, 0.1, 0.4, 1.0}) {  // 0.05: about the narrowest that faces of 16 are summed with
     LobeWeights weights(levels, alpha);
     CAPTURE(alpha);
     for (const glm::dvec3& direction :
@@ -166,7 +166,7 @@ TEST_CASE("Chains from small cubemaps are within the default bounds", "[specular
     }
     if (size == 64) check_sums(sky_over_dark_ground(size).view(), {.size = size}, 23);
   }
-  check_sums(sky_over_dark_ground(128).view(), {.size = 128}, 331);
+  check_sums(sky_over_dark_ground(44).view(), {.size = 44}, 23);
 }
 
 TEST_CASE("Sums over texels give the same bits on any threads and instruction set",
@@ -200,6 +200,7 @@ TEST_CASE("Tighter bounds, other sizes and the spectral method take harmonics", 
   };
   CHECK(method({.size = 16, .mips = 1, .roughness = {0.5}}) == MipMethod::summed);
   CHECK(method({.size = 17, .mips = 1, .roughness = {0.5}}) == MipMethod::spectral);
+  CHECK(method({.size = 16, .mips = 1, .roughness = {0.14}}) == MipMethod::spectral);  // too narrow for faces of 32
   CHECK(method({.size = 16, .mips = 1, .roughness = {0.5}, .method = PrefilterMethod::spectral}) ==
         MipMethod::spectral);
   CHECK(method({.size = 16, .mips = 1, .roughness = {0.5}, .rms_error = 1e-4}) == MipMethod::spectral);
