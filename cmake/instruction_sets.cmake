@@ -1,7 +1,14 @@
 # welkin_isa_sources(SOURCE...): kernels. Each source is compiled once per instruction set into the same library; which
 # build runs is decided at run time. Kernels are optimised in every configuration: an unoptimised one tells nothing and
 # takes minutes. (Under a sanitizer less: there it is the compiler that takes minutes, and the bits are the same.)
-set(welkin_instruction_sets sse2 avx2 avx512)
+#
+# The sets are those of the processor that is compiled for.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^wasm")
+  set(welkin_instruction_sets simd128)
+else()
+  set(welkin_instruction_sets sse2 avx2 avx512)
+endif()
+set(welkin_options_simd128 -msimd128 -msse2)  # the intrinsics of SSE2, which stand for those of WebAssembly
 if(MSVC)
   set(welkin_options_sse2)
   set(welkin_options_avx2 /arch:AVX2)
@@ -28,7 +35,7 @@ foreach(isa IN LISTS welkin_instruction_sets)
   target_compile_definitions(welkin_kernels_${isa} PRIVATE WELKIN_ISA=${isa} xsimd=xsimd_${isa})
   target_compile_options(welkin_kernels_${isa} PRIVATE ${welkin_options_${isa}} ${welkin_kernel_optimisation})
   target_link_libraries(welkin_kernels_${isa} PRIVATE welkin_flags xsimd)
-  set_target_properties(welkin_kernels_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(welkin_kernels_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ${WELKIN_POSITION_INDEPENDENT_CODE})
 endforeach()
 
 function(welkin_isa_sources)

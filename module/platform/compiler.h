@@ -15,7 +15,11 @@
 #if defined(__GNUC__)
 #define WELKIN_INLINE inline __attribute__((always_inline))
 #define WELKIN_INLINE_LAMBDA __attribute__((always_inline))
+#if defined(__wasm__)
+#define WELKIN_IN_REGISTER(v) static_cast<void>(v)
+#else
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
+#endif
 #define WELKIN_RUN_BEFORE_STATIC_OBJECTS __attribute__((constructor(101)))
 #elif defined(_MSC_VER)
 #define WELKIN_INLINE __forceinline

@@ -1,5 +1,7 @@
 // Which kernels this machine can run. Compiled for the baseline, so that asking never faults.
+#if defined(__x86_64__)
 #include <cpuid.h>
+#endif
 
 #include <atomic>
 #include <cstdint>
@@ -10,6 +12,8 @@
 
 namespace welkin {
 namespace {
+
+#if defined(__x86_64__)
 
 struct Registers {
   unsigned eax, ebx, ecx, edx;
@@ -52,10 +56,24 @@ bool ask_processor(InstructionSet set) {
 bool runs(InstructionSet set) {
   static const bool avx2 = ask_processor(InstructionSet::avx2);
   static const bool avx512 = ask_processor(InstructionSet::avx512);
-  return set == InstructionSet::sse2 || (set == InstructionSet::avx2 ? avx2 : avx512);
+  switch (set) {
+    case InstructionSet::sse2: return true;
+    case InstructionSet::avx2: return avx2;
+    case InstructionSet::avx512: return avx512;
+    case InstructionSet::simd128: return false;
+  }
+  return false;
 }
 
-constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512};
+#else
+
+/// A WebAssembly module that uses vectors loads nowhere else than where there are any.
+bool runs(InstructionSet set) { return set == InstructionSet::simd128; }
+
+#endif
+
+constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512,
+                                   InstructionSet::simd128};
 
 void require_runnable(InstructionSet set, const std::string& asked_by) {
   if (runs(set)) return;
@@ -71,8 +89,8 @@ InstructionSet initial_choice() {
     require_runnable(set, std::string("WELKIN_ISA=") + wanted);
     return set;
   }
-  throw Error(ErrorCode::invalid_argument,
-              std::string("WELKIN_ISA=") + wanted + ": not an instruction set; it may be sse2, avx2 or avx512");
+  throw Error(ErrorCode::invalid_argument, std::string("WELKIN_ISA=") + wanted +
+                                               ": not an instruction set; it may be sse2, avx2, avx512 or simd128");
 }
 
 constexpr int kUndecided = -1;
@@ -85,6 +103,7 @@ const char* name(InstructionSet set) noexcept {
     case InstructionSet::sse2: return "sse2";
     case InstructionSet::avx2: return "avx2";
     case InstructionSet::avx512: return "avx512";
+    case InstructionSet::simd128: return "simd128";
   }
   return "unknown";
 }

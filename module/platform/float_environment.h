@@ -1,12 +1,31 @@
 // The same floating-point environment for every public call and every task.
 #pragma once
 
+#if !defined(__wasm__)
 #include <xmmintrin.h>
+#endif
 
 #include <cstddef>
 #include <cstdint>
 
 namespace welkin::platform {
+
+#if defined(__wasm__)
+
+// WebAssembly always rounds to nearest, keeps denormals and raises nothing.
+
+class FloatingPointScope {
+ public:
+  FloatingPointScope() noexcept {}  // NOLINT(modernize-use-equals-default): an object that is not unused
+};
+
+/// Denormals stay: nothing may depend on them where this lives.
+class FlushDenormalsScope {
+ public:
+  FlushDenormalsScope() noexcept {}  // NOLINT(modernize-use-equals-default): likewise
+};
+
+#else
 
 /// Rounds to nearest, keeps denormals and raises nothing while it lives; then puts back what was there, flags of past
 /// exceptions included. Engines like to flush denormals or to unmask exceptions on their threads: either would change
@@ -28,7 +47,7 @@ class FloatingPointScope {
   FloatingPointScope& operator=(const FloatingPointScope&) = delete;
 
  private:
-  static constexpr unsigned kDefaultEnvironment = 0x1F80;  // MXCSR after reset: all exceptions masked
+  static constexpr unsigned kDefaultEnvironment = 0x1F80;       // MXCSR after reset: all exceptions masked
 
 #if defined(__GNUC__)
   static constexpr std::uint16_t kDefaultControlWord = 0x037F;  // after FNINIT: 64 bits, to nearest, all masked
@@ -51,7 +70,7 @@ class FloatingPointScope {
   struct X87Environment {
     std::byte bytes[kX87EnvironmentBytes];
   } x87_;  ///< written only if the control word is not the default one
-#else      // the compilers of Windows compute text without the x87 unit
+#else  // the compilers of Windows compute text without the x87 unit
   void enter_x87() noexcept {}
   void leave_x87() const noexcept {}
 #endif
@@ -73,5 +92,7 @@ class FlushDenormalsScope {
   static constexpr unsigned kDenormalsAreZero = 0x0040;
   unsigned saved_;
 };
+
+#endif
 
 }  // namespace welkin::platform

@@ -12,23 +12,46 @@ namespace welkin::simd {
 /// Kernels count in groups of as many logical lanes: 1 register of AVX-512, 2 of AVX2, 4 of SSE2.
 inline constexpr int kLanes = 16;
 
+#if defined(__wasm__)
+
+/// Of one table the one for an instruction set.
+template <class Table>
+[[nodiscard]] const Table& table_for(InstructionSet /*set*/, const Table& simd128) {
+  return simd128;
+}
+
+#else
+
 /// Of three tables the one for an instruction set.
 template <class Table>
 [[nodiscard]] const Table& table_for(InstructionSet set, const Table& sse2, const Table& avx2, const Table& avx512) {
   switch (set) {
-    case InstructionSet::sse2: return sse2;
+    case InstructionSet::sse2:
+    case InstructionSet::simd128: return sse2;  // the latter is of another processor, and never in use
     case InstructionSet::avx2: return avx2;
     case InstructionSet::avx512: return avx512;
   }
   return sse2;
 }
 
+#endif
+
 }  // namespace welkin::simd
 
 /// Declares in a room's namespace, for a struct `Table` of kernels:
-///   extern const Table name_table;           in the namespaces sse2, avx2 and avx512: what a kernels' source defines
+///   extern const Table name_table;           in the namespaces sse2, avx2 and avx512, or simd128: what a kernels'
+///   source
+///                                            defines
 ///   const Table& name(InstructionSet set);   the table for an instruction set, which this machine must be able to run
 ///   const Table& name();                     the table in use; throws like `active_instruction_set`
+#if defined(__wasm__)
+#define WELKIN_KERNEL_TABLES(Table, name)                                                                            \
+  namespace simd128 {                                                                                                \
+  extern const Table name##_table;                                                                                   \
+  }                                                                                                                  \
+  [[nodiscard]] inline const Table& name(InstructionSet set) { return simd::table_for(set, simd128::name##_table); } \
+  [[nodiscard]] inline const Table& name() { return name(active_instruction_set()); }
+#else
 #define WELKIN_KERNEL_TABLES(Table, name)                                                      \
   namespace sse2 {                                                                             \
   extern const Table name##_table;                                                             \
@@ -43,3 +66,4 @@ template <class Table>
     return simd::table_for(set, sse2::name##_table, avx2::name##_table, avx512::name##_table); \
   }                                                                                            \
   [[nodiscard]] inline const Table& name() { return name(active_instruction_set()); }
+#endif
