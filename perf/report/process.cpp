@@ -129,18 +129,19 @@ namespace {
 /// As Linux has it (on ARM numbers stand for names: who made the design, and which one it is); else the number of
 /// processors alone.
 std::string processor() {
-  const std::string count = std::to_string(std::thread::hardware_concurrency()) + " x ";
+  std::string name = std::to_string(std::thread::hardware_concurrency()) + " x ";
   std::ifstream stream("/proc/cpuinfo");
   std::string implementer;
   for (std::string line; std::getline(stream, line);) {
     const std::size_t at = line.find(": ");
     if (at == std::string::npos) continue;
-    if (line.rfind("model name", 0) == 0) return count + line.substr(at + 2);
+    if (line.rfind("model name", 0) == 0) return name.append(line, at + 2);
     if (line.rfind("CPU implementer", 0) == 0) implementer = line.substr(at + 2);
-    if (line.rfind("CPU part", 0) == 0)
-      return count + "64-bit ARM, implementer " + implementer + ", part " + line.substr(at + 2);
+    if (line.rfind("CPU part", 0) == 0) {
+      return name.append("64-bit ARM, implementer ").append(implementer).append(", part ").append(line, at + 2);
+    }
   }
-  return count + "processor of no name";
+  return name.append("processor of no name");
 }
 
 std::string compiler() {
