@@ -166,8 +166,9 @@ class Worker {
   }
 
   /// Calls the callbacks of jobs that were done before the call, in the order in which they finished, on this thread:
-  /// at least one if there is one, then until the budget is spent. What a callback throws comes out here; the others
-  /// wait for the next call. Returns how many were called.
+  /// at least one if there is one, then until the budget is spent. The exception is a thread of the worker that holds
+  /// its books and is kept off the processors: after 0.1 ms, or the budget if that is longer, the call gives up waiting
+  /// for it. What a callback throws comes out here; the others wait for the next call. Returns how many were called.
   std::size_t drain(std::chrono::nanoseconds budget = std::chrono::nanoseconds::max());
 
   /// Gives up all jobs (they end with an `Error` (stopped)), waits until none runs, and ends the threads.

@@ -210,21 +210,23 @@ void Scheduler::hang(ComputationList& node, const std::shared_ptr<JobRecord>& pa
 
 std::size_t Scheduler::drain(std::chrono::nanoseconds budget) {
   constexpr std::chrono::microseconds kPause{20};
+  constexpr std::chrono::nanoseconds kLeast = std::chrono::microseconds(100);
   require_own_process();
   const auto start = Clock::now();
-  const auto spent = [&] { return Clock::now() - start >= budget; };
+  const auto spent = [&](std::chrono::nanoseconds allowed) { return Clock::now() - start >= allowed; };
   std::size_t there = 0;
   for (std::size_t called = 0;; ++called) {
     // Without the mutex: most frames have nothing to drain.
     const bool nothing = undrained_.load(std::memory_order_acquire) == 0 && inbox_.load() == nullptr;
-    if (nothing || (called > 0 && (called >= there || spent()))) return called;
+    if (nothing || (called > 0 && (called >= there || spent(budget)))) return called;
     ComputationList one;
     {
       // The mutex may be held by a thread of ours that more important ones keep off the processor: the budget is for
-      // that too. Sleeping, and not spinning, gives it this one.
+      // that too. Sleeping, and not spinning, gives it this one. A thread that merely looks for work lets go of the
+      // mutex in less than `kLeast`, and then the first callback runs whatever the budget is.
       Lock lock(mutex_, std::try_to_lock);
       while (!lock) {
-        if (spent()) return called;
+        if (spent(called == 0 ? std::max(budget, kLeast) : budget)) return called;
         std::this_thread::sleep_for(kPause);
         static_cast<void>(lock.try_lock());
       }

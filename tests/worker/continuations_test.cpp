@@ -104,7 +104,11 @@ TEST_CASE("a budget of nothing runs one callback", "[worker]") {
   for (int k = 0; k < 5; ++k) note(worker, notes, k);
   worker.wait_until_idle();
   for (std::size_t k = 1; k <= 5; ++k) {
-    CHECK(worker.drain(std::chrono::nanoseconds(0)) == 1);
+    // A call may find the worker's thread in the books, and calls nothing then if that thread is kept off the
+    // processors.
+    std::size_t called = 0;
+    CHECK(eventually([&] { return (called = worker.drain(std::chrono::nanoseconds(0))) > 0; }));
+    CHECK(called == 1);
     CHECK(notes.size() == k);
   }
   CHECK(worker.drain(std::chrono::nanoseconds(0)) == 0);
