@@ -507,6 +507,42 @@ TEST_CASE("sky view: the compact table looks much like the full one", "[sky][vie
   }
 }
 
+namespace {
+
+/// The largest of the three channels.
+double largest_relative_error(const glm::dvec3& rgb, const glm::dvec3& truth) {
+  double largest = 0.0;
+  for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(rgb[c] / truth[c] - 1.0));
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("sky view: by day the compact table is the full one but for what it leaves out", "[sky][view]") {
+  SkyTableOptions options;
+  const auto full = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  options.layout = ScatteringLayout::compact;
+  const auto compact = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), options));
+  const glm::dvec3 overhead = sun_direction(90.0, 0.0);
+  for (const double altitude : {0.0, 700.0, 2000.0, 5000.0, 12'000.0, 35'000.0}) {
+    const SkyView a(full, altitude);
+    const SkyView b(compact, altitude);
+    CAPTURE(altitude);
+    for (const double elevation : {90.0, 80.0}) {
+      const glm::dvec3 sun = sun_direction(elevation, 0.0);
+      CHECK(largest_relative_error(b.irradiance(sun), a.irradiance(sun)) < 3e-4);
+    }
+    if (altitude > 5000.0) continue;
+    // It leaves out the azimuth, which a sun overhead has not, and guesses two channels of the forward lobe, which
+    // shows nearer to the sun than this.
+    for (double elevation = 5.0; elevation <= 45.0; elevation += 5.0) {
+      const glm::dvec3 towards = sun_direction(elevation, 40.0);
+      CAPTURE(elevation);
+      CHECK(largest_relative_error(b.radiance(towards, overhead), a.radiance(towards, overhead)) < 2.5e-3);
+    }
+  }
+}
+
 TEST_CASE("sky view: folded colours are the folded truth", "[sky][view][truth]") {
   const Atmosphere air = earth_bruneton({400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0});
   SkyTableOptions options;
