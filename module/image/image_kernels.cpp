@@ -169,6 +169,20 @@ WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
   return run.origin + run.rows[point] * run.row_stride + 3 * static_cast<std::ptrdiff_t>(column);
 }
 
+/// Asks for the texels of a patch further on. A picture far finer than the cube is read from memory but once, in as
+/// many rows at a time as a patch has, which is more than the processor follows by itself.
+template <bool mirrored>
+WELKIN_INLINE void fetch_patch(const PatchRun& run, int point) {
+  if (point >= run.count) return;
+  const float* const texels = first_texel<mirrored>(run, point);
+  for (int row = 0; row < run.patch_rows; ++row) {
+    fetch_line(reinterpret_cast<const char*>(texels + row * run.row_stride), 0);
+  }
+}
+
+/// Points between the one at work and the one whose texels are fetched.
+constexpr int kAhead = 8;
+
 /// `product`: there are row weights. `known_rows`: of a patch of one group; 0 if the run knows.
 template <bool mirrored, bool product, int known_rows>
 WELKIN_INLINE Spread spread_value(const PatchRun& run, int point) {
@@ -201,6 +215,7 @@ WELKIN_INLINE Spread spread_value(const PatchRun& run, int point) {
 
 template <bool mirrored, bool product, int known_rows>
 WELKIN_INLINE void sample_one(const PatchRun& run, int point, float* rgb) {
+  if (known_rows == 0) fetch_patch<mirrored>(run, point + kAhead);
   const Spread spread = spread_value<mirrored, product, known_rows>(run, point);
   const Quad value = uniform(spread) ? Quad::load_unaligned(first_texel<mirrored>(run, point)) : folded(spread.total);
   store_rgb(value, rgb + point * run.rgb_step);
@@ -211,9 +226,12 @@ WELKIN_INLINE void sample_one(const PatchRun& run, int point, float* rgb) {
 /// Points `point` to `point` + 3, next to each other or not.
 template <bool mirrored, bool product, int known_rows>
 WELKIN_INLINE void sample_four(const PatchRun& run, int point, float* rgb) {
-  // The next line of tiles will want the row beyond this one's.
-  const std::ptrdiff_t rows = known_rows > 0 ? known_rows : run.patch_rows;
-  fetch_line(reinterpret_cast<const char*>(first_texel<mirrored>(run, point) + rows * run.row_stride), 0);
+  if (known_rows > 0) {
+    // The next line of tiles will want the row beyond this one's.
+    fetch_line(reinterpret_cast<const char*>(first_texel<mirrored>(run, point) + known_rows * run.row_stride), 0);
+  } else {
+    for (int k = 0; k < 4; ++k) fetch_patch<mirrored>(run, point + k + kAhead);
+  }
   Spread spread[4];
   for (int k = 0; k < 4; ++k) spread[k] = spread_value<mirrored, product, known_rows>(run, point + k);
   Lanes rgba = folded(spread[0].total, spread[1].total, spread[2].total, spread[3].total);
