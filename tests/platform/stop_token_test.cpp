@@ -67,8 +67,8 @@ TEMPLATE_TEST_CASE("Without a source nothing can stop any more", "[platform]", O
   CHECK_FALSE(typename TestType::Token().stop_possible());
 }
 
-TEMPLATE_TEST_CASE("Callbacks are called once, at once if they come late, and not once they are gone", "[platform]", Own,
-                   Standard) {
+TEMPLATE_TEST_CASE("Callbacks are called once, at once if they come late, and not once they are gone", "[platform]",
+                   Own, Standard) {
   using Function = std::function<void()>;
   using Callback = typename TestType::template Callback<Function>;
   typename TestType::Source source;

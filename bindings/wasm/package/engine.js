@@ -319,14 +319,14 @@ export class Engine {
     const instance = await this.instanceFor(operation);
     this.report = report;
     try {
-      return OPERATIONS[operation](instance, request);
+      const result = OPERATIONS[operation](instance, request);
+      instance.exports.welkin_release();
+      return result;
     } catch (error) {
       if (error?.welkin) throw error;
       // A trap: what the instance holds cannot be relied on any more.
-      this.instances = this.instances.filter((other) => other !== instance);
-      throw failure(error instanceof WebAssembly.RuntimeError ? 'unexpected' : 'unexpected', String(error?.message ?? error));
-    } finally {
-      instance.exports.welkin_release();
+      this.instances = this.instances.map((other) => (other === instance ? undefined : other));
+      throw failure('unexpected', String(error?.message ?? error));
     }
   }
 }
