@@ -1,5 +1,5 @@
-// Prints hashes of what welkin::core computes: `core_hashes`. What is on record is in hashes.txt, which the build on
-// x86-64 made; every other processor, system, compiler and number of threads must print the same lines.
+// Prints hashes of what welkin::core computes: `core_hashes`. What is on record is in core_hashes.txt, which the build
+// on x86-64 made; every other processor, system, compiler and number of threads must print the same lines.
 #include <memory>
 #include <vector>
 
@@ -45,7 +45,6 @@ void harmonics() {
   print("harmonics/product", product(light, light));
   print("harmonics/window", apply_window(light, Window::min_laplacian).radiance);
   for (const Engine engine : {Engine::babylon, Engine::three, Engine::unity, Engine::unreal, Engine::filament}) {
-    Hash hash;
     const EngineLight form = engine_light(light, engine);
     SphericalHarmonics terms(3);
     for (std::size_t k = 0; k < form.terms.size() && k < 9; ++k) terms.coefficients()[k] = form.terms[k].rgb;

@@ -1,11 +1,10 @@
-// What the tests share: where the package and its companions lie, and pictures.
+// What the tests share: the package, where it and its companions lie, and pictures.
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-export const build = path.resolve(process.env.WELKIN_WASM_BUILD ?? 'build/wasm');
-export const packageFolder = path.join(build, 'welkin-wasm');
-export const modules = path.join(build, 'tests');
-export const source = path.resolve(import.meta.dirname, '../../..');
+import { modules, packageFolder } from './places.mjs';
+
+export * from './places.mjs';
 
 /** A file of a package that the tests run beside ours. */
 export const companion = (name) => import(pathToFileURL(path.join(modules, 'node_modules', name)));
