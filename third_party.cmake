@@ -1,9 +1,14 @@
 # Every dependency, found in one place. Debian 12's packages are enough; scripts/install-dependencies
 # installs them. Newer versions work too.
 
-# Threads and task scheduling: tiles run as oneTBB tasks in the caller's arena. (libtbb-dev)
-find_package(Threads REQUIRED)
-find_package(TBB REQUIRED)
+# Threads and task scheduling: tiles run as oneTBB tasks in the caller's arena. (libtbb-dev) Without threads there is
+# neither: all work is done by whoever calls for it, and what is about threads, the worker, is left out.
+set(welkin_thread_libraries)
+if(WELKIN_THREADS)
+  find_package(Threads REQUIRED)
+  find_package(TBB REQUIRED)
+  set(welkin_thread_libraries Threads::Threads TBB::tbb)
+endif()
 
 # The public interface's vectors. (libglm-dev)
 find_package(glm REQUIRED)

@@ -9,8 +9,16 @@ else()
   target_compile_options(welkin_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off
                                                 -fvisibility=hidden $<$<COMPILE_LANGUAGE:CXX>:-fvisibility-inlines-hidden>
                                                 $<$<BOOL:${WELKIN_WARNINGS_AS_ERRORS}>:-Werror>)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^wasm")
+    # Sizes are counted in 64 bits and bounded by memory limits (bindings/wasm/source/), which 32 bits hold.
+    target_compile_options(welkin_flags INTERFACE -Wno-shorten-64-to-32)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 sees overlapping copies in its own std::string operator+ (PR105651).
     target_compile_options(welkin_flags INTERFACE -Wno-restrict)
   endif()
+endif()
+
+if(NOT DEFINED WELKIN_POSITION_INDEPENDENT_CODE)  # a toolchain may say otherwise
+  set(WELKIN_POSITION_INDEPENDENT_CODE ON)
 endif()

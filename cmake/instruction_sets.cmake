@@ -5,10 +5,13 @@
 # The sets are those of the processor that is compiled for.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   set(welkin_instruction_sets neon)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^wasm")
+  set(welkin_instruction_sets simd128)
 else()
   set(welkin_instruction_sets sse2 avx2 avx512)
 endif()
 set(welkin_options_neon)  # part of the processor
+set(welkin_options_simd128 -msimd128 -msse2)  # the intrinsics of SSE2, which stand for those of WebAssembly
 if(MSVC)
   set(welkin_options_sse2)
   set(welkin_options_avx2 /arch:AVX2)
@@ -41,7 +44,7 @@ function(welkin_isa_library prefix)
     if(TARGET xsimd)
       target_link_libraries(${library} PRIVATE xsimd)
     endif()
-    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ${WELKIN_POSITION_INDEPENDENT_CODE})
   endforeach()
 endfunction()
 

@@ -13,11 +13,11 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
-#include <memory_resource>
 #include <stdexcept>
-#include <stop_token>
 #include <string>
 #include <vector>
+
+#include "welkin/detail/standard_library.h"
 
 #define WELKIN_VERSION_MAJOR 0
 #define WELKIN_VERSION_MINOR 1
@@ -93,7 +93,7 @@ struct Control {
   /// Checked before every tile: 0.05 to 0.6 ms of work on pixels in memory, one block of rows or tiles of a file
   /// (docs/threading.md has what was measured). Once stop is requested the call throws `Error` with
   /// `ErrorCode::cancelled`; nothing that the call would have returned exists.
-  std::stop_token stop{};
+  stop_token stop{};
 
   /// Called with the share of the work that is done, in [0, 1], never falling, the last call being 1.
   /// It comes from whichever thread finished a tile, one call at a time, with the default floating-point
@@ -104,7 +104,7 @@ struct Control {
   /// Where the call takes the memory of the `CubemapChain`s that it returns; null: `std::pmr::get_default_resource()`.
   /// Passes run side by side, so that `allocate` may be called from several threads at once. It must outlive the
   /// results. Working memory, images and coefficients come from the heap.
-  std::pmr::memory_resource* memory = nullptr;
+  memory_resource* memory = nullptr;
 };
 
 /// How the system ranks a worker's threads against all others.
@@ -129,17 +129,17 @@ void run_with_threads(int threads, const std::function<void()>& work);
 
 // ---- Instruction sets
 
-/// The builds of the kernels: the first three are what an x86-64 binary carries, narrowest first, the last what one for
-/// 64-bit ARM carries. All give the same bits.
-enum class InstructionSet { sse2, avx2, avx512, neon };
+/// The builds of the kernels: the first three are what an x86-64 binary carries, narrowest first, the others
+/// what one for 64-bit ARM and one for WebAssembly carry. All give the same bits.
+enum class InstructionSet { sse2, avx2, avx512, neon, simd128 };
 
-[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512", "neon"
+[[nodiscard]] const char* name(InstructionSet set) noexcept;  ///< "sse2", "avx2", "avx512", "neon", "simd128"
 
 /// Those that this processor and operating system can run, narrowest first.
 [[nodiscard]] std::vector<InstructionSet> available_instruction_sets();
 
-/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2, avx512 or
-/// neon) said otherwise when it was first asked for, or `force_instruction_set` did since.
+/// The one in use: the widest available, unless the environment variable WELKIN_ISA (sse2, avx2, avx512, neon or
+/// simd128) said otherwise when it was first asked for, or `force_instruction_set` did since.
 /// Throws `Error` (invalid_argument) if WELKIN_ISA names none, or one that cannot run here.
 [[nodiscard]] InstructionSet active_instruction_set();
 

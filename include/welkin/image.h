@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -136,7 +135,7 @@ class CubemapChain {
   /// The pixels are not initialised; they start on a cache line. `memory` must outlive the chain; null:
   /// `std::pmr::get_default_resource()`. Throws `Error` (invalid_argument) unless 1 <= size <= 16384 and
   /// 1 <= levels <= full_chain_levels(size), and what `memory` throws.
-  CubemapChain(int size, int levels, std::pmr::memory_resource* memory = nullptr);
+  CubemapChain(int size, int levels, memory_resource* memory = nullptr);
 
   /// Texels along an edge of level 0; 0 if there are no levels.
   [[nodiscard]] int size() const noexcept { return size_; }
@@ -162,7 +161,7 @@ class CubemapChain {
  private:
   /// Gives the pixels back to where they came from.
   struct Free {
-    std::pmr::memory_resource* memory;
+    memory_resource* memory;
     std::size_t bytes;
 
     void operator()(float* pixels) const noexcept;

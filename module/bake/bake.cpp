@@ -21,6 +21,7 @@
 #include "jobs/task_graph.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
@@ -233,9 +234,9 @@ class Baking {
       return std::span<const float>(source_.levels()->face(level, 0), 18 * edge * edge);
     };
     for (int level = 1; level < chain.levels(); ++level) {
-      if (!std::ranges::all_of(values(level), [](float value) { return std::isfinite(value); })) return false;
+      if (!platform::ranges::all_of(values(level), [](float value) { return std::isfinite(value); })) return false;
     }
-    for (int level = 1; level < chain.levels(); ++level) std::ranges::copy(values(level), chain.face(level, 0));
+    for (int level = 1; level < chain.levels(); ++level) platform::ranges::copy(values(level), chain.face(level, 0));
     return true;
   }
 

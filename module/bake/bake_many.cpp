@@ -14,6 +14,7 @@
 #include "jobs/many.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "projection/project.h"
 #include "projection/sanitizer.h"
 #include "reflections/prefilter.h"
@@ -108,7 +109,7 @@ class ManyBakes {
     const auto is_small = [](const CubemapView& probe) {
       return jobs::placement_for(texels_of(probe)) == jobs::Placement::calling_thread;
     };
-    const bool enough = static_cast<std::size_t>(std::ranges::count_if(probes_, is_small)) >= 2 * threads;
+    const bool enough = static_cast<std::size_t>(platform::ranges::count_if(probes_, is_small)) >= 2 * threads;
     for (std::size_t k = 0; k < probes_.size(); ++k) {
       const bool goes_beside = enough && is_small(probes_[k]);
       (goes_beside ? beside_ : one_by_one_).push_back(k);
@@ -130,7 +131,7 @@ class ManyBakes {
     constexpr double kProjected = 0.05;
     Made& made = made_[k];
     Projection light = project(probes_[k], projecting_, jobs::part_of(control, 0.0, kProjected));
-    if (functions_ > 0) std::ranges::copy(light.radiance.coefficients(), coefficients_.begin() + offset(k));
+    if (functions_ > 0) platform::ranges::copy(light.radiance.coefficients(), coefficients_.begin() + offset(k));
     made.diagnostics = std::move(light.diagnostics);
     made.diagnostics.passes = {};
 

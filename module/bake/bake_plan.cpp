@@ -11,6 +11,7 @@
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
+#include "platform/standard_library.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
 #include "reflections/bright_lights.h"
@@ -128,7 +129,7 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
         false, source.columns, source.rows, sharpest, reflections::kMostBrightFar);
     const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
     const auto mips =
-        static_cast<std::size_t>(std::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method));
+        static_cast<std::size_t>(platform::ranges::count(plan.mips, MipMethod::narrow, &reflections::MipPlan::method));
     if (search.texels > 0) bytes = std::max<std::uint64_t>(search.bytes, bytes + kTexelBytes * source.texels());
     bytes += reflections::BrightLights::most_bytes(search.texels, picture_of(source),
                                                    reflections::kFarLights * sharpest, workers);

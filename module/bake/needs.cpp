@@ -9,6 +9,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "platform/text.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/core.h"
@@ -94,7 +95,7 @@ void need_background(const SourceShape& source, const SceneNeeds& needs, NeededO
 }  // namespace
 
 UnusedMips unused_mips(const std::vector<double>& roughness, const RoughnessRange& range) {
-  if (!std::ranges::is_sorted(roughness)) return {};  // who knows where shaders look
+  if (!platform::ranges::is_sorted(roughness)) return {};  // who knows where shaders look
   const auto mips = static_cast<int>(roughness.size());
   const auto at = [&](int mip) { return roughness[static_cast<std::size_t>(mip)]; };
   int first = 0;
@@ -171,7 +172,7 @@ void pick_bands(const BudgetChoice<int>& choice, double budget, NeededOptions& n
 std::string unmet_words(const PrefilterChoice& choice, double budget) {
   const std::string words = "bounds as they were: ";
   const std::vector<reflections::MipPlan> mips = reflections::plan_prefilter(choice.setting).mips;
-  if (std::ranges::any_of(mips, [](const auto& mip) { return mip.method == MipMethod::sampled; }))
+  if (platform::ranges::any_of(mips, [](const auto& mip) { return mip.method == MipMethod::sampled; }))
     return words + "a mip that is sampled has no estimate for the budget";
   return words + "of none is the estimated error under the budget of " + percent(budget) + ", the minimum is " +
          percent(choice.error_estimate);

@@ -11,6 +11,7 @@
 #include "bake/bake_plan.h"
 #include "bake/needs.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/irradiance.h"
@@ -68,7 +69,7 @@ double Plan::milliseconds(int threads) const noexcept {
 }
 
 const PlannedPass& Plan::pass(const std::string& name) const {
-  const auto found = std::ranges::find(passes, name, &PlannedPass::name);
+  const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
   if (found == passes.end()) throw Error(ErrorCode::invalid_argument, "the plan has no pass called " + name);
   return *found;
 }

@@ -11,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "reflections/prefilter.h"
 #include "sky/table_sizes.h"
 #include "welkin/core.h"
@@ -60,8 +61,8 @@ const char* name(SkyPass pass) noexcept {
 
 bool any_matter(const Constituent& constituent) {
   const auto acts = [](double coefficient) { return coefficient > 0.0; };
-  return !constituent.density.empty() && (std::ranges::any_of(constituent.scattering_per_m, acts) ||
-                                          std::ranges::any_of(constituent.absorption_per_m, acts));
+  return !constituent.density.empty() && (platform::ranges::any_of(constituent.scattering_per_m, acts) ||
+                                          platform::ranges::any_of(constituent.absorption_per_m, acts));
 }
 
 SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& whole) {
@@ -157,7 +158,7 @@ class SkyPlanner {
     } else {
       skip(SkyPass::aerosol, "nothing looks into the sky's tables");
     }
-    const auto absorbers = std::ranges::count_if(air.absorbers, any_matter);
+    const auto absorbers = platform::ranges::count_if(air.absorbers, any_matter);
     if (absorbers == 0) {
       skip(SkyPass::absorbers, "the planet has none: no ozone");
     } else if (plan_.tables) {
@@ -261,7 +262,7 @@ double SkyPlan::milliseconds(int threads) const noexcept {
 }
 
 const PlannedPass& SkyPlan::pass(const std::string& name) const {
-  const auto found = std::ranges::find(passes, name, &PlannedPass::name);
+  const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
   if (found == passes.end()) throw Error(ErrorCode::invalid_argument, "the plan has no pass called " + name);
   return *found;
 }

@@ -44,7 +44,7 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
 }  // namespace
 
 StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
-                         const reflections::PrefilterPlan& plan, std::pmr::memory_resource* memory)
+                         const reflections::PrefilterPlan& plan, memory_resource* memory)
     : store_(store),
       plan_(plan),
       chain_(plan.mips.front().size, static_cast<int>(plan.mips.size()), memory),
@@ -210,8 +210,7 @@ class BakeEntries final : public baking::ArtefactStore {
   }
 
   [[nodiscard]] std::optional<cache::FoundResult<CubemapChain>> find_cubemap(const EntryName& name, int size,
-                                                                             int levels,
-                                                                             std::pmr::memory_resource* memory) {
+                                                                             int levels, memory_resource* memory) {
     return store_.find(name, cache::cubemap_bytes(size, levels),
                        [=](cache::ByteSpan bytes) { return cache::decode_cubemap(bytes, size, levels, memory); });
   }

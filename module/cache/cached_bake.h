@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory_resource>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "cache/entry_store.h"
 #include "cache/result_cache.h"
 #include "reflections/prefilter_plan.h"
+#include "welkin/core.h"
 #include "welkin/reflections.h"
 #include "welkin/result_cache.h"
 
@@ -20,7 +20,7 @@ class StoredChain {
  public:
   /// Looks for all mips that `plan` makes of a source.
   StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
-              const reflections::PrefilterPlan& plan, std::pmr::memory_resource* memory);
+              const reflections::PrefilterPlan& plan, memory_resource* memory);
 
   /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.
   [[nodiscard]] std::optional<reflections::PrefilterPlan> missing() const;

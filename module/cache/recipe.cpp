@@ -96,7 +96,7 @@ void save(Saver& saver, const CubemapChain& chain) {
 }
 
 /// `size` and `levels` of a chain that there can be.
-CubemapChain load_chain(Loader& loader, int size, int levels, std::pmr::memory_resource* memory) {
+CubemapChain load_chain(Loader& loader, int size, int levels, memory_resource* memory) {
   int stored_size = 0;
   int stored_levels = 0;
   loader(stored_size, stored_levels);
@@ -163,7 +163,7 @@ Bytes encode(const CubemapChain& chain) {
   return saver.writer.take();
 }
 
-std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels, std::pmr::memory_resource* memory) {
+std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels, memory_resource* memory) {
   Loader loader(bytes);
   CubemapChain chain = load_chain(loader, size, levels, memory);
   return if_complete(loader, std::move(chain));

@@ -7,7 +7,6 @@
 #include <glm/vec3.hpp>
 #include <initializer_list>
 #include <memory>
-#include <memory_resource>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "cache/entry_store.h"
+#include "platform/standard_library.h"
 #include "projection/project.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
@@ -41,7 +41,7 @@ class ByteWriter {
   requires std::is_arithmetic_v<Value> || std::is_enum_v<Value>
   void put(Value value) {
     if constexpr (std::is_floating_point_v<Value>) {
-      append(std::bit_cast<std::uint64_t>(static_cast<double>(value)));
+      append(platform::bit_cast<std::uint64_t>(static_cast<double>(value)));
     } else {
       append(static_cast<std::uint64_t>(value));
     }
@@ -89,7 +89,7 @@ class ByteReader {
     std::uint64_t bits = 0;
     raw(&bits, sizeof bits);
     if constexpr (std::is_floating_point_v<Value>) {
-      value = static_cast<Value>(std::bit_cast<double>(bits));
+      value = static_cast<Value>(platform::bit_cast<double>(bits));
     } else {
       value = static_cast<Value>(bits);
       if (static_cast<std::uint64_t>(value) != bits) fail();
@@ -177,7 +177,7 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
 [[nodiscard]] std::optional<CubemapChain> decode_cubemap(ByteSpan bytes, int size, int levels,
-                                                         std::pmr::memory_resource* memory = nullptr);
+                                                         memory_resource* memory = nullptr);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
 [[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,

@@ -70,11 +70,11 @@ void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t
   require_codec(Codec::png, file.path(), "pass --no-previews");
 }
 std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgba*/, int /*size*/,
-                                          const std::stop_token& /*stop*/) {
+                                          const stop_token& /*stop*/) {
   require_codec(Codec::png, "an .env", "write .ktx2 or .dds");
   return {};
 }
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const std::stop_token& /*stop*/) {
+void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const stop_token& /*stop*/) {
   require_codec(Codec::png, picture.path, "use the picture that the .env was made from");
 }
 #endif
@@ -86,7 +86,7 @@ void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/) {
 #endif
 
 #if !WELKIN_ZLIB
-std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
   require_codec(Codec::zlib, "a KTX2", "leave the supercompression out");
   return {};
 }
@@ -94,13 +94,13 @@ std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> /*packed*
   return std::nullopt;
 }
 void unpack_zlib(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
-                 std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+                 std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
   require_codec(Codec::zlib, path, "save it without supercompression");
 }
 #endif
 
 #if !WELKIN_ZSTD
-std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, const std::stop_token& /*stop*/) {
+std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
   require_codec(Codec::zstd, "a KTX2", "leave the supercompression out");
   return {};
 }

@@ -46,7 +46,7 @@ void EnvPictureBytes::require_size(std::uint64_t width, std::uint64_t height) co
                                       " texels; its level has " + std::to_string(size) + " x " + std::to_string(size));
 }
 
-void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop) {
+void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop) {
   const std::vector<std::uint8_t>& bytes = picture.bytes;
   if (bytes.size() >= 8 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0) {
     decode_png_rgba(picture, rgba, stop);
@@ -346,7 +346,7 @@ struct Picture {
   std::uint64_t clamped = 0;
 };
 
-void encode(Picture& picture, const RgbdEncoder& encoder, const std::stop_token& stop) {
+void encode(Picture& picture, const RgbdEncoder& encoder, const stop_token& stop) {
   const auto size = static_cast<std::size_t>(picture.view.size);
   std::vector<std::uint8_t> rgba(4 * size * size);
   for (std::size_t row = 0; row < size; ++row) {  // bottom row first

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,8 +53,7 @@ class RgbdDecoder {
 class EnvReader {
  public:
   /// `stop` is looked at while a picture is decoded.
-  explicit EnvReader(const FileInput& input, std::stop_token stop = {})
-      : file_(open_file(input)), stop_(std::move(stop)) {}
+  explicit EnvReader(const FileInput& input, stop_token stop = {}) : file_(open_file(input)), stop_(std::move(stop)) {}
 
   /// A picture of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
   /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
@@ -63,7 +61,7 @@ class EnvReader {
 
  private:
   platform::ByteFile file_;
-  std::stop_token stop_;
+  stop_token stop_;
   RgbdDecoder decoder_;
   std::vector<std::uint8_t> bytes_;
   std::vector<std::uint8_t> rgba_;
@@ -99,14 +97,14 @@ struct EnvPictureBytes {
 /// A PNG of `size` x `size` texels, rows as they are given, without any word on colours: they are numbers, and no
 /// viewer is to turn them. `stop` is looked at before each row. Throws `Error` (cancelled), `std::bad_alloc`.
 [[nodiscard]] std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba, int size,
-                                                        const std::stop_token& stop = {});
+                                                        const stop_token& stop = {});
 
 /// Decodes a PNG or a WebP, told by its first bytes, to 4 x size x size bytes. `stop` is looked at before each row of a
 /// PNG. Throws `Error`: corrupt_file, unsupported_file, cancelled.
-void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop = {});
+void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop = {});
 
 // One function a library; a build can leave out either (codecs.h).
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop);
+void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop);
 void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba);
 
 }  // namespace welkin::files

@@ -63,7 +63,7 @@ std::array<double, Count> read_numbers(const platform::ByteFile& file, std::stri
   for (double& number : numbers) {
     value = without_leading_space(value);
     value.remove_prefix(value.starts_with('+') ? 1 : 0);
-    const auto [stop, failure] = std::from_chars(value.data(), value.data() + value.size(), number);
+    const auto [stop, failure] = platform::from_chars(value.data(), value.data() + value.size(), number);
     if (failure != std::errc{} || !std::isfinite(number)) {
       fail(file, "its Radiance header's line " + quoted(line) + " should have " + std::to_string(Count) + " number" +
                      (Count == 1 ? "" : "s") + "; correct or remove it");

@@ -8,6 +8,7 @@
 
 #include "files/hdr.h"
 #include "files/hdr_kernels.h"
+#include "platform/standard_library.h"
 
 namespace welkin::files {
 namespace {
@@ -231,7 +232,7 @@ void HdrColumns::decode() {
   const auto width = static_cast<std::size_t>(header_.width);
   const auto height = static_cast<std::size_t>(header_.height);
   // Not cleared: memory that nothing was decoded to is not touched, whatever the header claims.
-  auto planes = std::make_unique_for_overwrite<std::uint8_t[]>(coded_bytes(width * height));
+  auto planes = platform::make_unique_for_overwrite<std::uint8_t[]>(coded_bytes(width * height));
   std::vector<std::uint8_t> columns(coded_bytes(kTogether * height));
   HdrScanlines scanlines(input_, header_.height, header_.width);
   scanlines.seek(0, header_.first_byte);

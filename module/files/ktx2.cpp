@@ -1,6 +1,5 @@
 // The header of a KTX2 file.
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/standard_library.h"
 
 namespace welkin::files {
 namespace {
@@ -43,8 +43,8 @@ struct Sample {
 };
 
 std::vector<Sample> float_samples(std::uint32_t bits) {
-  const auto lower = std::bit_cast<std::uint32_t>(-1.0F);
-  const auto upper = std::bit_cast<std::uint32_t>(1.0F);
+  const auto lower = platform::bit_cast<std::uint32_t>(-1.0F);
+  const auto upper = platform::bit_cast<std::uint32_t>(1.0F);
   std::vector<Sample> samples;
   for (const std::uint32_t channel : {kRed, kGreen, kBlue, kAlpha}) {
     const auto place = static_cast<std::uint32_t>(samples.size()) * bits;
@@ -54,7 +54,7 @@ std::vector<Sample> float_samples(std::uint32_t bits) {
 }
 
 std::vector<Sample> packed_float_samples() {
-  const auto upper = std::bit_cast<std::uint32_t>(1.0F);
+  const auto upper = platform::bit_cast<std::uint32_t>(1.0F);
   return {{0, 11, kRed | kFloat, 0, upper}, {11, 11, kGreen | kFloat, 0, upper}, {22, 10, kBlue | kFloat, 0, upper}};
 }
 

@@ -13,6 +13,7 @@
 
 #include "files/layout.h"
 #include "files/write_environment.h"
+#include "platform/text.h"
 
 namespace welkin::files {
 namespace {
@@ -58,7 +59,7 @@ Number read_number(platform::ByteFile& file, const char* what) {
   const char* begin = token.data() + (token.front() == '+' ? 1 : 0);
   const char* end = token.data() + token.size();
   Number value{};
-  const auto [stop, failure] = std::from_chars(begin, end, value);
+  const auto [stop, failure] = platform::from_chars(begin, end, value);
   if (failure != std::errc{} || stop != end) {
     throw platform::file_error(
         ErrorCode::corrupt_file, file.path(),

@@ -21,6 +21,7 @@
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
+#include "platform/standard_library.h"
 #include "platform/text.h"
 
 namespace welkin::files {
@@ -35,7 +36,7 @@ class PngReader final : public RowReader {
       : input_(input), header_(header), samples_(samples) {
     open();
     const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
-    coded_ = std::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
+    coded_ = platform::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
   }
 
   void read(int first_row, int row_count, float* rgb) override {
@@ -389,7 +390,7 @@ void require_encoded(int result) {
 
 }  // namespace
 
-Bytes encode_png_rgba(const Bytes& rgba, int size, const std::stop_token& stop) {
+Bytes encode_png_rgba(const Bytes& rgba, int size, const stop_token& stop) {
   const Context context = make_context(SPNG_CTX_ENCODER);
   Bytes png;
   require_encoded(spng_set_png_stream(context.get(), append_bytes, &png));
@@ -413,7 +414,7 @@ Bytes encode_png_rgba(const Bytes& rgba, int size, const std::stop_token& stop) 
   return png;
 }
 
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const std::stop_token& stop) {
+void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop) {
   const auto require = [&picture](int result) {
     if (result == SPNG_OK) return;
     if (result == SPNG_EMEM) throw std::bad_alloc();

@@ -5,7 +5,6 @@
 //   Mie and irradiance as floats, their sizes being those that the options give.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -15,6 +14,7 @@
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "sky/table_sizes.h"
 #include "welkin/bake_file.h"
 #include "welkin/sky.h"
@@ -46,7 +46,7 @@ class Writer {
   void put(std::uint32_t value) { platform::append_little_endian(bytes, value); }
   void put(std::uint64_t value) { platform::append_little_endian(bytes, value); }
   void put(int value) { put(static_cast<std::uint32_t>(value)); }
-  void put(double value) { put(std::bit_cast<std::uint64_t>(value)); }
+  void put(double value) { put(platform::bit_cast<std::uint64_t>(value)); }
   void put(const std::string& text) {
     put(static_cast<std::uint32_t>(text.size()));
     bytes.insert(bytes.end(), text.begin(), text.end());
@@ -84,7 +84,7 @@ class Reader {
   void get(double& value) {
     std::uint64_t bits = 0;
     get(bits);
-    value = std::bit_cast<double>(bits);
+    value = platform::bit_cast<double>(bits);
   }
   void get(std::string& text) {
     const std::size_t length = count(kMostText, "characters of the name");

@@ -15,6 +15,8 @@
 #include "files/textures.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
+#include "platform/text.h"
 #include "welkin/bake_file.h"
 #include "welkin/plan.h"
 #include "welkin/reflections.h"
@@ -52,7 +54,7 @@ std::vector<double> roughness_in(std::string_view text, int levels) {
     text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
     if (text.empty()) break;
     double value = 0.0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [end, failure] = platform::from_chars(text.data(), text.data() + text.size(), value);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     if (failure != std::errc() || (!text.empty() && kSpaces.find(text.front()) == std::string_view::npos)) return {};
     if (!(value >= (roughness.empty() ? 0.0 : roughness.back()) && value <= 1.0)) return {};
@@ -152,7 +154,7 @@ UnusedMips unused_of(const StoredEnvironment& file, const SceneNeeds& needs) {
 
 bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
   if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
-  return std::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
+  return platform::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
          file.roughness.back() >= needs.glossy->maximum;
 }
 

@@ -18,12 +18,12 @@ void refuse_packed_level(const std::filesystem::path& path, const char* library,
                                  "\"; fetch or export it again");
 }
 
-Bytes pack(Supercompression supercompression, const Bytes& bytes, const std::stop_token& stop) {
+Bytes pack(Supercompression supercompression, const Bytes& bytes, const stop_token& stop) {
   return supercompression == Supercompression::zlib ? pack_zlib(bytes, stop) : pack_zstd(bytes, stop);
 }
 
 void unpack(Supercompression supercompression, const Bytes& packed, const std::filesystem::path& path, Bytes& bytes,
-            const std::stop_token& stop) {
+            const stop_token& stop) {
   jobs::throw_if_cancelled(stop);
   if (supercompression == Supercompression::zlib) {
     unpack_zlib(packed, path, bytes, stop);

@@ -190,7 +190,7 @@ std::string words_for(const TextureLayout& layout) {
   return words;
 }
 
-void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, const std::stop_token& stop) {
+void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, const stop_token& stop) {
   const int size = chain.level_size(level);
   for (int row = 0; row < size; row += kRowsAtOnce) {
     jobs::throw_if_cancelled(stop);

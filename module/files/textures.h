@@ -11,7 +11,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,23 +26,23 @@ namespace welkin::files {
 /// Not for `none`. A megabyte at a time, and `stop` is looked at before each. Throws `Error` (cancelled),
 /// `std::bad_alloc`.
 [[nodiscard]] std::vector<std::uint8_t> pack(Supercompression supercompression, const std::vector<std::uint8_t>& bytes,
-                                             const std::stop_token& stop = {});
+                                             const stop_token& stop = {});
 
 /// Fills `bytes`, whose size is what must come out; nothing is written or allocated beyond it. `path` is for messages.
 /// `stop` is looked at before each megabyte that zlib unpacks, and before all that Zstandard does, which is some ten
 /// times as fast. Throws `Error` (corrupt_file, cancelled).
 void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
-            const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const std::stop_token& stop = {});
+            const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const stop_token& stop = {});
 
 // One function a library and way; a build can leave out either library (codecs.h).
 
-[[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
-[[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+[[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
+[[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
 /// How many bytes the zlib stream unpacks to, up to `most`. Nothing where there is no zlib, nor for what is no stream:
 /// whoever unpacks it finds that out.
 [[nodiscard]] std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, std::uint64_t most);
 void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
-                 std::vector<std::uint8_t>& bytes, const std::stop_token& stop);
+                 std::vector<std::uint8_t>& bytes, const stop_token& stop);
 void unpack_zstd(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& bytes);
 
@@ -166,7 +165,7 @@ void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, st
 class TextureReader {
  public:
   /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
-  TextureReader(const FileInput& input, const TextureLayout& layout, std::stop_token stop = {})
+  TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {})
       : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
 
   /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
@@ -177,7 +176,7 @@ class TextureReader {
 
   platform::ByteFile file_;
   const TextureLayout& layout_;
-  std::stop_token stop_;
+  stop_token stop_;
   std::vector<std::uint8_t> texels_;
   int unpacked_level_ = -1;
 };

@@ -32,7 +32,7 @@ bool offer(z_stream& stream, const Bytes& from, Bytes& to) noexcept {
 
 }  // namespace
 
-Bytes pack_zlib(const Bytes& bytes, const std::stop_token& stop) {
+Bytes pack_zlib(const Bytes& bytes, const stop_token& stop) {
   z_stream stream{};
   if (deflateInit(&stream, Z_DEFAULT_COMPRESSION) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, EndDeflate> end(&stream);
@@ -66,7 +66,7 @@ std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, s
   return std::min<std::uint64_t>(stream.total_out, most);
 }
 
-void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const std::stop_token& stop) {
+void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const stop_token& stop) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, EndInflate> end(&stream);

@@ -19,7 +19,7 @@ struct FreeZstd {
 
 }  // namespace
 
-Bytes pack_zstd(const Bytes& bytes, const std::stop_token& stop) {
+Bytes pack_zstd(const Bytes& bytes, const stop_token& stop) {
   const std::unique_ptr<ZSTD_CCtx, FreeZstd> context(ZSTD_createCCtx());
   if (!context || ZSTD_isError(ZSTD_CCtx_setPledgedSrcSize(context.get(), bytes.size())) != 0U) throw std::bad_alloc();
   Bytes packed(ZSTD_compressBound(bytes.size()));

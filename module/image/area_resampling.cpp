@@ -16,6 +16,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
+#include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
@@ -37,7 +38,7 @@ class CubeMeans final : public RunSink {
 
   void take(const WeighedRun& run) override {
     const std::span<const std::int32_t> columns(run.patches.columns, static_cast<std::size_t>(run.patches.count));
-    const auto [lowest, highest] = std::ranges::minmax(columns);
+    const auto [lowest, highest] = platform::ranges::minmax(columns);
     for (const TileImage& image : images_of(run.kind)) {
       PlacedRun placed;
       if (!place_image(image, run, weights_.size(), weights_.width(), placed)) continue;

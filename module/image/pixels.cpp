@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
 #include "platform/memory.h"
+#include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -23,8 +23,8 @@ namespace {
 /// other last bits on other machines.
 double fifth_root(double x) noexcept {
   // The bits of a double are close to its logarithm; 4/5 of the bits of 1.0 puts the exponent's bias back.
-  constexpr auto bits_of_one = std::bit_cast<std::uint64_t>(1.0);
-  auto root = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
+  constexpr auto bits_of_one = platform::bit_cast<std::uint64_t>(1.0);
+  auto root = platform::bit_cast<double>(platform::bit_cast<std::uint64_t>(x) / 5 + bits_of_one / 5 * 4);
   for (int step = 0; step < 5; ++step) {  // from 6 % off, quadratically: 1e-2, 2e-4, 1e-7, 1e-14, rounding
     const double squared = root * root;
     root -= 0.2 * (root - x / (squared * squared));
@@ -86,14 +86,14 @@ float float_from_half(std::uint16_t half) noexcept {
   // power of two is exact.
   const std::uint32_t magnitude = half & 0x7FFFU;
   const std::uint32_t sign = (half & 0x8000U) << 16U;
-  if (magnitude >= 0x7C00U) return std::bit_cast<float>(sign | 0x7F800000U | (magnitude << 13U));
-  const float scaled = std::bit_cast<float>(magnitude << 13U) * 0x1p112F;
-  return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(scaled));
+  if (magnitude >= 0x7C00U) return platform::bit_cast<float>(sign | 0x7F800000U | (magnitude << 13U));
+  const float scaled = platform::bit_cast<float>(magnitude << 13U) * 0x1p112F;
+  return platform::bit_cast<float>(sign | platform::bit_cast<std::uint32_t>(scaled));
 }
 
 std::uint16_t half_from_float(float value) noexcept {
   // In integers: the caller's rounding mode does not matter, and nothing is rounded twice.
-  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const auto bits = platform::bit_cast<std::uint32_t>(value);
   const std::uint32_t sign = (bits >> 16U) & 0x8000U;
   const std::uint32_t magnitude = bits & 0x7FFFFFFFU;
   constexpr std::uint32_t least_normal = 0x38800000U;  // 2^-14
@@ -206,7 +206,7 @@ FloatPlane::FloatPlane(PixelFormat format, int width, int height, const RowOf& a
     return;
   }
   constexpr int kTileTexels = 32768;
-  decoded_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(row_floats_ * height));
+  decoded_ = platform::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(row_floats_ * height));
   const int tile_rows = std::max(1, kTileTexels / width);
   jobs::run_tiles(static_cast<std::size_t>((height + tile_rows - 1) / tile_rows), placement,
                   jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
@@ -301,7 +301,7 @@ constexpr std::size_t kCacheLine = 64;
 
 void CubemapChain::Free::operator()(float* pixels) const noexcept { memory->deallocate(pixels, bytes, kCacheLine); }
 
-CubemapChain::CubemapChain(int size, int levels, std::pmr::memory_resource* memory) : size_(size) {
+CubemapChain::CubemapChain(int size, int levels, memory_resource* memory) : size_(size) {
   constexpr int largest = 16384;
   if (size < 1 || size > largest) {
     throw Error(ErrorCode::invalid_argument,
@@ -318,10 +318,10 @@ CubemapChain::CubemapChain(int size, int levels, std::pmr::memory_resource* memo
     offsets_.push_back(values_);
     values_ += 6 * edge * edge * 3;
   }
-  if (memory == nullptr) memory = std::pmr::get_default_resource();
+  if (memory == nullptr) memory = get_default_resource();
   pixels_ = {static_cast<float*>(memory->allocate(bytes(), kCacheLine)), Free{memory, bytes()}};
   // What another resource gives belongs to a block of the caller's.
-  if (memory == std::pmr::new_delete_resource()) platform::advise_huge_pages(pixels_.get(), bytes());
+  if (memory == new_delete_resource()) platform::advise_huge_pages(pixels_.get(), bytes());
 }
 
 CubemapView CubemapChain::view(int level) const noexcept {
@@ -375,7 +375,7 @@ SphereGrid grid_of(const LatLongView& source, const Control& control) {
 
 }  // namespace
 
-CubemapChain shaped(CubemapChain chain, int size, int levels, std::pmr::memory_resource* memory) {
+CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory) {
   if (chain.size() == size && chain.levels() == levels) return chain;
   chain = {};  // freed before the next one is allocated
   return {size, levels, memory};

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <memory_resource>
 #include <span>
 
 #include "jobs/tiles.h"
@@ -136,7 +135,7 @@ void fill_cubemap(const LatLongView& source, int size, const std::array<float*, 
 void fill_cubemap(const LatLongView& source, CubemapChain& chain, ResampleFilter filter, const Control& control);
 
 /// `chain` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
-[[nodiscard]] CubemapChain shaped(CubemapChain chain, int size, int levels, std::pmr::memory_resource* memory);
+[[nodiscard]] CubemapChain shaped(CubemapChain chain, int size, int levels, memory_resource* memory);
 
 /// The six faces of a level.
 [[nodiscard]] std::array<float*, 6> faces_of(CubemapChain& chain, int level) noexcept;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "welkin/core.h"
 
 namespace welkin::image {
@@ -62,7 +62,7 @@ constexpr int kHalfMantissaBits = 10;
 /// A non-negative finite value as five bits of exponent (bias 15) and `mantissa_bits` below them. Ties to even. In
 /// integers, so that no rounding happens twice.
 std::uint32_t small_float(float value, int mantissa_bits) noexcept {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const auto bits = platform::bit_cast<std::uint32_t>(value);
   const int exponent = static_cast<int>(bits >> kFloatMantissaBits) - kFloatBias;
   if (exponent < kSmallestExponent - mantissa_bits - 1) return 0;  // less than half of the least number
   const std::uint32_t significand = (bits & 0x7FFFFFU) | 0x800000U;
@@ -80,7 +80,7 @@ float from_small_float(std::uint32_t bits, int mantissa_bits) noexcept {
 
 /// 2^exponent, -126 to 127.
 float power_of_two(int exponent) noexcept {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(exponent + kFloatBias) << kFloatMantissaBits);
+  return platform::bit_cast<float>(static_cast<std::uint32_t>(exponent + kFloatBias) << kFloatMantissaBits);
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ std::uint32_t pack_e5b9g9r9(const std::array<float, 3>& rgb) noexcept {
   constexpr int bits = 9;
   constexpr int bias = 15;
   const float largest = std::max({rgb[0], rgb[1], rgb[2]});
-  const int logarithm = static_cast<int>(std::bit_cast<std::uint32_t>(largest) >> kFloatMantissaBits) - kFloatBias;
+  const int logarithm = static_cast<int>(platform::bit_cast<std::uint32_t>(largest) >> kFloatMantissaBits) - kFloatBias;
   int exponent = std::max(-bias - 1, logarithm) + 1 + bias;
   const auto mantissa = [&exponent](float value) {
     // Scaling by a power of two is exact in double; so is adding a half.

@@ -1,17 +1,15 @@
 #include "jobs/control.h"
 
-#include <tbb/task_arena.h>
-
 #include <atomic>
 #include <cstdint>
 #include <mutex>
-#include <stop_token>
 
+#include "jobs/backend.h"
 #include "welkin/core.h"
 
 namespace welkin::jobs {
 
-void throw_if_cancelled(const std::stop_token& stop) {
+void throw_if_cancelled(const stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::cancelled, kCancelled);
 }
 
@@ -50,8 +48,9 @@ void Progress::add(std::uint64_t units) {
     const std::uint64_t now = done();
     if (now <= reported_.load(std::memory_order_relaxed)) continue;
     reported_.store(now, std::memory_order_relaxed);
-    // The callback may use TBB: isolated, its waiting cannot begin one of our tasks, which would come back here.
-    tbb::this_task_arena::isolate([&] { control_.progress(static_cast<double>(now) / static_cast<double>(whole_)); });
+    // The callback may have tasks of its own: isolated, its waiting cannot begin one of our tasks, which would come
+    // back here.
+    backend::isolate([&] { control_.progress(static_cast<double>(now) / static_cast<double>(whole_)); });
   }
 }
 

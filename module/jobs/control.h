@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
-#include <stop_token>
 
 #include "welkin/core.h"
 
@@ -14,7 +13,7 @@ namespace welkin::jobs {
 inline constexpr const char* kCancelled = "cancelled by the caller";
 
 /// Throws `Error` (cancelled) once stop is requested. No other function throws that error for a caller's stop token.
-void throw_if_cancelled(const std::stop_token& stop);
+void throw_if_cancelled(const stop_token& stop);
 inline void throw_if_cancelled(const Control& control) { throw_if_cancelled(control.stop); }
 
 /// The part [from, to] of a call's progress, its stop token and its memory. `control` must outlive what is returned.

@@ -1,8 +1,5 @@
 #include "jobs/task_graph.h"
 
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,11 +8,10 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <memory_resource>
-#include <stop_token>
 #include <utility>
 
 #include "jobs/activity.h"
+#include "jobs/backend.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "jobs/trace.h"
@@ -81,7 +77,6 @@ class TaskGraph::Run {
         progress_(control, divide_progress()),
         waits_for_(std::make_unique<std::atomic<std::size_t>[]>(passes.size())),
         failures_(passes.size() + 1),
-        group_(own_context_),
         memory_(control.memory) {
     for (std::size_t pass = 0; pass < passes.size(); ++pass) waits_for_[pass] = passes[pass].waits_for;
   }
@@ -94,7 +89,7 @@ class TaskGraph::Run {
 
   void all() {
     // Isolated: while it waits, this thread does not pick up a stranger's task.
-    tbb::this_task_arena::isolate([&] {
+    backend::isolate([&] {
       try {
         std::vector<std::size_t> first;
         for (std::size_t pass = 0; pass < passes_.size(); ++pass) {
@@ -111,7 +106,7 @@ class TaskGraph::Run {
         if (failure && (cancelled_too || !only_cancelled(failure))) std::rethrow_exception(failure);
       }
     }
-    if (ended_ != passes_.size()) throw Error(ErrorCode::cancelled, "oneTBB dropped some of the passes");
+    if (ended_ != passes_.size()) throw Error(ErrorCode::cancelled, "the scheduler dropped some of the passes");
   }
 
  private:
@@ -185,17 +180,15 @@ class TaskGraph::Run {
   }
 
   std::vector<Pass>& passes_;
-  std::stop_source stop_;  ///< of the passes: the caller's, or a failure
-  std::stop_callback<std::function<void()>> stopper_;
+  stop_source stop_;  ///< of the passes: the caller's, or a failure
+  stop_callback<std::function<void()>> stopper_;
   std::unique_ptr<PassProgress[]> pass_progress_;
   Progress progress_;
   std::unique_ptr<std::atomic<std::size_t>[]> waits_for_;
   std::vector<std::exception_ptr> failures_;  ///< of each pass, set by the thread that runs it; of none in particular
   std::atomic<std::size_t> ended_{0};
-  /// Of our own: if the caller's group is cancelled, its tasks are dropped and ours are not.
-  tbb::task_group_context own_context_{tbb::task_group_context::isolated};
-  tbb::task_group group_;
-  std::pmr::memory_resource* memory_;  ///< the caller's, for chains that passes return
+  backend::TaskGroup group_;
+  memory_resource* memory_;  ///< the caller's, for chains that passes return
 };
 
 void TaskGraph::run(const Control& control) {

@@ -16,7 +16,7 @@ namespace welkin::jobs {
 /// Where a job runs.
 enum class Placement {
   calling_thread,  ///< small work: waking a pool would cost more
-  arena,           ///< as TBB tasks in the caller's arena
+  arena,           ///< as tasks in the caller's arena
 };
 
 /// The arena from some 100 000 texels on, which take about 30 microseconds in one thread.
@@ -32,7 +32,7 @@ enum class Placement {
 /// whatever the thread has set, and leave that as it was. Before each tile the stop token is checked; after each one
 /// progress is reported. The first exception that a tile throws ends the job and comes out here.
 /// Throws `Error` (cancelled). Allocates nothing of its own between the first tile's start and the last
-/// one's end. Tiles run whatever becomes of the caller's own TBB group: a result is whole or there is none.
+/// one's end. Tiles run whatever becomes of the caller's own group of tasks: a result is whole or there is none.
 void run_tiles(std::size_t count, Placement placement, std::size_t workers, const Control& control,
                const std::function<void(std::size_t tile, std::size_t worker)>& tile);
 
@@ -48,6 +48,9 @@ class OneThread {
   /// Whether one lives in the calling thread.
   [[nodiscard]] static bool here() noexcept;
 };
+
+/// Throws `Error` (invalid_argument) unless `run_with_threads` takes that many.
+void require_thread_count(int threads);
 
 /// Whether the calling thread is inside a tile: for tests that watch what tiles do to the heap.
 [[nodiscard]] bool inside_tile() noexcept;

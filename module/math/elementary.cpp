@@ -1,12 +1,13 @@
 #include "math/elementary.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numbers>
+
+#include "platform/standard_library.h"
 
 namespace welkin::math {
 namespace {
@@ -44,7 +45,7 @@ double exponential(double x) noexcept {
   for (std::size_t k = kTerms; k-- > 2;) series = series * r + kInverseFactorials[k];
   const double mantissa = 1.0 + (r + r * r * series);
   if (n < kLeastNormal) return std::ldexp(mantissa, static_cast<int>(n));
-  return 2.0 * mantissa * std::bit_cast<double>(static_cast<std::uint64_t>(n + 1022.0) << 52U);
+  return 2.0 * mantissa * platform::bit_cast<double>(static_cast<std::uint64_t>(n + 1022.0) << 52U);
 }
 
 // x = 2^e m with m from sqrt(1/2) to sqrt(2); ln m = 2 artanh z, z = (m - 1) / (m + 1), |z| < 0.1716: twelve terms of

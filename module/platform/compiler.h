@@ -20,6 +20,8 @@
 #define WELKIN_INLINE_LAMBDA __attribute__((always_inline))
 #if defined(__aarch64__)
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+w"(v))
+#elif defined(__wasm__)
+#define WELKIN_IN_REGISTER(v) static_cast<void>(v)
 #else
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
 #endif

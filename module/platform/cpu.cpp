@@ -60,20 +60,29 @@ bool runs(InstructionSet set) {
     case InstructionSet::sse2: return true;
     case InstructionSet::avx2: return avx2;
     case InstructionSet::avx512: return avx512;
-    case InstructionSet::neon: return false;
+    case InstructionSet::neon:
+    case InstructionSet::simd128: return false;
   }
   return false;
 }
 
 #else
 
-/// NEON is part of 64-bit ARM (AArch64), and all that the kernels use of it is there from the first version on.
-bool runs(InstructionSet set) { return set == InstructionSet::neon; }
+/// Another processor's binary carries one set, which its processors all run: NEON is part of 64-bit ARM (AArch64), and
+/// all that the kernels use of it is there from the first version on; a WebAssembly module that uses vectors loads
+/// nowhere else than where there are any.
+#if defined(__wasm__)
+constexpr InstructionSet kOnly = InstructionSet::simd128;
+#else
+constexpr InstructionSet kOnly = InstructionSet::neon;
+#endif
+
+bool runs(InstructionSet set) { return set == kOnly; }
 
 #endif
 
 constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512,
-                                   InstructionSet::neon};
+                                   InstructionSet::neon, InstructionSet::simd128};
 
 void require_runnable(InstructionSet set, const std::string& asked_by) {
   if (runs(set)) return;
@@ -89,8 +98,9 @@ InstructionSet initial_choice() {
     require_runnable(set, std::string("WELKIN_ISA=") + wanted);
     return set;
   }
-  throw Error(ErrorCode::invalid_argument,
-              std::string("WELKIN_ISA=") + wanted + ": not an instruction set; it may be sse2, avx2, avx512 or neon");
+  throw Error(
+      ErrorCode::invalid_argument,
+      std::string("WELKIN_ISA=") + wanted + ": not an instruction set; it may be sse2, avx2, avx512, neon or simd128");
 }
 
 constexpr int kUndecided = -1;
@@ -104,6 +114,7 @@ const char* name(InstructionSet set) noexcept {
     case InstructionSet::avx2: return "avx2";
     case InstructionSet::avx512: return "avx512";
     case InstructionSet::neon: return "neon";
+    case InstructionSet::simd128: return "simd128";
   }
   return "unknown";
 }

@@ -354,7 +354,7 @@ void WholeFile::write(const void* bytes, std::size_t count) {
 void WholeFile::write_to_memory(const void* bytes, std::size_t count) {
   const std::uint64_t end = position_ + count;
   try {
-    if (end > gathered_.size()) gathered_.resize(end);
+    if (end > gathered_.size()) gathered_.resize(static_cast<std::size_t>(end));
   } catch (const std::exception&) {  // bad_alloc, or longer than any vector may be
     errno = ENOMEM;
     fail("could not be written");

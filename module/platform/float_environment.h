@@ -12,6 +12,8 @@
 
 #if defined(__aarch64__)
 #include "platform/float_environment_arm.h"
+#elif defined(__wasm__)
+#include "platform/float_environment_wasm.h"
 #else
 #include "platform/float_environment_x86.h"
 #endif

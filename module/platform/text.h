@@ -3,9 +3,19 @@
 
 #include <array>
 #include <charconv>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
 #include <string>
+#include <system_error>
+#include <version>
 
 namespace welkin::platform {
+
+#ifdef __cpp_lib_to_chars
+
+using std::from_chars;
 
 /// As few digits as tell it from every other double.
 [[nodiscard]] inline std::string number_text(double value) {
@@ -18,5 +28,66 @@ namespace welkin::platform {
   std::array<char, 512> text{};  // DBL_MAX in fixed point takes 309 digits
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, format, precision).ptr};
 }
+
+#else  // libc++ 14 has it for whole numbers alone; where that is used (WebAssembly) C's locale is always its own
+
+[[nodiscard]] inline std::string number_text(double value, std::chars_format format, int precision) {
+  const char* const pattern = format == std::chars_format::fixed        ? "%.*f"
+                              : format == std::chars_format::scientific ? "%.*e"
+                                                                        : "%.*g";
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(), pattern, precision, value);
+  return text.data();
+}
+
+[[nodiscard]] inline std::string number_text(double value) {
+  constexpr int kMostDigits = 17;
+  std::string text;
+  for (int digits = 1; digits <= kMostDigits; ++digits) {
+    text = number_text(value, std::chars_format::general, digits);
+    if (std::strtod(text.c_str(), nullptr) == value) break;
+  }
+  return text;
+}
+
+using std::from_chars;
+
+/// How many of the characters are a decimal number, as `std::from_chars` reads it; 0: none.
+[[nodiscard]] inline std::size_t decimal_length(const char* first, const char* last) {
+  const auto digits = [last](const char*& at) {
+    const char* const begin = at;
+    while (at != last && *at >= '0' && *at <= '9') ++at;
+    return at != begin;
+  };
+  const char* at = first;
+  if (at != last && *at == '-') ++at;
+  bool number = digits(at);
+  if (at != last && *at == '.') {
+    const char* behind = at + 1;
+    number = digits(behind) || number;
+    if (number) at = behind;
+  }
+  if (!number) return 0;
+  if (at != last && (*at == 'e' || *at == 'E')) {
+    const char* behind = at + 1;
+    if (behind != last && (*behind == '-' || *behind == '+')) ++behind;
+    if (digits(behind)) at = behind;
+  }
+  return static_cast<std::size_t>(at - first);
+}
+
+/// As std::from_chars, but for infinities and NaN, which are no numbers here.
+[[nodiscard]] inline std::from_chars_result from_chars(const char* first, const char* last, double& value) {
+  const std::string text(first, decimal_length(first, last));
+  if (text.empty()) return {first, std::errc::invalid_argument};
+  const double read = std::strtod(text.c_str(), nullptr);
+  if (read > std::numeric_limits<double>::max() || read < std::numeric_limits<double>::lowest()) {
+    return {first + text.size(), std::errc::result_out_of_range};
+  }
+  value = read;
+  return {first + text.size(), std::errc()};
+}
+
+#endif
 
 }  // namespace welkin::platform

@@ -15,6 +15,7 @@
 #include "jobs/many.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "projection/chunk_projection.h"
 #include "projection/cubemap_projection.h"
 #include "projection/project.h"
@@ -258,7 +259,7 @@ class ManyProjections {
 
   ProjectionDiagnostics project_alone(std::size_t k, const Control& control) {
     Projection projection = project(probes_[k], options_, control);
-    std::ranges::copy(projection.radiance.coefficients(), coefficients_of(k).begin());
+    platform::ranges::copy(projection.radiance.coefficients(), coefficients_of(k).begin());
     return std::move(projection.diagnostics);
   }
 

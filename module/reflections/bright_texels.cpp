@@ -13,6 +13,7 @@
 #include "image/geometry.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "platform/standard_library.h"
 #include "reflections/lobe.h"
 
 namespace welkin::reflections {
@@ -222,10 +223,10 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
   for (const int band : bands) bright = search.collect(band, cells, found) || bright;
   if (!bright) return {};
   if (found.size() > most) {
-    const auto peak = [](const BrightTexel& texel) { return *std::ranges::max_element(texel.excess); };
-    std::ranges::stable_sort(found, [&](const BrightTexel& a, const BrightTexel& b) { return peak(a) > peak(b); });
+    const auto peak = [](const BrightTexel& texel) { return *platform::ranges::max_element(texel.excess); };
+    platform::ranges::stable_sort(found, [&](const BrightTexel& a, const BrightTexel& b) { return peak(a) > peak(b); });
     found.resize(most);
-    std::ranges::sort(found, [](const BrightTexel& a, const BrightTexel& b) {
+    platform::ranges::sort(found, [](const BrightTexel& a, const BrightTexel& b) {
       return a.row != b.row ? a.row < b.row : a.column < b.column;
     });
   }

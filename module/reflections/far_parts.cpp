@@ -7,6 +7,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/memory.h"
+#include "platform/standard_library.h"
 
 namespace welkin::reflections {
 namespace {
@@ -30,7 +31,7 @@ double far_place(double largest, double alpha) noexcept {
 
 std::vector<double> far_alphas(const NarrowSplit& split, const std::vector<double>& alphas) {
   std::vector<double> all = alphas;
-  std::ranges::sort(all);
+  platform::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   if (all.empty()) return all;
   const double least = far_place(split.largest_far, all.back());
@@ -54,7 +55,7 @@ std::vector<double> FarParts::shares(double alpha, double energy) const {
   const double y = far_place(largest, alpha);
   std::vector<double> shares(alphas.size());
   // where e^-Tq is as good as one of theirs, that part alone will do
-  const auto same = std::ranges::find_if(alphas, [&](double other) {
+  const auto same = platform::ranges::find_if(alphas, [&](double other) {
     return other == alpha || std::abs(y / far_place(largest, other) - 1.0) < kSameFarPart;
   });
   if (same != alphas.end()) {

@@ -210,7 +210,7 @@ template <class View>
 class Prefilter {
  public:
   Prefilter(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan, CubemapChain room,
-            std::pmr::memory_resource* memory)
+            memory_resource* memory)
       : view_(projection::view_of(source, view)), source_(source), plan_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);

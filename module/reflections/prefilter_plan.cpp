@@ -9,6 +9,7 @@
 #include "image/pixels.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "reflections/ring_table.h"
@@ -90,7 +91,7 @@ PrefilterPlan PrefilterPlan::without(int sharp, int rough) const {
 }
 
 bool PrefilterPlan::uses(MipMethod method) const noexcept {
-  return std::ranges::find(mips, method, &MipPlan::method) != mips.end();
+  return platform::ranges::find(mips, method, &MipPlan::method) != mips.end();
 }
 
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {

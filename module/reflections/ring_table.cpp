@@ -14,6 +14,7 @@
 #include "math/quadrature.h"
 #include "math/table_cache.h"
 #include "platform/memory.h"
+#include "platform/standard_library.h"
 
 namespace welkin::reflections {
 namespace {
@@ -331,7 +332,7 @@ void RingTable::Builder::finish(RingTable& table) {
     auto& list = entries_[static_cast<std::size_t>(row)];
     std::vector<Entry> entries(list.begin(), list.end());
     list = {};
-    std::ranges::sort(entries, [](const Entry& a, const Entry& b) {
+    platform::ranges::sort(entries, [](const Entry& a, const Entry& b) {
       return a.column != b.column ? a.column < b.column : a.texel < b.texel;
     });
     const double scale = 1.0 / image::lat_long_texel_solid_angle(columns_, rows_, row);

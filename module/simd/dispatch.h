@@ -13,11 +13,17 @@ namespace welkin::simd {
 inline constexpr int kLanes = 16;
 
 #if defined(__aarch64__) || defined(_M_ARM64)
+#define WELKIN_ONLY_INSTRUCTION_SET neon
+#elif defined(__wasm__)
+#define WELKIN_ONLY_INSTRUCTION_SET simd128
+#endif
+
+#if defined(WELKIN_ONLY_INSTRUCTION_SET)
 
 /// Of one table the one for an instruction set.
 template <class Table>
-[[nodiscard]] const Table& table_for(InstructionSet /*set*/, const Table& neon) {
-  return neon;
+[[nodiscard]] const Table& table_for(InstructionSet /*set*/, const Table& only) {
+  return only;
 }
 
 #else
@@ -27,7 +33,8 @@ template <class Table>
 [[nodiscard]] const Table& table_for(InstructionSet set, const Table& sse2, const Table& avx2, const Table& avx512) {
   switch (set) {
     case InstructionSet::sse2:
-    case InstructionSet::neon: return sse2;  // NEON: of another processor, and never in use
+    case InstructionSet::neon:
+    case InstructionSet::simd128: return sse2;  // these two are of other processors, and never in use
     case InstructionSet::avx2: return avx2;
     case InstructionSet::avx512: return avx512;
   }
@@ -39,16 +46,18 @@ template <class Table>
 }  // namespace welkin::simd
 
 /// Declares in a room's namespace, for a struct `Table` of kernels:
-///   extern const Table name_table;           in the namespaces sse2, avx2 and avx512, or neon: what a kernels' source
-///                                            defines
+///   extern const Table name_table;           in the namespaces sse2, avx2 and avx512, or neon, or simd128: what a
+///                                            kernels' source defines
 ///   const Table& name(InstructionSet set);   the table for an instruction set, which this machine must be able to run
 ///   const Table& name();                     the table in use; throws like `active_instruction_set`
-#if defined(__aarch64__) || defined(_M_ARM64)
-#define WELKIN_KERNEL_TABLES(Table, name)                                                                         \
-  namespace neon {                                                                                                \
-  extern const Table name##_table;                                                                                \
-  }                                                                                                               \
-  [[nodiscard]] inline const Table& name(InstructionSet set) { return simd::table_for(set, neon::name##_table); } \
+#if defined(WELKIN_ONLY_INSTRUCTION_SET)
+#define WELKIN_KERNEL_TABLES(Table, name)                                   \
+  namespace WELKIN_ONLY_INSTRUCTION_SET {                                   \
+  extern const Table name##_table;                                          \
+  }                                                                         \
+  [[nodiscard]] inline const Table& name(InstructionSet set) {              \
+    return simd::table_for(set, WELKIN_ONLY_INSTRUCTION_SET::name##_table); \
+  }                                                                         \
   [[nodiscard]] inline const Table& name() { return name(active_instruction_set()); }
 #else
 #define WELKIN_KERNEL_TABLES(Table, name)                                                      \

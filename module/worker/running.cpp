@@ -6,7 +6,6 @@
 #include <iterator>
 #include <memory>
 #include <new>
-#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -35,11 +34,11 @@ void look_briefly(const JobRecord& job, bool keeping) noexcept {
 }
 
 /// Made by the thread that runs a computation, which also gives the memory back; empty if there is none.
-std::stop_source make_stop_source() noexcept {
+stop_source make_stop_source() noexcept {
   try {
     return {};
   } catch (const std::bad_alloc&) {
-    return std::stop_source(std::nostopstate);
+    return stop_source(nostopstate);
   }
 }
 
@@ -285,7 +284,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
   computation->release();
   // Both go when the books are closed.
   ComputationList over;
-  std::stop_source stop(std::nostopstate);
+  stop_source stop(nostopstate);
   const Books books(*this);
   over = take_out(computation);
   if (!computation->stopping) std::swap(stop, computation->stop);

@@ -98,7 +98,7 @@ void SkyBakery::tell_of_the_worker() noexcept {
 void SkyBakery::run(const Control& control) {
   SkyWish wish;
   Step step = Step::none;
-  std::stop_source source;
+  stop_source source;
   std::array<std::shared_ptr<const void>, 8> garbage;
   {
     const std::scoped_lock lock(mutex_);
@@ -114,7 +114,7 @@ void SkyBakery::run(const Control& control) {
   std::exception_ptr error;
   bool stopped = false;
   try {
-    const std::stop_callback link(control.stop, [&source] { source.request_stop(); });
+    const stop_callback link(control.stop, [&source] { source.request_stop(); });
     make(step, wish, {.stop = source.get_token(), .progress = control.progress});
   } catch (const Error& thrown) {
     stopped = thrown.code() == ErrorCode::cancelled;

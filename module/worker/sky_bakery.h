@@ -9,8 +9,8 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <stop_token>
 
+#include "welkin/core.h"
 #include "welkin/requests.h"
 #include "welkin/sky_light.h"
 
@@ -106,7 +106,7 @@ class SkyBakery : public std::enable_shared_from_this<SkyBakery> {
   SkyBakeCounts counts_;
   std::shared_ptr<const SkyTables> tables_;
   std::array<std::shared_ptr<const void>, 8> retired_;
-  std::stop_source stop_;
+  stop_source stop_;
   std::exception_ptr error_;
   Step last_ = Step::none;  ///< that was begun
   bool running_ = false;

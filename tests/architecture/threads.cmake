@@ -1,13 +1,13 @@
 # cmake -DROOT=<the repository> -P threads.cmake: what runs at the same time is the business of two rooms. Only jobs and
-# worker include oneTBB or make threads (platform asks the system about them), and only jobs/control.cpp says that a
-# call was cancelled, so that all calls say it in the same words.
+# worker make threads (platform asks the system about them), only jobs/one_tbb.cpp and worker include oneTBB, and only
+# jobs/control.cpp says that a call was cancelled, so that all calls say it in the same words.
 cmake_minimum_required(VERSION 3.22)
 
 set(pattern_tbb "#include [<\"](tbb|oneapi)/[a-z_/]+\\.h[>\"]|tbb::")
 set(pattern_thread "std::j?thread[^:a-z_]")
 set(pattern_cancelled "[^:]Error\\(ErrorCode::cancelled, (kCancelled|[^\"\n]*\"cancelled)|cancelled by the caller")
-set(allowed_tbb "^module/(jobs|worker)/")
-set(allowed_thread "^module/(jobs|worker|platform)/")
+set(allowed_tbb "^module/(jobs/one_tbb\\.cpp$|worker/)")
+set(allowed_thread "^module/(jobs|worker|platform)/|^include/welkin/detail/stop_token\\.h$")
 set(allowed_cancelled "^module/jobs/control\\.(h|cpp)$")
 set(kinds tbb thread cancelled)
 

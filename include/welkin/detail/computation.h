@@ -17,7 +17,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -181,7 +180,7 @@ class Computation {
   std::shared_ptr<JobRecord> parent;             ///< the job that it follows, until that is done
   std::shared_ptr<Computation> waits_for;        ///< whose end its thread waits for
   /// Of its run. The thread that runs it makes it, and takes it back if nobody has told the run to stop.
-  std::stop_source stop{std::nostopstate};
+  stop_source stop{nostopstate};
   bool stopping = false;                      ///< the run has been told to stop: it is for nobody
   std::shared_ptr<Computation> next_to_stop;  ///< in a list of those that are being told
   std::uint64_t bytes = 0;                    ///< that count against the worker's limit

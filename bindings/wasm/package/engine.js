@@ -1,0 +1,352 @@
+// What runs inside the worker: loads a WebAssembly module, hands it options and pixels, and takes results out of it.
+// It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
+
+/** The modules, each of which also does what the ones before it do. */
+export const MODULES = ['project', 'prefilter', 'environment'];
+
+/** `ErrorCode` of include/welkin/core.h, in its order; statuses begin at 1. */
+const CODES = ['invalid_argument', 'rejected_pixel', 'file_access', 'corrupt_file', 'unsupported_file', 'limit_exceeded',
+  'cancelled', 'replaced', 'queue_full', 'stopped'];
+const OTHER_CODES = { 1000: 'out_of_memory', 1001: 'unexpected' };
+
+/** `PixelFormat` of include/welkin/image.h, and bytes a texel. */
+export const FORMATS = {
+  rgb32f: [0, 12], rgba32f: [1, 16], rgb16f: [2, 6], rgba16f: [3, 8], rgb8: [4, 3], rgba8: [5, 4], srgb8: [6, 3],
+  srgba8: [7, 4],
+};
+const SCHEDULES = ['linear', 'filament', 'babylon', 'unity', 'unreal'];
+const LAYOUTS = ['automatic', 'lat-long', 'vertical-strip', 'horizontal-strip', 'horizontal-cross', 'vertical-cross'];
+const AEROSOLS = ['clear', 'hazy', 'dusty', 'polluted'];
+
+function failure(code, message) {
+  return { welkin: true, code, message };
+}
+
+function numberOf(list, name, what) {
+  const index = list.indexOf(name);
+  if (index < 0) throw failure('invalid_argument', `${what} is "${name}"; it may be ${list.join(', ')}`);
+  return index;
+}
+
+/** What a standalone module imports of a system. There are no files and no arguments; whatever else is asked for is not
+ * there. */
+function systemFor(memory) {
+  const kNotThere = 52; // ENOSYS, as WASI numbers it
+  const zeros = (...places) => {
+    for (const place of places) new DataView(memory()).setUint32(place, 0, true);
+    return 0;
+  };
+  return {
+    environ_sizes_get: zeros,
+    args_sizes_get: zeros,
+    environ_get: () => 0,
+    args_get: () => 0,
+    clock_time_get: (_clock, _precision, place) => {
+      new DataView(memory()).setBigUint64(place, BigInt(Math.round(performance.now() * 1e6)), true);
+      return 0;
+    },
+    fd_write: (_file, vectors, count, written) => {
+      const view = new DataView(memory());
+      let bytes = 0;
+      for (let k = 0; k < count; ++k) bytes += view.getUint32(vectors + 8 * k + 4, true);
+      view.setUint32(written, bytes, true);
+      return 0;
+    },
+    proc_exit: () => {
+      throw failure('unexpected', 'the module ended itself');
+    },
+    emscripten_notify_memory_growth: () => {},
+    missing: () => kNotThere,
+  };
+}
+
+/** One instance of a module. */
+class Instance {
+  constructor(module, progress) {
+    const system = systemFor(() => this.exports.memory.buffer);
+    const imports = {};
+    for (const { module: space, name } of WebAssembly.Module.imports(module)) {
+      imports[space] ??= {};
+      imports[space][name] = space === 'welkin' && name === 'progress' ? progress : system[name] ?? system.missing;
+    }
+    this.exports = new WebAssembly.Instance(module, imports).exports;
+    this.exports._initialize?.();
+  }
+
+  /** Copies parts, typed arrays or buffers, one behind the other: the only copy on the way in. */
+  put(parts) {
+    let bytes = 0;
+    for (const part of parts) bytes += part.byteLength;
+    const place = this.exports.welkin_allocate(bytes) >>> 0;
+    if (place === 0) throw failure('out_of_memory', `there is no memory for ${bytes} bytes`);
+    let at = place;
+    for (const part of parts) {
+      const source = ArrayBuffer.isView(part)
+        ? new Uint8Array(part.buffer, part.byteOffset, part.byteLength) : new Uint8Array(part);
+      new Uint8Array(this.exports.memory.buffer).set(source, at);
+      at += part.byteLength;
+    }
+    return place;
+  }
+
+  free(place) {
+    this.exports.welkin_free(place);
+  }
+
+  /** Copies a result out: the only copy on the way back. */
+  take(index, Type) {
+    const place = this.exports.welkin_result(index) >>> 0;
+    const bytes = this.exports.welkin_result_bytes(index) >>> 0;
+    return new Type(this.exports.memory.buffer.slice(place, place + bytes));
+  }
+
+  /** Calls an entry with its options. Throws what it reports. */
+  call(entry, options) {
+    const place = this.put([Float64Array.from(options)]);
+    let status;
+    try {
+      status = this.exports[entry](place);
+    } finally {
+      this.free(place);
+    }
+    if (status === 0) return;
+    const memory = new Uint8Array(this.exports.memory.buffer);
+    const begin = this.exports.welkin_message() >>> 0;
+    const code = OTHER_CODES[status] ?? CODES[status - 1] ?? 'unexpected';
+    const text = code === 'out_of_memory' ? 'there is not enough memory'
+      : new TextDecoder().decode(memory.slice(begin, memory.indexOf(0, begin)));
+    throw failure(code, text);
+  }
+}
+
+function policy({ clamp, preserveColour, gamma, replaceNegatives, rejectNonFinite }) {
+  return [clamp ?? 0, preserveColour ? 1 : 0, gamma ? 1 : 0, replaceNegatives ? 1 : 0, rejectNonFinite ? 1 : 0];
+}
+
+function chain({ size, mips, schedule, rmsError, maximumError, floats }) {
+  return [size ?? 0, mips ?? 0, numberOf(SCHEDULES, schedule ?? 'filament', 'schedule'), rmsError ?? 0,
+    maximumError ?? 0, floats ? 1 : 0];
+}
+
+function light(request) {
+  return [...chain(request), request.bands ?? 3, request.env ? 1 : 0, request.ktx2 ? 1 : 0,
+    request.specular === false ? 0 : 1, request.background ?? 0];
+}
+
+const POLYNOMIAL = ['x', 'y', 'z', 'xx', 'yy', 'zz', 'yz', 'zx', 'xy'];
+function polynomialOf(numbers) {
+  return Object.fromEntries(POLYNOMIAL.map((name, k) => [name, Array.from(numbers.subarray(3 * k, 3 * k + 3))]));
+}
+
+function sunOf(numbers) {
+  return numbers.length === 0 ? null
+    : { direction: [...numbers.subarray(0, 3)], irradiance: [...numbers.subarray(3, 6)], angularRadius: numbers[6] };
+}
+
+/** Turns faces into those of the picture mirrored in x, in place: +X and -X change places, and rows run the other way. */
+function mirror(faces, size) {
+  for (const face of faces) {
+    const words = new Uint32Array(face.buffer, face.byteOffset, face.byteLength / 4);
+    const texel = words.length / (size * size);
+    for (let row = 0; row < size; ++row) {
+      for (let left = 0, right = size - 1; left < right; ++left, --right) {
+        const a = texel * (row * size + left);
+        const b = texel * (row * size + right);
+        for (let k = 0; k < texel; ++k) [words[a + k], words[b + k]] = [words[b + k], words[a + k]];
+      }
+    }
+  }
+  [faces[0], faces[1]] = [faces[1], faces[0]];
+}
+
+/** The chain whose numbers and texels are results `first` and the one behind it. */
+function chainOf(instance, first, { floats, mirrorX }) {
+  const numbers = instance.take(first, Float64Array);
+  if (numbers.length === 0) return null;
+  const texels = instance.take(first + 1, ArrayBufferOf);
+  const Type = floats ? Float32Array : Uint16Array;
+  const mips = [];
+  let at = 0;
+  for (let mip = 0; mip < numbers[1]; ++mip) {
+    const [edge, roughness, error] = numbers.subarray(2 + 3 * mip, 5 + 3 * mip);
+    const faces = [];
+    for (let face = 0; face < 6; ++face) {
+      faces.push(new Type(texels, at, 4 * edge * edge));
+      at += 4 * edge * edge * Type.BYTES_PER_ELEMENT;
+    }
+    if (mirrorX) mirror(faces, edge);
+    mips.push({ size: edge, roughness, errorEstimate: error < 0 ? null : error, faces });
+  }
+  return { size: numbers[0], format: floats ? 'rgba32f' : 'rgba16f', mirrored: Boolean(mirrorX), mips };
+}
+
+/** For `take`: the bytes as they are. */
+function ArrayBufferOf(buffer) {
+  return buffer;
+}
+
+function backgroundOf(instance, index, { floats, mirrorX }) {
+  const texels = instance.take(index, ArrayBufferOf);
+  if (texels.byteLength === 0) return null;
+  const Type = floats ? Float32Array : Uint16Array;
+  const values = texels.byteLength / 6 / Type.BYTES_PER_ELEMENT;
+  const faces = Array.from({ length: 6 }, (_, face) => new Type(texels, face * values * Type.BYTES_PER_ELEMENT, values));
+  const size = Math.sqrt(values / 4);
+  if (mirrorX) mirror(faces, size);
+  return { size, format: floats ? 'rgba32f' : 'rgba16f', mirrored: Boolean(mirrorX), faces };
+}
+
+function lightOf(instance, request) {
+  const env = instance.take(4, Uint8Array);
+  const ktx2 = instance.take(5, Uint8Array);
+  return {
+    bands: request.bands ?? 3,
+    radiance: instance.take(0, Float64Array),
+    polynomial: polynomialOf(instance.take(1, Float64Array)),
+    specular: chainOf(instance, 2, request),
+    env: env.length > 0 ? env : null,
+    ktx2: ktx2.length > 0 ? ktx2 : null,
+    background: backgroundOf(instance, 6, request),
+  };
+}
+
+/** The source's first options; checks that there are as many bytes as the format says. */
+function source(instance, request) {
+  const format = FORMATS[request.format];
+  if (format === undefined) {
+    throw failure('invalid_argument', `format is "${request.format}"; it may be ${Object.keys(FORMATS).join(', ')}`);
+  }
+  const { width, height } = request;
+  if (!Number.isInteger(width) || width < 1 || (height !== 0 && (!Number.isInteger(height) || height < 1))) {
+    throw failure('invalid_argument', `the picture has ${width} x ${height || width} texels; both must be whole numbers`);
+  }
+  const texels = height === 0 ? 6 * width * width : width * height;
+  const bytes = request.pixels.reduce((sum, part) => sum + part.byteLength, 0);
+  if (bytes !== texels * format[1]) {
+    throw failure('invalid_argument',
+      `the pixels have ${bytes} bytes; ${texels} texels of ${request.format} have ${texels * format[1]}`);
+  }
+  return [instance.put(request.pixels), width, height, format[0], ...policy(request)];
+}
+
+const OPERATIONS = {
+  project(instance, request) {
+    const options = source(instance, request);
+    try {
+      instance.call('welkin_project',
+        [...options, request.bands ?? 3, request.quadrature === 'midpoint' ? 1 : 0, request.targetSize ?? 0]);
+    } finally {
+      instance.free(options[0]);
+    }
+    const d = instance.take(2, Float64Array);
+    return {
+      bands: request.bands ?? 3,
+      radiance: instance.take(0, Float64Array),
+      polynomial: polynomialOf(instance.take(1, Float64Array)),
+      diagnostics: {
+        texels: d[0], nansReplaced: d[1], infinitiesReplaced: d[2], negativesReplaced: d[3], texelsClamped: d[4],
+        errorEstimate: d[5], totalRadiance: [d[6], d[7], d[8]],
+      },
+    };
+  },
+
+  prefilter(instance, request) {
+    const options = source(instance, request);
+    try {
+      instance.call('welkin_prefilter', [...options, ...chain(request)]);
+    } finally {
+      instance.free(options[0]);
+    }
+    return chainOf(instance, 0, request);
+  },
+
+  bake(instance, request) {
+    const bytes = instance.put([request.bytes]);
+    const name = instance.put([new TextEncoder().encode(`${request.name ?? 'environment'}\0`)]);
+    try {
+      instance.call('welkin_bake', [bytes, request.bytes.byteLength, name,
+        numberOf(LAYOUTS, request.layout ?? 'automatic', 'layout'), request.takeOutSun ? 1 : 0, ...policy(request),
+        ...light(request)]);
+    } finally {
+      instance.free(bytes);
+      instance.free(name);
+    }
+    const shape = instance.take(8, Float64Array);
+    return {
+      ...lightOf(instance, request),
+      sun: sunOf(instance.take(7, Float64Array)),
+      source: { width: shape[0], height: shape[1] },
+    };
+  },
+
+  sky(instance, request) {
+    instance.call('welkin_sky', [request.sunElevation ?? 30, request.sunAzimuth ?? 0, request.altitude ?? 0,
+      numberOf(AEROSOLS, request.aerosol ?? 'clear', 'aerosol'), request.quality === 'high' ? 1 : 0, request.faceSize ?? 128,
+      request.sunDisc ? 1 : 0, ...light(request)]);
+    return { ...lightOf(instance, request), sun: sunOf(instance.take(7, Float64Array)) };
+  },
+};
+
+const NEEDS = { project: 0, prefilter: 1, bake: 2, sky: 2 };
+
+/** All that buffers of a result need to be handed over instead of copied. */
+export function buffersOf(value, found = new Set()) {
+  if (ArrayBuffer.isView(value)) found.add(value.buffer);
+  else if (value instanceof ArrayBuffer) found.add(value);
+  else if (value !== null && typeof value === 'object') for (const part of Object.values(value)) buffersOf(part, found);
+  return found;
+}
+
+/** Runs requests, one at a time. `load(name)` resolves to a compiled module. */
+export class Engine {
+  constructor(load) {
+    this.load = load;
+    this.instances = [];
+    this.report = () => {};
+  }
+
+  /** The smallest module that does it, or a larger one that is there already. */
+  async instanceFor(operation) {
+    const least = NEEDS[operation];
+    if (least === undefined) throw failure('invalid_argument', `there is no operation "${operation}"`);
+    for (let k = least; k < MODULES.length; ++k) if (this.instances[k]) return this.instances[k];
+    const module = await this.load(MODULES[least]);
+    this.instances[least] = new Instance(module, (share) => this.report(share));
+    return this.instances[least];
+  }
+
+  async run(operation, request, report = () => {}) {
+    const instance = await this.instanceFor(operation);
+    this.report = report;
+    try {
+      const result = OPERATIONS[operation](instance, request);
+      instance.exports.welkin_release();
+      return result;
+    } catch (error) {
+      if (error?.welkin) throw error;
+      // A trap: what the instance holds cannot be relied on any more.
+      this.instances = this.instances.map((other) => (other === instance ? undefined : other));
+      throw failure('unexpected', String(error?.message ?? error));
+    }
+  }
+}
+
+/** Connects an engine to a port: `{ id, operation, request }` comes in, `{ id, progress }`, `{ id, result }` or
+ * `{ id, error }` goes out. */
+export function serve(engine, post) {
+  const kReportEvery = 30; // ms
+  return async ({ id, operation, request }) => {
+    let reported = -Infinity;
+    try {
+      const result = await engine.run(operation, request, (progress) => {
+        const now = performance.now();
+        if (!request.progress || (progress < 1 && now - reported < kReportEvery)) return;
+        reported = now;
+        post({ id, progress }, []);
+      });
+      post({ id, result }, [...buffersOf(result)]);
+    } catch (error) {
+      post({ id, error: { code: error.code ?? 'unexpected', message: error.message ?? String(error) } }, []);
+    }
+  };
+}

@@ -1,0 +1,50 @@
+#include "chains.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace welkin::wasm {
+
+void require_edge(const char* name, int size) {
+  constexpr int kLargestEdge = 4096;
+  if (size >= 1 && size <= kLargestEdge) return;
+  throw Error(ErrorCode::invalid_argument, std::string(name) + " is " + std::to_string(size) +
+                                               "; it must be from 1 to " + std::to_string(kLargestEdge) +
+                                               " in WebAssembly");
+}
+
+PrefilterOptions prefilter_options(const Options& options, int first) {
+  PrefilterOptions wanted;
+  const auto schedule = static_cast<RoughnessSchedule>(options.whole(first + kChainSchedule));
+  if (options.whole(first + kChainSize) != 0) wanted.size = options.whole(first + kChainSize);
+  require_edge("size", wanted.size);
+  const int mips = options.whole(first + kChainMips);
+  wanted.mips = mips != 0 ? mips : mips_of_chain(schedule, wanted.size);
+  wanted.roughness = roughness_of_mips(schedule, *wanted.mips, wanted.size);
+  if (options.number(first + kChainError) > 0.0) wanted.rms_error = options.number(first + kChainError);
+  if (options.number(first + kChainLargestError) > 0.0)
+    wanted.maximum_error = options.number(first + kChainLargestError);
+  return wanted;
+}
+
+void give_texels(const CubemapChain& chain, bool floats) {
+  const UploadLayout layout{
+      .format = floats ? TexelFormat::rgba32f : TexelFormat::rgba16f, .size = chain.size(), .levels = chain.levels()};
+  std::vector<std::byte> texels(static_cast<std::size_t>(upload_bytes(layout)));
+  store_texels(chain, upload_targets(layout, texels));
+  give(std::move(texels));
+}
+
+void give_chain(const PrefilteredSpecular& chain, bool floats) {
+  std::vector<double> numbers{static_cast<double>(chain.cubemap.size()), static_cast<double>(chain.mips.size())};
+  for (const MipRecord& mip : chain.mips) {
+    numbers.insert(numbers.end(), {static_cast<double>(mip.size), mip.roughness, mip.error_estimate.value_or(-1.0)});
+  }
+  give(std::move(numbers));
+  give_texels(chain.cubemap, floats);
+}
+
+}  // namespace welkin::wasm

@@ -1,0 +1,26 @@
+# WebAssembly by Emscripten, with vectors of 128 bits and without threads: what bindings/wasm is made of (scripts/wasm).
+set(EMSCRIPTEN_ROOT /usr/share/emscripten CACHE PATH "Where Emscripten's folder `cmake` lies: where Debian has it")
+set(EMSCRIPTEN_SYSTEM_PROCESSOR wasm32)
+include(${EMSCRIPTEN_ROOT}/cmake/Modules/Platform/Emscripten.cmake)
+
+# Exceptions as the engines have them built in: half the size of those by way of JavaScript, and free until one is
+# thrown.
+set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions")
+set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions")
+
+# Precompiled headers name what libc++ lacks, and code for one program needs no freedom of place.
+set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+set(WELKIN_POSITION_INDEPENDENT_CODE OFF)
+
+# Headers of Debian's packages are taken one library at a time: beside them lie those of the machine's own C library.
+set(packages ${CMAKE_BINARY_DIR}/headers)
+if(NOT EXISTS ${packages}/glm)
+  file(MAKE_DIRECTORY ${packages})
+  foreach(header IN ITEMS glm xsimd nlohmann xxhash.h)
+    file(CREATE_LINK /usr/include/${header} ${packages}/${header} SYMBOLIC)
+  endforeach()
+endif()
+foreach(package IN ITEMS glm xsimd nlohmann_json)
+  set(${package}_DIR ${CMAKE_CURRENT_LIST_DIR}/wasm_headers CACHE PATH "" FORCE)
+endforeach()
+set(XXHASH_INCLUDE_DIR ${packages} CACHE PATH "" FORCE)
