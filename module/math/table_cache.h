@@ -63,7 +63,7 @@ class TableCache {
 
  private:
   struct Entry {
-    explicit Entry(const Key& its_key) : key(its_key) {}
+    explicit Entry(Key its_key) : key(std::move(its_key)) {}
     Key key;
     std::mutex building{};  ///< not a std::once_flag: under the thread sanitizer that hangs after an exception
     std::shared_ptr<const Table> table{};

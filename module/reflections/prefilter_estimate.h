@@ -28,6 +28,9 @@ struct SpectralSource {
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
+/// As `spectral_rms_error`, of a mip that is a sum of texels. `of_weights`: `LobeErrors::rms`.
+[[nodiscard]] double summed_rms_error(int face_size, double of_weights, double of_lights, double rms);
+
 /// Root mean square over the sphere of a level's radiance, all three channels together, from at most 32 x 32 texels a
 /// face.
 [[nodiscard]] double rms_of_level(const CubemapChain& chain, int level);

@@ -94,6 +94,27 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
   return platform::ranges::find(mips, method, &MipPlan::method) != mips.end();
 }
 
+bool PrefilterPlan::is_summed(int face_size, const MipPlan& mip) const noexcept {
+  // Where texels are wider than the narrowest lobe, none are taken out as lights, however bright.
+  const bool takes_lights_out = 0.5 * std::numbers::pi <= 2.0 * least_alpha * face_size;
+  return sums && takes_lights_out && mip.method == MipMethod::spectral &&
+         LobeTable::serves(face_size, {mip.size, mip.alpha});
+}
+
+std::vector<LobeMip> PrefilterPlan::summed_mips(int face_size) const {
+  std::vector<LobeMip> summed;
+  for (const MipPlan& mip : mips) {
+    if (is_summed(face_size, mip)) summed.push_back({mip.size, mip.alpha});
+  }
+  return summed;
+}
+
+bool PrefilterPlan::needs_rings(int face_size) const noexcept {
+  return std::any_of(mips.begin(), mips.end(), [&](const MipPlan& mip) {
+    return mip.method == MipMethod::spectral && !is_summed(face_size, mip);
+  });
+}
+
 int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
   const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
   const int rows = 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
@@ -139,6 +160,10 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.chain_mips = mips;
   plan.samples = options.samples;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
+  // their weights are made for the default bounds
+  const PrefilterOptions usual;
+  plan.sums = options.method == PrefilterMethod::automatic &&
+              plan.reach <= reach_for(usual.rms_error, usual.maximum_error) + 1e-9;
   for (int level = 0; level < mips; ++level) {
     MipPlan mip;
     mip.size = std::max(1, options.size >> level);

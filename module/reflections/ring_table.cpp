@@ -15,6 +15,7 @@
 #include "math/table_cache.h"
 #include "platform/memory.h"
 #include "platform/standard_library.h"
+#include "reflections/cube_images.h"
 
 namespace welkin::reflections {
 namespace {
@@ -29,33 +30,6 @@ constexpr double kNothing = 1e-9;  ///< of a ring's texel: weights below are lef
 constexpr int kCells = kSpread - 1;  ///< that take a point's light, of two groups of neighbours
 
 using Shares = std::array<double, kCells>;
-
-/// The sphere's sixteen symmetries: a mirror, then quarter turns, then the other hemisphere.
-struct Image {
-  int quarter;
-  bool mirrored;
-  bool below;
-};
-
-constexpr Image image_of(int index) noexcept { return {index / 4, (index & 2) != 0, (index & 1) != 0}; }
-
-constexpr int index_of(const Image& image) noexcept {
-  return 4 * image.quarter + (image.mirrored ? 2 : 0) + (image.below ? 1 : 0);
-}
-
-glm::ivec3 moved(const Image& image, glm::ivec3 point) noexcept {
-  if (image.mirrored) point.x = -point.x;
-  for (int k = 0; k < image.quarter; ++k) point = {-point.z, point.y, point.x};
-  if (image.below) point.y = -point.y;
-  return point;
-}
-
-glm::ivec3 moved_back(const Image& image, glm::ivec3 point) noexcept {
-  if (image.below) point.y = -point.y;
-  for (int k = 0; k < image.quarter; ++k) point = {point.z, point.y, -point.x};
-  if (image.mirrored) point.x = -point.x;
-  return point;
-}
 
 /// Shares of a point at `place` from the middle edge of some neighbouring cells, in cells.
 class Spreading {
@@ -194,7 +168,7 @@ class RingTable::Builder {
         jobs::throw_if_cancelled(control);
         for (int column = 0; column < size_; ++column) {
           const glm::ivec3 point = image::point_of(size_, {face, column, row});
-          if (point.x < 0 || point.y < 0 || (face == 2 && (point.z > 0 || point.x > -point.z))) continue;
+          if (!in_sixteenth(face, point)) continue;
           add_texel({face, column, row}, point);
         }
       }
@@ -234,8 +208,8 @@ void RingTable::Builder::spread(double distance, double ring, double steradians)
 void RingTable::Builder::add_texel(const image::CubeTexel& texel, const glm::ivec3& point) {
   int alike = 0;  // symmetries that leave it where it is: each of them would count it once
   for (int k = 0; k < kRingImages; ++k) {
-    alike += moved(image_of(k), point) == point ? 1 : 0;
-    const image::CubeTexel from = image::texel_at(size_, moved_back(image_of(k), point));
+    alike += moved(cube_image_of(k), point) == point ? 1 : 0;
+    const image::CubeTexel from = image::texel_at(size_, moved_back(cube_image_of(k), point));
     images_[static_cast<std::size_t>(k)] =
         static_cast<std::uint32_t>((from.face * size_ + from.row) * size_ + from.column);
   }
@@ -392,7 +366,7 @@ std::size_t RingTable::making_bytes(const RingTableKey& key) noexcept {
 void RingTable::gather(const CubemapView& source, const Run& run, float* records) const {
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
-    const Image image = image_of(k);
+    const CubeImage image = cube_image_of(k);
     const auto place = [&](int column) {
       const image::CubeTexel from =
           image::texel_at(size, moved(image, image::point_of(size, {run.face, column, run.row})));
@@ -431,7 +405,7 @@ void RingTable::fill(const CubemapView& source, float* rgb, const Control& contr
                     for (int row = first; row < std::min(half, first + tile_rows); ++row) {
                       RingPlacesInMemory places{};
                       for (int k = 0; k < kRingImages; ++k) {
-                        const Image image = image_of(k);
+                        const CubeImage image = cube_image_of(k);
                         const std::ptrdiff_t line = image.below ? key_.rows - 1 - row : row;
                         const int column =
                             (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
