@@ -102,6 +102,7 @@ int main(int argc, char** argv) {
   perf::add_prefilter(thread_counts);
   perf::add_sky_views(thread_counts);
   perf::add_tables();
+  perf::add_importance(thread_counts);
   perf::add_sky_tables(thread_counts);
   perf::add_bakes(thread_counts);
 #if WELKIN_TOOLS

@@ -1,10 +1,14 @@
 #include "tables.h"
 
+#include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"
 #include "subjects.h"
+#include "welkin/importance.h"
 
 namespace welkin::perf {
 
@@ -31,6 +35,21 @@ void add_tables() {
   add_benchmark("LatLongWeights", "warm-bands3", "4096x2048", 1, texels, 0.0, [=]() -> std::function<void()> {
     return [=] { benchmark::DoNotOptimize(projection::LatLongWeights::get(key)); };
   });
+}
+
+void add_importance(const std::vector<int>& thread_counts) {
+  for (const int threads : thread_counts) {
+    // Read once; a function and a cumulative distribution written.
+    constexpr double texels = 4096.0 * 2048.0;
+    add_benchmark(
+        "ImportanceTable", "rgb32f", "4096x2048", threads, texels, 20.0 * texels, [=]() -> std::function<void()> {
+          const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 4096, 2048);
+          const auto table = std::make_shared<ImportanceTable>(importance_table(view));
+          return [=] {
+            benchmark::DoNotOptimize(importance_table(view, {table->function, table->row_cdf, table->column_cdf}));
+          };
+        });
+  }
 }
 
 }  // namespace welkin::perf

@@ -10,6 +10,7 @@
 #include "welkin/environment_file.h"
 #include "welkin/error_budget.h"
 #include "welkin/image.h"
+#include "welkin/importance.h"
 #include "welkin/irradiance.h"
 #include "welkin/job.h"
 #include "welkin/plan.h"

@@ -11,6 +11,7 @@
 #include "welkin/directional_light.h"
 #include "welkin/error_budget.h"
 #include "welkin/image.h"
+#include "welkin/importance.h"
 #include "welkin/irradiance.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -77,6 +78,35 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
     return total(kept);
   });
   calls.call("total(", [&] { return total(kept); });
+}
+
+void call_importance(Calls& calls, const LatLongImage& wide) {
+  const ImportanceOptions options{.width = 7, .height = 5, .mis_compensation = true};
+  ImportanceTable table = importance_table(wide.view(), options);
+  const auto sums = [&] {
+    std::vector<float> all = table.function;
+    all.insert(all.end(), table.row_cdf.begin(), table.row_cdf.end());
+    all.insert(all.end(), table.column_cdf.begin(), table.column_cdf.end());
+    return all;
+  };
+  calls.call("importance_table(LatLongView const&, ImportanceOptions", [&] {
+    table = importance_table(wide.view(), options);
+    return sums();
+  });
+  calls.call("importance_table(LatLongView const&, ImportanceTargets", [&] {
+    table.integral = importance_table(wide.view(), {table.function, table.row_cdf, table.column_cdf}, options);
+    return sums();
+  });
+  calls.call("ImportanceTable::sample(", [&] { return table.sample(0.37, 0.61).direction; });
+  calls.call("ImportanceTable::density(", [&] { return table.density({0.36, -0.48, 0.8}); });
+  calls.call("alias_table(", [&] {
+    std::vector<float> all;
+    for (const AliasEntry& entry : alias_table(table).columns) all.push_back(entry.own);
+    return all;
+  });
+  calls.call("importance_pyramid(", [&] { return importance_pyramid(table).levels[1].probabilities; });
+  const ImportanceTable whole = importance_table(wide.view(), {.width = 7, .height = 5});
+  calls.call("importance_variance(", [&] { return importance_variance(wide.view(), whole).table; });
 }
 
 void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
@@ -171,6 +201,7 @@ void call_pictures(Calls& calls) {
   call_image(calls, faint(wide), faint(cube));
   call_projection(calls, wide, cube);
   call_projection(calls, faint(wide), faint(cube));
+  call_importance(calls, wide);
   call_irradiance(calls, wide, cube);
   call_irradiance(calls, faint(wide), faint(cube));
   call_reflections(calls, wide, cube);

@@ -1,0 +1,323 @@
+// The density's integrals and their cumulative sums, and samples by them.
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <string>
+
+#include "image/pixels.h"
+#include "importance/row_weights.h"
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "welkin/importance.h"
+
+namespace welkin {
+namespace {
+
+using importance::Overlaps;
+using importance::RowWeights;
+using importance::Share;
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::int64_t kTileTexels = 65536;
+
+struct Size {
+  int width;
+  int height;
+};
+
+/// Calls row(index, worker) for all rows; `workers` as `jobs::run_tiles` has it.
+template <class Row>
+void for_each_row(Size size, jobs::Placement placement, std::size_t workers, const Control& control, const Row& row) {
+  const int together = static_cast<int>(std::max<std::int64_t>(1, kTileTexels / size.width));
+  jobs::run_tiles(static_cast<std::size_t>((size.height + together - 1) / together), placement, workers, control,
+                  [&](std::size_t tile, std::size_t worker) {
+                    const int first = static_cast<int>(tile) * together;
+                    for (int k = first; k < std::min(first + together, size.height); ++k) row(k, worker);
+                  });
+}
+
+void require_size(const char* name, int cells, int texels) {
+  if (cells >= 0 && cells <= texels) return;
+  throw Error(ErrorCode::invalid_argument, "ImportanceOptions: " + std::string(name) + " is " + std::to_string(cells) +
+                                               "; it must be from 1 to the source's " + std::to_string(texels) +
+                                               ", or 0 for that");
+}
+
+void require_length(const char* name, std::size_t is, std::size_t must_be) {
+  if (is == must_be) return;
+  throw Error(ErrorCode::invalid_argument, "ImportanceTargets: " + std::string(name) + " has " + std::to_string(is) +
+                                               " floats; it must have " + std::to_string(must_be));
+}
+
+Size size_of(const LatLongView& source, const ImportanceOptions& options) {
+  image::check_view(source);
+  projection::check_policy(options.pixels);
+  require_size("width", options.width, source.width);
+  require_size("height", options.height, source.height);
+  if (options.weight != ImportanceWeight::luminance && options.weight != ImportanceWeight::mean &&
+      options.weight != ImportanceWeight::largest) {
+    throw Error(ErrorCode::invalid_argument,
+                "ImportanceOptions: weight has no known value; pass luminance, mean or largest");
+  }
+  return {options.width > 0 ? options.width : source.width, options.height > 0 ? options.height : source.height};
+}
+
+/// cdf[k] = the share of what comes before k; even where there is nothing. Returns the sum.
+template <class Value>
+double accumulate(std::span<const Value> values, std::span<float> cdf) noexcept {
+  double total = 0.0;
+  std::size_t end = 0;  // of what is above 0
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    total += static_cast<double>(values[k]);
+    if (values[k] > Value{0}) end = k + 1;
+  }
+  cdf[0] = 0.0F;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    sum += static_cast<double>(values[k]);
+    const double share = total > 0.0 ? sum / total : static_cast<double>(k + 1) / static_cast<double>(values.size());
+    cdf[k + 1] = static_cast<float>(std::min(1.0, share));
+  }
+  // What rounding leaves goes to the last one that is above 0, and not to those behind it.
+  std::fill(cdf.begin() + static_cast<std::ptrdiff_t>(total > 0.0 ? end : values.size()), cdf.end(), 1.0F);
+  return total;
+}
+
+/// Fills the arrays of a table.
+class Builder {
+ public:
+  Builder(const LatLongView& source, Size size, const ImportanceOptions& options, const ImportanceTargets& targets)
+      : source_(source),
+        size_(size),
+        options_(options),
+        targets_(targets),
+        weights_(source, options.weight, options.pixels),
+        columns_(Overlaps::of_columns(source.width, size.width)),
+        rows_(Overlaps::of_rows(source.height, size.height)),
+        totals_(static_cast<std::size_t>(size.height)) {}
+
+  double build(const Control& control) {
+    const bool again = options_.mis_compensation;
+    integrate(!again, jobs::part_of(control, 0.0, again ? 0.6 : 1.0));
+    double integral = total();
+    if (again && integral > 0.0) {
+      const double mean = integral / (4.0 * kPi);
+      each_row(jobs::part_of(control, 0.6, 1.0), [&](int row) { compensate(row, mean); });
+      // An even environment has nothing above its mean: all of it counts again.
+      if (total() > 0.0) {
+        integral = total();
+      } else {
+        integrate(true, {});
+      }
+    }
+    if (!(integral > 0.0)) {
+      each_row({}, [&](int row) { spread_evenly(row); });
+      integral = total();
+    }
+    return accumulate<double>(totals_, targets_.row_cdf);
+  }
+
+ private:
+  /// Of a thread.
+  struct Scratch {
+    Scratch(const LatLongView& source, Size size)
+        : texels(source), weights(static_cast<std::size_t>(source.width)), sums(static_cast<std::size_t>(size.width)) {}
+    RowWeights::Scratch texels;
+    std::vector<double> weights;  ///< of a row of the source
+    std::vector<double> sums;     ///< of a row of the table
+  };
+
+  [[nodiscard]] std::span<float> function_of(int row) const {
+    const auto width = static_cast<std::size_t>(size_.width);
+    return targets_.function.subspan(static_cast<std::size_t>(row) * width, width);
+  }
+  [[nodiscard]] std::span<float> cdf_of(int row) const {
+    const auto length = static_cast<std::size_t>(size_.width) + 1;
+    return targets_.column_cdf.subspan(static_cast<std::size_t>(row) * length, length);
+  }
+
+  template <class Row>
+  void each_row(const Control& control, const Row& row) const {
+    const jobs::Placement placement = jobs::placement_for(std::int64_t{size_.width} * size_.height);
+    for_each_row(size_, placement, jobs::worker_count(placement), control, [&](int index, std::size_t) { row(index); });
+  }
+
+  [[nodiscard]] double total() const noexcept {
+    double sum = 0.0;
+    for (const double row : totals_) sum += row;
+    return sum;
+  }
+
+  /// The integral of the weight over each texel of the table; with `finish` the distributions of rows, too.
+  void integrate(bool finish, const Control& control) {
+    const jobs::Placement placement = jobs::placement_for(std::int64_t{source_.width} * source_.height);
+    const std::size_t workers = jobs::worker_count(placement);
+    std::vector<Scratch> scratch;
+    for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(source_, size_);
+    for_each_row(size_, placement, workers, control, [&](int row, std::size_t worker) {
+      integrate_row(row, scratch[worker]);
+      if (finish) finish_row(row);
+    });
+    projection::SanitizeRecord all{};
+    for (const Scratch& one : scratch) all.add(one.texels.record);
+    projection::throw_if_rejected(all, false);
+  }
+
+  void integrate_row(int row, Scratch& scratch) {
+    std::vector<double>& weights = scratch.weights;
+    std::vector<double>& sums = scratch.sums;
+    std::fill(sums.begin(), sums.end(), 0.0);
+    const double column_width = 2.0 * kPi / source_.width;
+    for (const Share& share : rows_.of(row)) {
+      weights_.read(share.texel, scratch.texels, weights);
+      const double scale = share.part * column_width;
+      if (columns_.one_to_one()) {
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weights[k] * scale;
+        continue;
+      }
+      for (std::size_t k = 0; k < sums.size(); ++k) {
+        double sum = 0.0;
+        for (const Share& column : columns_.of(static_cast<int>(k))) {
+          sum += weights[static_cast<std::size_t>(column.texel)] * column.part;
+        }
+        sums[k] += sum * scale;
+      }
+    }
+    const std::span<float> function = function_of(row);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      function[k] = static_cast<float>(std::min(sums[k], 3.402823466e38));
+    }
+    note_total(row);
+  }
+
+  void note_total(int row) noexcept {
+    double sum = 0.0;
+    for (const float value : function_of(row)) sum += static_cast<double>(value);
+    totals_[static_cast<std::size_t>(row)] = sum;
+  }
+
+  void finish_row(int row) {
+    totals_[static_cast<std::size_t>(row)] = accumulate<float>(function_of(row), cdf_of(row));
+  }
+
+  void compensate(int row, double mean) {
+    const double even = mean * importance::texel_solid_angle(size_.width, size_.height, row);
+    for (float& value : function_of(row)) {
+      // What is even to rounding has nothing above its mean.
+      value = static_cast<float>(std::max(0.0, static_cast<double>(value) - even * (1.0 + 1e-6)));
+    }
+    finish_row(row);
+  }
+
+  void spread_evenly(int row) {
+    const std::span<float> function = function_of(row);
+    std::fill(function.begin(), function.end(),
+              static_cast<float>(importance::texel_solid_angle(size_.width, size_.height, row)));
+    finish_row(row);
+  }
+
+  const LatLongView& source_;
+  Size size_;
+  const ImportanceOptions& options_;
+  const ImportanceTargets& targets_;
+  RowWeights weights_;
+  Overlaps columns_;
+  Overlaps rows_;
+  std::vector<double> totals_;  ///< of the rows' functions
+};
+
+/// Which step of a cumulative distribution a number falls into, and how far.
+struct Step {
+  std::size_t index;
+  double within;  ///< 0 to 1
+};
+
+Step step_of(std::span<const float> cdf, double number) noexcept {
+  const double inside = number > 0.0 ? std::min(number, 1.0 - 0x1p-53) : 0.0;  // NaN: 0
+  const auto above =
+      std::upper_bound(cdf.begin(), cdf.end(), inside, [](double a, float b) { return a < static_cast<double>(b); });
+  const auto index =
+      std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(above - cdf.begin(), 1)), cdf.size() - 1) - 1;
+  const double from = static_cast<double>(cdf[index]);
+  const double height = static_cast<double>(cdf[index + 1]) - from;
+  return {index, std::min((inside - from) / height, 1.0 - 0x1p-53)};
+}
+
+std::span<const float> cdf_of(const ImportanceTable& table, std::size_t row) noexcept {
+  const auto length = static_cast<std::size_t>(table.width) + 1;
+  return std::span(table.column_cdf).subspan(row * length, length);
+}
+
+/// By the function, and not by the steps of the cumulative distributions: where those of dim texels beside a bright one
+/// are rounded, some are picked more often than the function says and others never, as often together.
+double density_of(const ImportanceTable& table, std::size_t row, std::size_t column) noexcept {
+  const double probability =
+      static_cast<double>(table.function[row * static_cast<std::size_t>(table.width) + column]) / table.integral;
+  return probability / importance::texel_solid_angle(table.width, table.height, static_cast<int>(row));
+}
+
+}  // namespace
+
+ImportanceTable importance_table(const LatLongView& source, const ImportanceOptions& options, const Control& control) {
+  const Size size = size_of(source, options);
+  ImportanceTable table{size.width, size.height, {}, {}, {}, 0.0};
+  const auto width = static_cast<std::size_t>(size.width);
+  const auto height = static_cast<std::size_t>(size.height);
+  table.function.resize(width * height);
+  table.row_cdf.resize(height + 1);
+  table.column_cdf.resize(height * (width + 1));
+  table.integral = importance_table(source, {table.function, table.row_cdf, table.column_cdf}, options, control);
+  return table;
+}
+
+double importance_table(const LatLongView& source, const ImportanceTargets& targets, const ImportanceOptions& options,
+                        const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  const Size size = size_of(source, options);
+  const auto width = static_cast<std::size_t>(size.width);
+  const auto height = static_cast<std::size_t>(size.height);
+  require_length("function", targets.function.size(), width * height);
+  require_length("row_cdf", targets.row_cdf.size(), height + 1);
+  require_length("column_cdf", targets.column_cdf.size(), height * (width + 1));
+  return Builder(source, size, options, targets).build(control);
+}
+
+// Within a texel longitude and height, minus the cosine of the polar angle, are even: so is solid angle.
+ImportanceSample ImportanceTable::sample(double across, double down) const {
+  const platform::FloatingPointScope floating_point;
+  importance::check_table(*this);
+  const Step row = step_of(row_cdf, down);
+  const Step column = step_of(cdf_of(*this, row.index), across);
+  const double top = importance::height_of_edge(static_cast<int>(row.index), height);
+  const double bottom = importance::height_of_edge(static_cast<int>(row.index) + 1, height);
+  const double y = -(top + row.within * (bottom - top));
+  // The longitude is pi at the left edge and falls to -pi.
+  const double turns = 0.5 - (static_cast<double>(column.index) + column.within) / width;
+  const math::SineCosine longitude = math::sine_cosine_of_turns(turns);
+  const double ring = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
+  return {{ring * longitude.sine, y, ring * longitude.cosine},
+          density_of(*this, row.index, column.index),
+          static_cast<int>(column.index),
+          static_cast<int>(row.index)};
+}
+
+double ImportanceTable::density(const dvec3& direction) const {
+  const platform::FloatingPointScope floating_point;
+  importance::check_table(*this);
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (!(largest > 0.0) || !std::isfinite(largest)) {
+    throw Error(ErrorCode::invalid_argument, "the direction has no length, or one that is not finite");
+  }
+  const dvec3 unit = glm::normalize(direction / largest);
+  const auto cell = [](double place, int cells) {
+    return std::min(static_cast<std::size_t>(std::max(place, 0.0)), static_cast<std::size_t>(cells) - 1);
+  };
+  const std::size_t column = cell((0.5 - math::turns_of(unit.x, unit.z)) * width, width);
+  const double ring = std::sqrt(unit.x * unit.x + unit.z * unit.z);
+  const std::size_t row = cell(2.0 * math::turns_of(ring, unit.y) * height, height);
+  return density_of(*this, row, column);
+}
+
+}  // namespace welkin

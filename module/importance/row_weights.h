@@ -1,0 +1,69 @@
+// Rows of a lat-long as weights, and how its texels overlap those of a coarser table.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "projection/sanitizer.h"
+#include "welkin/importance.h"
+
+namespace welkin::importance {
+
+/// The weights of a picture's rows.
+class RowWeights {
+ public:
+  RowWeights(const LatLongView& source, ImportanceWeight weight, const PixelPolicy& pixels);
+
+  /// Room that `read` needs, for each thread.
+  struct Scratch {
+    explicit Scratch(const LatLongView& source) : rgb(std::size_t{3} * static_cast<std::size_t>(source.width)) {}
+    std::vector<float> rgb;
+    projection::SanitizeRecord record{};  ///< of what has been read with it
+  };
+
+  /// weights[column] of a row, each finite and not negative.
+  void read(int row, Scratch& scratch, std::span<double> weights) const;
+
+ private:
+  const LatLongView& source_;
+  ImportanceWeight weight_;
+  projection::Sanitizer sanitizer_;
+};
+
+/// Part of a texel that lies in a cell of a table, along one axis.
+struct Share {
+  int texel;
+  double part;  ///< of the texel's width; or of the sphere's height of 2, which a row's solid angle goes by
+};
+
+/// For each cell of an axis, the texels that it overlaps.
+class Overlaps {
+ public:
+  /// Columns: even along the circle.
+  static Overlaps of_columns(int texels, int cells);
+  /// Rows, whose areas go by the cosine of the polar angle.
+  static Overlaps of_rows(int texels, int cells);
+
+  [[nodiscard]] std::span<const Share> of(int cell) const noexcept {
+    const auto first = first_[static_cast<std::size_t>(cell)];
+    return {shares_.data() + first, first_[static_cast<std::size_t>(cell) + 1] - first};
+  }
+  /// Whether each cell is a texel.
+  [[nodiscard]] bool one_to_one() const noexcept { return shares_.size() + 1 == first_.size(); }
+
+ private:
+  std::vector<Share> shares_;
+  std::vector<std::size_t> first_{0};
+};
+
+/// -cos of the polar angle at the upper edge of row `row` of `rows`: rises from -1 to 1.
+[[nodiscard]] double height_of_edge(int row, int rows) noexcept;
+
+/// Of a texel of that row, by the same edges.
+[[nodiscard]] double texel_solid_angle(int width, int height, int row) noexcept;
+
+/// Throws `Error` (invalid_argument) unless the table has its arrays' lengths right.
+void check_table(const ImportanceTable& table);
+
+}  // namespace welkin::importance
