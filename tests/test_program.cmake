@@ -10,6 +10,14 @@ endif()
 if(NOT WELKIN_TOOLS)
   list(FILTER sources EXCLUDE REGEX "^tools/")
 endif()
+# What only one kind of system has says so in its file's name.
+if(WIN32)
+  list(FILTER sources EXCLUDE REGEX "_posix(_test)?\\.cpp$")
+  # Limits on memory, processors and files that POSIX sets; forks; the scheduler's policies; a shell.
+  list(FILTER sources EXCLUDE REGEX "^(files/hostile_files|worker/threads|tools/(report_command|terminal|unlucky))_test\\.cpp$")
+else()
+  list(FILTER sources EXCLUDE REGEX "_windows(_test)?\\.cpp$")
+endif()
 if(NOT welkin_all_codecs)
   # Most files that tests make or read are of one of the codecs. What a build without them does, tests/parts tells.
   message(STATUS "A codec is left out: so are the tests that read or write files")

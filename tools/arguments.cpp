@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -283,7 +282,7 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
       constexpr int kSignalBase = 128;  // as shells count
       const auto code = static_cast<ExitCode>(kSignalBase + signal);
       if (error.code() != ErrorCode::cancelled) return complain(code, error.what());
-      return complain(code, std::string("stopped (") + strsignal(signal) + "); what was not finished is not there");
+      return complain(code, "stopped (" + signal_words(signal) + "); what was not finished is not there");
     }
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());
