@@ -45,8 +45,8 @@ endif()
 target_link_libraries(welkin_tests PRIVATE welkin_internal welkin_reference welkin_report welkin_test_map welkin_flags TBB::tbb
                                            OpenEXR::OpenEXR SPNG::SPNG WebP::WebP nlohmann_json::nlohmann_json)
 # Tests run the command through a shell, which cannot run programs for another processor: a script that can stands in.
-set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin)
-if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR)
+set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin${CMAKE_EXECUTABLE_SUFFIX})
+if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR AND NOT WIN32)  # the tests run in Wine themselves
   set(command ${CMAKE_CURRENT_BINARY_DIR}/emulated/welkin)
   list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
   file(WRITE ${command} "#!/bin/sh\nexec ${emulator} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin \"$@\"\n")

@@ -211,6 +211,7 @@ bool has_command(const Program& program, const std::string& name) {
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
+  parser.allow_windows_style_options(false);  // "/sky.exr" is a path there too
   parser.footer(with_exit_codes(program.notes));
   parser.set_help_all_flag("--help-all", "Print every option, and all that there is to know");
   parser.set_version_flag("-V,--version", version_text, "Print the version and the instruction sets that run here");
