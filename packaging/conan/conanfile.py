@@ -51,7 +51,8 @@ class WelkinConan(ConanFile):
         # Public headers name GLM's vectors; the rest stays inside.
         self.requires("glm/[>=0.9.9.8]", transitive_headers=True)
         self.requires("onetbb/[>=2021.8]")
-        self.requires("xsimd/[>=8.1 <9]")
+        if self.settings.arch == "x86_64":  # for ARM we have registers of our own
+            self.requires("xsimd/[>=8.1 <9]")
         if self.options.with_files:
             self.requires("libspng/[>=0.7]")
             self.requires("libwebp/[>=1.2]")
@@ -99,7 +100,9 @@ class WelkinConan(ConanFile):
         core.libs = ["welkin-core"]
         core.set_property("cmake_target_name", "welkin::core")
         core.set_property("pkg_config_name", "welkin-core")
-        core.requires = ["glm::glm", "onetbb::onetbb", "xsimd::xsimd"]
+        core.requires = ["glm::glm", "onetbb::onetbb"]
+        if self.settings.arch == "x86_64":
+            core.requires.append("xsimd::xsimd")
         if self.settings.os == "Linux":
             core.system_libs = ["m", "pthread"]
         if not self.options.with_files:
