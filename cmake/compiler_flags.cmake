@@ -4,7 +4,14 @@
 # give the same bits on all of them. Only what users call is visible outside a shared library.
 add_library(welkin_flags INTERFACE)
 if(MSVC)
-  target_compile_options(welkin_flags INTERFACE /W4 /fp:precise /utf-8 $<$<BOOL:${WELKIN_WARNINGS_AS_ERRORS}>:/WX>)
+  # /w14242 to /w14826: what -Wconversion says of numbers that lose digits or signs. /Zc: what C++20 says.
+  target_compile_options(welkin_flags INTERFACE /W4 /w14242 /w14254 /w14287 /w14826 /permissive- /fp:precise /utf-8 /EHsc
+                                                $<$<COMPILE_LANGUAGE:CXX>:/Zc:__cplusplus> $<$<COMPILE_LANGUAGE:CXX>:/Zc:preprocessor>
+                                                $<$<BOOL:${WELKIN_WARNINGS_AS_ERRORS}>:/WX>)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")  # clang-cl; Visual C++ contracts only where /fp:contract asks it to
+    target_compile_options(welkin_flags INTERFACE /clang:-ffp-contract=off)
+  endif()
+  target_compile_definitions(welkin_flags INTERFACE NOMINMAX _CRT_SECURE_NO_WARNINGS)
 else()
   target_compile_options(welkin_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -ffp-contract=off
                                                 -fvisibility=hidden $<$<COMPILE_LANGUAGE:CXX>:-fvisibility-inlines-hidden>

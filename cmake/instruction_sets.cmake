@@ -16,11 +16,20 @@ if(MSVC)
   set(welkin_options_sse2)
   set(welkin_options_avx2 /arch:AVX2)
   set(welkin_options_avx512 /arch:AVX512)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")  # clang-cl's AVX2 has not what converts halves
+    list(APPEND welkin_options_avx2 /clang:-mf16c /clang:-mno-fma)
+  endif()
   set(welkin_kernel_optimisation /O2)
 else()
   set(welkin_options_sse2 -msse2 -mno-avx)
   set(welkin_options_avx2 -mavx2 -mf16c -mno-fma -mno-avx512f)
   set(welkin_options_avx512 -mavx512f -mavx512bw -mavx512dq -mavx512vl)
+  if(MINGW)
+    # GCC aligns the stack of Windows to 16 bytes and moves registers of 32 and 64 as if it were to as many (PR54412):
+    # the assembler makes unaligned moves of them, which cost nothing where they are aligned.
+    list(APPEND welkin_options_avx2 -Wa,-muse-unaligned-vector-move)
+    list(APPEND welkin_options_avx512 -Wa,-muse-unaligned-vector-move)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # GCC 12 takes the undefined operand inside its own AVX-512 intrinsics for an uninitialised variable (PR105593).
     list(APPEND welkin_options_avx512 -Wno-maybe-uninitialized -Wno-uninitialized)

@@ -10,6 +10,14 @@ endif()
 if(NOT WELKIN_TOOLS)
   list(FILTER sources EXCLUDE REGEX "^tools/")
 endif()
+# What only one kind of system has says so in its file's name.
+if(WIN32)
+  list(FILTER sources EXCLUDE REGEX "_posix(_test)?\\.cpp$")
+  # Limits on memory, processors and files that POSIX sets; forks; the scheduler's policies; a shell.
+  list(FILTER sources EXCLUDE REGEX "^(files/hostile_files|worker/threads|tools/(report_command|terminal|unlucky))_test\\.cpp$")
+else()
+  list(FILTER sources EXCLUDE REGEX "_windows(_test)?\\.cpp$")
+endif()
 if(NOT welkin_all_codecs)
   # Most files that tests make or read are of one of the codecs. What a build without them does, tests/parts tells.
   message(STATUS "A codec is left out: so are the tests that read or write files")
@@ -37,8 +45,8 @@ endif()
 target_link_libraries(welkin_tests PRIVATE welkin_internal welkin_reference welkin_report welkin_test_map welkin_flags TBB::tbb
                                            OpenEXR::OpenEXR SPNG::SPNG WebP::WebP nlohmann_json::nlohmann_json)
 # Tests run the command through a shell, which cannot run programs for another processor: a script that can stands in.
-set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin)
-if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR)
+set(command ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin${CMAKE_EXECUTABLE_SUFFIX})
+if(CMAKE_CROSSCOMPILING AND CMAKE_CROSSCOMPILING_EMULATOR AND NOT WIN32)  # the tests run in Wine themselves
   set(command ${CMAKE_CURRENT_BINARY_DIR}/emulated/welkin)
   list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)
   file(WRITE ${command} "#!/bin/sh\nexec ${emulator} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/welkin \"$@\"\n")

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -212,6 +211,7 @@ bool has_command(const Program& program, const std::string& name) {
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
+  parser.allow_windows_style_options(false);  // "/sky.exr" is a path there too
   parser.footer(with_exit_codes(program.notes));
   parser.set_help_all_flag("--help-all", "Print every option, and all that there is to know");
   parser.set_version_flag("-V,--version", version_text, "Print the version and the instruction sets that run here");
@@ -283,7 +283,7 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
       constexpr int kSignalBase = 128;  // as shells count
       const auto code = static_cast<ExitCode>(kSignalBase + signal);
       if (error.code() != ErrorCode::cancelled) return complain(code, error.what());
-      return complain(code, std::string("stopped (") + strsignal(signal) + "); what was not finished is not there");
+      return complain(code, "stopped (" + signal_words(signal) + "); what was not finished is not there");
     }
     const bool usage = error.code() == ErrorCode::invalid_argument;
     return complain(usage ? ExitCode::bad_usage : ExitCode::bad_input, error.what());

@@ -87,9 +87,9 @@ ExitCode run_report(const std::vector<std::string>& arguments) {
 }  // namespace welkin::tool
 
 int main(int count, char** words) {
-  using welkin::tool::kReport, welkin::tool::run_program, welkin::tool::run_report, welkin::tool::welkin_program,
-      welkin::tool::without_help_command;
-  const std::vector<std::string> arguments = without_help_command({words + 1, words + count});
+  using welkin::tool::kReport, welkin::tool::program_arguments, welkin::tool::run_program, welkin::tool::run_report,
+      welkin::tool::welkin_program, welkin::tool::without_help_command;
+  const std::vector<std::string> arguments = without_help_command(program_arguments(count, words));
   if (!arguments.empty() && arguments.front() == kReport) return run_report({arguments.begin() + 1, arguments.end()});
   return run_program(welkin_program(), arguments);
 }

@@ -19,8 +19,15 @@ namespace welkin::tool {
 /// writing beyond the limit on a file's size is an error and no signal.
 [[nodiscard]] std::stop_token stop_on_signals();
 
-/// The signal that came; 0: none has.
+/// The signal that came; 0: none has. Windows: Ctrl-C is SIGINT, and so is Ctrl-Break; SIGTERM that the window is
+/// closed, the user logs off or the system shuts down.
 [[nodiscard]] int caught_signal() noexcept;
+
+/// What a person calls a signal: "Interrupt".
+[[nodiscard]] std::string signal_words(int number);
+
+/// What follows the program's name, in UTF-8. `count`, `words`: as `main` has them.
+[[nodiscard]] std::vector<std::string> program_arguments(int count, char** words);
 
 /// How much the command says beside its results.
 enum class Verbosity { quiet, normal, verbose };
@@ -29,6 +36,9 @@ void set_verbosity(Verbosity verbosity) noexcept;
 
 enum class Stream { output, error };
 enum class Style { heading, error, note };
+
+/// Whether the stream is a terminal, and one that understands colours and the like (ECMA-48).
+[[nodiscard]] bool is_terminal(Stream stream);
 
 /// The text in the style's colour where the stream is a terminal that shows colours, and NO_COLOR is not set
 /// (no-color.org); else the text.
@@ -46,7 +56,8 @@ void print_result(const std::string& text);
 [[nodiscard]] Control part_of(const Control& control, double from, double to);
 
 /// Gives /dev/null the numbers of standard input, output and error where the caller has closed them, so that no file
-/// that is opened gets them and is written into. Reading and writing them fails as before.
+/// that is opened gets them and is written into. Reading and writing them fails as before. On Windows the streams get
+/// what other systems' have: bytes as they are written, and a terminal that takes UTF-8 and colours.
 void reserve_standard_streams() noexcept;
 
 /// All that comes out of a pipe, by its name; of standard input without one. Throws `Error`: limit_exceeded if that is

@@ -24,10 +24,10 @@
 #define WELKIN_VERSION_PATCH 0
 #define WELKIN_VERSION_STRING "0.1.0"
 
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(_WIN32)
 #define WELKIN_EXPORT [[gnu::visibility("default")]]
 #define WELKIN_HIDDEN [[gnu::visibility("hidden")]]  // of a class that public headers name and no user calls
-#else
+#else  // Windows exports no namespace: there the build exports all functions (WINDOWS_EXPORT_ALL_SYMBOLS)
 #define WELKIN_EXPORT
 #define WELKIN_HIDDEN
 #endif

@@ -41,10 +41,10 @@ class FileInput {
   // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
   FileInput(Path&& path) : path_(std::forward<Path>(path)) {}
 
-  /// All bytes of a file. Messages call it by `name`, which tells nothing else: the kind of file is told by its bytes.
-  /// A square picture, which a path would make one of six files, is refused unless a layout is asked for.
+  /// All bytes of a file. Messages call it by `name`, in UTF-8, which tells nothing else: the kind of file is told by
+  /// its bytes. A square picture, which a path would make one of six files, is refused unless a layout is asked for.
   FileInput(std::span<const std::byte> bytes, std::string_view name)
-      : path_(name.empty() ? "bytes in memory" : name), bytes_(bytes) {}
+      : path_(name.empty() ? u8"bytes in memory" : std::u8string(name.begin(), name.end())), bytes_(bytes) {}
 
   /// The six faces of a cubemap, +X -X +Y -Y +Z -Z, each a square picture of the same size in a file of its own or in
   /// memory. What reads an environment takes them as layout six_files; what reads a texture or tables refuses them

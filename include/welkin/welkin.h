@@ -55,7 +55,7 @@
 #include <string.h>
 
 #ifndef WELKIN_API
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(_WIN32)
 #define WELKIN_API __attribute__((visibility("default")))
 #else
 #define WELKIN_API

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "platform/file.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 
 namespace welkin::cache {
@@ -42,7 +43,7 @@ bool has_only(std::string_view text, std::string_view letters) {
 /// As `EntryFolder::path_of` has them: a hash and a kind.
 bool is_entry(const std::filesystem::path& path) {
   constexpr std::size_t hash_letters = 32;
-  const std::string name = path.stem().string();
+  const std::string name = platform::utf8(path.stem());
   return path.extension() == kExtension && name.size() > hash_letters && name[hash_letters] == '-' &&
          has_only(std::string_view(name).substr(0, hash_letters), "0123456789abcdef") &&
          has_only(std::string_view(name).substr(hash_letters + 1), "0123456789");
@@ -67,12 +68,12 @@ std::vector<Found> entries_in(const std::filesystem::path& folder) {
 
 }  // namespace
 
-EntryFolder::EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes)
-    : folder_(std::move(folder)), bound_bytes_(bound_bytes) {
+EntryFolder::EntryFolder(const std::filesystem::path& folder, std::uint64_t bound_bytes)
+    : folder_(platform::reachable(folder)), bound_bytes_(bound_bytes) {
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
   platform::remove_left_behind(folder_);
-  if (failure) note_failure(folder_.string() + ": " + failure.message());
+  if (failure) note_failure(platform::utf8(folder_) + ": " + failure.message());
   tidy();
 }
 

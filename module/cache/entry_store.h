@@ -63,7 +63,7 @@ class EntryFolder {
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
 
   /// Makes the folder.
-  EntryFolder(std::filesystem::path folder, std::uint64_t bound_bytes);
+  EntryFolder(const std::filesystem::path& folder, std::uint64_t bound_bytes);
 
   /// The payload, and the entry counts as used now. Nothing if there is none, or none that is sound; that is removed. A
   /// sound one has `most_bytes` at most: no memory is taken for more. A link is no entry, wherever it leads.

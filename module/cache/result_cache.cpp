@@ -174,7 +174,7 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
   if (!whole) return welkin::project_file(path, read_options, options, control);
   const ContentHash bytes = hash_file(path, {control.stop, {}});
   // The name says what kind of file some are, and which sixth of a cubemap. The limit decides whether it is refused.
-  const std::string ending = path.extension().string();
+  const std::string ending = platform::utf8(path.extension());
   const std::uint64_t limit = read_options.memory_limit_bytes;
   const EntryName name{EntryKind::projection,
                        cache::result_key("project file", {bytes, hash_bytes(ending.data(), ending.size()),

@@ -1,5 +1,6 @@
 // The C interface to files.
 #include <cstring>
+#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -42,6 +43,12 @@ ReadOptions file_options(const welkin_read_options* options) {
   return wanted;
 }
 
+/// C's paths are UTF-8.
+std::filesystem::path file_path(const char* path) {
+  require(path, "path");
+  return platform::path_of(path);
+}
+
 }  // namespace
 }  // namespace welkin::c_interface
 
@@ -52,10 +59,10 @@ welkin_status welkin_project_file(const char* path, const welkin_read_options* r
                                   const welkin_projection_options* options, const welkin_control* control,
                                   welkin_projection* projection) {
   return guarded([&] {
-    require(path, "path");
+    const auto file = file_path(path);
     const auto wanted = projection_options(options);
     require_room(projection, wanted.bands);
-    const auto light = welkin::project_file(path, file_options(read_options), wanted, control_of(control));
+    const auto light = welkin::project_file(file, file_options(read_options), wanted, control_of(control));
     write_projection(projection, light.radiance, light.diagnostics);
     return WELKIN_OK;
   });
@@ -65,8 +72,7 @@ welkin_status welkin_post_project_file(welkin_worker* worker, const char* path, 
                                        const welkin_projection_options* options, const welkin_post_options* post,
                                        welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
-    require(path, "path");
-    welkin::ProjectFile request{path, file_options(read_options), projection_options(options)};
+    welkin::ProjectFile request{file_path(path), file_options(read_options), projection_options(options)};
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
 }
@@ -76,8 +82,7 @@ welkin_status welkin_bake_file(const char* path, const welkin_read_options* read
                                welkin_bake_result** result) {
   return guarded([&] {
     hand_out(result, "result", [&] {
-      require(path, "path");
-      const welkin::BakeFile call{path, file_options(read_options), bake_options(options)};
+      const welkin::BakeFile call{file_path(path), file_options(read_options), bake_options(options)};
       return new welkin_bake_result(call(control_of(control)));
     });
     return WELKIN_OK;
@@ -88,8 +93,7 @@ welkin_status welkin_post_bake_file(welkin_worker* worker, const char* path, con
                                     const welkin_bake_options* options, const welkin_post_options* post,
                                     welkin_job** job) {
   return guarded_post(worker, post, job, [&](Posting& posting) {
-    require(path, "path");
-    welkin::BakeFile request{path, file_options(read_options), bake_options(options)};
+    welkin::BakeFile request{file_path(path), file_options(read_options), bake_options(options)};
     welkin::c_interface::post(worker, std::move(request), posting, job);
   });
 }
@@ -148,9 +152,9 @@ welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips,
                                    const welkin_texture_options* options, const welkin_control* control,
                                    uint64_t* values_clamped) {
   return guarded([&] {
-    require(path, "path");
+    const auto file = file_path(path);
     const auto views = cubemap_views(mips, mip_count);
-    tell(welkin::write_texture(path, views, texture_options(options), control_of(control)).values_clamped,
+    tell(welkin::write_texture(file, views, texture_options(options), control_of(control)).values_clamped,
          values_clamped);
     return WELKIN_OK;
   });
@@ -160,11 +164,11 @@ welkin_status welkin_write_chain(const char* path, const welkin_cubemap_chain* c
                                  const welkin_texture_options* options, const welkin_control* control,
                                  uint64_t* values_clamped) {
   return guarded([&] {
-    require(path, "path");
+    const auto file = file_path(path);
     const auto& given = levels_of(chain, "chain");
     auto wanted = texture_options(options);
     if (!given.mips.empty()) wanted.metadata["welkin.roughness"] = roughness_text(given.mips);
-    tell(welkin::write_texture(path, given.levels, wanted, control_of(control)).values_clamped, values_clamped);
+    tell(welkin::write_texture(file, given.levels, wanted, control_of(control)).values_clamped, values_clamped);
     return WELKIN_OK;
   });
 }
@@ -173,10 +177,10 @@ welkin_status welkin_write_flat_texture(const char* path, int32_t width, int32_t
                                         const welkin_texture_options* options, const welkin_control* control,
                                         uint64_t* values_clamped) {
   return guarded([&] {
-    require(path, "path");
+    const auto file = file_path(path);
     require(rgb, "rgb");
     const auto report =
-        welkin::write_texture_2d(path, width, height, rgb, texture_options(options), control_of(control));
+        welkin::write_texture_2d(file, width, height, rgb, texture_options(options), control_of(control));
     tell(report.values_clamped, values_clamped);
     return WELKIN_OK;
   });
@@ -186,11 +190,11 @@ welkin_status welkin_write_babylon_environment(const char* path, const welkin_cu
                                                const double* radiance, const welkin_control* control,
                                                uint64_t* values_clamped) {
   return guarded([&] {
-    require(path, "path");
+    const auto file = file_path(path);
     const auto& chain = levels_of(specular, "specular");
     const auto light = read_harmonics(bands, radiance, "radiance");
     const auto report =
-        welkin::write_babylon_environment(path, welkin::to_babylon(copy_of(chain), light), control_of(control));
+        welkin::write_babylon_environment(file, welkin::to_babylon(copy_of(chain), light), control_of(control));
     tell(report.values_clamped, values_clamped);
     return WELKIN_OK;
   });
@@ -200,8 +204,8 @@ welkin_status welkin_write_babylon_environment(const char* path, const welkin_cu
 
 welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char* path) {
   return guarded([&] {
-    require(path, "path");
-    welkin::save_sky_tables(*tables_of(tables), path);
+    const auto file = file_path(path);
+    welkin::save_sky_tables(*tables_of(tables), file);
     return WELKIN_OK;
   });
 }
@@ -209,9 +213,9 @@ welkin_status welkin_sky_tables_save(const welkin_sky_tables* tables, const char
 welkin_status welkin_sky_tables_load(const char* path, uint64_t memory_limit_bytes, welkin_sky_tables** tables) {
   return guarded([&] {
     hand_out(tables, "tables", [&] {
-      require(path, "path");
+      const auto file = file_path(path);
       auto loaded =
-          memory_limit_bytes == 0 ? welkin::load_sky_tables(path) : welkin::load_sky_tables(path, memory_limit_bytes);
+          memory_limit_bytes == 0 ? welkin::load_sky_tables(file) : welkin::load_sky_tables(file, memory_limit_bytes);
       return new welkin_sky_tables{std::make_shared<const welkin::SkyTables>(std::move(loaded))};
     });
     return WELKIN_OK;

@@ -28,6 +28,7 @@
 #include "files/row_source.h"
 #include "platform/compiler.h"
 #include "platform/file.h"
+#include "platform/text.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::files {
@@ -207,7 +208,7 @@ struct ExrWindows {
 class ExrStream final : public Imf::IStream {
  public:
   /// `file` outlives the stream.
-  explicit ExrStream(platform::ByteFile& file) : Imf::IStream(file.path().string().c_str()), file_(file) {}
+  explicit ExrStream(platform::ByteFile& file) : Imf::IStream(platform::utf8(file.path()).c_str()), file_(file) {}
 
   bool read(char bytes[], int count) override {
     if (count < 0) {
@@ -311,7 +312,8 @@ class ExrBlocks {
 class ExrOutputStream final : public Imf::OStream {
  public:
   /// `file` outlives the stream.
-  explicit ExrOutputStream(platform::WholeFile& file) : Imf::OStream(file.path().string().c_str()), file_(file) {}
+  explicit ExrOutputStream(platform::WholeFile& file)
+      : Imf::OStream(platform::utf8(file.path()).c_str()), file_(file) {}
 
   void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
   std::uint64_t tellp() override { return file_.position(); }

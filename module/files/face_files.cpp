@@ -14,6 +14,7 @@
 #include "files/row_source.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "welkin/environment_file.h"
 
@@ -68,7 +69,7 @@ std::vector<SetName> sets_of(const Path& path) {
   std::vector<SetName> sets;
   for (std::size_t family = 0; family < kFamilies.size(); ++family) {
     for (const char* face_name : kFamilies[family]) {
-      if (auto prefix = prefix_before(path.stem().string(), face_name)) {
+      if (auto prefix = prefix_before(platform::utf8(path.stem()), face_name)) {
         sets.push_back({std::move(*prefix), family});
       }
     }
@@ -121,7 +122,7 @@ class Candidates {
       } else if (files.size() > 1) {
         throw platform::file_error(ErrorCode::unsupported_file, files[0],
                                    std::string("could be the face ") + kFaceNames[face] + ", and so could " +
-                                       files[1].filename().string() + "; keep one of them there");
+                                       platform::utf8(files[1].filename()) + "; keep one of them there");
       }
     }
     return picked;
@@ -129,12 +130,12 @@ class Candidates {
 
  private:
   static bool is_picture(const Path& file, const std::string& extension) {
-    const std::string its = file.extension().string();
+    const std::string its = platform::utf8(file.extension());
     return its == extension || std::find(kExtensions.begin(), kExtensions.end(), lower_case(its)) != kExtensions.end();
   }
 
   void add(const Path& file) {
-    const std::string stem = file.stem().string();
+    const std::string stem = platform::utf8(file.stem());
     if (const auto prefix = prefix_before(stem, "6")) longer_series_.insert(*prefix);
     for (std::size_t family = 0; family < kFamilies.size(); ++family) {
       for (std::size_t face = 0; face < 6; ++face) {
@@ -158,7 +159,7 @@ std::size_t files_in(const SixPaths& paths) {
   std::string missing;
   for (std::size_t face = 0; face < found.size(); ++face) {
     if (!found[face].empty()) continue;
-    const std::string wanted = set.prefix + kFamilies[set.family][face] + path.extension().string();
+    const std::string wanted = set.prefix + kFamilies[set.family][face] + platform::utf8(path.extension());
     missing += (missing.empty() ? "" : ", ") + std::string(kFaceNames[face]) + " (" + wanted + ")";
   }
   throw platform::file_error(ErrorCode::file_access, path,
@@ -178,7 +179,7 @@ SixPaths faces_beside(const Path& path) {
                                std::string("its name does not end as one of six faces does (") + kEnds +
                                    "; before that nothing, or one of _ - . and space); rename the six files so");
   }
-  const std::string extension = path.extension().string();
+  const std::string extension = platform::utf8(path.extension());
   const Candidates candidates(path.parent_path(), extension);
   const SetName* closest = nullptr;
   SixPaths of_closest;
@@ -205,7 +206,7 @@ SixPaths faces_in(const Path& directory) {
     if (candidates.is_longer_series(set)) continue;
     if (std::any_of(faces.begin(), faces.end(), [](const auto& files) { return files.empty(); })) continue;
     for (const Path& file : faces.front()) {
-      whole_sets.insert(candidates.pick(set, file.extension().string()));
+      whole_sets.insert(candidates.pick(set, platform::utf8(file.extension())));
     }
   }
   if (whole_sets.empty()) {
@@ -216,8 +217,8 @@ SixPaths faces_in(const Path& directory) {
   if (whole_sets.size() > 1) {
     throw platform::file_error(ErrorCode::unsupported_file, directory,
                                "holds more than one cube of six files, such as " +
-                                   (*whole_sets.begin())[0].filename().string() + " and " +
-                                   (*whole_sets.rbegin())[0].filename().string() +
+                                   platform::utf8((*whole_sets.begin())[0].filename()) + " and " +
+                                   platform::utf8((*whole_sets.rbegin())[0].filename()) +
                                    " with their others; name one file of the one that is meant");
   }
   return *whole_sets.begin();
@@ -263,7 +264,7 @@ void require_fitting_faces(const Faces& faces) {
     }
     if (info.width != first.width) {
       throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                                 "is " + shape(info) + ", and " + first.path.filename().string() + " is " +
+                                 "is " + shape(info) + ", and " + platform::utf8(first.path.filename()) + " is " +
                                      shape(first) + "; the six faces of a cube are of one size: export them alike");
     }
     if (info.width > image::kLargestFace) {

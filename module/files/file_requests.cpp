@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include "platform/text.h"
 #include "welkin/bake_file.h"
 #include "welkin/requests.h"
 
@@ -20,7 +21,7 @@ namespace {
 
 template <class Request>
 FileInput input_of(const Request& request) {
-  return request.memory ? FileInput(*request.memory, request.path.string()) : FileInput(request.path);
+  return request.memory ? FileInput(*request.memory, platform::utf8(request.path)) : FileInput(request.path);
 }
 
 }  // namespace

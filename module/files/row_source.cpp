@@ -18,6 +18,7 @@
 #include "files/textures.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
+#include "platform/text.h"
 
 namespace welkin::files {
 namespace {
@@ -68,7 +69,7 @@ platform::ByteFile open_file(const FileInput& input) {
 }
 
 FileInput input_of(const platform::ByteFile& file) {
-  return file.memory() ? FileInput(*file.memory(), file.path().string()) : FileInput(file.path());
+  return file.memory() ? FileInput(*file.memory(), platform::utf8(file.path())) : FileInput(file.path());
 }
 
 std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options) {

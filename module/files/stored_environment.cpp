@@ -90,7 +90,7 @@ void look_into_texture(StoredEnvironment& stored) {
 
 std::string StoredEnvironment::words() const {
   const platform::FloatingPointScope floating_point;
-  std::string text = input.path().filename().string() + ": " + info.format_words() + ", " + shape.words();
+  std::string text = platform::utf8(input.path().filename()) + ": " + info.format_words() + ", " + shape.words();
   if (levels > 1) {
     text += ", " + std::to_string(levels) +
             (content == LevelContent::reflections ? " prefiltered mips"

@@ -10,6 +10,7 @@
 #include "jobs/control.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/image.h"
 
 namespace welkin {
@@ -35,7 +36,7 @@ constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true
                                  Container{".exr", write_exr_cube, nullptr, false, false}};
 
 const Container& container_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = platform::utf8(path.extension());
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Container& container : kContainers) {

@@ -15,6 +15,7 @@
 #include "jobs/tiles.h"
 #include "platform/file.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -53,7 +54,7 @@ const std::array<Format, 4>& formats() {
 }
 
 const Format& format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = platform::utf8(path.extension());
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Format& format : formats()) {

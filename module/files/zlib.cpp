@@ -20,14 +20,31 @@ struct EndInflate {
   void operator()(z_stream* stream) const noexcept { inflateEnd(stream); }
 };
 
+/// How far the stream has come. (Its own counts have 32 bits on Windows.)
+std::size_t read_bytes(const z_stream& stream, const Bytes& from) noexcept {
+  return static_cast<std::size_t>(stream.next_in - from.data());
+}
+std::size_t written_bytes(const z_stream& stream, const Bytes& to) noexcept {
+  return static_cast<std::size_t>(stream.next_out - to.data());
+}
+
+/// The first byte on either side.
+void begin(z_stream& stream, const Bytes& from, Bytes& to) noexcept {
+  stream.next_in = from.data();
+  stream.next_out = to.data();
+}
+
 /// The next block on either side, at most. Whether it is all that is left to read.
-bool offer(z_stream& stream, const Bytes& from, Bytes& to) noexcept {
-  const std::size_t left = from.size() - stream.total_in;
-  stream.next_in = from.data() + stream.total_in;
+bool offer(z_stream& stream, const Bytes& from, const Bytes& to) noexcept {
+  const std::size_t left = from.size() - read_bytes(stream, from);
   stream.avail_in = static_cast<uInt>(std::min(kPackedAtOnce, left));
-  stream.next_out = to.data() + stream.total_out;
-  stream.avail_out = static_cast<uInt>(std::min(kPackedAtOnce, to.size() - stream.total_out));
+  stream.avail_out = static_cast<uInt>(std::min(kPackedAtOnce, to.size() - written_bytes(stream, to)));
   return left <= kPackedAtOnce;
+}
+
+/// What packing makes of so many bytes at most: as zlib's deflateBound for its default settings, in 64 bits.
+std::size_t most_packed_bytes(std::size_t bytes) noexcept {
+  return bytes + (bytes >> 12U) + (bytes >> 14U) + (bytes >> 25U) + 13;
 }
 
 }  // namespace
@@ -36,7 +53,8 @@ Bytes pack_zlib(const Bytes& bytes, const stop_token& stop) {
   z_stream stream{};
   if (deflateInit(&stream, Z_DEFAULT_COMPRESSION) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, EndDeflate> end(&stream);
-  Bytes packed(deflateBound(&stream, bytes.size()));
+  Bytes packed(most_packed_bytes(bytes.size()));
+  begin(stream, bytes, packed);
   int result = Z_OK;
   while (result == Z_OK) {
     jobs::throw_if_cancelled(stop);
@@ -44,7 +62,7 @@ Bytes pack_zlib(const Bytes& bytes, const stop_token& stop) {
     result = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
   }
   if (result != Z_STREAM_END) throw std::bad_alloc();  // nothing else can go wrong: there is room for the worst case
-  packed.resize(stream.total_out);
+  packed.resize(written_bytes(stream, packed));
   return packed;
 }
 
@@ -57,19 +75,22 @@ std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, s
   stream.next_in = reinterpret_cast<const Bytef*>(packed.data());
   stream.avail_in = static_cast<uInt>(packed.size());  // OpenEXR's blocks state their length in 31 bits
   int result = Z_OK;
-  while (result == Z_OK && stream.total_out < most) {
+  std::uint64_t bytes = 0;
+  while (result == Z_OK && bytes < most) {
     stream.next_out = scratch.get();
     stream.avail_out = kAtOnce;
     result = inflate(&stream, Z_NO_FLUSH);
+    bytes += kAtOnce - stream.avail_out;
   }
   if (result != Z_OK && result != Z_STREAM_END) return std::nullopt;
-  return std::min<std::uint64_t>(stream.total_out, most);
+  return std::min(bytes, most);
 }
 
 void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const stop_token& stop) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, EndInflate> end(&stream);
+  begin(stream, packed, bytes);
   int result = Z_OK;
   while (result == Z_OK) {
     jobs::throw_if_cancelled(stop);
@@ -79,7 +100,8 @@ void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& 
   if (result == Z_MEM_ERROR) throw std::bad_alloc();
   if (result == Z_BUF_ERROR) refuse_packed_level(path, "zlib", "not the size that the level index says");
   if (result != Z_STREAM_END) refuse_packed_level(path, "zlib", zError(result));
-  if (stream.total_out != bytes.size()) refuse_packed_level(path, "zlib", "shorter than the level index says");
+  if (written_bytes(stream, bytes) != bytes.size())
+    refuse_packed_level(path, "zlib", "shorter than the level index says");
 }
 
 }  // namespace welkin::files

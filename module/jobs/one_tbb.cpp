@@ -19,6 +19,7 @@
 #include "jobs/backend.h"
 #include "jobs/tiles.h"
 #include "platform/thread.h"
+#include "platform/wait.h"
 #include "welkin/core.h"
 
 namespace welkin::jobs::backend {
@@ -72,7 +73,7 @@ class Helpers {
     } catch (const std::bad_alloc&) {     // no memory for one
     }
     // What each takes to enter the arena it takes while the reserve is held.
-    for (const std::unique_ptr<Helper>& helper : helpers_) helper->settled.wait(false);
+    for (const std::unique_ptr<Helper>& helper : helpers_) platform::wait_while(helper->settled, false);
   }
   ~Helpers() {
     for (const std::unique_ptr<Helper>& helper : helpers_) helper->blocker = tbb::task_handle();
@@ -90,7 +91,7 @@ class Helpers {
 
     void settle() {
       settled = true;
-      settled.notify_one();
+      platform::wake_all(settled);
     }
     ~Helper() {
       blocker = tbb::task_handle();

@@ -1,8 +1,4 @@
 // Which kernels this machine can run. Compiled for the baseline, so that asking never faults.
-#if defined(__x86_64__)
-#include <cpuid.h>
-#endif
-
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
@@ -10,39 +6,26 @@
 
 #include "welkin/core.h"
 
+#if defined(__x86_64__) || defined(_M_X64)
+#include "platform/cpuid.h"
+#endif
+
 namespace welkin {
 namespace {
 
-#if defined(__x86_64__)
+#if defined(__x86_64__) || defined(_M_X64)
 
-struct Registers {
-  unsigned eax, ebx, ecx, edx;
-};
-
-Registers cpuid(unsigned leaf, unsigned subleaf) {
-  Registers r{};
-  if (__get_cpuid_count(leaf, subleaf, &r.eax, &r.ebx, &r.ecx, &r.edx) == 0) return {};
-  return r;
-}
+using platform::cpuid, platform::CpuidRegisters, platform::saved_register_state;
 
 constexpr bool bit(unsigned value, unsigned position) { return ((value >> position) & 1U) != 0; }
-
-/// The register state that the operating system saves on a context switch (XCR0). Without its bits an
-/// instruction set is there but must not be used. Needs OSXSAVE.
-std::uint64_t saved_register_state() {
-  std::uint32_t low = 0;
-  std::uint32_t high = 0;
-  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-  return (std::uint64_t{high} << 32U) | low;
-}
 
 bool ask_processor(InstructionSet set) {
   if (set == InstructionSet::sse2) return true;  // part of x86-64
   // Intel SDM volume 2, CPUID: leaf 1 ECX 27 OSXSAVE, 28 AVX, 29 F16C; leaf 7 EBX 5 AVX2, 16 AVX512F,
   // 17 AVX512DQ, 30 AVX512BW, 31 AVX512VL.
-  const Registers basic = cpuid(1, 0);
+  const CpuidRegisters basic = cpuid(1, 0);
   if (!bit(basic.ecx, 27) || !bit(basic.ecx, 28) || !bit(basic.ecx, 29)) return false;
-  const Registers extended = cpuid(7, 0);
+  const CpuidRegisters extended = cpuid(7, 0);
   const std::uint64_t state = saved_register_state();
   constexpr std::uint64_t avx_state = 0x6;      // XMM and YMM
   constexpr std::uint64_t avx512_state = 0xE6;  // and opmask, upper ZMM, ZMM16 to 31

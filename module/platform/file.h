@@ -5,10 +5,10 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +18,21 @@
 #include "welkin/core.h"
 
 namespace welkin::platform {
+
+/// What a system knows an open file by: POSIX's descriptor, or a handle of Windows as a number.
+#if defined(_WIN32)
+using SystemFile = std::intptr_t;
+#else
+using SystemFile = int;
+#endif
+inline constexpr SystemFile kNoFile = -1;
+
+/// The number of this process, which a fork of it does not have.
+[[nodiscard]] std::int64_t process_number() noexcept;
+
+/// The path by which the system's calls reach a file whatever the length of its name. Windows: from 248 characters on,
+/// the absolute path in the form that has no bound; elsewhere the path itself.
+[[nodiscard]] std::filesystem::path reachable(const std::filesystem::path& path);
 
 /// The bytes of a file and a place in them: a regular file that is opened for reading, or bytes in memory that have a
 /// name. Not for use from two threads at once: each opens its own.
@@ -72,7 +87,7 @@ class SharedFile {
   SharedFile(const SharedFile&) = delete;
   SharedFile& operator=(const SharedFile&) = delete;
 
-  [[nodiscard]] bool is_open() const noexcept { return descriptor_ >= 0; }
+  [[nodiscard]] bool is_open() const noexcept { return file_ != kNoFile; }
 
   /// In bytes. Empty if this is not a regular file.
   [[nodiscard]] std::optional<std::uint64_t> size() const noexcept;
@@ -84,7 +99,7 @@ class SharedFile {
   void touch() const noexcept;
 
  private:
-  int descriptor_;
+  SystemFile file_;
 };
 
 /// A folder that one at a time writes to, of all who take it, in this process and in others.
@@ -96,13 +111,15 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
   /// Without waiting: false if another has it. Whose folder cannot be locked has it at once.
-  [[nodiscard]] bool take() const noexcept;
+  [[nodiscard]] bool take() noexcept;
 
  private:
-  int descriptor_;
+  SystemFile file_;
 };
 
 // A file that is whole or not there.
+
+class PendingFile;  // what the system does for it
 
 /// Written without a name where the file system has such files (Linux: O_TMPFILE), else beside its place under a name
 /// of its own, and put in place by `commit`. Whoever destroys it before that leaves nothing behind; what a killed
@@ -139,27 +156,20 @@ class WholeFile {
   void commit();
 
  private:
-  void open_without_name();
-  void open_beside();
-  void give_name();
-  void discard() noexcept;
   void write_to_memory(const void* bytes, std::size_t count);
-  [[noreturn]] void fail(const char* what);
+  [[noreturn]] void fail(const char* what, const std::string& why);
 
-  std::filesystem::path path_;                // as it was asked for, for messages
-  std::vector<std::byte>* memory_ = nullptr;  // the caller's
-  std::vector<std::byte> gathered_;           // of what goes to memory
-  std::filesystem::path place_;               // where it goes: behind all links
-  std::filesystem::path beside_;              // empty while it has no name
-  int descriptor_ = -1;                       // of the file, and holds its lock
-  std::FILE* stream_ = nullptr;
+  std::filesystem::path path_;            // as it was asked for, for messages
+  std::vector<std::byte>* memory_;        // the caller's
+  std::vector<std::byte> gathered_;       // of what goes to memory
+  std::unique_ptr<PendingFile> pending_;  // of what goes to a file
   std::uint64_t position_ = 0;
-  int failure_ = 0;  // the system's number of the first one
+  std::string failure_;  // the system's reason for the first one
   bool failed_ = false;
 };
 
-/// Removes the named temporary files of a folder whose writers are gone: they hold a lock on them (flock) for as long
-/// as they live. No other file is touched; what fails is left there.
+/// Removes the named temporary files of a folder whose writers are gone: they hold a lock on them (POSIX: flock;
+/// Windows: a handle) for as long as they live. No other file is touched; what fails is left there.
 void remove_left_behind(const std::filesystem::path& folder) noexcept;
 
 // Integers as the texture formats store them: least significant byte first.

@@ -1,4 +1,4 @@
-// Numbers as text: the same digits whatever C's and C++'s locales the host has set.
+// Text, whatever C's and C++'s locales and code pages the host has set: numbers, and the names of files.
 #pragma once
 
 #include <array>
@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <version>
 
@@ -89,5 +91,16 @@ using std::from_chars;
 }
 
 #endif
+
+/// A path as UTF-8. (`path::string` has the host's code page on Windows, and fails where that has no such character.)
+/// Elsewhere paths are bytes, and these are they.
+[[nodiscard]] inline std::string utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
+/// The path that UTF-8 names. Throws `Error` (invalid_argument) where the system's paths are characters, as on Windows,
+/// and these bytes are none.
+[[nodiscard]] std::filesystem::path path_of(std::string_view utf8);
 
 }  // namespace welkin::platform

@@ -23,9 +23,6 @@ void rank_current_thread(ThreadPriority priority) noexcept;
 /// oneTBB's frames and `noexcept` ones below would end the process when they are unwound. Exceptions pass through.
 [[nodiscard]] bool returns_from(void (*function)(void* argument), void* argument);
 
-/// The number of this process, which a fork of it does not have.
-[[nodiscard]] std::int64_t process_number() noexcept;
-
 /// Address space that others cannot take while this object lives: threads that are made meanwhile leave so much for the
 /// work. Costs no memory.
 class AddressReserve {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "jobs/activity.h"
+#include "platform/file.h"
 #include "platform/thread.h"
 #include "welkin/core.h"
 
@@ -19,7 +20,7 @@ namespace welkin::detail {
 namespace {
 
 // A fork has copies of these, as they were when it was made.
-std::atomic<std::int64_t> sound_process{process_number()};
+std::atomic<std::int64_t> sound_process{platform::process_number()};
 std::atomic<std::int64_t> silent_process{0};  ///< where oneTBB did not answer
 
 /// Whether a loop in an arena of its own comes to its end. It takes oneTBB's locks of arenas and of the pool's threads;
@@ -42,7 +43,7 @@ bool one_tbb_answers() {
 }  // namespace
 
 void require_no_lost_locks() {
-  if (sound_process == process_number()) return;
+  if (sound_process == platform::process_number()) return;
   // A thread of the parent's may have been anywhere: in our caches, in oneTBB's heap, which forks leave as it was in
   // the middle of an allocation, or asleep on a stack that a thread of this process has now. Nothing of that can be
   // known here, but that it was there.
@@ -52,14 +53,14 @@ void require_no_lost_locks() {
         "this process was forked while its parent had a worker or a call of it computed, whose locks nobody opens "
         "here; fork before workers are made or after they are gone, or run another program (exec)");
   }
-  if (silent_process == process_number() || !one_tbb_answers()) {
-    silent_process = process_number();
+  if (silent_process == platform::process_number() || !one_tbb_answers()) {
+    silent_process = platform::process_number();
     throw Error(
         ErrorCode::stopped,
         "oneTBB does not answer in this process, which was forked while a thread of its parent's was inside it; "
         "fork while no thread is, or run another program (exec)");
   }
-  sound_process = process_number();
+  sound_process = platform::process_number();
 }
 
 }  // namespace welkin::detail

@@ -12,6 +12,7 @@
 
 #include "jobs/activity.h"
 #include "platform/spin.h"
+#include "platform/wait.h"
 #include "worker/scheduler.h"
 #include "worker/thread_executor.h"
 
@@ -294,7 +295,7 @@ void Scheduler::complete(const std::shared_ptr<Computation>& computation, std::e
 
 void Scheduler::signal() {
   ++signals_;
-  signals_.notify_all();
+  platform::wake_all(signals_);
 }
 
 void Scheduler::wait(const JobRecord& job) {

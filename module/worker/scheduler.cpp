@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "platform/file.h"
 #include "platform/spin.h"
 #include "platform/thread.h"
 #include "welkin/worker.h"
@@ -44,7 +45,7 @@ Arrival::Arrival(std::shared_ptr<Computation> computation, std::shared_ptr<JobRe
   if (!job->key.empty()) keyed.emplace(job->key, job);
 }
 
-Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), process_(process_number()) {
+Scheduler::Scheduler(WorkerOptions options) : options_(std::move(options)), process_(platform::process_number()) {
   check(options_);
   require_no_lost_locks();
   if (!options_.executor) own_threads_ = std::make_unique<ThreadExecutor>(options_);
@@ -61,7 +62,7 @@ void Scheduler::start() {
   if (own_threads_) own_threads_->start(shared_from_this());
 }
 
-bool Scheduler::is_forked() const noexcept { return process_number() != process_; }
+bool Scheduler::is_forked() const noexcept { return platform::process_number() != process_; }
 
 void Scheduler::require_own_process() const {
   if (!is_forked()) return;

@@ -25,6 +25,7 @@
 #include <mutex>
 #include <utility>
 
+#include "platform/wait.h"
 #include "welkin/worker.h"
 
 namespace welkin::detail {
@@ -225,7 +226,7 @@ void Scheduler::wait_for(const Done& done) {
   for (;;) {
     const int seen = signals_;
     if (done()) return;
-    signals_.wait(seen);
+    platform::wait_while(signals_, seen);
   }
 }
 

@@ -340,6 +340,6 @@ Command report_command() {
 int main(int count, char** words) {
   using welkin::tool::report_command, welkin::tool::run_guarded, welkin::tool::run_program;
   std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
-  arguments.insert(arguments.end(), words + 1, words + count);
+  for (std::string& word : welkin::tool::program_arguments(count, words)) arguments.push_back(std::move(word));
   return run_guarded([&] { return run_program({"", "", {report_command()}}, arguments); });
 }

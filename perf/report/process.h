@@ -34,6 +34,9 @@ struct ProcessResult {
 /// Whether a program is on the PATH.
 [[nodiscard]] bool on_path(const std::string& program);
 
+/// How many processors of what name.
+[[nodiscard]] std::string processor_name();
+
 /// Processor, compiler, instruction set in use, Welkin's version, clock, date, threads.
 [[nodiscard]] Machine this_machine(const Stopwatch& stopwatch);
 

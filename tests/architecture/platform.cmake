@@ -15,7 +15,7 @@ set(kinds system_header system_call intrinsics assembly compiler)
 
 # Where a kind is allowed besides module/platform: what users include says for itself what it exports, and the two
 # programs each have one file that speaks to the system.
-set(allowed_system_header "^(tools/terminal|perf/report/process)\\.cpp$")
+set(allowed_system_header "^(tools/terminal|perf/report/process)_(posix|windows)\\.cpp$")
 set(allowed_system_call "${allowed_system_header}")
 set(allowed_intrinsics "^module/simd/[a-z_0-9]+\\.h$")
 set(allowed_assembly "^$")

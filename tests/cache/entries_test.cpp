@@ -1,10 +1,4 @@
 // What names an entry of the cache, and that no entry is believed.
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -394,33 +388,6 @@ TEST_CASE("entries: another entry under this name is not taken for it") {
   CHECK(folder.counts().damaged == 1);
 }
 
-TEST_CASE("entries: files of others stay, and pipes and folders under an entry's name keep nobody waiting") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  EntryFolder folder(place, 1000);
-  const std::vector<std::string> theirs{"notes.txt", "mine.welkin-entry", ".welkin-notes.part", ".welkin-.part"};
-  for (const std::string& name : theirs) {
-    write_bytes(place / name, std::vector<char>(5000, 'x'));
-    std::filesystem::last_write_time(place / name,
-                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(200));
-  }
-  folder.store(named(1), payload_of(1, 500));
-  const std::string name = [&] {
-    for (const auto& path : files_in(place)) {
-      if (std::ranges::find(theirs, path.filename().string()) == theirs.end()) return path.filename().string();
-    }
-    return std::string();
-  }();
-  std::filesystem::remove(place / name);
-  REQUIRE(mkfifo((place / name).c_str(), 0600) == 0);
-  CHECK_FALSE(folder.find(named(1)).has_value());
-  std::filesystem::create_directory(place / name);
-  CHECK_FALSE(folder.find(named(1)).has_value());
-  for (unsigned number = 2; number < 6; ++number) folder.store(named(number), payload_of(number, 500));
-  const EntryFolder once_more(place, 1000);
-  for (const std::string& each : theirs) CHECK(std::filesystem::exists(place / each));
-}
-
 TEST_CASE("entries: the least recently used go when the folder is full") {
   const TemporaryDirectory directory;
   const std::filesystem::path place = directory.file("cache");
@@ -453,78 +420,6 @@ TEST_CASE("entries: a folder that cannot be is no reason to fail") {
   CHECK(cache.statistics().write_failures == 2);
   CHECK_FALSE(cache.statistics().last_failure.empty());
   CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == PassAction::reuse);
-}
-
-/// Runs `work` in a process of its own; what it returns.
-template <class Work>
-pid_t start_process(const Work& work) {
-  const pid_t child = fork();
-  if (child == 0) _exit(work());
-  return child;
-}
-
-int exit_code(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
-}
-
-TEST_CASE("entries: a full disk is no reason to fail and leaves nothing behind") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  const pid_t child = start_process([&] {
-    signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{4096, 4096};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    EntryFolder folder(place, kLarge);
-    folder.store(named(1), payload_of(1, 100'000));
-    folder.store(named(2), payload_of(2, 1000));
-    const bool right = folder.counts().write_failures == 1 && !folder.find(named(1)) && folder.find(named(2));
-    return right ? 0 : 1;
-  });
-  CHECK(exit_code(child) == 0);
-  CHECK(files_in(place).size() == 1);
-}
-
-/// Stores and finds entries among those of others; 0 if all that was found was right.
-int work_among_others(const std::filesystem::path& place, unsigned seed, int rounds) {
-  // Little room: entries come and go under the readers' hands.
-  EntryFolder folder(place, 40'000);
-  unsigned state = seed * 2654435761U + 1;
-  for (int round = 0; round < rounds; ++round) {
-    state = state * 1664525U + 1013904223U;
-    const unsigned number = (state >> 16U) % 12;
-    const std::size_t bytes = 1000 + 500 * number;
-    if (const auto found = folder.find(named(number)); found && *found != payload_of(number, bytes)) return 1;
-    if ((state >> 28U) % 2 == 0) folder.store(named(number), payload_of(number, bytes));
-  }
-  return folder.counts().write_failures == 0 ? 0 : 2;
-}
-
-TEST_CASE("entries: processes and threads that share a folder never see half an entry") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  std::vector<pid_t> children;
-  for (unsigned seed = 0; seed < 4; ++seed) {
-    children.push_back(start_process([&] { return work_among_others(place, seed, 60); }));
-  }
-  const pid_t killed = start_process([&] { return work_among_others(place, 9, 1'000'000); });
-  for (const pid_t child : children) CHECK(exit_code(child) == 0);
-  kill(killed, SIGKILL);
-  CHECK(exit_code(killed) == 256 + SIGKILL);
-  std::vector<int> codes(3, -1);
-  std::vector<std::thread> threads;
-  for (unsigned k = 0; k < 3; ++k) {
-    threads.emplace_back([&, k] { codes[k] = work_among_others(place, 20 + k, 60); });
-  }
-  for (std::thread& thread : threads) thread.join();
-  CHECK(codes == std::vector<int>{0, 0, 0});
-  EntryFolder folder(place, kLarge);
-  for (unsigned number = 0; number < 12; ++number) {
-    const auto found = folder.find(named(number));
-    CHECK((!found || *found == payload_of(number, 1000 + 500 * number)));
-  }
-  CHECK(folder.counts().damaged == 0);
 }
 
 }  // namespace

@@ -1,8 +1,4 @@
-// Entries of a cache's folder that somebody else made, or left: links, sizes that cannot be, files of killed writers.
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
+// Entries of a cache's folder that somebody else made: sizes that cannot be, no memory for what they state.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -36,44 +32,6 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
 }
 
 }  // namespace
-
-TEST_CASE("entries: what a killed writer left behind goes, and what a living one writes stays") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  std::filesystem::create_directory(place);
-  write_bytes(place / ".welkin-1-0.part", {'x'});
-  write_bytes(place / ".welkin-2-0-5.part", {'x'});
-  std::filesystem::create_symlink("/dev/null", place / ".welkin-3-0.part");
-  const int living = open((place / ".welkin-2-0-5.part").c_str(), O_RDONLY | O_CLOEXEC);
-  REQUIRE(flock(living, LOCK_EX) == 0);
-  {
-    const EntryFolder folder(place, 1000);
-    CHECK_FALSE(std::filesystem::exists(place / ".welkin-1-0.part"));
-    CHECK(std::filesystem::exists(place / ".welkin-2-0-5.part"));
-    CHECK(std::filesystem::is_symlink(place / ".welkin-3-0.part"));
-  }
-  close(living);
-  const EntryFolder folder(place, 1000);
-  CHECK_FALSE(std::filesystem::exists(place / ".welkin-2-0-5.part"));
-}
-
-TEST_CASE("entries: a link under an entry's name is not followed, for reading or for writing") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  EntryFolder folder(place, kLarge);
-  folder.store(named(1), std::vector<std::uint8_t>(100, 7));
-  REQUIRE(files_in(place).size() == 1);
-  const std::filesystem::path entry = files_in(place).front();
-  const std::filesystem::path elsewhere = directory.file("elsewhere");
-  std::filesystem::rename(entry, elsewhere);
-  std::filesystem::create_symlink(elsewhere, entry);
-  const std::vector<char> before = read_bytes(elsewhere);
-  CHECK_FALSE(folder.find(named(1)).has_value());
-  folder.store(named(1), std::vector<std::uint8_t>(200, 8));
-  CHECK(read_bytes(elsewhere) == before);
-  CHECK_FALSE(std::filesystem::is_symlink(entry));
-  CHECK(folder.find(named(1))->size() == 200);
-}
 
 TEST_CASE("entries: no memory is taken for more than an entry of its kind can have") {
   const TemporaryDirectory directory;

@@ -6,6 +6,7 @@ if(RECORD)
   file(WRITE ${record} "${printed}")
   return()
 endif()
+string(REPLACE "\r\n" "\n" printed "${printed}")  # Windows ends lines so
 file(READ ${record} recorded)
 string(REPLACE "\n" ";" printed "${printed}")
 string(REPLACE "\n" ";" recorded "${recorded}")

@@ -7,7 +7,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/../install/run.cmake)
 run(${CMAKE_COMMAND} -S ${source} -B ${work} -G ${generator} -DCMAKE_BUILD_TYPE=${type}
     -DCMAKE_C_COMPILER=${c_compiler} -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_CXX_FLAGS=${flags}
     -DCMAKE_C_COMPILER_LAUNCHER=${c_launcher} -DCMAKE_CXX_COMPILER_LAUNCHER=${launcher}
-    -DCMAKE_PROJECT_welkin_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/without_threads_program.cmake
+    -DCMAKE_PROJECT_welkin_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/core_hashes_program.cmake
     -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON -DWELKIN_THREADS=OFF -DWELKIN_FILES=OFF -DWELKIN_TESTS=OFF -DWELKIN_PERF=OFF
     -DWELKIN_TOOLS=OFF -DWELKIN_EXAMPLES=OFF)
 run(${CMAKE_COMMAND} --build ${work})

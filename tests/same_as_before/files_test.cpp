@@ -3,8 +3,6 @@
 //
 // Bytes that zlib or Zstandard packed are those of its version: they are on record in a group with that version's name,
 // and not compared where it is another one. What is unpacked from them is compared everywhere.
-#include <dlfcn.h>
-
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,6 +10,7 @@
 
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/process_threads.h"
 #include "support/recorded_results.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
@@ -25,7 +24,7 @@ namespace {
 /// What `const char* function()` of a shared library that this program has loaded says of its version; none if there
 /// is no such function to be found.
 std::optional<std::string> library_version(const char* function) {
-  void* const symbol = dlsym(RTLD_DEFAULT, function);
+  void* const symbol = loaded_function(function);
   if (symbol == nullptr) return std::nullopt;
   return std::string(reinterpret_cast<const char* (*)()>(symbol)());
 }

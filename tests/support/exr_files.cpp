@@ -115,11 +115,11 @@ std::vector<ExrChannel> rgb_channels(Imf::PixelType type) {
 
 void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const std::vector<float>& rgb) {
   if (recipe.tiles) {
-    Imf::TiledOutputFile file(path.c_str(), make_header(recipe), 0);
+    Imf::TiledOutputFile file(path.string().c_str(), make_header(recipe), 0);
     write_tiles(file, recipe, rgb);
     return;
   }
-  Imf::OutputFile file(path.c_str(), make_header(recipe), 0);
+  Imf::OutputFile file(path.string().c_str(), make_header(recipe), 0);
   Planes planes(recipe, rgb);
   file.setFrameBuffer(planes.frame_buffer());
   file.writePixels(recipe.height);
@@ -132,7 +132,7 @@ void write_exr_parts(const std::filesystem::path& path, const std::vector<ExrPar
     headers.back().setName(part.name);
     headers.back().setType(part.deep ? Imf::DEEPSCANLINE : part.recipe.tiles ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
   }
-  Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
+  Imf::MultiPartOutputFile file(path.string().c_str(), headers.data(), static_cast<int>(headers.size()), false, 0);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ExrPartRecipe& part = parts[i];
     if (part.deep) {
@@ -156,14 +156,14 @@ void write_luminance_chroma_exr(const std::filesystem::path& path, const ExrReci
   for (std::size_t i = 0; i < rgb.size(); i += 3) {
     pixels.emplace_back(rgb[i], rgb[i + 1], rgb[i + 2]);
   }
-  Imf::RgbaOutputFile file(path.c_str(), make_header(recipe), Imf::WRITE_YC, 0);
+  Imf::RgbaOutputFile file(path.string().c_str(), make_header(recipe), Imf::WRITE_YC, 0);
   const std::ptrdiff_t origin = std::ptrdiff_t{recipe.first_row} * recipe.width + recipe.first_column;
   file.setFrameBuffer(pixels.data() - origin, 1, static_cast<std::size_t>(recipe.width));
   file.writePixels(recipe.height);
 }
 
 std::vector<float> read_rgba_with_library(const std::filesystem::path& path) {
-  Imf::RgbaInputFile file(path.c_str(), 0);
+  Imf::RgbaInputFile file(path.string().c_str(), 0);
   const Imath::Box2i window = file.dataWindow();
   const std::ptrdiff_t columns = window.max.x - window.min.x + 1;
   const std::ptrdiff_t rows = window.max.y - window.min.y + 1;
@@ -178,7 +178,7 @@ std::vector<float> read_rgba_with_library(const std::filesystem::path& path) {
 }
 
 std::vector<float> read_exr_with_library(const std::filesystem::path& path) {
-  Imf::InputFile file(path.c_str(), 0);
+  Imf::InputFile file(path.string().c_str(), 0);
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t columns = window.max.x - window.min.x + 1;
   const std::int64_t rows = window.max.y - window.min.y + 1;

@@ -1,42 +1,29 @@
-// The threads of this process, as the system has them.
+// The threads of this process, as the system has them, and the functions of the libraries that it has loaded.
 #pragma once
 
-#include <sys/syscall.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 
 namespace welkin::test {
 
 /// The system's numbers of all threads that there are.
-inline std::set<int> process_threads() {
-  std::set<int> threads;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
-    threads.insert(std::stoi(entry.path().filename().string()));
-  }
-  return threads;
-}
+[[nodiscard]] std::set<int> process_threads();
 
-/// Empty if the thread is gone.
-inline std::string thread_name(int thread) {
-  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/comm");
-  std::string name;
-  std::getline(file, name);
-  return name;
-}
+/// Empty if the thread is gone, or the system names none.
+[[nodiscard]] std::string thread_name(int thread);
 
-inline std::string this_threads_name() { return thread_name(static_cast<int>(syscall(SYS_gettid))); }
+[[nodiscard]] std::string this_threads_name();
 
 /// Those that were not there `before`.
-inline std::set<int> threads_since(const std::set<int>& before) {
+[[nodiscard]] inline std::set<int> threads_since(const std::set<int>& before) {
   std::set<int> since;
   for (const int thread : process_threads()) {
     if (before.count(thread) == 0) since.insert(thread);
   }
   return since;
 }
+
+/// A function of C that one of the libraries has; null: none does.
+[[nodiscard]] void* loaded_function(const char* name);
 
 }  // namespace welkin::test

@@ -245,7 +245,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
   const TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   std::filesystem::create_directory(out);
-  const platform::FolderLock other(out);
+  platform::FolderLock other(out);
   REQUIRE(other.take());
   const std::string line = "timeout -s INT 5 '" WELKIN_COMMAND
                            "' bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +

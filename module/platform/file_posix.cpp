@@ -1,0 +1,189 @@
+// Files by POSIX's calls.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "platform/file.h"
+#include "platform/pending_file.h"
+
+namespace welkin::platform {
+
+std::int64_t process_number() noexcept { return getpid(); }
+
+std::filesystem::path reachable(const std::filesystem::path& path) { return path; }
+
+SharedFile::SharedFile(const std::filesystem::path& path) noexcept
+    : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW)) {}
+
+SharedFile::~SharedFile() {
+  if (is_open()) close(file_);
+}
+
+std::optional<std::uint64_t> SharedFile::size() const noexcept {
+  struct stat status {};
+  if (fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+bool SharedFile::read(void* bytes, std::size_t count) const noexcept {
+  auto* to = static_cast<std::uint8_t*>(bytes);
+  while (count > 0) {
+    const ssize_t got = ::read(file_, to, count);
+    if (got <= 0) return false;
+    to += got;
+    count -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+void SharedFile::touch() const noexcept { static_cast<void>(futimens(file_, nullptr)); }
+
+FolderLock::FolderLock(const std::filesystem::path& folder) noexcept
+    : file_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
+
+FolderLock::~FolderLock() {
+  if (file_ != kNoFile) close(file_);
+}
+
+// NOLINTNEXTLINE(readability-make-member-function-const): elsewhere it changes what is held
+bool FolderLock::take() noexcept { return flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
+
+namespace {
+
+/// Whether the descriptor's file is the one of that name.
+bool is_file_of(int descriptor, const std::filesystem::path& path) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
+/// The name of a file that has none.
+std::string descriptor_path(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+}  // namespace
+
+void remove_if_left_behind(const std::filesystem::path& path) noexcept {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+  if (descriptor < 0) return;
+  // Of a writer that lives it has the lock, or another name (see `make_beside`).
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_file_of(descriptor, path)) unlink(path.c_str());
+  close(descriptor);
+}
+
+PendingFile::~PendingFile() {
+  if (stream_ != nullptr) std::fclose(stream_);
+  discard();
+}
+
+bool PendingFile::note_failure() {
+  why_ = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
+  return false;
+}
+
+void PendingFile::discard() noexcept {
+  if (!beside_.empty()) unlink(beside_.c_str());
+  beside_.clear();
+  if (file_ != kNoFile) close(std::exchange(file_, kNoFile));
+}
+
+bool PendingFile::make() { return make_without_name() || make_beside(); }
+
+/// Where the file system has no such files, or the system no names for them, there is none.
+bool PendingFile::make_without_name() {
+#ifdef O_TMPFILE
+  const std::filesystem::path folder = place_.has_parent_path() ? place_.parent_path() : ".";
+  file_ = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (file_ == kNoFile) return false;
+  if (access(descriptor_path(file_).c_str(), F_OK) != 0) {
+    close(std::exchange(file_, kNoFile));
+    return false;
+  }
+  static_cast<void>(flock(file_, LOCK_EX | LOCK_NB));  // for the moment in which it is named beside
+  return true;
+#else
+  return false;
+#endif
+}
+
+bool PendingFile::make_beside() {
+  for (int tried = 0; file_ == kNoFile && tried < kMostNamesTried; ++tried) {
+    beside_ = name_beside(place_);
+    errno = 0;
+    file_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file_ == kNoFile && errno != EEXIST) break;
+    // Who tidies the folder may have come between, and holds the lock or has removed the file.
+    const bool locked = flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+    if (!locked || !is_file_of(file_, beside_)) close(std::exchange(file_, kNoFile));
+  }
+  if (file_ != kNoFile) return true;
+  beside_.clear();
+  return note_failure();
+}
+
+bool PendingFile::open_stream() {
+  const int copy = fcntl(file_, F_DUPFD_CLOEXEC, 0);  // for the stream, which closes its own
+  if (copy >= 0) stream_ = fdopen(copy, "wb");
+  if (stream_ != nullptr) return true;
+  static_cast<void>(note_failure());
+  if (copy >= 0) close(copy);
+  return false;
+}
+
+void PendingFile::set_permissions(std::filesystem::perms permissions) noexcept {
+  // Best effort: a file system without permissions has none to lose.
+  static_cast<void>(fchmod(file_, static_cast<mode_t>(permissions & std::filesystem::perms::all)));
+}
+
+bool PendingFile::write(const void* bytes, std::size_t count) {
+  errno = 0;
+  return std::fwrite(bytes, 1, count, stream_) == count || note_failure();
+}
+
+bool PendingFile::seek(std::uint64_t position) {
+  errno = 0;
+  return fseeko(stream_, static_cast<off_t>(position), SEEK_SET) == 0 || note_failure();
+}
+
+bool PendingFile::close_stream() {
+  errno = 0;
+  return std::fclose(std::exchange(stream_, nullptr)) == 0 || note_failure();
+}
+
+bool PendingFile::flush_to_disk() {
+  // A file system that cannot say so (EINVAL) does not lose what it has.
+  return fdatasync(file_) == 0 || errno == EINVAL || note_failure();
+}
+
+/// To a file without one: in its place if that is free, else beside it, because a link replaces nothing.
+bool PendingFile::give_name() {
+  const std::string unnamed = descriptor_path(file_);
+  const auto link_to = [&](const std::filesystem::path& name) {
+    return linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  bool named = link_to(place_);
+  if (named) return true;
+  for (int tried = 0; !named && errno == EEXIST && tried < kMostNamesTried; ++tried) {
+    beside_ = name_beside(place_);
+    named = link_to(beside_);
+  }
+  if (named) return true;
+  beside_.clear();
+  return note_failure();
+}
+
+bool PendingFile::put_in_place() {
+  if (beside_.empty() && !give_name()) return false;
+  if (!beside_.empty() && std::rename(beside_.c_str(), place_.c_str()) != 0) return note_failure();
+  beside_.clear();
+  discard();
+  return true;
+}
+
+}  // namespace welkin::platform

@@ -1,0 +1,80 @@
+#include <atomic>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+#include "platform/thread.h"
+#include "platform/wait.h"
+#include "platform/windows_system.h"
+
+namespace welkin::detail {
+
+void name_current_thread(const char* name) noexcept {
+  // Windows 10, version 1607; older ones name no threads.
+  using SetDescription = HRESULT(WINAPI*)(HANDLE thread, PCWSTR name);
+  const HMODULE library = GetModuleHandleW(L"kernel32.dll");
+  if (library == nullptr) return;
+  // By way of void*, because the compiler warns of functions that are cast to others.
+  const auto set_description =
+      reinterpret_cast<SetDescription>(reinterpret_cast<void*>(GetProcAddress(library, "SetThreadDescription")));
+  if (set_description == nullptr) return;
+  wchar_t wide[kMostNameCharacters + 1] = {};
+  // What was cut within a character of UTF-8 ends in U+FFFD.
+  if (MultiByteToWideChar(CP_UTF8, 0, name, -1, wide, static_cast<int>(kMostNameCharacters + 1)) == 0) return;
+  static_cast<void>(set_description(GetCurrentThread(), wide));
+}
+
+void rank_current_thread(ThreadPriority priority) noexcept {
+  if (priority == ThreadPriority::normal) return;
+  const bool idle = priority == ThreadPriority::idle;
+  SetThreadPriority(GetCurrentThread(), idle ? THREAD_PRIORITY_IDLE : THREAD_PRIORITY_LOWEST);
+}
+
+// Threads end by returning: ExitThread unwinds nothing, so that nothing can be put right.
+bool returns_from(void (*function)(void* argument), void* argument) {
+  function(argument);
+  return true;
+}
+
+std::int64_t process_number() noexcept { return static_cast<std::int64_t>(GetCurrentProcessId()); }
+
+AddressReserve::AddressReserve(std::size_t bytes) noexcept
+    : block_(VirtualAlloc(nullptr, bytes, MEM_RESERVE, PAGE_NOACCESS)), bytes_(bytes) {}
+
+AddressReserve::~AddressReserve() {
+  if (block_ != nullptr) VirtualFree(block_, 0, MEM_RELEASE);
+}
+
+namespace {
+
+/// A thread of `can_make_threads`: stays until all are there.
+DWORD WINAPI stay(void* over) {
+  platform::wait_while(*static_cast<std::atomic<bool>*>(over), false);
+  return 0;
+}
+
+}  // namespace
+
+bool can_make_threads(int count) noexcept {
+  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's own have 4 MiB
+  const std::size_t wanted = count > 0 ? static_cast<std::size_t>(count) : 0;
+  std::atomic<bool> over{false};
+  std::size_t made = 0;
+  try {
+    std::vector<HANDLE> threads(wanted);
+    const auto make = [&] {
+      return CreateThread(nullptr, kLargestStack, stay, &over, STACK_SIZE_PARAM_IS_A_RESERVATION, nullptr);
+    };
+    while (made < wanted && (threads[made] = make()) != nullptr) ++made;
+    over = true;
+    platform::wake_all(over);
+    for (std::size_t i = 0; i < made; ++i) {
+      WaitForSingleObject(threads[i], INFINITE);
+      CloseHandle(threads[i]);
+    }
+  } catch (const std::bad_alloc&) {  // by the vector, before there are threads
+  }
+  return made == wanted;
+}
+
+}  // namespace welkin::detail

@@ -1,0 +1,181 @@
+// Entries of a cache's folder where POSIX can say more: links, pipes, locks, a full disk, processes that are killed.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cache/entry_store.h"
+#include "support/catch.h"
+#include "support/temporary_directory.h"
+
+namespace welkin::test {
+namespace {
+
+using cache::EntryFolder;
+
+constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  return files;
+}
+
+/// A payload whose every byte follows from the number.
+std::vector<std::uint8_t> payload_of(unsigned number, std::size_t bytes) {
+  std::vector<std::uint8_t> payload(bytes);
+  for (std::size_t k = 0; k < bytes; ++k) payload[k] = static_cast<std::uint8_t>(k * 31 + number * 7 + k / 256);
+  return payload;
+}
+
+cache::EntryName named(unsigned number) { return {cache::EntryKind::projection, {number, ~std::uint64_t{number}}}; }
+
+TEST_CASE("entries: what a killed writer left behind goes, and what a living one writes stays") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  std::filesystem::create_directory(place);
+  write_bytes(place / ".welkin-1-0.part", {'x'});
+  write_bytes(place / ".welkin-2-0-5.part", {'x'});
+  std::filesystem::create_symlink("/dev/null", place / ".welkin-3-0.part");
+  const int living = open((place / ".welkin-2-0-5.part").c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(flock(living, LOCK_EX) == 0);
+  {
+    const EntryFolder folder(place, 1000);
+    CHECK_FALSE(std::filesystem::exists(place / ".welkin-1-0.part"));
+    CHECK(std::filesystem::exists(place / ".welkin-2-0-5.part"));
+    CHECK(std::filesystem::is_symlink(place / ".welkin-3-0.part"));
+  }
+  close(living);
+  const EntryFolder folder(place, 1000);
+  CHECK_FALSE(std::filesystem::exists(place / ".welkin-2-0-5.part"));
+}
+
+TEST_CASE("entries: a link under an entry's name is not followed, for reading or for writing") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  EntryFolder folder(place, kLarge);
+  folder.store(named(1), std::vector<std::uint8_t>(100, 7));
+  REQUIRE(files_in(place).size() == 1);
+  const std::filesystem::path entry = files_in(place).front();
+  const std::filesystem::path elsewhere = directory.file("elsewhere");
+  std::filesystem::rename(entry, elsewhere);
+  std::filesystem::create_symlink(elsewhere, entry);
+  const std::vector<char> before = read_bytes(elsewhere);
+  CHECK_FALSE(folder.find(named(1)).has_value());
+  folder.store(named(1), std::vector<std::uint8_t>(200, 8));
+  CHECK(read_bytes(elsewhere) == before);
+  CHECK_FALSE(std::filesystem::is_symlink(entry));
+  CHECK(folder.find(named(1))->size() == 200);
+}
+
+TEST_CASE("entries: files of others stay, and pipes and folders under an entry's name keep nobody waiting") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  EntryFolder folder(place, 1000);
+  const std::vector<std::string> theirs{"notes.txt", "mine.welkin-entry", ".welkin-notes.part", ".welkin-.part"};
+  for (const std::string& name : theirs) {
+    write_bytes(place / name, std::vector<char>(5000, 'x'));
+    std::filesystem::last_write_time(place / name,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(200));
+  }
+  folder.store(named(1), payload_of(1, 500));
+  const std::string name = [&] {
+    for (const auto& path : files_in(place)) {
+      if (std::ranges::find(theirs, path.filename().string()) == theirs.end()) return path.filename().string();
+    }
+    return std::string();
+  }();
+  std::filesystem::remove(place / name);
+  REQUIRE(mkfifo((place / name).c_str(), 0600) == 0);
+  CHECK_FALSE(folder.find(named(1)).has_value());
+  std::filesystem::create_directory(place / name);
+  CHECK_FALSE(folder.find(named(1)).has_value());
+  for (unsigned number = 2; number < 6; ++number) folder.store(named(number), payload_of(number, 500));
+  const EntryFolder once_more(place, 1000);
+  for (const std::string& each : theirs) CHECK(std::filesystem::exists(place / each));
+}
+
+/// Runs `work` in a process of its own; what it returns.
+template <class Work>
+pid_t start_process(const Work& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  return child;
+}
+
+int exit_code(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
+}
+
+TEST_CASE("entries: a full disk is no reason to fail and leaves nothing behind") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  const pid_t child = start_process([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4096, 4096};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    EntryFolder folder(place, kLarge);
+    folder.store(named(1), payload_of(1, 100'000));
+    folder.store(named(2), payload_of(2, 1000));
+    const bool right = folder.counts().write_failures == 1 && !folder.find(named(1)) && folder.find(named(2));
+    return right ? 0 : 1;
+  });
+  CHECK(exit_code(child) == 0);
+  CHECK(files_in(place).size() == 1);
+}
+
+/// Stores and finds entries among those of others; 0 if all that was found was right.
+int work_among_others(const std::filesystem::path& place, unsigned seed, int rounds) {
+  // Little room: entries come and go under the readers' hands.
+  EntryFolder folder(place, 40'000);
+  unsigned state = seed * 2654435761U + 1;
+  for (int round = 0; round < rounds; ++round) {
+    state = state * 1664525U + 1013904223U;
+    const unsigned number = (state >> 16U) % 12;
+    const std::size_t bytes = 1000 + 500 * number;
+    if (const auto found = folder.find(named(number)); found && *found != payload_of(number, bytes)) return 1;
+    if ((state >> 28U) % 2 == 0) folder.store(named(number), payload_of(number, bytes));
+  }
+  return folder.counts().write_failures == 0 ? 0 : 2;
+}
+
+TEST_CASE("entries: processes and threads that share a folder never see half an entry") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path place = directory.file("cache");
+  std::vector<pid_t> children;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    children.push_back(start_process([&] { return work_among_others(place, seed, 60); }));
+  }
+  const pid_t killed = start_process([&] { return work_among_others(place, 9, 1'000'000); });
+  for (const pid_t child : children) CHECK(exit_code(child) == 0);
+  kill(killed, SIGKILL);
+  CHECK(exit_code(killed) == 256 + SIGKILL);
+  std::vector<int> codes(3, -1);
+  std::vector<std::thread> threads;
+  for (unsigned k = 0; k < 3; ++k) {
+    threads.emplace_back([&, k] { codes[k] = work_among_others(place, 20 + k, 60); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(codes == std::vector<int>{0, 0, 0});
+  EntryFolder folder(place, kLarge);
+  for (unsigned number = 0; number < 12; ++number) {
+    const auto found = folder.find(named(number));
+    CHECK((!found || *found == payload_of(number, 1000 + 500 * number)));
+  }
+  CHECK(folder.counts().damaged == 0);
+}
+
+}  // namespace
+}  // namespace welkin::test

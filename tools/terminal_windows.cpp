@@ -1,0 +1,229 @@
+// The process and its terminal by Windows' calls.
+#include <fcntl.h>
+#include <io.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include "platform/text.h"
+#include "platform/windows_system.h"
+#include "tools/terminal.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+std::atomic<int> caught{0};
+std::stop_source* asked = nullptr;  // never destroyed: the handler's thread outlives main
+
+HANDLE stream_handle(Stream stream) {
+  return GetStdHandle(stream == Stream::output ? STD_OUTPUT_HANDLE : STD_ERROR_HANDLE);
+}
+
+/// Called in a thread of its own. Whoever asks twice does not want to wait: what is not handled ends the process.
+BOOL WINAPI note_event(DWORD event) {
+  const bool key = event == CTRL_C_EVENT || event == CTRL_BREAK_EVENT;
+  int none = 0;
+  if (!caught.compare_exchange_strong(none, key ? SIGINT : SIGTERM)) return FALSE;
+  asked->request_stop();
+  // The end of this function is the end of a process whose window is closed: the work gets what time the system gives.
+  if (!key) Sleep(INFINITE);
+  return TRUE;
+}
+
+[[noreturn]] void fail_reading(const std::string& name) {
+  throw Error(ErrorCode::file_access, name + ": cannot be read (" + platform::system_message(GetLastError()) + ")");
+}
+
+/// How many bytes may be read without waiting; of what is no pipe, any number. Nothing: there will be no more.
+std::optional<DWORD> wait_for_bytes(HANDLE file) {
+  constexpr auto kPause = std::chrono::milliseconds(10);
+  if (GetFileType(file) != FILE_TYPE_PIPE) return MAXDWORD;
+  for (;;) {
+    if (stop_on_signals().stop_requested()) throw Error(ErrorCode::cancelled, "stopped by a signal");
+    DWORD there = 0;
+    if (!PeekNamedPipe(file, nullptr, 0, nullptr, &there, nullptr)) return std::nullopt;
+    if (there > 0) return there;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+/// Closed where it was opened.
+class PipeEnd {
+ public:
+  explicit PipeEnd(const std::optional<std::string>& name)
+      : named_(name),
+        handle_(name ? CreateFileW(platform::path_of(*name).c_str(), GENERIC_READ, platform::kSharedByAll, nullptr,
+                                   OPEN_EXISTING, 0, nullptr)
+                     : GetStdHandle(STD_INPUT_HANDLE)) {}
+  ~PipeEnd() {
+    if (named_ && handle_ != INVALID_HANDLE_VALUE) CloseHandle(handle_);
+  }
+  PipeEnd(const PipeEnd&) = delete;
+  PipeEnd& operator=(const PipeEnd&) = delete;
+
+  [[nodiscard]] HANDLE handle() const noexcept { return handle_; }
+
+ private:
+  bool named_;
+  HANDLE handle_;
+};
+
+/// The folder of this program.
+std::filesystem::path own_folder() {
+  std::wstring name(MAX_PATH, L'\0');
+  for (;;) {
+    const DWORD length = GetModuleFileNameW(nullptr, name.data(), static_cast<DWORD>(name.size()));
+    if (length < name.size()) return std::filesystem::path(name.substr(0, length)).parent_path();
+    name.resize(2 * name.size());
+  }
+}
+
+/// The words of a command line as the C library takes them apart: backslashes are themselves, but before a quotation
+/// mark two of them are one, and one more makes the mark a character; a doubled mark within quotation is a character
+/// too. (CommandLineToArgvW would load the system's windows and desktop, which a command does without.)
+std::vector<std::wstring> words_of(std::wstring_view line) {
+  std::vector<std::wstring> words;
+  bool quoted = false;
+  bool inside = false;  // a word
+  for (std::size_t i = 0; i < line.size();) {
+    const std::size_t backslashes = std::min(line.find_first_not_of(L'\\', i), line.size()) - i;
+    i += backslashes;
+    const bool mark = i < line.size() && line[i] == L'"';
+    const bool space = i < line.size() && (line[i] == L' ' || line[i] == L'\t') && !quoted;
+    if (!inside && (backslashes > 0 || !space)) words.emplace_back();
+    inside = inside || backslashes > 0 || !space;
+    if (backslashes > 0) words.back().append(mark ? backslashes / 2 : backslashes, L'\\');
+    if (i == line.size()) break;
+    if (space) {
+      inside = false;
+    } else if (mark && backslashes % 2 == 0 && quoted && i + 1 < line.size() && line[i + 1] == L'"') {
+      words.back() += line[i++];
+    } else if (mark && backslashes % 2 == 0) {
+      quoted = !quoted;
+    } else {
+      words.back() += line[i];
+    }
+    ++i;
+  }
+  return words;
+}
+
+/// One word of a command line as the C library read it: in quotation marks; backslashes count
+/// double before one.
+std::wstring quoted(const std::wstring& word) {
+  std::wstring result = L"\"";
+  std::size_t backslashes = 0;
+  for (const wchar_t c : word) {
+    if (c == L'"') result.append(backslashes + 1, L'\\');
+    backslashes = c == L'\\' ? backslashes + 1 : 0;
+    result += c;
+  }
+  return result.append(backslashes, L'\\') + L'"';
+}
+
+}  // namespace
+
+bool is_terminal(Stream stream) {
+  DWORD mode = 0;
+  const HANDLE handle = stream_handle(stream);
+  return GetConsoleMode(handle, &mode) && (mode & ENABLE_VIRTUAL_TERMINAL_PROCESSING) != 0;
+}
+
+std::stop_token stop_on_signals() {
+  static const auto& source = *[] {
+    asked = new std::stop_source;
+    SetConsoleCtrlHandler(note_event, TRUE);
+    return asked;
+  }();
+  return source.get_token();
+}
+
+int caught_signal() noexcept { return caught; }
+
+std::string signal_words(int number) { return number == SIGINT ? "Interrupt" : "Terminated"; }
+
+std::vector<std::string> program_arguments(int /*count*/, char** /*words*/) {
+  std::vector<std::string> arguments;
+  for (const std::wstring& word : words_of(GetCommandLineW()))
+    arguments.push_back(platform::utf8(std::wstring_view(word)));
+  return {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
+}
+
+void reserve_standard_streams() noexcept {
+  // The terminal's own code page is put back when the program ends.
+  static const UINT before = GetConsoleOutputCP();
+  if (before != 0 && before != CP_UTF8 && SetConsoleOutputCP(CP_UTF8)) {
+    static_cast<void>(std::atexit([] { SetConsoleOutputCP(before); }));
+  }
+  for (const Stream stream : {Stream::output, Stream::error}) {
+    DWORD mode = 0;
+    const HANDLE handle = stream_handle(stream);
+    if (GetConsoleMode(handle, &mode)) SetConsoleMode(handle, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
+  }
+  for (const int descriptor : {0, 1, 2}) static_cast<void>(_setmode(descriptor, _O_BINARY));
+}
+
+std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
+  const std::string name = pipe.value_or("standard input");
+  const PipeEnd end(pipe);
+  if (end.handle() == INVALID_HANDLE_VALUE || end.handle() == nullptr) fail_reading(name);
+  std::vector<std::byte> bytes;
+  constexpr DWORD kBlock = DWORD{1} << 20U;
+  for (;;) {
+    const std::optional<DWORD> there = wait_for_bytes(end.handle());
+    if (!there) return bytes;
+    const std::size_t before = bytes.size();
+    const DWORD wanted = std::min(kBlock, *there);
+    bytes.resize(before + wanted);
+    DWORD count = 0;
+    const bool read = ReadFile(end.handle(), bytes.data() + before, wanted, &count, nullptr) != 0;
+    if (!read && GetLastError() != ERROR_BROKEN_PIPE && GetLastError() != ERROR_HANDLE_EOF) fail_reading(name);
+    bytes.resize(before + count);
+    if (count == 0) return bytes;
+    if (bytes.size() > most) {
+      throw Error(ErrorCode::limit_exceeded, name + ": has more than the " + std::to_string(most) +
+                                                 " bytes that --memory-limit allows; raise it, or pass a file");
+    }
+  }
+}
+
+std::string reason_not_to_write_in(const std::filesystem::path& folder) {
+  // Rights say little here: a file is made, which is gone when it is closed.
+  const std::filesystem::path tried = folder / (".welkin-" + std::to_string(GetCurrentProcessId()) + ".tried");
+  const HANDLE file = CreateFileW(platform::reachable(tried).c_str(), GENERIC_WRITE | DELETE, platform::kSharedByAll,
+                                  nullptr, CREATE_ALWAYS, FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  if (file == INVALID_HANDLE_VALUE) return platform::system_message(GetLastError());
+  CloseHandle(file);
+  return "";
+}
+
+void become(const std::string& program, const std::vector<std::string>& arguments) {
+  // Windows runs no program in the place of another: this one waits, and ends as that one did. Ctrl-C goes to both.
+  std::wstring line = quoted(platform::path_of(program));
+  for (const std::string& word : arguments) line += L' ' + quoted(platform::path_of(word));
+  const std::filesystem::path beside = own_folder() / (program + ".exe");
+  const bool is_there = GetFileAttributesW(beside.c_str()) != INVALID_FILE_ATTRIBUTES;
+  STARTUPINFOW start{};
+  start.cb = sizeof start;
+  PROCESS_INFORMATION started{};
+  if (!CreateProcessW(is_there ? beside.c_str() : nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr,
+                      &start, &started)) {
+    const DWORD reason = GetLastError();
+    throw Error(ErrorCode::file_access, program + ": cannot be run (" + platform::system_message(reason) +
+                                            "); it is a program of its own, which belongs beside " +
+                                            platform::utf8(own_folder() / "welkin.exe") +
+                                            " or on the PATH: build the target welkin_report_command");
+  }
+  SetConsoleCtrlHandler(nullptr, TRUE);
+  WaitForSingleObject(started.hProcess, INFINITE);
+  DWORD code = 1;
+  GetExitCodeProcess(started.hProcess, &code);
+  std::exit(static_cast<int>(code));
+}
+
+}  // namespace welkin::tool
