@@ -66,10 +66,10 @@ struct CubemapTexture {
   std::map<std::string, std::string> metadata;  ///< KTX2's key/value data
 };
 
-/// Reads .ktx2 and .dds cubemaps with all their mips, told by their first bytes: the four formats above, and r8g8b8a8
-/// unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header. Alpha is passed over. The
-/// header is checked whole before anything is allocated, and what would take more than the limit is refused. Throws
-/// `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
+/// Reads .ktx2 and .dds cubemaps with all their mips, told by their first bytes: the four formats above, BC6H (unsigned
+/// and signed), and r8g8b8a8 unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header.
+/// Alpha is passed over. The header is checked whole before anything is allocated, and what would take more than the
+/// limit is refused. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
 [[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});

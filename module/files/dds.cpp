@@ -14,12 +14,14 @@ struct DxgiFormat {
 };
 
 constexpr std::array kDxgiFormats{
-    DxgiFormat{TexelKind::rgba32f, 2},      // DXGI_FORMAT_R32G32B32A32_FLOAT
-    DxgiFormat{TexelKind::rgba16f, 10},     // DXGI_FORMAT_R16G16B16A16_FLOAT
-    DxgiFormat{TexelKind::b10g11r11, 26},   // DXGI_FORMAT_R11G11B10_FLOAT
-    DxgiFormat{TexelKind::rgba8, 28},       // DXGI_FORMAT_R8G8B8A8_UNORM
-    DxgiFormat{TexelKind::rgba8_srgb, 29},  // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
-    DxgiFormat{TexelKind::e5b9g9r9, 67},    // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+    DxgiFormat{TexelKind::rgba32f, 2},       // DXGI_FORMAT_R32G32B32A32_FLOAT
+    DxgiFormat{TexelKind::rgba16f, 10},      // DXGI_FORMAT_R16G16B16A16_FLOAT
+    DxgiFormat{TexelKind::b10g11r11, 26},    // DXGI_FORMAT_R11G11B10_FLOAT
+    DxgiFormat{TexelKind::rgba8, 28},        // DXGI_FORMAT_R8G8B8A8_UNORM
+    DxgiFormat{TexelKind::rgba8_srgb, 29},   // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
+    DxgiFormat{TexelKind::e5b9g9r9, 67},     // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+    DxgiFormat{TexelKind::bc6h_ufloat, 95},  // DXGI_FORMAT_BC6H_UF16
+    DxgiFormat{TexelKind::bc6h_sfloat, 96},  // DXGI_FORMAT_BC6H_SF16
 };
 
 [[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
@@ -52,8 +54,8 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if (!kind_of_dxgi_format(fields[kFormat])) {
     refuse(file, ErrorCode::unsupported_file,
            "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
-               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP and "
-               "R8G8B8A8_UNORM (and _SRGB) are");
+               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
+               "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
   }
   if (fields[kDimension] != kDdsTexture2d || (fields[kMiscellaneous] & kDdsTextureCube) == 0) {
     refuse(file, ErrorCode::unsupported_file, "is no cubemap; cubemaps, with six faces, are read");

@@ -21,12 +21,14 @@ struct VulkanFormat {
 };
 
 constexpr std::array kVulkanFormats{
-    VulkanFormat{TexelKind::rgba16f, 97},     // VK_FORMAT_R16G16B16A16_SFLOAT
-    VulkanFormat{TexelKind::rgba32f, 109},    // VK_FORMAT_R32G32B32A32_SFLOAT
-    VulkanFormat{TexelKind::b10g11r11, 122},  // VK_FORMAT_B10G11R11_UFLOAT_PACK32
-    VulkanFormat{TexelKind::e5b9g9r9, 123},   // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
-    VulkanFormat{TexelKind::rgba8, 37},       // VK_FORMAT_R8G8B8A8_UNORM
-    VulkanFormat{TexelKind::rgba8_srgb, 43},  // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::rgba16f, 97},       // VK_FORMAT_R16G16B16A16_SFLOAT
+    VulkanFormat{TexelKind::rgba32f, 109},      // VK_FORMAT_R32G32B32A32_SFLOAT
+    VulkanFormat{TexelKind::b10g11r11, 122},    // VK_FORMAT_B10G11R11_UFLOAT_PACK32
+    VulkanFormat{TexelKind::e5b9g9r9, 123},     // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+    VulkanFormat{TexelKind::rgba8, 37},         // VK_FORMAT_R8G8B8A8_UNORM
+    VulkanFormat{TexelKind::rgba8_srgb, 43},    // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::bc6h_ufloat, 143},  // VK_FORMAT_BC6H_UFLOAT_BLOCK
+    VulkanFormat{TexelKind::bc6h_sfloat, 144},  // VK_FORMAT_BC6H_SFLOAT_BLOCK
 };
 
 // Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
@@ -100,7 +102,9 @@ std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
     case TexelKind::b10g11r11:
     case TexelKind::e5b9g9r9: return 4;
     case TexelKind::rgba8:
-    case TexelKind::rgba8_srgb: return 1;
+    case TexelKind::rgba8_srgb:
+    case TexelKind::bc6h_ufloat:
+    case TexelKind::bc6h_sfloat: return 1;
   }
   return 1;
 }
@@ -187,7 +191,7 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   if (!kind_of_vulkan_format(header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9 and rgba8 (unorm, srgb) are");
+               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9, bc6h and rgba8 (unorm, srgb) are");
   }
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,

@@ -59,20 +59,33 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
 /// What is read; the first four are what is written (`TexelFormat`).
-enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb };
+enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb, bc6h_ufloat, bc6h_sfloat };
 
 [[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
 
-/// "rgba16f", ..., "rgba8", "rgba8 srgb"
+/// "rgba16f", ..., "rgba8", "rgba8 srgb", "bc6h ufloat", ...
 [[nodiscard]] const char* name(TexelKind kind) noexcept;
 
-/// 4, 8 or 16.
+/// Whether texels lie in blocks of 4 x 4, of 16 bytes each.
+[[nodiscard]] bool is_compressed(TexelKind kind) noexcept;
+
+/// 4, 8 or 16; of a block 16.
 [[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
+
+/// What holds some rows of a face, whole blocks of it.
+struct RowPlace {
+  std::uint64_t first_byte;  ///< from the face's first one
+  std::uint64_t bytes;
+};
+[[nodiscard]] RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept;
+
+/// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4.
+void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
 
 /// Bytes of a level of six faces; `size` up to 16384.
 [[nodiscard]] std::uint64_t level_bytes(TexelKind kind, int size) noexcept;
 
-/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over.
+/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
 
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
