@@ -120,8 +120,12 @@ std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
   const auto width = static_cast<std::uint32_t>(shape.width);
   const auto height = static_cast<std::uint32_t>(shape.height);
   const auto levels = static_cast<std::uint32_t>(shape.levels);
-  const auto row_bytes = static_cast<std::uint32_t>(width * texel_bytes(kind));
-  constexpr std::uint32_t flags = kDdsCaps | kDdsHeight | kDdsWidth | kDdsPitch | kDdsPixelFormat | kDdsMipMapCount;
+  const bool blocks = is_compressed(kind);
+  // Of a row; of blocks those of a whole face of level 0.
+  const auto row_bytes =
+      static_cast<std::uint32_t>(place_of_rows(kind, shape.width, 0, blocks ? shape.height : 1).bytes);
+  const std::uint32_t flags =
+      kDdsCaps | kDdsHeight | kDdsWidth | (blocks ? kDdsLinearSize : kDdsPitch) | kDdsPixelFormat | kDdsMipMapCount;
   constexpr std::uint32_t one_texture = 1, alpha_unknown = 0;
   const std::uint32_t several = shape.cube ? kDdsComplex : 0;
   std::vector<std::uint8_t> bytes;
@@ -142,6 +146,15 @@ std::uint64_t write_dds(const TextureJob& job) {
   const int size = job.mips.front().size;
   const auto header = header_bytes({size, size, job.mips.size(), true}, kind_of(job.options.format));
   job.file.write(header.data(), header.size());
+  if (const std::optional<Bc6hCubemap> blocks = compressed(job)) {
+    for (std::size_t face = 0; face < 6; ++face) {
+      for (const Bc6hLevel& level : blocks->levels) {
+        const std::size_t bytes = level.blocks.size() / 6;
+        job.file.write(level.blocks.data() + face * bytes, bytes);
+      }
+    }
+    return blocks->values_clamped;
+  }
   TexelEncoder encoder(job.options.format);
   TexelProgress progress(job.mips, job.control);
   for (int face = 0; face < 6; ++face) {

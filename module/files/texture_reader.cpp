@@ -32,6 +32,8 @@ TexelKind kind_of(TexelFormat format) noexcept {
     case TexelFormat::rgba32f: return TexelKind::rgba32f;
     case TexelFormat::b10g11r11: return TexelKind::b10g11r11;
     case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
+    case TexelFormat::bc6h_ufloat: return TexelKind::bc6h_ufloat;
+    case TexelFormat::bc6h_sfloat: return TexelKind::bc6h_sfloat;
   }
   return TexelKind::rgba16f;
 }

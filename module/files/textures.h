@@ -18,6 +18,7 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
+#include "welkin/bc6h.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/texture_file.h"
@@ -58,7 +59,7 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
-/// What is read; the first four are what is written (`TexelFormat`).
+/// What is read; all but rgba8 is what is written (`TexelFormat`).
 enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb, bc6h_ufloat, bc6h_sfloat };
 
 [[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
@@ -100,7 +101,7 @@ inline constexpr std::uint64_t kDdsFirstTexel = 4 + kDdsHeaderBytes + 20;
 
 // dwFlags, ddspf.dwFlags, dwCaps, dwCaps2.
 inline constexpr std::uint32_t kDdsCaps = 0x1, kDdsHeight = 0x2, kDdsWidth = 0x4, kDdsPitch = 0x8;
-inline constexpr std::uint32_t kDdsPixelFormat = 0x1000, kDdsMipMapCount = 0x20000;
+inline constexpr std::uint32_t kDdsPixelFormat = 0x1000, kDdsMipMapCount = 0x20000, kDdsLinearSize = 0x80000;
 inline constexpr std::uint32_t kDdsHasFourCc = 0x4;
 inline constexpr std::uint32_t kDdsComplex = 0x8, kDdsTexture = 0x1000, kDdsMipMap = 0x400000;
 inline constexpr std::uint32_t kDdsCubemap = 0x200, kDdsAllFaces = 0xFC00;
@@ -232,6 +233,9 @@ struct PictureJob {
   const TextureOptions& options;
   const Control& control;
 };
+
+/// The job's levels as BC6H, if that is its format: nine tenths of the work, which is said to the job's control.
+[[nodiscard]] std::optional<Bc6hCubemap> compressed(const TextureJob& job);
 
 /// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
 /// `write_texture` does.
