@@ -2,6 +2,7 @@
 //   welkin_perf [Google Benchmark options]
 //   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
+//   welkin_perf --bc6h-errors [--size=N] ENVIRONMENT...   the table of docs/textures.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
@@ -19,6 +20,7 @@
 #include <vector>
 
 #include "bake.h"
+#include "bc6h.h"
 #include "cancel_latency.h"
 #include "command.h"
 #include "estimates.h"
@@ -78,6 +80,7 @@ int main(int argc, char** argv) {
   if (first == "--prefilter-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
+  if (first == "--bc6h-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::bc6h_error_table);
   if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
   }
@@ -99,6 +102,7 @@ int main(int argc, char** argv) {
   perf::add_project_lat_long(thread_counts);
   perf::add_project_file(thread_counts);
   perf::add_resampling(thread_counts);
+  perf::add_bc6h(thread_counts);
   perf::add_prefilter(thread_counts);
   perf::add_sky_views(thread_counts);
   perf::add_tables();

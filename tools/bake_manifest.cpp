@@ -212,12 +212,13 @@ void OutputFolder::add_in_front(std::vector<WrittenFile> files) {
   std::rotate(files_.begin(), files_.begin() + count, files_.end());
 }
 
-std::vector<std::string> OutputFolder::clamp_notes() const {
+std::vector<std::string> OutputFolder::format_notes() const {
   std::vector<std::string> notes;
   for (const WrittenFile& file : files_) {
     if (file.values_clamped > 0) {
       notes.push_back(file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range);
     }
+    if (!file.caution.empty()) notes.push_back(file.name + ": " + file.caution);
   }
   return notes;
 }
@@ -233,7 +234,7 @@ std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& fold
     notes.push_back("the input: " + counted(diagnostics.texels_clamped, "texel") + " clamped at " +
                     significant(baked.options.pixels.clamp ? baked.options.pixels.clamp->maximum : 0.0));
   }
-  for (const std::string& note : folder.clamp_notes()) notes.push_back(note);
+  for (const std::string& note : folder.format_notes()) notes.push_back(note);
   for (const std::string& note : baked.notes) notes.push_back(note);
   if (baked.env_left_out)
     notes.emplace_back("no environment.env: it is a prefiltered cubemap, which no material of the scene reads");

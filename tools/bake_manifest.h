@@ -22,8 +22,9 @@ struct WrittenFile {
   std::string format;  ///< for a person: "KTX2 rgba16f"
   std::uint64_t bytes = 0;
   std::uint64_t values_clamped = 0;
-  std::string range;  ///< what it was that they were clamped to; empty if the format holds every value
-  Json details;       ///< more members for the manifest: sizes, roughness, axes
+  std::string range;      ///< what it was that they were clamped to; empty if the format holds every value
+  Json details;           ///< more members for the manifest: sizes, roughness, axes
+  std::string caution{};  ///< what else its format costs, if a person should know
 };
 
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
@@ -47,8 +48,8 @@ class OutputFolder {
   /// The same of several, before those that are noted.
   void add_in_front(std::vector<WrittenFile> files);
 
-  /// One line for each file whose format could not hold all values.
-  [[nodiscard]] std::vector<std::string> clamp_notes() const;
+  /// One line for each file whose format could not hold all values, or costs more than it should.
+  [[nodiscard]] std::vector<std::string> format_notes() const;
 
  private:
   void wait_for_others(const Control& control);

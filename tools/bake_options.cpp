@@ -112,9 +112,16 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                           {{"rgba16f", TexelFormat::rgba16f},
                            {"rgba32f", TexelFormat::rgba32f},
                            {"b10g11r11", TexelFormat::b10g11r11},
-                           {"e5b9g9r9", TexelFormat::e5b9g9r9}},
-                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes. DDS and OpenEXR "
-                          "hold halves, or floats with rgba32f"));
+                           {"e5b9g9r9", TexelFormat::e5b9g9r9},
+                           {"bc6h", TexelFormat::bc6h_ufloat},
+                           {"bc6h-signed", TexelFormat::bc6h_sfloat}},
+                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes, or 1 byte in blocks of "
+                          "BC6H. DDS and OpenEXR hold halves, or floats with rgba32f; DDS also bc6h. Irradiance is "
+                          "never in blocks"));
+  table.push_back(
+      choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
+                         {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
+                         "How long to search for the best blocks of BC6H; default normal"));
   table.push_back(choice<Supercompression>(
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},

@@ -54,6 +54,8 @@ const char* name(TexelFormat format) {
     case TexelFormat::rgba16f: return "rgba16f";
     case TexelFormat::rgba32f: return "rgba32f";
     case TexelFormat::b10g11r11: return "b10g11r11";
+    case TexelFormat::bc6h_ufloat: return "bc6h";
+    case TexelFormat::bc6h_sfloat: return "bc6h-signed";
     case TexelFormat::e5b9g9r9: break;
   }
   return "e5b9g9r9";
@@ -64,6 +66,8 @@ std::string range_of(TexelFormat format) {
     case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
     case TexelFormat::rgba32f: return "that are not finite replaced";
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
+    case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
+    case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
     case TexelFormat::e5b9g9r9: break;
   }
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
@@ -78,19 +82,34 @@ std::string range_of(Container container) {
   }
 }
 
-/// .dds and .exr hold halves or floats.
+bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
+
+/// .dds and .exr hold halves or floats, .dds also blocks. Irradiance is not compressed: where it nears 0 the errors of
+/// blocks are large beside it.
 TextureOptions texture_options(Container container, const Cubemap& cubemap, const Job& job) {
   TextureOptions options = job.options.texture;
   if (container != Container::ktx2) {
     options.supercompression = Supercompression::none;
-    if (options.format != TexelFormat::rgba32f) options.format = TexelFormat::rgba16f;
+    const bool holds_blocks = container == Container::dds && in_blocks(options.format);
+    if (options.format != TexelFormat::rgba32f && !holds_blocks) options.format = TexelFormat::rgba16f;
   }
+  if (cubemap.name == "irradiance" && in_blocks(options.format)) options.format = TexelFormat::rgba16f;
   options.metadata = {{"welkin.content", cubemap.name},
                       {"welkin.unit", cubemap.unit},
                       {"welkin.axes", convention(job.options.turn.to).name},
                       {"welkin.version", WELKIN_VERSION_STRING}};
   if (!cubemap.roughness.empty()) options.metadata["welkin.roughness"] = numbers_text(cubemap.roughness);
   return options;
+}
+
+/// A block of a small level holds much of the sphere, and little in it is alike. (Levels of a cubemap that is not
+/// blurred are for the distance, and nobody chooses how many there are.)
+std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
+  constexpr int kEnough = 32;
+  const int last = cubemap.mips.back().size;
+  if (!in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
+  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") +
+         " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
 
 void write_texture_file(Container container, const Cubemap& cubemap, const Job& job) {
@@ -101,8 +120,8 @@ void write_texture_file(Container container, const Cubemap& cubemap, const Job& 
   format += name(options.format);
   if (options.supercompression == Supercompression::zlib) format += " zlib";
   if (options.supercompression == Supercompression::zstd) format += " zstd";
-  job.folder.add(
-      {file, cubemap.what, format, 0, report.values_clamped, range_of(options.format), details_of(cubemap, job)});
+  job.folder.add({file, cubemap.what, format, 0, report.values_clamped, range_of(options.format),
+                  details_of(cubemap, job), caution_of(options.format, cubemap)});
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.

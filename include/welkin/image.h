@@ -192,6 +192,10 @@ enum class TexelFormat {
   rgba32f,    ///< floats, as they are: NaN and infinities too
   b10g11r11,  ///< unsigned floats of 11, 11 and 10 bits, up to 65024 and 64512: 1 part in 64 and 32
   e5b9g9r9,   ///< mantissas of 9 bits, one exponent, up to 65408: 1 part in 512 of the largest channel
+  /// BC6H in blocks of 4 x 4, up to 65504 (bc6h.h). Files of cubemaps are written with it; memory is filled by
+  /// `encode_bc6h`.
+  bc6h_ufloat,
+  bc6h_sfloat,  ///< the same with negatives
 };
 
 /// One level of a cubemap in memory that is written to. Rows of a face lie `row_stride_bytes` apart, row 0 first; what

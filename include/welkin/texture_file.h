@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "welkin/bc6h.h"
 #include "welkin/core.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
@@ -36,6 +37,8 @@ struct TextureOptions {
   /// KTX2: key/value data, 1 MiB at most, no key that starts with KTX. OpenEXR: string attributes, none that OpenEXR
   /// has already. DDS has no place for it and leaves it out.
   std::map<std::string, std::string> metadata{};
+
+  Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< with the BC6H formats, which KTX2 and DDS hold
 };
 
 /// Writes a cubemap with its mips, largest first, each half the one before (rounded down), in the format that the
@@ -47,10 +50,13 @@ struct TextureOptions {
 ///   and infinities. OpenEXR's chain goes on to 1 x 1: levels that were not given are means of the last one, and the
 ///   attribute welkinLevels says how many were.
 ///
-/// Memory: a block of rows; in OpenEXR also two levels that were not given; with supercompression the packed chain, and
-/// the levels that are being packed, side by side. The same bytes on any number of threads (with the same zlib and
-/// Zstandard). A file is complete or not there. Throws `Error`: invalid_argument (an uneven chain, a format or option
-/// that the file cannot hold), unsupported_file (the extension), file_access, cancelled.
+/// BC6H is for radiance, and cubemaps alone; `encode_bc6h` gives its errors.
+///
+/// Memory: a block of rows; with BC6H the whole chain in blocks; in OpenEXR also two levels that were not given; with
+/// supercompression the packed chain, and the levels that are being packed, side by side. The same bytes on any number
+/// of threads (with the same zlib and Zstandard). A file is complete or not there. Throws `Error`: invalid_argument (an
+/// uneven chain, a format or option that the file cannot hold), unsupported_file (the extension), file_access,
+/// cancelled.
 WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips,
                           const TextureOptions& options = {}, const Control& control = {});
 
@@ -66,10 +72,10 @@ struct CubemapTexture {
   std::map<std::string, std::string> metadata;  ///< KTX2's key/value data
 };
 
-/// Reads .ktx2 and .dds cubemaps with all their mips, told by their first bytes: the four formats above, and r8g8b8a8
-/// unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header. Alpha is passed over. The
-/// header is checked whole before anything is allocated, and what would take more than the limit is refused. Throws
-/// `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
+/// Reads .ktx2 and .dds cubemaps with all their mips, told by their first bytes: the four formats above, BC6H (unsigned
+/// and signed), and r8g8b8a8 unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header.
+/// Alpha is passed over. The header is checked whole before anything is allocated, and what would take more than the
+/// limit is refused. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
 [[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});

@@ -4,6 +4,7 @@
 #include "welkin/atmosphere.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
+#include "welkin/bc6h.h"
 #include "welkin/core.h"
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"

@@ -14,12 +14,14 @@ struct DxgiFormat {
 };
 
 constexpr std::array kDxgiFormats{
-    DxgiFormat{TexelKind::rgba32f, 2},      // DXGI_FORMAT_R32G32B32A32_FLOAT
-    DxgiFormat{TexelKind::rgba16f, 10},     // DXGI_FORMAT_R16G16B16A16_FLOAT
-    DxgiFormat{TexelKind::b10g11r11, 26},   // DXGI_FORMAT_R11G11B10_FLOAT
-    DxgiFormat{TexelKind::rgba8, 28},       // DXGI_FORMAT_R8G8B8A8_UNORM
-    DxgiFormat{TexelKind::rgba8_srgb, 29},  // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
-    DxgiFormat{TexelKind::e5b9g9r9, 67},    // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+    DxgiFormat{TexelKind::rgba32f, 2},       // DXGI_FORMAT_R32G32B32A32_FLOAT
+    DxgiFormat{TexelKind::rgba16f, 10},      // DXGI_FORMAT_R16G16B16A16_FLOAT
+    DxgiFormat{TexelKind::b10g11r11, 26},    // DXGI_FORMAT_R11G11B10_FLOAT
+    DxgiFormat{TexelKind::rgba8, 28},        // DXGI_FORMAT_R8G8B8A8_UNORM
+    DxgiFormat{TexelKind::rgba8_srgb, 29},   // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB
+    DxgiFormat{TexelKind::e5b9g9r9, 67},     // DXGI_FORMAT_R9G9B9E5_SHAREDEXP
+    DxgiFormat{TexelKind::bc6h_ufloat, 95},  // DXGI_FORMAT_BC6H_UF16
+    DxgiFormat{TexelKind::bc6h_sfloat, 96},  // DXGI_FORMAT_BC6H_SF16
 };
 
 [[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
@@ -52,8 +54,8 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
   if (!kind_of_dxgi_format(fields[kFormat])) {
     refuse(file, ErrorCode::unsupported_file,
            "its DXGI_FORMAT " + std::to_string(fields[kFormat]) +
-               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP and "
-               "R8G8B8A8_UNORM (and _SRGB) are");
+               " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
+               "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
   }
   if (fields[kDimension] != kDdsTexture2d || (fields[kMiscellaneous] & kDdsTextureCube) == 0) {
     refuse(file, ErrorCode::unsupported_file, "is no cubemap; cubemaps, with six faces, are read");
@@ -118,8 +120,12 @@ std::vector<std::uint8_t> header_bytes(const Shape& shape, TexelKind kind) {
   const auto width = static_cast<std::uint32_t>(shape.width);
   const auto height = static_cast<std::uint32_t>(shape.height);
   const auto levels = static_cast<std::uint32_t>(shape.levels);
-  const auto row_bytes = static_cast<std::uint32_t>(width * texel_bytes(kind));
-  constexpr std::uint32_t flags = kDdsCaps | kDdsHeight | kDdsWidth | kDdsPitch | kDdsPixelFormat | kDdsMipMapCount;
+  const bool blocks = is_compressed(kind);
+  // Of a row; of blocks those of a whole face of level 0.
+  const auto row_bytes =
+      static_cast<std::uint32_t>(place_of_rows(kind, shape.width, 0, blocks ? shape.height : 1).bytes);
+  const std::uint32_t flags =
+      kDdsCaps | kDdsHeight | kDdsWidth | (blocks ? kDdsLinearSize : kDdsPitch) | kDdsPixelFormat | kDdsMipMapCount;
   constexpr std::uint32_t one_texture = 1, alpha_unknown = 0;
   const std::uint32_t several = shape.cube ? kDdsComplex : 0;
   std::vector<std::uint8_t> bytes;
@@ -140,6 +146,15 @@ std::uint64_t write_dds(const TextureJob& job) {
   const int size = job.mips.front().size;
   const auto header = header_bytes({size, size, job.mips.size(), true}, kind_of(job.options.format));
   job.file.write(header.data(), header.size());
+  if (const std::optional<Bc6hCubemap> blocks = compressed(job)) {
+    for (std::size_t face = 0; face < 6; ++face) {
+      for (const Bc6hLevel& level : blocks->levels) {
+        const std::size_t bytes = level.blocks.size() / 6;
+        job.file.write(level.blocks.data() + face * bytes, bytes);
+      }
+    }
+    return blocks->values_clamped;
+  }
   TexelEncoder encoder(job.options.format);
   TexelProgress progress(job.mips, job.control);
   for (int face = 0; face < 6; ++face) {

@@ -21,12 +21,14 @@ struct VulkanFormat {
 };
 
 constexpr std::array kVulkanFormats{
-    VulkanFormat{TexelKind::rgba16f, 97},     // VK_FORMAT_R16G16B16A16_SFLOAT
-    VulkanFormat{TexelKind::rgba32f, 109},    // VK_FORMAT_R32G32B32A32_SFLOAT
-    VulkanFormat{TexelKind::b10g11r11, 122},  // VK_FORMAT_B10G11R11_UFLOAT_PACK32
-    VulkanFormat{TexelKind::e5b9g9r9, 123},   // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
-    VulkanFormat{TexelKind::rgba8, 37},       // VK_FORMAT_R8G8B8A8_UNORM
-    VulkanFormat{TexelKind::rgba8_srgb, 43},  // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::rgba16f, 97},       // VK_FORMAT_R16G16B16A16_SFLOAT
+    VulkanFormat{TexelKind::rgba32f, 109},      // VK_FORMAT_R32G32B32A32_SFLOAT
+    VulkanFormat{TexelKind::b10g11r11, 122},    // VK_FORMAT_B10G11R11_UFLOAT_PACK32
+    VulkanFormat{TexelKind::e5b9g9r9, 123},     // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+    VulkanFormat{TexelKind::rgba8, 37},         // VK_FORMAT_R8G8B8A8_UNORM
+    VulkanFormat{TexelKind::rgba8_srgb, 43},    // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::bc6h_ufloat, 143},  // VK_FORMAT_BC6H_UFLOAT_BLOCK
+    VulkanFormat{TexelKind::bc6h_sfloat, 144},  // VK_FORMAT_BC6H_SFLOAT_BLOCK
 };
 
 // Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
@@ -68,12 +70,21 @@ std::vector<Sample> shared_exponent_samples() {
   return samples;
 }
 
+/// One sample of a whole block.
+std::vector<Sample> block_samples(bool is_signed) {
+  constexpr std::uint32_t colour = 0, bits = 128;
+  const auto lower = is_signed ? platform::bit_cast<std::uint32_t>(-1.0F) : 0U;
+  return {{0, bits, colour | kFloat | (is_signed ? kSigned : 0U), lower, platform::bit_cast<std::uint32_t>(1.0F)}};
+}
+
 std::vector<Sample> samples_of(TexelFormat format) {
   switch (format) {
     case TexelFormat::rgba16f: return float_samples(16);
     case TexelFormat::rgba32f: return float_samples(32);
     case TexelFormat::b10g11r11: return packed_float_samples();
     case TexelFormat::e5b9g9r9: return shared_exponent_samples();
+    case TexelFormat::bc6h_ufloat: return block_samples(false);
+    case TexelFormat::bc6h_sfloat: return block_samples(true);
   }
   return {};
 }
@@ -100,7 +111,9 @@ std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
     case TexelKind::b10g11r11:
     case TexelKind::e5b9g9r9: return 4;
     case TexelKind::rgba8:
-    case TexelKind::rgba8_srgb: return 1;
+    case TexelKind::rgba8_srgb:
+    case TexelKind::bc6h_ufloat:
+    case TexelKind::bc6h_sfloat: return 1;
   }
   return 1;
 }
@@ -122,8 +135,9 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
 }
 
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression supercompression) {
-  constexpr std::uint32_t version = 2;         // of Data Format 1.3
-  constexpr std::uint32_t model_rgbsda = 1;    // red, green, blue, stencil, depth, alpha
+  constexpr std::uint32_t version = 2;       // of Data Format 1.3
+  constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
+  constexpr std::uint32_t model_bc6h = 133;
   constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
@@ -135,8 +149,11 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression s
   platform::append_little_endian(bytes, block_bytes + 4);
   platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
   platform::append_little_endian(bytes, version | block_bytes << 16U);
-  platform::append_little_endian(bytes, model_rgbsda | primaries_srgb << 8U | transfer_linear << 16U);
-  platform::append_little_endian(bytes, std::uint32_t{0});  // blocks of 1 x 1 x 1 x 1 texels, each less one
+  const bool blocks = is_compressed(kind_of(format));
+  const std::uint32_t model = blocks ? model_bc6h : model_rgbsda;
+  platform::append_little_endian(bytes, model | primaries_srgb << 8U | transfer_linear << 16U);
+  // Blocks of 1 x 1 x 1 x 1 texels, or 4 x 4 x 1 x 1, each less one.
+  platform::append_little_endian(bytes, std::uint32_t{blocks ? 0x0303U : 0U});
   platform::append_little_endian(bytes, static_cast<std::uint64_t>(plane_bytes));  // of the first plane of eight
   for (const Sample& sample : samples) {
     platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
@@ -187,7 +204,7 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   if (!kind_of_vulkan_format(header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9 and rgba8 (unorm, srgb) are");
+               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9, bc6h and rgba8 (unorm, srgb) are");
   }
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
@@ -366,7 +383,8 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
 }
 
 /// Sets the offsets, the smallest level first, and writes all that stands before the levels. Unpacked levels start at
-/// multiples of a texel (all of ours are multiples of 4 bytes, so that this is also the least common multiple with 4).
+/// multiples of a texel or block (all of ours are multiples of 4 bytes, so that this is also the least common multiple
+/// with 4).
 void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
                   std::vector<Place>& places) {
   const Bytes metadata = key_values(file, options);
@@ -391,10 +409,14 @@ struct PackedLevel {
   std::uint64_t clamped = 0;
 };
 
-PackedLevel pack_level(const TextureJob& job, const CubemapView& view) {
+PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const std::uint8_t* blocks) {
   TexelEncoder encoder(job.options.format);
   const TexelKind kind = kind_of(job.options.format);
   Bytes texels(level_bytes(kind, view.size));
+  if (blocks != nullptr) {
+    std::copy_n(blocks, texels.size(), texels.begin());
+    return {pack(job.options.supercompression, texels, job.control.stop), 0};
+  }
   const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
   std::uint8_t* to = texels.data();
   for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
@@ -405,12 +427,15 @@ PackedLevel pack_level(const TextureJob& job, const CubemapView& view) {
 }
 
 /// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
-std::vector<PackedLevel> pack_levels(const TextureJob& job) {
+std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<Bc6hCubemap>& blocks) {
   std::vector<PackedLevel> levels(job.mips.size());
   const auto size = std::int64_t{job.mips.front().size};
   const jobs::Placement placement = jobs::placement_for(6 * size * size);
   jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(job.control, 0.0, 0.9),
-                  [&](std::size_t tile, std::size_t) { levels[tile] = pack_level(job, job.mips[tile]); });
+                  [&](std::size_t tile, std::size_t) {
+                    levels[tile] =
+                        pack_level(job, job.mips[tile], blocks ? blocks->levels[tile].blocks.data() : nullptr);
+                  });
   return levels;
 }
 
@@ -420,7 +445,8 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   const TextureOptions& options = job.options;
   const TexelKind kind = kind_of(options.format);
   const bool packed = options.supercompression != Supercompression::none;
-  const std::vector<PackedLevel> levels = packed ? pack_levels(job) : std::vector<PackedLevel>{};
+  const std::optional<Bc6hCubemap> blocks = compressed(job);
+  const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
   std::vector<Place> places;
   for (std::size_t level = 0; level < job.mips.size(); ++level) {
@@ -432,12 +458,14 @@ std::uint64_t write_ktx2(const TextureJob& job) {
 
   TexelEncoder encoder(options.format);
   TexelProgress progress(job.mips, job.control);
-  std::uint64_t clamped = 0;
+  std::uint64_t clamped = blocks ? blocks->values_clamped : 0;
   for (std::size_t level = job.mips.size(); level-- > 0;) {
     write_padding(job.file, places[level].offset);
     if (packed) {
       job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
       clamped += levels[level].clamped;
+    } else if (blocks) {
+      job.file.write(blocks->levels[level].blocks.data(), blocks->levels[level].blocks.size());
     } else {
       for (int face = 0; face < 6; ++face) {
         write_face(job.file, job.mips[level], face, options.format, encoder, progress);

@@ -6,6 +6,7 @@
 
 #include "files/layout.h"
 #include "files/textures.h"
+#include "image/bc6h.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
@@ -31,6 +32,8 @@ TexelKind kind_of(TexelFormat format) noexcept {
     case TexelFormat::rgba32f: return TexelKind::rgba32f;
     case TexelFormat::b10g11r11: return TexelKind::b10g11r11;
     case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
+    case TexelFormat::bc6h_ufloat: return TexelKind::bc6h_ufloat;
+    case TexelFormat::bc6h_sfloat: return TexelKind::bc6h_sfloat;
   }
   return TexelKind::rgba16f;
 }
@@ -43,19 +46,37 @@ const char* name(TexelKind kind) noexcept {
     case TexelKind::e5b9g9r9: return "e5b9g9r9";
     case TexelKind::rgba8: return "rgba8";
     case TexelKind::rgba8_srgb: return "rgba8 srgb";
+    case TexelKind::bc6h_ufloat: return "bc6h ufloat";
+    case TexelKind::bc6h_sfloat: return "bc6h sfloat";
   }
   return "unknown";
 }
 
+bool is_compressed(TexelKind kind) noexcept { return kind == TexelKind::bc6h_ufloat || kind == TexelKind::bc6h_sfloat; }
+
 std::size_t texel_bytes(TexelKind kind) noexcept {
   if (kind == TexelKind::rgba16f) return 8;
-  return kind == TexelKind::rgba32f ? 16 : 4;
+  return kind == TexelKind::rgba32f || is_compressed(kind) ? 16 : 4;
 }
 
-std::uint64_t level_bytes(TexelKind kind, int size) noexcept {
-  const auto edge = static_cast<std::uint64_t>(size);
-  return 6 * edge * edge * texel_bytes(kind);
+RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept {
+  const int edge = is_compressed(kind) ? image::kBlockEdge : 1;
+  const std::uint64_t row = static_cast<std::uint64_t>((size + edge - 1) / edge) * texel_bytes(kind);
+  const auto first = static_cast<std::uint64_t>(first_row / edge);
+  const auto end = static_cast<std::uint64_t>((first_row + rows + edge - 1) / edge);
+  return {first * row, (end - first) * row};
 }
+
+void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept {
+  if (!is_compressed(kind)) {
+    decode_texels(kind, bytes, static_cast<std::size_t>(rows) * static_cast<std::size_t>(size), rgb);
+    return;
+  }
+  const auto range = kind == TexelKind::bc6h_ufloat ? image::Bc6hRange::positive : image::Bc6hRange::signed_values;
+  image::decode_bc6h_rows(bytes, range, size, first_row, rows, rgb);
+}
+
+std::uint64_t level_bytes(TexelKind kind, int size) noexcept { return 6 * place_of_rows(kind, size, 0, size).bytes; }
 
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept {
   const auto whole = static_cast<int>(count);
@@ -66,6 +87,8 @@ void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count
     case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::srgba8, texels, whole, rgb);
     case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
     case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
+    case TexelKind::bc6h_ufloat:
+    case TexelKind::bc6h_sfloat: return;  // texels that lie in no row
   }
 }
 
@@ -205,7 +228,8 @@ std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int r
   const int size = layout.level_size(level);
   const auto& place = layout.levels[static_cast<std::size_t>(level)];
   if (layout.supercompression != Supercompression::none) return level_bytes(layout.kind, size) + place.packed_bytes;
-  return static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(size) * texel_bytes(layout.kind);
+  // Rows of blocks reach beyond the rows that are read, at either end.
+  return place_of_rows(layout.kind, size, 0, rows + (is_compressed(layout.kind) ? image::kBlockEdge : 0)).bytes;
 }
 
 void TextureReader::unpack_level(int level) {
@@ -220,20 +244,18 @@ void TextureReader::unpack_level(int level) {
 }
 
 void TextureReader::read(int level, int face, int first_row, int rows, float* rgb) {
-  const auto size = static_cast<std::size_t>(layout_.level_size(level));
-  const std::size_t row_bytes = size * texel_bytes(layout_.kind);
-  const std::size_t count = size * static_cast<std::size_t>(rows);
-  const std::size_t offset = row_bytes * static_cast<std::size_t>(first_row);
+  const int size = layout_.level_size(level);
+  const RowPlace place = place_of_rows(layout_.kind, size, first_row, rows);
   if (layout_.supercompression != Supercompression::none) {
     if (unpacked_level_ != level) unpack_level(level);
-    decode_texels(layout_.kind, texels_.data() + row_bytes * size * static_cast<std::size_t>(face) + offset, count,
-                  rgb);
+    const std::uint64_t first_byte = level_bytes(layout_.kind, size) / 6 * static_cast<std::uint64_t>(face);
+    decode_rows(layout_.kind, texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
     return;
   }
-  texels_.resize(row_bytes * static_cast<std::size_t>(rows));
-  file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] + offset);
+  texels_.resize(place.bytes);
+  file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] + place.first_byte);
   file_.read(texels_.data(), texels_.size());
-  decode_texels(layout_.kind, texels_.data(), count, rgb);
+  decode_rows(layout_.kind, texels_.data(), size, first_row, rows, rgb);
 }
 
 }  // namespace files
@@ -295,7 +317,10 @@ class TextureSource final : public RowSource {
   TextureSource(EnvironmentInfo info, FileInput input, TextureLayout layout, int level)
       : RowSource(std::move(info), std::move(input)), layout_(std::move(layout)), level_(level) {}
 
-  [[nodiscard]] int natural_rows() const override { return is_packed() ? info().height : 1; }
+  [[nodiscard]] int natural_rows() const override {
+    if (is_packed()) return info().height;
+    return is_compressed(layout_.kind) ? std::min(image::kBlockEdge, info().width) : 1;
+  }
   [[nodiscard]] bool has_prefiltered_levels() const override {
     if (!layout_.has_metadata) return true;  // DDS cannot say, and what tools for light write as DDS mostly is
     return std::any_of(layout_.metadata.begin(), layout_.metadata.end(),
@@ -321,7 +346,9 @@ class TextureSource final : public RowSource {
 
 ChannelType channel_type(TexelKind kind, std::size_t channel) {
   switch (kind) {
-    case TexelKind::rgba16f: return ChannelType::half;
+    case TexelKind::rgba16f:
+    case TexelKind::bc6h_ufloat:
+    case TexelKind::bc6h_sfloat: return ChannelType::half;
     case TexelKind::rgba32f: return ChannelType::float32;
     case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;
     case TexelKind::e5b9g9r9: return ChannelType::shared_exponent;
@@ -332,7 +359,7 @@ ChannelType channel_type(TexelKind kind, std::size_t channel) {
 }
 
 void list_channels(EnvironmentInfo& info, TexelKind kind) {
-  const bool alpha = kind != TexelKind::b10g11r11 && kind != TexelKind::e5b9g9r9;
+  const bool alpha = kind != TexelKind::b10g11r11 && kind != TexelKind::e5b9g9r9 && !is_compressed(kind);
   constexpr std::array names{"R", "G", "B", "A"};
   for (std::size_t channel = 0; channel < (alpha ? 4U : 3U); ++channel) {
     info.channels.push_back({names[channel], channel_type(kind, channel)});

@@ -29,11 +29,12 @@ struct Container {
   std::uint64_t (*write_picture)(const PictureJob&);  ///< none: cubemaps alone
   bool packed_formats;                                ///< b10g11r11 and e5b9g9r9
   bool supercompression;
+  bool blocks;  ///< bc6h
 };
 
-constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true},
-                                 Container{".dds", write_dds, write_dds, true, false},
-                                 Container{".exr", write_exr_cube, nullptr, false, false}};
+constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true},
+                                 Container{".dds", write_dds, write_dds, true, false, true},
+                                 Container{".exr", write_exr_cube, nullptr, false, false, false}};
 
 const Container& container_of(const std::filesystem::path& path) {
   std::string extension = platform::utf8(path.extension());
@@ -56,9 +57,12 @@ void check_options(const std::filesystem::path& path, const Container& container
     throw platform::file_error(ErrorCode::invalid_argument, path, message);
   };
   // A number from elsewhere that was cast.
-  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::e5b9g9r9 ||
+  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::bc6h_sfloat ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
     refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
+  }
+  if (is_compressed(kind_of(options.format)) && !container.blocks) {
+    refuse("cannot hold blocks of BC6H; pass rgba16f or rgba32f, or write .ktx2 or .dds");
   }
   const bool packed = options.format == TexelFormat::b10g11r11 || options.format == TexelFormat::e5b9g9r9;
   if (packed && !container.packed_formats) {
@@ -79,27 +83,13 @@ void check_options(const std::filesystem::path& path, const Container& container
   }
 }
 
-void check_mips(std::span<const CubemapView> mips) {
-  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "a texture needs a level at least; none was passed");
-  for (const CubemapView& view : mips) image::check_view(view);
-  const int size = mips.front().size;
-  const auto most = static_cast<std::size_t>(full_chain_levels(size));
-  if (mips.size() > most) {
-    throw Error(ErrorCode::invalid_argument, std::to_string(mips.size()) + " levels were passed; from " +
-                                                 std::to_string(size) + " texels down there are " +
-                                                 std::to_string(most));
-  }
-  for (std::size_t level = 0; level < mips.size(); ++level) {
-    const int wanted = std::max(1, size >> static_cast<int>(level));
-    if (mips[level].size != wanted) {
-      throw Error(ErrorCode::invalid_argument, "level " + std::to_string(level) + " has " +
-                                                   std::to_string(mips[level].size) + " texels along an edge; below " +
-                                                   std::to_string(size) + " it must have " + std::to_string(wanted));
-    }
-  }
-}
-
 }  // namespace
+
+std::optional<Bc6hCubemap> compressed(const TextureJob& job) {
+  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
+  return encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat},
+                     jobs::part_of(job.control, 0.0, 0.9));
+}
 
 void report_share(const Control& control, double done) {
   jobs::throw_if_cancelled(control);
@@ -165,7 +155,7 @@ void write_picture(const PictureJob& job, TexelEncoder& encoder) {
 WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips, const TextureOptions& options,
                           const Control& control) {
   const platform::FloatingPointScope floating_point;
-  files::check_mips(mips);
+  image::check_chain(mips);
   const files::Container& container = files::container_of(output.path());
   files::check_options(output.path(), container, options);
   platform::WholeFile file(output.path(), output.bytes());
@@ -194,6 +184,10 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   files::check_options(output.path(), container, options);
+  if (files::is_compressed(files::kind_of(options.format))) {
+    throw platform::file_error(ErrorCode::invalid_argument, output.path(),
+                               "is no cubemap, and BC6H is for cubemaps; pass another format");
+  }
   platform::WholeFile file(output.path(), output.bytes());
   WriteReport report;
   report.values_clamped = container.write_picture({file, picture, options, control});

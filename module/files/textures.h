@@ -17,6 +17,7 @@
 
 #include "files/row_source.h"
 #include "platform/file.h"
+#include "welkin/bc6h.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/texture_file.h"
@@ -57,21 +58,34 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
-/// What is read; the first four are what is written (`TexelFormat`).
-enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb };
+/// What is read; all but rgba8 is what is written (`TexelFormat`).
+enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb, bc6h_ufloat, bc6h_sfloat };
 
 [[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
 
-/// "rgba16f", ..., "rgba8", "rgba8 srgb"
+/// "rgba16f", ..., "rgba8", "rgba8 srgb", "bc6h ufloat", ...
 [[nodiscard]] const char* name(TexelKind kind) noexcept;
 
-/// 4, 8 or 16.
+/// Whether texels lie in blocks of 4 x 4, of 16 bytes each.
+[[nodiscard]] bool is_compressed(TexelKind kind) noexcept;
+
+/// 4, 8 or 16; of a block 16.
 [[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
+
+/// What holds some rows of a face, whole blocks of it.
+struct RowPlace {
+  std::uint64_t first_byte;  ///< from the face's first one
+  std::uint64_t bytes;
+};
+[[nodiscard]] RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept;
+
+/// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4.
+void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
 
 /// Bytes of a level of six faces; `size` up to 16384.
 [[nodiscard]] std::uint64_t level_bytes(TexelKind kind, int size) noexcept;
 
-/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over.
+/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
 
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
@@ -86,7 +100,7 @@ inline constexpr std::uint64_t kDdsFirstTexel = 4 + kDdsHeaderBytes + 20;
 
 // dwFlags, ddspf.dwFlags, dwCaps, dwCaps2.
 inline constexpr std::uint32_t kDdsCaps = 0x1, kDdsHeight = 0x2, kDdsWidth = 0x4, kDdsPitch = 0x8;
-inline constexpr std::uint32_t kDdsPixelFormat = 0x1000, kDdsMipMapCount = 0x20000;
+inline constexpr std::uint32_t kDdsPixelFormat = 0x1000, kDdsMipMapCount = 0x20000, kDdsLinearSize = 0x80000;
 inline constexpr std::uint32_t kDdsHasFourCc = 0x4;
 inline constexpr std::uint32_t kDdsComplex = 0x8, kDdsTexture = 0x1000, kDdsMipMap = 0x400000;
 inline constexpr std::uint32_t kDdsCubemap = 0x200, kDdsAllFaces = 0xFC00;
@@ -218,6 +232,9 @@ struct PictureJob {
   const TextureOptions& options;
   const Control& control;
 };
+
+/// The job's levels as BC6H, if that is its format: nine tenths of the work, which is said to the job's control.
+[[nodiscard]] std::optional<Bc6hCubemap> compressed(const TextureJob& job);
 
 /// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
 /// `write_texture` does.

@@ -287,6 +287,26 @@ void check_view(const CubemapView& cubemap) {
   }
 }
 
+void check_chain(std::span<const CubemapView> mips) {
+  if (mips.empty()) throw Error(ErrorCode::invalid_argument, "a texture needs a level at least; none was passed");
+  for (const CubemapView& view : mips) check_view(view);
+  const int size = mips.front().size;
+  const auto most = static_cast<std::size_t>(full_chain_levels(size));
+  if (mips.size() > most) {
+    throw Error(ErrorCode::invalid_argument, std::to_string(mips.size()) + " levels were passed; from " +
+                                                 std::to_string(size) + " texels down there are " +
+                                                 std::to_string(most));
+  }
+  for (std::size_t level = 0; level < mips.size(); ++level) {
+    const int wanted = std::max(1, size >> static_cast<int>(level));
+    if (mips[level].size != wanted) {
+      throw Error(ErrorCode::invalid_argument, "level " + std::to_string(level) + " has " +
+                                                   std::to_string(mips[level].size) + " texels along an edge; below " +
+                                                   std::to_string(size) + " it must have " + std::to_string(wanted));
+    }
+  }
+}
+
 void check_view(const LatLongView& lat_long) {
   check_lat_long_size(lat_long.width, lat_long.height);
   require_stride(lat_long.row_stride_bytes, lat_long.width, lat_long.format);

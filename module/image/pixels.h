@@ -122,6 +122,8 @@ void require_range(const char* what, std::int64_t value, std::int64_t low, std::
 void check_face_size(int size);
 void check_lat_long_size(int width, int height);
 void check_view(const CubemapView& cubemap);
+/// Largest first, each half the one before (rounded down); one at least.
+void check_chain(std::span<const CubemapView> mips);
 void check_view(const LatLongView& lat_long);
 
 // Resampling into memory that is there already.

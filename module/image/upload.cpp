@@ -48,6 +48,8 @@ std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t co
     case TexelFormat::e5b9g9r9:
       return encode_packed(rgb, count, texels, {kLargestSharedFloat, kLargestSharedFloat, kLargestSharedFloat},
                            pack_e5b9g9r9);
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::bc6h_sfloat: break;  // texels that lie in no row
   }
   return 0;
 }
@@ -127,6 +129,8 @@ std::uint64_t bytes_of_texel(TexelFormat format) noexcept {
     case TexelFormat::rgba32f: return 16;
     case TexelFormat::b10g11r11:
     case TexelFormat::e5b9g9r9: return 4;
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::bc6h_sfloat: break;
   }
   return 0;
 }

@@ -333,7 +333,7 @@ TEST_CASE("a packed level that unpacks to less than its size is refused", "[code
 TEST_CASE("DDS files that are not for us are named for what they are", "[codec][textures]") {
   CHECK(refusal_with("sky.dds", 4, 123).says("sizes that it must have"));
   CHECK(refusal_with("sky.dds", 84, 0x31545844).says("no DX10 header"));
-  CHECK(refusal_with("sky.dds", 128, 95).says("DXGI_FORMAT 95"));
+  CHECK(refusal_with("sky.dds", 128, 98).says("DXGI_FORMAT 98"));
   CHECK(refusal_with("sky.dds", 132, 4).says("no cubemap"));
   CHECK(refusal_with("sky.dds", 136, 0).says("no cubemap"));
   CHECK(refusal_with("sky.dds", 140, 2).says("array of 2 cubemaps"));
@@ -389,13 +389,18 @@ TEST_CASE("DDS mips are counted by their number, whether or not the flag beside 
 TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
   const TemporaryDirectory directory;
   const CubemapChain chain = noisy_chain(2, 1);
-  for (const int number : {-1, 4, 99}) {
+  for (const int number : {-1, 6, 99}) {
     TextureOptions options;
     options.format = static_cast<TexelFormat>(number);
     for (const char* const file : {"sky.ktx2", "sky.dds", "sky.exr"}) {
       const ThrownError error = thrown_by([&] { write_texture(directory.file(file), chain.views(), options); });
       CHECK(error.code == ErrorCode::invalid_argument);
     }
+    options = {};
+    options.format = TexelFormat::bc6h_ufloat;
+    options.bc6h_effort = static_cast<Bc6hEffort>(number);
+    const auto with_effort = [&] { write_texture(directory.file("sky.ktx2"), chain.views(), options); };
+    CHECK(thrown_by(with_effort).code == ErrorCode::invalid_argument);
     options = {};
     options.supercompression = static_cast<Supercompression>(number);
     const ThrownError error = thrown_by([&] { write_texture(directory.file("sky.ktx2"), chain.views(), options); });

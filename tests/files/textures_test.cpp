@@ -43,6 +43,8 @@ double step(TexelFormat format, double value, double largest_of_texel) {
     case TexelFormat::rgba32f: return 0.0;
     case TexelFormat::b10g11r11: return std::ldexp(std::abs(value), -5);
     case TexelFormat::e5b9g9r9: return std::ldexp(largest_of_texel, -8) * 1.001;  // 511.5 steps are rounded to 512
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::bc6h_sfloat: break;  // not texel by texel
   }
   return 0.0;
 }

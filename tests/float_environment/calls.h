@@ -14,6 +14,7 @@
 #include "modes.h"
 #include "support/bit_hash.h"
 #include "welkin/atmosphere.h"
+#include "welkin/bc6h.h"
 #include "welkin/engines.h"
 #include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
@@ -87,6 +88,13 @@ inline void add_bits(BitHash& hash, const SkyBake& baked) {
   if (baked.curve) add_bits(hash, baked.curve->at(glm::dvec3(0.6, 0.8, 0.0)));
 }
 /// Of what a call changed in place.
+inline void add_bits(BitHash& hash, const Bc6hCubemap& cubemap) {
+  for (const Bc6hLevel& level : cubemap.levels) {
+    add_bits(hash, level.estimated_error);
+    for (const std::uint8_t byte : level.blocks) add_bits(hash, int{byte});
+  }
+}
+
 template <class Value>
 void add_bits(BitHash& hash, const std::reference_wrapper<Value>& value) {
   add_bits(hash, value.get());

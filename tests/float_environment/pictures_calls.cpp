@@ -8,6 +8,7 @@
 
 #include "calls.h"
 #include "pictures.h"
+#include "welkin/bc6h.h"
 #include "welkin/directional_light.h"
 #include "welkin/error_budget.h"
 #include "welkin/image.h"
@@ -175,6 +176,13 @@ void call_upload(Calls& calls, const CubemapImage& cube) {
   }
 }
 
+void call_bc6h(Calls& calls, const CubemapImage& cube) {
+  const CubemapChain mips = build_mips(cube.view());
+  const Bc6hCubemap blocks = calls.call("encode_bc6h(", [&] { return encode_bc6h(mips.views()); });
+  calls.call("decode_bc6h(", [&] { return decode_bc6h(blocks); });
+  calls.call("bc6h_errors(", [&] { return bc6h_errors(blocks, mips.views()); });
+}
+
 void call_budgets(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   const ErrorBudget budget{.relative = 0.05};
   const CubemapChain mips = build_mips(cube.view());
@@ -206,6 +214,7 @@ void call_pictures(Calls& calls) {
   call_irradiance(calls, faint(wide), faint(cube));
   call_reflections(calls, wide, cube);
   call_upload(calls, cube);
+  call_bc6h(calls, cube);
   call_budgets(calls, wide, cube);
 }
 

@@ -152,8 +152,8 @@ void make_png_seeds(const std::filesystem::path& directory) {
 
 void make_texture_seeds(const std::filesystem::path& directory, const std::string& extension) {
   int count = 0;
-  for (const TexelFormat format :
-       {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11, TexelFormat::e5b9g9r9}) {
+  for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11,
+                                   TexelFormat::e5b9g9r9, TexelFormat::bc6h_ufloat, TexelFormat::bc6h_sfloat}) {
     for (const Supercompression packing : {Supercompression::none, Supercompression::zlib, Supercompression::zstd}) {
       if (extension == ".dds" && packing != Supercompression::none) continue;
       for (const int size : {1, 4, 5}) {

@@ -98,7 +98,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
                              "--samples 0",
                              "--formats ktx3",
                              "--formats ''",
-                             "--ktx2-format bc6h",
+                             "--ktx2-format bc7",
                              "--supercompression rar",
                              "--layout lat-long",
                              "--clamp 0",

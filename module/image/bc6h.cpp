@@ -1,0 +1,322 @@
+#include "image/bc6h.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "image/pixels.h"
+
+namespace welkin::image {
+namespace {
+
+constexpr std::array<Bc6hMode, kBc6hModes> kModes = {{
+    {0x00, 2, 10, {5, 5, 5}, true, true},
+    {0x01, 2, 7, {6, 6, 6}, true, true},
+    {0x02, 5, 11, {5, 4, 4}, true, true},
+    {0x06, 5, 11, {4, 5, 4}, true, true},
+    {0x0A, 5, 11, {4, 4, 5}, true, true},
+    {0x0E, 5, 9, {5, 5, 5}, true, true},
+    {0x12, 5, 8, {6, 5, 5}, true, true},
+    {0x16, 5, 8, {5, 6, 5}, true, true},
+    {0x1A, 5, 8, {5, 5, 6}, true, true},
+    {0x1E, 5, 6, {6, 6, 6}, false, true},
+    {0x03, 5, 10, {10, 10, 10}, false, false},
+    {0x07, 5, 11, {9, 9, 9}, true, false},
+    {0x0B, 5, 12, {8, 8, 8}, true, false},
+    {0x0F, 5, 16, {4, 4, 4}, true, false},
+}};
+
+/// Where the bits of the ends lie after a mode's prefix: runs of a channel (r, g, b) of an end (w, x, y, z), "rw0-9"
+/// for its bits 0 to 9 from the lowest place on, "rw11-10" for bit 11 before bit 10.
+constexpr std::array<std::string_view, kBc6hModes> kLayouts = {
+    "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
+    "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5",
+    "rw0-9 gw0-9 bw0-9 rx0-4 rw10 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw10 gz4 gy0-3 gx0-4 gw10 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-3 bz0 bz2 rz0-3 gy4 bz3",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw10 by4 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-4 bw10 by0-3 ry0-3 bz1-2 rz0-3 bz4 bz3",
+    "rw0-8 by4 gw0-8 gy4 bw0-8 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
+    "rw0-7 gz4 by4 gw0-7 bz2 gy4 bw0-7 bz3-4 rx0-5 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-5 rz0-5",
+    "rw0-7 bz0 by4 gw0-7 gy5 gy4 bw0-7 gz5 bz4 rx0-4 gz4 gy0-3 gx0-5 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
+    "rw0-7 bz1 by4 gw0-7 by5 gy4 bw0-7 bz5 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-5 by0-3 ry0-4 bz2 rz0-4 bz3",
+    "rw0-5 gz4 bz0-1 by4 gw0-5 gy5 by5 bz2 gy4 bw0-5 gz5 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5",
+    "rw0-9 gw0-9 bw0-9 rx0-9 gx0-9 bx0-9",
+    "rw0-9 gw0-9 bw0-9 rx0-8 rw10 gx0-8 gw10 bx0-8 bw10",
+    "rw0-9 gw0-9 bw0-9 rx0-7 rw11-10 gx0-7 gw11-10 bx0-7 bw11-10",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10",
+};
+
+/// Bits of a field that follow each other in a block.
+struct Run {
+  std::uint8_t end, channel, first_bit, bits;
+};
+
+struct Layout {
+  std::array<Run, 40> runs{};
+  std::size_t count = 0;
+};
+
+constexpr Layout layout_of(std::string_view text) {
+  Layout layout;
+  std::size_t at = 0;
+  const auto number = [&] {
+    unsigned value = 0;
+    for (; at < text.size() && text[at] >= '0' && text[at] <= '9'; ++at) {
+      value = 10 * value + static_cast<unsigned>(text[at] - '0');
+    }
+    return static_cast<std::uint8_t>(value);
+  };
+  while (at < text.size()) {
+    const auto channel = static_cast<std::uint8_t>(text[at] == 'r' ? 0 : text[at] == 'g' ? 1 : 2);
+    const auto end = static_cast<std::uint8_t>(text[at + 1] - 'w');
+    at += 2;
+    const std::uint8_t first = number();
+    std::uint8_t last = first;
+    if (at < text.size() && text[at] == '-') {
+      ++at;
+      last = number();
+    }
+    if (last >= first) {
+      layout.runs[layout.count++] = {end, channel, first, static_cast<std::uint8_t>(last - first + 1)};
+    }
+    for (int bit = first; bit >= last && last < first; --bit) {
+      layout.runs[layout.count++] = {end, channel, static_cast<std::uint8_t>(bit), 1};
+    }
+    ++at;  // the space
+  }
+  return layout;
+}
+
+constexpr std::array<Layout, kBc6hModes> parsed_layouts() {
+  std::array<Layout, kBc6hModes> layouts{};
+  for (std::size_t mode = 0; mode < layouts.size(); ++mode) layouts[mode] = layout_of(kLayouts[mode]);
+  return layouts;
+}
+
+constexpr std::array<Layout, kBc6hModes> kRuns = parsed_layouts();
+
+/// Whether every bit that a mode's ends have lies somewhere, and once.
+constexpr bool covers(const Bc6hMode& mode, const Layout& layout) {
+  std::array<std::array<std::uint32_t, 3>, 4> found{};
+  for (std::size_t k = 0; k < layout.count; ++k) {
+    const Run& run = layout.runs[k];
+    std::uint32_t& bits = found[run.end][run.channel];
+    const std::uint32_t these = ((1U << run.bits) - 1U) << run.first_bit;
+    if ((bits & these) != 0) return false;
+    bits |= these;
+  }
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const int bits = end == 0 ? mode.end_bits : end > 1 && !mode.two_lines ? 0 : mode.other_bits[channel];
+      if (found[end][channel] != (1U << bits) - 1U) return false;
+    }
+  }
+  return true;
+}
+
+constexpr bool all_covered() {
+  for (std::size_t mode = 0; mode < kModes.size(); ++mode) {
+    if (!covers(kModes[mode], kRuns[mode])) return false;
+  }
+  return true;
+}
+static_assert(all_covered());
+
+/// Texel k's line is bit k. These are the first 32 of BC7's partitions, too.
+constexpr std::array<std::uint16_t, kBlockPartitions> kSecondLines = {
+    0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80, 0xC800, 0xFFEC, 0xFE80,
+    0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000, 0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310,
+    0x3100, 0x8CCE, 0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
+
+constexpr std::array<std::uint8_t, kBlockPartitions> kAnchors = {
+    15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2};
+
+constexpr int kPartitionBits = 5;
+
+/// The 128 bits of a block, from the lowest on.
+class BitReader {
+ public:
+  explicit BitReader(const std::uint8_t* block) {
+    for (unsigned k = 0; k < 16; ++k) words_[k / 8] |= std::uint64_t{block[k]} << (8 * (k % 8));
+  }
+
+  /// 1 to 16 bits.
+  std::uint32_t next(int bits) noexcept {
+    const auto count = static_cast<unsigned>(bits);
+    const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
+    const std::uint64_t value = words_[0] & mask;
+    words_[0] = words_[0] >> count | words_[1] << (64 - count);
+    words_[1] >>= count;
+    return static_cast<std::uint32_t>(value);
+  }
+
+ private:
+  std::array<std::uint64_t, 2> words_{};
+};
+
+class BitWriter {
+ public:
+  void append(std::uint32_t value, int bits) noexcept {
+    const auto count = static_cast<unsigned>(bits);
+    const std::uint64_t masked = value & ((std::uint64_t{1} << count) - 1);
+    if (place_ < 64) {
+      words_[0] |= masked << place_;
+      if (place_ + count > 64) words_[1] |= masked >> (64 - place_);
+    } else {
+      words_[1] |= masked << (place_ - 64);
+    }
+    place_ += count;
+  }
+
+  void store(std::uint8_t* block) const noexcept {
+    for (unsigned k = 0; k < 16; ++k) block[k] = static_cast<std::uint8_t>(words_[k / 8] >> (8 * (k % 8)));
+  }
+
+ private:
+  std::array<std::uint64_t, 2> words_{};
+  unsigned place_ = 0;
+};
+
+/// Calls `visit(texel, bits)` for the indices as they follow each other: an anchor's has a bit less.
+template <class Visit>
+void for_each_index(const Bc6hMode& mode, int partition, const Visit& visit) {
+  const int bits = mode.two_lines ? 3 : 4;
+  const int anchor = mode.two_lines ? bc6h_anchor(partition) : 0;
+  for (int texel = 0; texel < static_cast<int>(kBlockTexels); ++texel) {
+    visit(static_cast<std::size_t>(texel), texel == 0 || texel == anchor ? bits - 1 : bits);
+  }
+}
+
+std::int32_t sign_extended(std::uint32_t value, int bits) noexcept {
+  const std::uint32_t sign = 1U << (bits - 1);
+  return static_cast<std::int32_t>((value ^ sign) - sign);
+}
+
+/// An end of `bits` bits as one of 16 (and a sign), as far as possible the middle of what it stands for.
+std::int32_t unquantised(std::int32_t end, int bits, Bc6hRange range) noexcept {
+  if (range == Bc6hRange::positive) {
+    if (bits >= 15 || end == 0) return end;
+    if (end == (1 << bits) - 1) return 0xFFFF;
+    return ((end << 16) + 0x8000) >> bits;
+  }
+  if (bits >= 16 || end == 0) return end;
+  const std::int32_t magnitude = end < 0 ? -end : end;
+  const std::int32_t result = magnitude >= (1 << (bits - 1)) - 1 ? 0x7FFF : ((magnitude << 15) + 0x4000) >> (bits - 1);
+  return end < 0 ? -result : result;
+}
+
+/// Of a number between two ends; a half's bits.
+std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
+  if (range == Bc6hRange::positive) return static_cast<std::uint16_t>(value * 31 >> 6);
+  const std::int32_t magnitude = (value < 0 ? -value : value) * 31 >> 5;
+  return static_cast<std::uint16_t>(magnitude | (value < 0 && magnitude != 0 ? 0x8000 : 0));
+}
+
+using Ends = std::array<std::array<std::int32_t, 3>, 4>;
+
+Ends ends_of(const Bc6hFields& fields, const Bc6hMode& mode, Bc6hRange range) noexcept {
+  Ends ends{};
+  const std::uint32_t mask = (1U << mode.end_bits) - 1U;
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      std::uint32_t value = fields.ends[end][channel];
+      if (mode.differences && end > 0) {
+        value = fields.ends[0][channel] + static_cast<std::uint32_t>(sign_extended(value, mode.other_bits[channel]));
+      }
+      value &= mask;
+      const std::int32_t number =
+          range == Bc6hRange::positive ? static_cast<std::int32_t>(value) : sign_extended(value, mode.end_bits);
+      ends[end][channel] = unquantised(number, mode.end_bits, range);
+    }
+  }
+  return ends;
+}
+
+/// How far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
+constexpr std::int32_t weight_of(std::int32_t index, bool two_lines) noexcept {
+  return two_lines ? 37 * index >> 2 : (17 * index + 2) >> 2;
+}
+
+}  // namespace
+
+const Bc6hMode& bc6h_mode(int mode) noexcept { return kModes[static_cast<std::size_t>(mode - 1)]; }
+
+std::uint16_t bc6h_second_line(int partition) noexcept { return kSecondLines[static_cast<std::size_t>(partition)]; }
+
+int bc6h_anchor(int partition) noexcept { return kAnchors[static_cast<std::size_t>(partition)]; }
+
+Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept {
+  Bc6hFields fields;
+  const int prefix_bits = (block[0] & 2) == 0 ? 2 : 5;
+  const int prefix = block[0] & ((1 << prefix_bits) - 1);
+  for (int mode = 1; mode <= kBc6hModes; ++mode) {
+    if (bc6h_mode(mode).prefix == prefix && bc6h_mode(mode).prefix_bits == prefix_bits) fields.mode = mode;
+  }
+  if (fields.mode == 0) return fields;
+  const Bc6hMode& mode = bc6h_mode(fields.mode);
+  BitReader bits(block);
+  (void)bits.next(prefix_bits);
+  const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
+  for (std::size_t k = 0; k < layout.count; ++k) {
+    const Run& run = layout.runs[k];
+    fields.ends[run.end][run.channel] |= bits.next(run.bits) << run.first_bit;
+  }
+  if (mode.two_lines) fields.partition = static_cast<int>(bits.next(kPartitionBits));
+  for_each_index(mode, fields.partition, [&](std::size_t texel, int count) {
+    fields.indices[texel] = static_cast<std::uint8_t>(bits.next(count));
+  });
+  return fields;
+}
+
+void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept {
+  const Bc6hMode& mode = bc6h_mode(fields.mode);
+  BitWriter bits;
+  bits.append(static_cast<std::uint32_t>(mode.prefix), mode.prefix_bits);
+  const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
+  for (std::size_t k = 0; k < layout.count; ++k) {
+    const Run& run = layout.runs[k];
+    bits.append(fields.ends[run.end][run.channel] >> run.first_bit, run.bits);
+  }
+  if (mode.two_lines) bits.append(static_cast<std::uint32_t>(fields.partition), kPartitionBits);
+  for_each_index(mode, fields.partition,
+                 [&](std::size_t texel, int count) { bits.append(fields.indices[texel], count); });
+  bits.store(block);
+}
+
+void decode_bc6h(const std::uint8_t* block, Bc6hRange range, std::uint16_t* halves) noexcept {
+  const Bc6hFields fields = unpack_bc6h(block);
+  if (fields.mode == 0) {
+    std::fill_n(halves, 3 * kBlockTexels, std::uint16_t{0});
+    return;
+  }
+  const Bc6hMode& mode = bc6h_mode(fields.mode);
+  const Ends ends = ends_of(fields, mode, range);
+  const unsigned second = mode.two_lines ? bc6h_second_line(fields.partition) : 0U;
+  for (std::size_t texel = 0; texel < kBlockTexels; ++texel) {
+    const std::size_t low = (second >> texel & 1U) * 2;
+    const std::int32_t weight = weight_of(fields.indices[texel], mode.two_lines);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const std::int32_t value = (ends[low][channel] * (64 - weight) + ends[low + 1][channel] * weight + 32) >> 6;
+      halves[3 * texel + channel] = half_of(value, range);
+    }
+  }
+}
+
+void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
+                      float* rgb) noexcept {
+  const int across = blocks_across(width);
+  const int last_row = first_row + rows;
+  for (int top = first_row / kBlockEdge * kBlockEdge; top < last_row; top += kBlockEdge) {
+    for (int column = 0; column < across; ++column, blocks += kBlockBytes) {
+      std::array<std::uint16_t, 3 * kBlockTexels> halves{};
+      decode_bc6h(blocks, range, halves.data());
+      const int left = column * kBlockEdge;
+      const auto values = static_cast<std::size_t>(3 * std::min(kBlockEdge, width - left));
+      for (int row = std::max(top, first_row); row < std::min(top + kBlockEdge, last_row); ++row) {
+        const auto* const from = halves.data() + std::ptrdiff_t{3} * kBlockEdge * (row - top);
+        float* const to = rgb + std::ptrdiff_t{3} * (std::ptrdiff_t{width} * (row - first_row) + left);
+        std::transform(from, from + values, to, float_from_half);
+      }
+    }
+  }
+}
+
+}  // namespace welkin::image

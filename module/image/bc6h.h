@@ -1,0 +1,69 @@
+// BC6H: 4 x 4 texels of RGB halves in 16 bytes (Khronos Data Format Specification 1.3, "BC6H"; Direct3D 11's "BC6H
+// Format"). Here is what a block holds, and the exact way from a block to halves; bc6h_kernels.h has the way back.
+//
+// A block has one or two lines in colour space. A line is given by its two ends, and each texel by an index along it.
+// With two lines one of 32 partitions says which texels belong to which. The modes share out the bits: some store all
+// ends with few bits, others the first one with many and the rest as differences to it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace welkin::image {
+
+inline constexpr int kBlockEdge = 4;                 ///< texels along an edge of a block
+inline constexpr std::size_t kBlockTexels = 16;      ///< of a block
+inline constexpr std::size_t kBlockBytes = 16;       ///< of a block
+inline constexpr std::size_t kBlockPartitions = 32;  ///< of a block with two lines
+
+/// Whether the halves of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
+enum class Bc6hRange { positive, signed_values };
+
+/// What distinguishes a mode.
+struct Bc6hMode {
+  int prefix;                     ///< the block's first bits
+  int prefix_bits;                ///< 2 or 5
+  int end_bits;                   ///< of the first end, in each channel
+  std::array<int, 3> other_bits;  ///< of the other ends, in red, green and blue
+  bool differences;               ///< the other ends are stored as what they have more than the first
+  bool two_lines;                 ///< with a partition, and indices of 3 bits; else one, and 4 bits
+};
+
+/// Modes are counted from 1 to 14, as Direct3D's documentation does.
+inline constexpr int kBc6hModes = 14;
+[[nodiscard]] const Bc6hMode& bc6h_mode(int mode) noexcept;
+
+/// The numbers that lie in a block.
+struct Bc6hFields {
+  int mode = 0;       ///< 1 to 14; 0: reserved, which stands for black
+  int partition = 0;  ///< 0 to 31, with two lines
+  /// [low end of the first line, its high one, low of the second, its high][channel]. As they are stored: the lowest
+  /// bits of a number, or of a difference to the first end.
+  std::array<std::array<std::uint32_t, 3>, 4> ends{};
+  std::array<std::uint8_t, kBlockTexels> indices{};  ///< from the low end to the high one
+};
+
+[[nodiscard]] Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept;
+
+/// For modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
+void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
+
+/// Bit k: texel k (row by row) belongs to the second line.
+[[nodiscard]] std::uint16_t bc6h_second_line(int partition) noexcept;
+
+/// The texel of the second line whose index has one bit less: 2, 8 or 15. The first line's is texel 0.
+[[nodiscard]] int bc6h_anchor(int partition) noexcept;
+
+/// 16 x 3 halves, row by row. Reserved modes give black.
+void decode_bc6h(const std::uint8_t* block, Bc6hRange range, std::uint16_t* halves) noexcept;
+
+/// Rows of a picture of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// rgb: [rows][width][3].
+void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
+                      float* rgb) noexcept;
+
+/// Blocks that it takes to cover so many texels in a row.
+[[nodiscard]] constexpr int blocks_across(int texels) noexcept { return (texels + kBlockEdge - 1) / kBlockEdge; }
+
+}  // namespace welkin::image

@@ -1,0 +1,57 @@
+// The kernels of BC6H's encoder: 16 blocks at once, one in each logical lane.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "simd/dispatch.h"
+
+namespace welkin::image {
+
+/// 16 blocks. Values stand by lanes: values[3 texel + channel][block].
+struct alignas(64) BlockGroup {
+  float values[48][simd::kLanes];
+  /// What an error of a texel counts. Given: 1, or nearly nothing for those that repeat the edge of a picture.
+  float weights[16][simd::kLanes];
+};
+
+/// Values from packed RGB floats: rows[4 block + row] is a row of a block, four texels.
+using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
+
+/// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
+/// and weights to what a texel's light makes them: w (1 + 2 L / mean of L). What the halves cannot hold is clamped, NaN
+/// is 0: clamped[block] says how many values of a block that were.
+using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped);
+
+/// Finished blocks with one line, modes 11 to 14.
+struct alignas(64) SingleLineBlocks {
+  std::int32_t words[4][simd::kLanes];  ///< of a block, the lowest bits first
+  float errors[simd::kLanes];           ///< sums of squares, in units of the halves' last bits
+};
+
+/// `refine`: the line is fitted once more to the indices that came of its first ends.
+using EncodeSingleLines = void (*)(const BlockGroup& group, bool is_signed, bool refine, SingleLineBlocks& blocks);
+
+/// The numbers of blocks with two lines, modes 1 to 10, as `Bc6hFields` has them (ends with all their bits).
+struct alignas(64) TwoLineBlocks {
+  std::int32_t modes[simd::kLanes];
+  std::int32_t partitions[simd::kLanes];
+  std::int32_t ends[12][simd::kLanes];  ///< [3 end + channel]
+  std::int32_t indices[16][simd::kLanes];
+  float errors[simd::kLanes];
+};
+
+inline constexpr int kMostPartitionsTried = 4;
+
+/// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMostPartitionsTried`.
+using EncodeTwoLines = void (*)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
+
+struct Bc6hKernels {
+  LoadBlocks load;
+  PrepareBlocks prepare;
+  EncodeSingleLines single_lines;
+  EncodeTwoLines two_lines;
+};
+WELKIN_KERNEL_TABLES(Bc6hKernels, bc6h_kernels)
+
+}  // namespace welkin::image

@@ -1,0 +1,135 @@
+#include "bc6h.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <memory>
+
+#include "subjects.h"
+#include "welkin/bc6h.h"
+#include "welkin/environment_file.h"
+#include "welkin/reflections.h"
+
+namespace welkin::perf {
+namespace {
+
+/// A sky over ground with clouds, grain and a sun of 500, 1024 x 512.
+LatLongImage sky_with_sun() {
+  constexpr int kWidth = 1024;
+  constexpr int kHeight = 512;
+  LatLongImage image{kWidth, kHeight, {}};
+  std::uint32_t state = 1;
+  for (int row = 0; row < kHeight; ++row) {
+    for (int column = 0; column < kWidth; ++column) {
+      state = state * 1664525U + 1013904223U;
+      const double grain = 0.3 * static_cast<double>(state >> 8U) / (1U << 24U);
+      const double clouds = 0.3 * std::sin(0.03 * column) * std::sin(0.02 * row);
+      const bool sun = std::hypot(column - 300, row - 150) < 4.0;
+      const double tint = 0.5 + 0.4 * std::sin(0.011 * column + 0.017 * row);
+      for (const double share : {1.0, tint, 1.0 - 0.5 * tint}) {
+        const double value = (row < kHeight / 2 ? 1.0 : 0.3) * share + clouds * share + grain;
+        image.pixels.push_back(static_cast<float>(sun ? 500.0 * share : value));
+      }
+    }
+  }
+  return image;
+}
+
+struct NamedEffort {
+  const char* name;
+  Bc6hEffort effort;
+};
+constexpr std::array kEfforts{NamedEffort{"fast", Bc6hEffort::fast}, NamedEffort{"normal", Bc6hEffort::normal},
+                              NamedEffort{"slow", Bc6hEffort::slow}};
+
+CubemapChain whole_chain(const LatLongView& picture, int size) {
+  PrefilterOptions options;
+  options.size = size;
+  options.mips = full_chain_levels(size);
+  return prefilter_specular(picture, options).cubemap;
+}
+
+double texels_of(const CubemapChain& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
+
+std::string percent(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", 100.0 * value);
+  return text;
+}
+
+double mean_of(const CubemapChain& chain, int level, bool held) {
+  const auto edge = static_cast<std::size_t>(chain.level_size(level));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 18 * edge * edge; ++k) {
+    const auto value = static_cast<double>(chain.face(level, 0)[k]);
+    sum += held ? std::clamp(value, 0.0, 65504.0) : value;
+  }
+  return sum;
+}
+
+std::string row_of(const std::string& name, const CubemapChain& chain, const NamedEffort& effort) {
+  const Bc6hCubemap blocks = encode_bc6h(chain.views(), {effort.effort});
+  const std::vector<double> errors = bc6h_errors(blocks, chain.views());
+  const CubemapChain decoded = decode_bc6h(blocks);
+  std::string mips;
+  double squares = 0.0;
+  double bias = 0.0;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const double error = errors[static_cast<std::size_t>(level)];
+    mips += (level == 0 ? "" : ", ") + percent(error);
+    squares += error * error * std::pow(chain.level_size(level), 2);
+    if (chain.level_size(level) < 16) continue;
+    bias = std::max(bias, std::abs(mean_of(decoded, level, false) / mean_of(chain, level, true) - 1.0));
+  }
+  const double all = std::sqrt(squares / (texels_of(chain) / 6.0));
+  return "| " + name + " | " + effort.name + " | " + percent(all) + " | " + mips + " | " + percent(bias) + " |\n";
+}
+
+}  // namespace
+
+void add_bc6h(const std::vector<int>& thread_counts) {
+  const auto chain = [](int size) {
+    return std::make_shared<const CubemapChain>(whole_chain(sky_with_sun().view(), size));
+  };
+  for (const int threads : thread_counts) {
+    for (const int size : {256, 512}) {
+      const double texels = 6.0 * (4.0 * size * size - 1.0) / 3.0;
+      for (const NamedEffort& effort : kEfforts) {
+        add_benchmark("EncodeBc6h", effort.name, std::to_string(size), threads, texels, 0.0,
+                      [=]() -> std::function<void()> {
+                        return [given = chain(size), effort] {
+                          benchmark::DoNotOptimize(encode_bc6h(given->views(), {effort.effort}));
+                        };
+                      });
+      }
+      add_benchmark("DecodeBc6h", "floats", std::to_string(size), threads, texels, 0.0, [=]() -> std::function<void()> {
+        auto blocks = std::make_shared<const Bc6hCubemap>(encode_bc6h(chain(size)->views()));
+        return [blocks] { benchmark::DoNotOptimize(decode_bc6h(*blocks)); };
+      });
+    }
+  }
+}
+
+std::string bc6h_error_table(const std::vector<std::filesystem::path>& arguments) {
+  int size = 256;
+  std::string table =
+      "| environment | effort | rms error, % | by mip | largest bias of a mip's mean from 16 texels on, % |\n"
+      "|---|---|---|---|---|\n";
+  for (const std::filesystem::path& argument : arguments) {
+    const std::string text = argument.string();
+    if (text.starts_with("--size=")) {
+      size = std::stoi(text.substr(7));
+      continue;
+    }
+    const Environment environment = read_environment(argument);
+    if (environment.info.layout != Layout::lat_long) continue;
+    const CubemapChain chain = whole_chain(environment.lat_long(), size);
+    for (const NamedEffort& effort : kEfforts) table += row_of(argument.stem().string(), chain, effort);
+  }
+  return table;
+}
+
+}  // namespace welkin::perf

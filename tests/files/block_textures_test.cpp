@@ -1,0 +1,164 @@
+// Textures of BC6H blocks as environments.
+#include <cmath>
+#include <cstring>
+
+#include "image/pixels.h"
+#include "support/bc6h_files.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/bc6h.h"
+#include "welkin/environment_file.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+
+// Promises: KTX2 and DDS cubemaps of BC6H blocks are read exactly, at every level and size, and are environments like
+// others.
+
+namespace {
+
+std::vector<RecordedBlock> blocks_of(image::Bc6hRange range) {
+  std::vector<RecordedBlock> blocks;
+  for (const RecordedBlock& block : recorded_blocks()) {
+    if (block.range == range) blocks.push_back(block);
+  }
+  return blocks;
+}
+
+/// Whether every texel of a chain is what its block was recorded to stand for.
+bool is_recorded(const CubemapChain& chain, const std::vector<RecordedBlock>& blocks) {
+  bool same = true;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const int size = chain.level_size(level);
+    for (int texel = 0; texel < 6 * size * size; ++texel) {
+      const int face = texel / (size * size);
+      const int row = texel / size % size;
+      const int column = texel % size;
+      const auto number = static_cast<std::size_t>(37 * face + 101 * level + 7 * (row / 4) + column / 4);
+      const RecordedBlock& block = blocks[number % blocks.size()];
+      for (int c = 0; c < 3; ++c) {
+        const float value = chain.face(level, face)[3 * (size * row + column) + c];
+        const std::uint16_t half = block.halves[static_cast<std::size_t>(3 * (4 * (row % 4) + column % 4) + c)];
+        same = same && value == image::float_from_half(half);
+      }
+    }
+  }
+  return same;
+}
+
+}  // namespace
+
+TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][textures][bc6h]") {
+  const TemporaryDirectory directory;
+  for (const auto range : {image::Bc6hRange::positive, image::Bc6hRange::signed_values}) {
+    const std::vector<RecordedBlock> blocks = blocks_of(range);
+    for (const int size : {1, 2, 3, 4, 7, 64, 257}) {
+      for (const char* const name : {"sky.dds", "sky.ktx2"}) {
+        CAPTURE(size, name);
+        const auto path = directory.file(name);
+        const CubemapChain other = noisy_chain(size, full_chain_levels(size));
+        write_texture(path, other.views(), {});
+        const std::vector<char> header = read_bytes(path);
+        write_bytes(path, path.extension() == ".dds" ? dds_of_blocks(header, blocks, size)
+                                                     : ktx2_of_blocks(header, blocks, size));
+        const CubemapTexture texture = read_texture(path);
+        REQUIRE(texture.cubemap.levels() == full_chain_levels(size));
+        CHECK(is_recorded(texture.cubemap, blocks));
+        ReadOptions options;
+        options.level = texture.cubemap.levels() - 1;
+        CHECK(read_environment(path, options).pixels[0] == texture.cubemap.face(options.level, 0)[0]);
+        const Environment whole = read_environment(path);
+        CHECK(same_bytes<float>({whole.pixels.get(), level_values(texture.cubemap, 0).size()},
+                                level_values(texture.cubemap, 0)));
+        CHECK(whole.info.storage == (range == image::Bc6hRange::positive ? "bc6h ufloat" : "bc6h sfloat"));
+      }
+    }
+  }
+}
+
+TEST_CASE("cubemaps are written as BC6H and come back as their blocks say", "[codec][textures][bc6h]") {
+  const TemporaryDirectory directory;
+  for (const int size : {1, 7, 64}) {
+    const CubemapChain chain = noisy_chain(size, full_chain_levels(size), 2);
+    for (const bool is_signed : {false, true}) {
+      for (const Bc6hEffort effort : {Bc6hEffort::fast, Bc6hEffort::slow}) {
+        const CubemapChain wanted = decode_bc6h(encode_bc6h(chain.views(), {effort, is_signed}));
+        for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
+          for (const char* const name : {"sky.ktx2", "sky.dds"}) {
+            if (packing != Supercompression::none && std::string(name) == "sky.dds") continue;
+            CAPTURE(size, is_signed, name);
+            TextureOptions options{is_signed ? TexelFormat::bc6h_sfloat : TexelFormat::bc6h_ufloat, packing, {}};
+            options.bc6h_effort = effort;
+            CHECK(write_texture(directory.file(name), chain.views(), options).values_clamped == 0);
+            const CubemapTexture read = read_texture(directory.file(name));
+            CHECK(all_values(read.cubemap, wanted, [](float a, float b) { return a == b; }));
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("headers of BC6H textures are as their specifications have them", "[codec][textures][bc6h]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = noisy_chain(8, 4);
+  TextureOptions options;
+  options.format = TexelFormat::bc6h_ufloat;
+  write_texture(directory.file("sky.ktx2"), chain.views(), options);
+  write_texture(directory.file("sky.dds"), chain.views(), options);
+  const std::vector<char> ktx = read_bytes(directory.file("sky.ktx2"));
+  const std::vector<char> dds = read_bytes(directory.file("sky.dds"));
+  const auto field = [](const std::vector<char>& bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+  };
+  CHECK(field(ktx, 12) == 143);
+  CHECK(field(ktx, 16) == 1);  // type size
+  const std::size_t descriptor = field(ktx, 48);
+  CHECK(field(ktx, descriptor) == 44);
+  CHECK(field(ktx, descriptor + 12) == (133U | 1U << 8U | 1U << 16U));
+  CHECK(field(ktx, descriptor + 16) == 0x0303);
+  CHECK(field(ktx, descriptor + 20) == 16);
+  CHECK(field(ktx, descriptor + 28) == (127U << 16U | 0x80U << 24U));
+  CHECK(field(ktx, descriptor + 36) == 0);
+  CHECK(field(ktx, descriptor + 40) == 0x3F800000);
+  for (std::size_t level = 0; level < 4; ++level) {
+    CHECK(field(ktx, 80 + 24 * level) % 16 == 0);
+    CHECK(field(ktx, 88 + 24 * level) == (level == 0 ? 6U * 4U * 16U : 6U * 16U));
+  }
+  CHECK((field(dds, 8) & 0x80008U) == 0x80000U);  // linear size, no pitch
+  CHECK(field(dds, 20) == 4 * 16);
+  CHECK(field(dds, 112) == 0xFE00);
+  CHECK(field(dds, 128) == 95);
+  CHECK(field(dds, 136) == 4);
+  CHECK(dds.size() == 148 + 6 * (4 + 1 + 1 + 1) * 16);
+}
+
+TEST_CASE("BC6H is refused where it cannot be", "[codec][textures][bc6h]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = noisy_chain(4, 1);
+  TextureOptions options;
+  options.format = TexelFormat::bc6h_ufloat;
+  CHECK(thrown_by([&] { write_texture(directory.file("sky.exr"), chain.views(), options); }).says("blocks of BC6H"));
+  const auto picture = [&] { write_texture_2d(directory.file("a.dds"), 4, 4, chain.face(0, 0), options); };
+  CHECK(thrown_by(picture).says("no cubemap"));
+  CubemapTarget target{{}, 4, 0, TexelFormat::bc6h_ufloat};
+  CHECK(thrown_by([&] { store_texels(chain.view(0), target); }).code == ErrorCode::invalid_argument);
+}
+
+TEST_CASE("a cubemap of BC6H blocks that ends too early is refused", "[codec][textures][bc6h]") {
+  const TemporaryDirectory directory;
+  const std::vector<RecordedBlock> blocks = blocks_of(image::Bc6hRange::positive);
+  const auto path = directory.file("sky.dds");
+  write_texture(path, noisy_chain(5, 3).views(), {});
+  std::vector<char> bytes = dds_of_blocks(read_bytes(path), blocks, 5);
+  bytes.pop_back();
+  write_bytes(path, bytes);
+  CHECK(thrown_by([&] { (void)read_texture(path); }).code == ErrorCode::corrupt_file);
+}
+
+}  // namespace welkin::test
