@@ -24,3 +24,7 @@ foreach(package IN ITEMS glm xsimd nlohmann_json)
   set(${package}_DIR ${CMAKE_CURRENT_LIST_DIR}/wasm_headers CACHE PATH "" FORCE)
 endforeach()
 set(XXHASH_INCLUDE_DIR ${packages} CACHE PATH "" FORCE)
+
+# Codecs' libraries are where scripts/wasm-codecs built them.
+get_filename_component(welkin_wasm_codecs "${CMAKE_CURRENT_LIST_DIR}/../../build/wasm-codecs/install" ABSOLUTE)
+list(APPEND CMAKE_FIND_ROOT_PATH ${welkin_wasm_codecs})

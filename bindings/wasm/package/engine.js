@@ -2,7 +2,7 @@
 // It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
 
 /** The modules, each of which also does what the ones before it do. */
-export const MODULES = ['project', 'prefilter', 'environment'];
+export const MODULES = ['project', 'prefilter', 'environment', 'codecs'];
 
 /** `ErrorCode` of include/welkin/core.h, in its order; statuses begin at 1. */
 const CODES = ['invalid_argument', 'rejected_pixel', 'file_access', 'corrupt_file', 'unsupported_file', 'limit_exceeded',
@@ -287,7 +287,23 @@ const OPERATIONS = {
   },
 };
 
-const NEEDS = { project: 0, prefilter: 1, bake: 2, sky: 2 };
+/** How files begin whose texels others' libraries unpack: OpenEXR, PNG. */
+const CODED = [[0x76, 0x2f, 0x31, 0x01], [0x89, 0x50, 0x4e, 0x47]];
+const KTX2 = [0xab, 0x4b, 0x54, 0x58];
+const KTX2_SCHEME = 44; // where the supercompression is named: 0 is none
+
+function takesCodec(file) {
+  const bytes = ArrayBuffer.isView(file) ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength) : new Uint8Array(file);
+  const begins = (magic) => magic.every((byte, k) => bytes[k] === byte);
+  return CODED.some(begins) || (begins(KTX2) && bytes[KTX2_SCHEME] !== 0);
+}
+
+/** Which of the modules is the first that can do it; undefined where none can. An .env holds PNG pictures. */
+function firstFor(operation, request) {
+  if (operation === 'bake' && takesCodec(request.bytes)) return 3;
+  if (request.env && (operation === 'bake' || operation === 'sky')) return 3;
+  return { project: 0, prefilter: 1, bake: 2, sky: 2 }[operation];
+}
 
 /** All that buffers of a result need to be handed over instead of copied. */
 export function buffersOf(value, found = new Set()) {
@@ -306,8 +322,8 @@ export class Engine {
   }
 
   /** The smallest module that does it, or a larger one that is there already. */
-  async instanceFor(operation) {
-    const least = NEEDS[operation];
+  async instanceFor(operation, request) {
+    const least = firstFor(operation, request);
     if (least === undefined) throw failure('invalid_argument', `there is no operation "${operation}"`);
     for (let k = least; k < MODULES.length; ++k) if (this.instances[k]) return this.instances[k];
     const module = await this.load(MODULES[least]);
@@ -316,7 +332,7 @@ export class Engine {
   }
 
   async run(operation, request, report = () => {}) {
-    const instance = await this.instanceFor(operation);
+    const instance = await this.instanceFor(operation, request);
     this.report = report;
     try {
       const result = OPERATIONS[operation](instance, request);

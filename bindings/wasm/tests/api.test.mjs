@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
 
-import { companion, faces, radianceFile, welkin } from './support.mjs';
+import { companion, faces, openExrFile, pngFile, radianceFile, welkin } from './support.mjs';
 
 after(() => welkin.dispose());
 
@@ -100,6 +100,34 @@ test('a .hdr file is baked: harmonics, reflections, KTX2', async () => {
   assert.equal(light.sun, null);
   assert.ok(shares.length > 0 && shares.every((share, k) => share >= (shares[k - 1] ?? 0)) && shares.at(-1) === 1,
     `progress: ${shares}`);
+});
+
+test('OpenEXR files, packed or not, have the light of the same picture in a Radiance file, whose colours are bytes', async () => {
+  const colourAt = (x, y) => [(1 + (x % 8)) / 8, y < 16 ? 2 : 0.5, 1 / (1 + (x % 4))];
+  const wanted = (await welkin.bakeEnvironment(radianceFile(64, 32, colourAt), { specular: false })).radiance;
+  for (const packed of [false, true]) {
+    const light = await welkin.bakeEnvironment(openExrFile(64, 32, colourAt, packed), { specular: false });
+    light.radiance.forEach((value, k) => assert.ok(Math.abs(value - wanted[k]) < 0.02, `${packed} ${k}: ${value}, ${wanted[k]}`));
+    assert.deepEqual(light.source, { width: 64, height: 32 });
+  }
+  const broken = openExrFile(64, 32, colourAt, true);
+  await assert.rejects(welkin.bakeEnvironment(broken.subarray(0, broken.length - 40)), { code: 'corrupt_file' });
+});
+
+test('PNG files are read as sRGB', async () => {
+  const light = await welkin.bakeEnvironment(pngFile(64, 32, () => [255, 188, 0]), { specular: false });
+  near(light.radiance[0], Math.sqrt(4 * Math.PI), 1e-4);
+  near(light.radiance[1], 0.503 * Math.sqrt(4 * Math.PI), 1e-2);
+});
+
+test('an .env file is one that Babylon.js reads', async () => {
+  const { GetEnvInfo } = await companion('@babylonjs/core/Misc/environmentTextureTools.js');
+  const { env, radiance } = await welkin.bakeEnvironment(radianceFile(64, 32, () => [1, 2, 3]), { size: 16, env: true });
+  const info = GetEnvInfo(env);
+  assert.equal(info.width, 16);
+  assert.equal(info.specular.mipmaps.length, 6 * 5);
+  near(info.irradiance.xx[0], radiance[0] / Math.sqrt(4 * Math.PI), 1e-2);
+  assert.equal((await welkin.sky({ size: 16, faceSize: 16, env: true })).env[0], 0x86);
 });
 
 test('a sun is taken out of a picture', async () => {
