@@ -30,7 +30,7 @@ struct ImportanceOptions {
   int width = 0;
   int height = 0;  ///< the same
 
-  ImportanceWeight weight = ImportanceWeight::luminance;
+  ImportanceWeight weight = ImportanceWeight::luminance;  ///< what of a texel counts
 
   /// What lies below the mean weight counts as 0, what lies above by how much it does (Karlik et al. 2019, "MIS
   /// compensation", section 5.2): for estimators that combine the table with samples of the material by the balance

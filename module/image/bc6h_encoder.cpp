@@ -11,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/standard_library.h"
 #include "welkin/bc6h.h"
 
 namespace welkin {
@@ -303,7 +304,7 @@ Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& op
   std::vector<TileResult> results(tiles.size());
   const jobs::Placement placement = jobs::placement_for(texels_of(mips.front().size));
   const std::size_t workers = jobs::worker_count(placement);
-  const auto scratch = std::make_unique_for_overwrite<Scratch[]>(workers);
+  const auto scratch = platform::make_unique_for_overwrite<Scratch[]>(workers);
   jobs::run_tiles(tiles.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     const std::size_t level = tiles[tile].level;
     results[tile] =

@@ -180,7 +180,7 @@ export interface BakeOptions extends CallOptions, PixelOptions, LightOptions {
   takeOutSun?: boolean;
 }
 
-/** Bakes an environment out of a file's bytes: Radiance .hdr, OpenEXR, PFM, PNG, uncompressed KTX2 and DDS. */
+/** Bakes an environment out of a file's bytes: Radiance .hdr, PFM, uncompressed KTX2 and DDS. */
 export function bakeEnvironment(bytes: ArrayBuffer | ArrayBufferView, options?: BakeOptions):
   Promise<Light & { source: { width: number; height: number } }>;
 
