@@ -240,7 +240,7 @@ Step step_of(std::span<const float> cdf, double number) noexcept {
       std::upper_bound(cdf.begin(), cdf.end(), inside, [](double a, float b) { return a < static_cast<double>(b); });
   const auto index =
       std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(above - cdf.begin(), 1)), cdf.size() - 1) - 1;
-  const double from = static_cast<double>(cdf[index]);
+  const auto from = static_cast<double>(cdf[index]);
   const double height = static_cast<double>(cdf[index + 1]) - from;
   return {index, std::min((inside - from) / height, 1.0 - 0x1p-53)};
 }

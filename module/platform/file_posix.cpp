@@ -136,6 +136,7 @@ bool PendingFile::open_stream() {
   return false;
 }
 
+// NOLINTNEXTLINE(readability-make-member-function-const): it changes the file
 void PendingFile::set_permissions(std::filesystem::perms permissions) noexcept {
   // Best effort: a file system without permissions has none to lose.
   static_cast<void>(fchmod(file_, static_cast<mode_t>(permissions & std::filesystem::perms::all)));

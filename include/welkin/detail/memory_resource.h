@@ -45,6 +45,7 @@ class HeapResource final : public memory_resource {
 
 [[nodiscard]] inline memory_resource* new_delete_resource() noexcept {
   // Never destroyed: global objects may give memory back after it would be gone.
+  // NOLINTNEXTLINE(bugprone-unhandled-exception-at-new): without memory at the start there is nothing to go on with
   static auto& heap = *new HeapResource;
   return &heap;
 }
