@@ -247,7 +247,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
   std::filesystem::create_directory(out);
   platform::FolderLock other(out);
   REQUIRE(other.take());
-  const std::string line = "timeout -s INT 5 '" WELKIN_COMMAND
+  const std::string line = "timeout --foreground -s INT 5 '" WELKIN_COMMAND
                            "' bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
                            quoted(out);
   write_text(folder.path() / "run.sh", line + "; test $? = 124");

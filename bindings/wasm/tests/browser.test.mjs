@@ -28,7 +28,7 @@ before(async () => {
   mkdirSync(path.join(work, 'data'), { recursive: true });
   writeFileSync(path.join(work, 'data/sky.hdr'), picture());
   server = await serve({ package: packageFolder, pages: path.join(import.meta.dirname, 'pages'), data: path.join(work, 'data'),
-    three: path.join(modules, 'node_modules/three'), vite: path.join(work, 'vite/dist'), work });
+    three: path.join(modules, 'node_modules/three'), vite: path.join(work, 'vite/dist'), made: work });
   browser = await openBrowser();
 });
 
@@ -73,7 +73,7 @@ test('a plain script tag does the same', { skip }, async () => {
     const faces = Array.from({ length: 6 }, () => new Float32Array(4 * 64 * 64).fill(2));
     window.shown = welkin.projectCubemap(faces).then(({ radiance }) => ({ result: radiance[0] }), (error) => ({ error: String(error) }));
     </script>`);
-  const { result } = await shown('/work/tag.html');
+  const { result } = await shown('/made/tag.html');
   assert.ok(Math.abs(result - 2 * Math.sqrt(4 * Math.PI)) < 1e-5);
 });
 
