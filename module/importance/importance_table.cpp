@@ -64,24 +64,50 @@ Size size_of(const LatLongView& source, const ImportanceOptions& options) {
   return {options.width > 0 ? options.width : source.width, options.height > 0 ? options.height : source.height};
 }
 
+/// In four sums side by side: a single one would wait for itself at each value.
+template <class Value>
+double sum_of(std::span<const Value> values) noexcept {
+  double sums[4] = {};
+  std::size_t k = 0;
+  for (; k + 4 <= values.size(); k += 4) {
+    for (std::size_t i = 0; i < 4; ++i) sums[i] += static_cast<double>(values[k + i]);
+  }
+  for (std::size_t i = 0; k + i < values.size(); ++i) sums[i] += static_cast<double>(values[k + i]);
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 /// cdf[k] = the share of what comes before k; even where there is nothing. Returns the sum.
 template <class Value>
 double accumulate(std::span<const Value> values, std::span<float> cdf) noexcept {
-  double total = 0.0;
-  std::size_t end = 0;  // of what is above 0
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    total += static_cast<double>(values[k]);
-    if (values[k] > Value{0}) end = k + 1;
-  }
+  const double total = sum_of(values);
+  const std::size_t count = values.size();
   cdf[0] = 0.0F;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    sum += static_cast<double>(values[k]);
-    const double share = total > 0.0 ? sum / total : static_cast<double>(k + 1) / static_cast<double>(values.size());
-    cdf[k + 1] = static_cast<float>(std::min(1.0, share));
+  if (!(total > 0.0)) {
+    for (std::size_t k = 1; k <= count; ++k) {
+      cdf[k] = static_cast<float>(static_cast<double>(k) / static_cast<double>(count));
+    }
+    return total;
+  }
+  const double scale = 1.0 / total;
+  const auto share = [&](double sum) { return static_cast<float>(std::min(1.0, sum * scale)); };
+  // Four at a time, each from the sum before the four: it never falls, as a sum of more is not rounded to less.
+  double before = 0.0;
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      sum += static_cast<double>(values[k + i]);
+      cdf[k + i + 1] = share(before + sum);
+    }
+    before += sum;
+  }
+  for (; k < count; ++k) {
+    before += static_cast<double>(values[k]);
+    cdf[k + 1] = share(before);
   }
   // What rounding leaves goes to the last one that is above 0, and not to those behind it.
-  std::fill(cdf.begin() + static_cast<std::ptrdiff_t>(total > 0.0 ? end : values.size()), cdf.end(), 1.0F);
+  while (k > 0 && !(values[k - 1] > Value{0})) --k;
+  std::fill(cdf.begin() + static_cast<std::ptrdiff_t>(k), cdf.end(), 1.0F);
   return total;
 }
 
@@ -125,8 +151,8 @@ class Builder {
     Scratch(const LatLongView& source, Size size)
         : texels(source), weights(static_cast<std::size_t>(source.width)), sums(static_cast<std::size_t>(size.width)) {}
     RowWeights::Scratch texels;
-    std::vector<double> weights;  ///< of a row of the source
-    std::vector<double> sums;     ///< of a row of the table
+    std::vector<float> weights;  ///< of a row of the source
+    std::vector<double> sums;    ///< of a row of the table
   };
 
   [[nodiscard]] std::span<float> function_of(int row) const {
@@ -158,7 +184,11 @@ class Builder {
     for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(source_, size_);
     for_each_row(size_, placement, workers, control, [&](int row, std::size_t worker) {
       integrate_row(row, scratch[worker]);
-      if (finish) finish_row(row);
+      if (finish) {
+        finish_row(row);
+      } else {
+        totals_[static_cast<std::size_t>(row)] = sum_of<float>(function_of(row));
+      }
     });
     projection::SanitizeRecord all{};
     for (const Scratch& one : scratch) all.add(one.texels.record);
@@ -166,7 +196,7 @@ class Builder {
   }
 
   void integrate_row(int row, Scratch& scratch) {
-    std::vector<double>& weights = scratch.weights;
+    std::vector<float>& weights = scratch.weights;
     std::vector<double>& sums = scratch.sums;
     std::fill(sums.begin(), sums.end(), 0.0);
     const double column_width = 2.0 * kPi / source_.width;
@@ -174,13 +204,13 @@ class Builder {
       weights_.read(share.texel, scratch.texels, weights);
       const double scale = share.part * column_width;
       if (columns_.one_to_one()) {
-        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weights[k] * scale;
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += static_cast<double>(weights[k]) * scale;
         continue;
       }
       for (std::size_t k = 0; k < sums.size(); ++k) {
         double sum = 0.0;
         for (const Share& column : columns_.of(static_cast<int>(k))) {
-          sum += weights[static_cast<std::size_t>(column.texel)] * column.part;
+          sum += static_cast<double>(weights[static_cast<std::size_t>(column.texel)]) * column.part;
         }
         sums[k] += sum * scale;
       }
@@ -189,13 +219,6 @@ class Builder {
     for (std::size_t k = 0; k < sums.size(); ++k) {
       function[k] = static_cast<float>(std::min(sums[k], 3.402823466e38));
     }
-    note_total(row);
-  }
-
-  void note_total(int row) noexcept {
-    double sum = 0.0;
-    for (const float value : function_of(row)) sum += static_cast<double>(value);
-    totals_[static_cast<std::size_t>(row)] = sum;
   }
 
   void finish_row(int row) {

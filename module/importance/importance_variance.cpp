@@ -32,7 +32,7 @@ struct Sums {
 struct Scratch {
   explicit Scratch(const LatLongView& source) : texels(source), values(static_cast<std::size_t>(source.width)) {}
   RowWeights::Scratch texels;
-  std::vector<double> values;
+  std::vector<float> values;
 };
 
 void require_no_larger(const LatLongView& source, const ImportanceTable& table) {
@@ -63,7 +63,7 @@ ImportanceVariance importance_variance(const LatLongView& source, const Importan
   for (std::size_t k = 0; k < workers; ++k) scratch.emplace_back(source);
   jobs::run_tiles(sums.size(), placement, workers, control, [&](std::size_t row, std::size_t worker) {
     Sums& sum = sums[row];
-    std::vector<double>& values = scratch[worker].values;
+    std::vector<float>& values = scratch[worker].values;
     const int index = static_cast<int>(row);
     const double cell_solid_angle = importance::texel_solid_angle(table.width, table.height, index);
     const auto width = static_cast<std::size_t>(table.width);
@@ -74,7 +74,7 @@ ImportanceVariance importance_variance(const LatLongView& source, const Importan
       for (std::size_t k = 0; k < width; ++k) {
         const double density = static_cast<double>(function[k]) / table.integral / cell_solid_angle;
         for (const Share& column : columns.of(static_cast<int>(k))) {
-          const double value = values[static_cast<std::size_t>(column.texel)];
+          const auto value = static_cast<double>(values[static_cast<std::size_t>(column.texel)]);
           if (value == 0.0) continue;
           const double solid_angle = area * column.part;
           sum.weight += value * solid_angle;

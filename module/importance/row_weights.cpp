@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -11,14 +12,12 @@
 namespace welkin::importance {
 namespace {
 
-double weight_of(const float* rgb, ImportanceWeight weight) noexcept {
-  const double red = rgb[0];
-  const double green = rgb[1];
-  const double blue = rgb[2];
-  switch (weight) {
-    case ImportanceWeight::mean: return std::max(0.0, (red + green + blue) / 3.0);
-    case ImportanceWeight::largest: return std::max({0.0, red, green, blue});
-    default: return std::max(0.0, 0.2126 * red + 0.7152 * green + 0.0722 * blue);
+/// A policy may let NaN and infinities pass; a distribution cannot hold them.
+template <class Weight>
+void weigh(const float* rgb, std::span<float> weights, const Weight& weight) noexcept {
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const float value = weight(rgb[3 * k], rgb[3 * k + 1], rgb[3 * k + 2]);
+    weights[k] = value > 0.0F && value <= std::numeric_limits<float>::max() ? value : 0.0F;
   }
 }
 
@@ -27,7 +26,7 @@ double weight_of(const float* rgb, ImportanceWeight weight) noexcept {
 RowWeights::RowWeights(const LatLongView& source, ImportanceWeight weight, const PixelPolicy& pixels)
     : source_(source), weight_(weight), sanitizer_(pixels) {}
 
-void RowWeights::read(int row, Scratch& scratch, std::span<double> weights) const {
+void RowWeights::read(int row, Scratch& scratch, std::span<float> weights) const {
   const int columns = source_.width;
   const void* const texels = image::row_of(source_, row);
   const float* rgb = scratch.rgb.data();
@@ -50,44 +49,44 @@ void RowWeights::read(int row, Scratch& scratch, std::span<double> weights) cons
                           scratch.record);
     }
   }
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    // A policy may let NaN and infinities pass; a distribution cannot hold them.
-    const double weight = weight_of(rgb + 3 * k, weight_);
-    weights[k] = weight <= 3.0 * 3.402823466e38 ? weight : 0.0;
+  switch (weight_) {
+    case ImportanceWeight::mean:
+      return weigh(rgb, weights, [](float r, float g, float b) { return r / 3.0F + g / 3.0F + b / 3.0F; });
+    case ImportanceWeight::largest:
+      return weigh(rgb, weights, [](float r, float g, float b) { return std::max(std::max(r, g), b); });
+    default:
+      return weigh(rgb, weights, [](float r, float g, float b) { return 0.2126F * r + 0.7152F * g + 0.0722F * b; });
   }
 }
 
-// With both edges in units of 1 / (texels cells) of the circle, everything is a whole number.
-Overlaps Overlaps::of_columns(int texels, int cells) {
+// With all edges in units of 1 / (texels cells) of the axis, they are whole numbers.
+template <class Part>
+Overlaps Overlaps::of(int texels, int cells, const Part& part) {
   Overlaps result;
   for (std::int64_t cell = 0; cell < cells; ++cell) {
     const std::int64_t from = cell * texels;
     const std::int64_t to = from + texels;
     for (std::int64_t texel = from / cells; texel * cells < to; ++texel) {
-      const std::int64_t overlap = std::min(to, (texel + 1) * cells) - std::max(from, texel * cells);
-      result.shares_.push_back({static_cast<int>(texel), static_cast<double>(overlap) / cells});
+      const Edge begin{std::max(from, texel * cells), from > texel * cells, cell, texel};
+      const Edge end{std::min(to, (texel + 1) * cells), to < (texel + 1) * cells, cell + 1, texel + 1};
+      result.shares_.push_back({static_cast<int>(texel), part(begin, end)});
     }
     result.first_.push_back(result.shares_.size());
   }
   return result;
+}
+
+Overlaps Overlaps::of_columns(int texels, int cells) {
+  return of(texels, cells,
+            [&](const Edge& begin, const Edge& end) { return static_cast<double>(end.place - begin.place) / cells; });
 }
 
 Overlaps Overlaps::of_rows(int texels, int cells) {
-  Overlaps result;
-  for (std::int64_t cell = 0; cell < cells; ++cell) {
-    const std::int64_t from = cell * texels;
-    const std::int64_t to = from + texels;
-    for (std::int64_t texel = from / cells; texel * cells < to; ++texel) {
-      // The edge that bounds the overlap is the cell's or the texel's.
-      const double top = texel * cells >= from ? height_of_edge(static_cast<int>(texel), texels)
-                                               : height_of_edge(static_cast<int>(cell), cells);
-      const double bottom = (texel + 1) * cells <= to ? height_of_edge(static_cast<int>(texel) + 1, texels)
-                                                      : height_of_edge(static_cast<int>(cell) + 1, cells);
-      result.shares_.push_back({static_cast<int>(texel), bottom - top});
-    }
-    result.first_.push_back(result.shares_.size());
-  }
-  return result;
+  const auto height = [&](const Edge& edge) {
+    return edge.of_cell ? height_of_edge(static_cast<int>(edge.cell), cells)
+                        : height_of_edge(static_cast<int>(edge.texel), texels);
+  };
+  return of(texels, cells, [&](const Edge& begin, const Edge& end) { return height(end) - height(begin); });
 }
 
 double height_of_edge(int row, int rows) noexcept {

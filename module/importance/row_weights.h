@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ class RowWeights {
   };
 
   /// weights[column] of a row, each finite and not negative.
-  void read(int row, Scratch& scratch, std::span<double> weights) const;
+  void read(int row, Scratch& scratch, std::span<float> weights) const;
 
  private:
   const LatLongView& source_;
@@ -53,6 +54,17 @@ class Overlaps {
   [[nodiscard]] bool one_to_one() const noexcept { return shares_.size() + 1 == first_.size(); }
 
  private:
+  /// Where an overlap begins or ends: a cell's edge or a texel's.
+  struct Edge {
+    std::int64_t place;
+    bool of_cell;
+    std::int64_t cell;
+    std::int64_t texel;
+  };
+  /// `part(begin, end)`: of an overlap.
+  template <class Part>
+  static Overlaps of(int texels, int cells, const Part& part);
+
   std::vector<Share> shares_;
   std::vector<std::size_t> first_{0};
 };
