@@ -40,7 +40,7 @@ constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
 
 constexpr double kSummedSafety = 2.4;  ///< of sums over the texels of faces up to 24, each of which is looked at
-constexpr double kBlockSafety = 3.6;   ///< of larger ones, where an edge may lie between the places looked at
+constexpr double kBlockSafety = 4.2;   ///< of larger ones, where an edge may lie between the places looked at
 constexpr double kSumRounding = 4e-7;  ///< of float sums
 
 /// Rings of height h that a cubemap was read on.

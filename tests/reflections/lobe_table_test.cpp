@@ -175,7 +175,7 @@ TEST_CASE("Chains from small cubemaps are within the default bounds", "[specular
   for (const float ground : {1e-3F, 1e-4F}) {
     check_sums(sky_over_dark_ground(64, ground).view(), {.size = 64}, 23);
   }
-  check_sums(sky_over_dark_ground(44, 1e-3F).view(), {.size = 44}, 23);
+  check_sums(sky_over_dark_ground(44, 1e-3F).view(), {.size = 44}, 1);
 }
 
 TEST_CASE("Sums over texels give the same bits on any threads and instruction set",
