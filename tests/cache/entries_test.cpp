@@ -11,6 +11,7 @@
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "support/catch.h"
+#include "support/payload.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
@@ -266,19 +267,6 @@ using cache::EntryKind;
 using cache::EntryName;
 
 constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
-
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
-  return files;
-}
-
-/// A payload whose every byte follows from the number.
-std::vector<std::uint8_t> payload_of(unsigned number, std::size_t bytes) {
-  std::vector<std::uint8_t> payload(bytes);
-  for (std::size_t k = 0; k < bytes; ++k) payload[k] = static_cast<std::uint8_t>(k * 31 + number * 7 + k / 256);
-  return payload;
-}
 
 EntryName named(unsigned number) { return {EntryKind::projection, {number, ~std::uint64_t{number}}}; }
 

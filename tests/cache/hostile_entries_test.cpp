@@ -25,12 +25,6 @@ constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
 
 cache::EntryName named(unsigned char number) { return {cache::EntryKind::projection, hash_bytes(&number, 1)}; }
 
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
-  return files;
-}
-
 }  // namespace
 
 TEST_CASE("entries: no memory is taken for more than an entry of its kind can have") {

@@ -30,14 +30,6 @@ namespace welkin::test {
 
 namespace {
 
-std::size_t entries(const TemporaryDirectory& directory) {
-  std::size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(directory.file("").parent_path())) {
-    count += entry.exists() ? 1 : 0;
-  }
-  return count;
-}
-
 constexpr std::array kNames{"sky.exr", "sky.hdr", "sky.pfm", "sky.png"};
 
 }  // namespace
@@ -54,7 +46,7 @@ TEST_CASE("A cancelled write leaves what was there", "[writers]") {
                             }};
       const auto call = [&] { write_environment(directory.file(file), map.view(), {layout}, control); };
       CHECK(thrown_by(call).code == ErrorCode::cancelled);
-      CHECK(entries(directory) == 1);
+      CHECK(files_in(directory.path()).size() == 1);
       CHECK(read_bytes(directory.file(file)) == std::vector<char>{'o', 'l', 'd'});
     }
   }
@@ -73,7 +65,7 @@ TEST_CASE("A file that is there is replaced, and progress runs to one", "[writer
                             }};
       const WriteReport report = write_environment(directory.file(file), map.view(), {layout}, control);
       CHECK(last == 1.0);
-      CHECK(entries(directory) == (layout == Layout::six_files ? 7U : 1U));
+      CHECK(files_in(directory.path()).size() == (layout == Layout::six_files ? 7U : 1U));
       CHECK(std::filesystem::file_size(report.files.back()) > 3);
     }
   }
@@ -104,7 +96,7 @@ TEST_CASE("Refusals to write say what would do", "[writers]") {
         ErrorCode::invalid_argument);
   std::filesystem::create_directory(directory.file("folder.exr"));
   CHECK(refusal("folder.exr").says("is a directory"));
-  CHECK(entries(directory) == 1);
+  CHECK(files_in(directory.path()).size() == 1);
 }
 
 // Promise: every format is written so that it reads back as what went in, to what the format can hold.
