@@ -8,11 +8,11 @@ include(${EMSCRIPTEN_ROOT}/cmake/Modules/Platform/Emscripten.cmake)
 set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions")
 set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions")
 
-# A page waits for all of a module: what is no kernel (those choose for themselves) is compiled for its size, and for the
-# functions within that to be inlined where this makes it smaller, which Emscripten takes out. Nothing asks for types at
-# run time, whose names would be a thirtieth; OpenEXR's headers do (module/files/CMakeLists.txt).
-set(CMAKE_C_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -DNDEBUG" CACHE STRING "")
-set(CMAKE_CXX_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -fno-rtti -DNDEBUG" CACHE STRING "")
+# A page waits for a module before anything can begin, so all but the kernels, which choose for themselves, is compiled for
+# its size. Functions are inlined where that makes the module smaller; of itself Emscripten then inlines none. Nothing but
+# OpenEXR's headers asks for types at run time, whose names are long (module/files/CMakeLists.txt).
+set(CMAKE_C_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -DNDEBUG" CACHE STRING "" FORCE)
+set(CMAKE_CXX_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -fno-rtti -DNDEBUG" CACHE STRING "" FORCE)
 
 # Precompiled headers name what libc++ lacks, and code for one program needs no freedom of place.
 set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)

@@ -1,9 +1,10 @@
-// Prints what codecs.test.mjs compares WebAssembly with: small files that OpenEXR itself wrote, of every compression, and
-// the light that the native library finds in them. Run by hand, from the root of a tree with a release build:
+// Prints what codecs.test.mjs compares WebAssembly with: small files that OpenEXR itself wrote, of every compression,
+// and the light that the native library finds in them. Run by hand, from the root of a tree with a release build:
 //
 //   g++ -std=c++20 -Iinclude -I/usr/include/OpenEXR -I/usr/include/Imath bindings/wasm/tests/record_files.cpp \
-//     build/release/module/libwelkin-files.a build/release/module/libwelkin-core.a -lOpenEXR-3_1 -lImath-3_1 -lIlmThread-3_1 \
-//     -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -o /tmp/record_files && /tmp/record_files >bindings/wasm/tests/data/files.json
+//     build/release/module/libwelkin-files.a build/release/module/libwelkin-core.a -lOpenEXR-3_1 -lImath-3_1
+//     -lIlmThread-3_1 \ -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -o /tmp/record_files && /tmp/record_files
+//     >bindings/wasm/tests/data/files.json
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -73,7 +74,8 @@ std::vector<std::byte> open_exr(const std::vector<float>& rgb, Imf::Compression 
   Imf::FrameBuffer buffer;
   const Imf::PixelType type = halves ? Imf::HALF : Imf::FLOAT;
   const std::size_t bytes = halves ? 2 : 4;
-  const char* const first = halves ? reinterpret_cast<const char*>(narrow.data()) : reinterpret_cast<const char*>(rgb.data());
+  const char* const first =
+      halves ? reinterpret_cast<const char*>(narrow.data()) : reinterpret_cast<const char*>(rgb.data());
   for (std::size_t c = 0; c < 3; ++c) {
     const std::string name(1, "RGB"[c]);
     header.channels().insert(name, Imf::Channel(type));
@@ -149,7 +151,7 @@ int main() {
     const char* name;
     Imf::Compression compression;
   };
-  constexpr Kind kKinds[] = {{"none", Imf::NO_COMPRESSION}, {"rle", Imf::RLE_COMPRESSION},
+  constexpr Kind kKinds[] = {{"none", Imf::NO_COMPRESSION},   {"rle", Imf::RLE_COMPRESSION},
                              {"zips", Imf::ZIPS_COMPRESSION}, {"zip", Imf::ZIP_COMPRESSION},
                              {"piz", Imf::PIZ_COMPRESSION},   {"pxr24", Imf::PXR24_COMPRESSION},
                              {"b44", Imf::B44_COMPRESSION},   {"b44a", Imf::B44A_COMPRESSION},
@@ -158,8 +160,8 @@ int main() {
   for (const Kind& kind : kKinds) {
     for (const bool halves : {false, true}) {
       std::printf("%s", between);
-      print_light(std::string(kind.name) + (halves ? "_half.exr" : "_float.exr"), open_exr(rgb, kind.compression, halves),
-                  !halves && kind.compression == Imf::ZIP_COMPRESSION);
+      print_light(std::string(kind.name) + (halves ? "_half.exr" : "_float.exr"),
+                  open_exr(rgb, kind.compression, halves), !halves && kind.compression == Imf::ZIP_COMPRESSION);
       between = ",\n";
     }
   }
