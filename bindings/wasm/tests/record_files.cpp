@@ -1,10 +1,10 @@
 // Prints what codecs.test.mjs compares WebAssembly with: small files that OpenEXR itself wrote, of every compression,
 // and the light that the native library finds in them. Run by hand, from the root of a tree with a release build:
 //
-//   g++ -std=c++20 -Iinclude -I/usr/include/OpenEXR -I/usr/include/Imath bindings/wasm/tests/record_files.cpp \
+//   g++ -std=c++20 -Iinclude -I/usr/include/OpenEXR -I/usr/include/Imath bindings/wasm/tests/record_files.cpp
 //     build/release/module/libwelkin-files.a build/release/module/libwelkin-core.a -lOpenEXR-3_1 -lImath-3_1
-//     -lIlmThread-3_1 \ -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -o /tmp/record_files && /tmp/record_files
-//     >bindings/wasm/tests/data/files.json
+//     -lIlmThread-3_1 -lIex-3_1 -lspng -lwebp -lz -lzstd -ltbb -o /tmp/record_files
+//   /tmp/record_files >bindings/wasm/tests/data/files.json
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -107,12 +107,13 @@ void print_hash(const char* name, std::span<const std::byte> bytes) {
 void print_light(const std::string& name, const std::vector<std::byte>& file, bool with_files) {
   const welkin::FileInput input{file, name};
   const welkin::Environment read = welkin::read_environment(input);
-  const welkin::LatLongView view = read.lat_long();
-  std::printf(" {\"name\": \"%s\", ", name.c_str());
+  const bool wide = read.face_size() == 0;
+  const welkin::LatLongView view = wide ? read.lat_long() : welkin::LatLongView{};
+  std::printf(" {\"name\": \"%s\", \"width\": %d, \"height\": %d, ", name.c_str(), read.info.width, read.info.height);
   print_bytes("file", file);
   std::printf(", \"radiance\": [");
   const char* between = "";
-  const auto radiance = welkin::project(view).radiance;
+  const auto radiance = (wide ? welkin::project(view) : welkin::project(read.cubemap())).radiance;
   for (const auto& coefficient : radiance.coefficients()) {
     std::printf("%s%.17g, %.17g, %.17g", between, coefficient.x, coefficient.y, coefficient.z);
     between = ", ";
@@ -165,5 +166,20 @@ int main() {
       between = ",\n";
     }
   }
+
+  // What other codecs have packed: levels of a KTX2 by zlib, a PNG, an .env.
+  const welkin::LatLongView view{rgb.data(), kWidth, kHeight, 0, welkin::PixelFormat::rgb32f};
+  const welkin::PrefilteredSpecular chain = welkin::prefilter_specular(view, {.size = 4, .mips = 3, .roughness = {}});
+  std::vector<std::byte> file;
+  welkin::write_texture({file, "a.ktx2"}, chain.cubemap.views(),
+                        {.format = welkin::TexelFormat::rgba16f, .supercompression = welkin::Supercompression::zlib});
+  std::printf("%s", between);
+  print_light("zlib.ktx2", file, false);
+  welkin::write_environment({file, "a.png"}, view);
+  std::printf("%s", between);
+  print_light("bytes.png", file, false);
+  welkin::write_babylon_environment({file, "a.env"}, welkin::to_babylon(chain.cubemap, welkin::project(view).radiance));
+  std::printf("%s", between);
+  print_light("rgbd.env", file, false);
   std::printf("\n]\n");
 }
