@@ -8,6 +8,12 @@ include(${EMSCRIPTEN_ROOT}/cmake/Modules/Platform/Emscripten.cmake)
 set(CMAKE_C_FLAGS_INIT "-fwasm-exceptions")
 set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions")
 
+# A page waits for a module before anything can begin, so all but the kernels, which choose for themselves, is compiled for
+# its size. Functions are inlined where that makes the module smaller; of itself Emscripten then inlines none. Nothing but
+# OpenEXR's headers asks for types at run time, whose names are long (module/files/CMakeLists.txt).
+set(CMAKE_C_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -DNDEBUG" CACHE STRING "" FORCE)
+set(CMAKE_CXX_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -fno-rtti -DNDEBUG" CACHE STRING "" FORCE)
+
 # Precompiled headers name what libc++ lacks, and code for one program needs no freedom of place.
 set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 set(WELKIN_POSITION_INDEPENDENT_CODE OFF)
@@ -24,3 +30,7 @@ foreach(package IN ITEMS glm xsimd nlohmann_json)
   set(${package}_DIR ${CMAKE_CURRENT_LIST_DIR}/wasm_headers CACHE PATH "" FORCE)
 endforeach()
 set(XXHASH_INCLUDE_DIR ${packages} CACHE PATH "" FORCE)
+
+# Codecs' libraries are where scripts/wasm-codecs built them.
+get_filename_component(welkin_wasm_codecs "${CMAKE_CURRENT_LIST_DIR}/../../build/wasm-codecs/install" ABSOLUTE)
+list(APPEND CMAKE_FIND_ROOT_PATH ${welkin_wasm_codecs})

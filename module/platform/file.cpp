@@ -1,54 +1,21 @@
 #include "platform/file.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "platform/text.h"
 
 namespace welkin::platform {
-namespace {
-
-// Anything but a regular file is refused before it is opened: a pipe would block, a directory opens and then
-// reads nothing.
-void require_regular_file(const std::filesystem::path& path) {
-  std::error_code failure;
-  const std::filesystem::file_status status = std::filesystem::status(reachable(path), failure);
-  if (status.type() == std::filesystem::file_type::not_found) {
-    throw file_error(ErrorCode::file_access, path, "there is no such file");
-  }
-  if (failure) {
-    throw file_error(ErrorCode::file_access, path, "cannot be looked at: " + failure.message());
-  }
-  if (status.type() == std::filesystem::file_type::directory) {
-    throw file_error(ErrorCode::file_access, path, "is a directory; name a picture in it");
-  }
-  if (status.type() != std::filesystem::file_type::regular) {
-    throw file_error(ErrorCode::file_access, path, "is not a regular file; copy what it yields to a file first");
-  }
-}
-
-}  // namespace
-
-ByteFile::ByteFile(const std::filesystem::path& path, std::optional<std::span<const std::byte>> memory)
-    : path_(path), memory_(memory) {
+ByteFile::ByteFile(std::filesystem::path path, std::optional<std::span<const std::byte>> memory)
+    : path_(std::move(path)), memory_(memory) {
   if (memory_) {
     size_ = memory_->size();
-    return;
-  }
-  require_regular_file(path);
-  errno = 0;
-  stream_.open(reachable(path), std::ios::binary);
-  if (!stream_) {
-    const std::string reason = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
-    throw file_error(ErrorCode::file_access, path, "cannot be opened: " + reason);
-  }
-  std::error_code failure;
-  size_ = std::filesystem::file_size(reachable(path), failure);
-  if (failure) {
-    throw file_error(ErrorCode::file_access, path, "its size cannot be found: " + failure.message());
+  } else {
+    disk_ = open_disk_file(path_);
+    size_ = disk_->size();
   }
 }
 
@@ -59,23 +26,11 @@ void ByteFile::read(void* bytes, std::size_t count) {
                          ", the file has " + std::to_string(size_) + " in all; fetch or export it again");
   }
   if (!memory_) {
-    read_stream(bytes, count);
+    disk_->read(position_, bytes, count);
   } else if (count > 0) {  // no bytes may be at no address, which memcpy may not be given
     std::memcpy(bytes, memory_->data() + position_, count);
   }
   position_ += count;
-}
-
-void ByteFile::read_stream(void* bytes, std::size_t count) {
-  if (position_ != stream_position_) {
-    stream_.seekg(static_cast<std::streamoff>(position_));
-  }
-  stream_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(count));
-  if (!stream_) {
-    throw file_error(ErrorCode::file_access, path_,
-                     "could not be read at byte " + std::to_string(position_) + "; is it being written or moved?");
-  }
-  stream_position_ = position_ + count;
 }
 
 namespace {

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,13 +33,29 @@ inline constexpr SystemFile kNoFile = -1;
 /// the absolute path in the form that has no bound; elsewhere the path itself.
 [[nodiscard]] std::filesystem::path reachable(const std::filesystem::path& path);
 
+/// A regular file that is opened for reading.
+class DiskFile {
+ public:
+  DiskFile() = default;
+  virtual ~DiskFile() = default;
+  DiskFile(const DiskFile&) = delete;
+  DiskFile& operator=(const DiskFile&) = delete;
+
+  [[nodiscard]] virtual std::uint64_t size() const noexcept = 0;
+  /// Reads exactly `count` bytes from `position` on. Throws `Error` (file_access) if the system cannot.
+  virtual void read(std::uint64_t position, void* bytes, std::size_t count) = 0;
+};
+
+/// Throws `Error` (file_access) naming the file and why it cannot be opened.
+[[nodiscard]] std::unique_ptr<DiskFile> open_disk_file(const std::filesystem::path& path);
+
 /// The bytes of a file and a place in them: a regular file that is opened for reading, or bytes in memory that have a
 /// name. Not for use from two threads at once: each opens its own.
 class ByteFile {
  public:
   /// `memory`: the bytes, which must outlive this; `path` is then their name. Without it the file is opened.
   /// Throws `Error` (file_access) naming the file and why it cannot be opened.
-  explicit ByteFile(const std::filesystem::path& path, std::optional<std::span<const std::byte>> memory = std::nullopt);
+  explicit ByteFile(std::filesystem::path path, std::optional<std::span<const std::byte>> memory = std::nullopt);
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   /// Nothing if the file was opened by its path.
@@ -57,14 +72,11 @@ class ByteFile {
   void read(void* bytes, std::size_t count);
 
  private:
-  void read_stream(void* bytes, std::size_t count);
-
   std::filesystem::path path_;
   std::optional<std::span<const std::byte>> memory_;
-  std::ifstream stream_;  // not open where the bytes are in memory
+  std::unique_ptr<DiskFile> disk_;  // null where the bytes are in memory
   std::uint64_t size_ = 0;
-  std::uint64_t position_ = 0;         // where the next read starts
-  std::uint64_t stream_position_ = 0;  // where the stream stands; it is moved only when a read needs it
+  std::uint64_t position_ = 0;  // where the next read starts
 };
 
 /// Text for a terminal: what could steer one becomes '?', that is control characters, of the upper half too (U+0080 to

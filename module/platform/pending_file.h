@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "platform/file.h"
@@ -52,6 +53,16 @@ class PendingFile {
   std::FILE* stream_ = nullptr;
   std::string why_;
 };
+
+/// Where a file will be, and the permissions of what it replaces there, if something it does.
+struct PendingPlace {
+  std::filesystem::path path;
+  std::optional<std::filesystem::perms> permissions;
+};
+
+/// The place of a file that is asked for as `path`: behind all links, unless they are replaced. Removes what a killed
+/// process left in its folder, once. Throws `Error` (file_access) where something else than a file is there.
+[[nodiscard]] PendingPlace place_of(const std::filesystem::path& path, WholeFile::Link link);
 
 /// A name for a temporary file beside `path`: in the same directory, so that renaming is one step; hidden, and no other
 /// process's or call's.

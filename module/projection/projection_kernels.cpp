@@ -229,8 +229,8 @@ WELKIN_INLINE void sum_steps(const float* plane, int channel, const float*& weig
 }
 
 /// Any number of weights, for three channels at once: class by class, eight at a time.
-WELKIN_INLINE void sum_any_at_once(const float* planes, int class_count, const float* weights,
-                                   const ClassCounts& counts, int groups, double* sums) {
+[[maybe_unused]] WELKIN_INLINE void sum_any_at_once(const float* planes, int class_count, const float* weights,
+                                                    const ClassCounts& counts, int groups, double* sums) {
   const int total = counts.count[0] + counts.count[1] + counts.count[2] + counts.count[3];
   const int channel = class_count * kChunk;
   for (int c = 0; c < class_count; ++c) {
@@ -276,8 +276,8 @@ WELKIN_INLINE void sum_three_at_once(const float* planes, int class_count, const
 }
 
 /// Any number of weights: class by class, four at a time.
-WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
-                           int groups, double* sums) {
+[[maybe_unused]] WELKIN_INLINE void sum_any(const float* planes, int class_count, const float* weights,
+                                            const ClassCounts& counts, int groups, double* sums) {
   int w = 0;
   for (int c = 0; c < class_count; ++c) {
     const float* const plane = planes + c * kChunk;

@@ -25,17 +25,17 @@ class Fetcher {
                  : lines >= 8 ? 0
                               : 8 / lines - 1) {
     if (list.area < list.area_count) find_row();
-    if (list.area >= list.area_count) skipped_ = kAll;
+    if (!WELKIN_FETCHES || list.area >= list.area_count) skipped_ = kAll;
   }
   WELKIN_INLINE ~Fetcher() { list_.line = line_; }
   Fetcher(const Fetcher&) = delete;
   Fetcher& operator=(const Fetcher&) = delete;
 
-  [[nodiscard]] WELKIN_INLINE bool active() const { return skipped_ != kAll; }
+  [[nodiscard]] WELKIN_INLINE bool active() const { return WELKIN_FETCHES && skipped_ != kAll; }
 
   /// The i-th of eight times.
   WELKIN_INLINE void fetch(int i) {
-    if ((i & skipped_) != 0 || skipped_ == kAll) return;
+    if (!active() || (i & skipped_) != 0) return;
     for (int k = 0; k < at_once_; ++k) fetch_line_early(at_ + (line_ + k) * kCacheLine);
     line_ += at_once_;
     if (line_ >= end_) next_row();

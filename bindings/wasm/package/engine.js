@@ -2,7 +2,7 @@
 // It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
 
 /** The modules, each of which also does what the ones before it do. */
-export const MODULES = ['project', 'prefilter', 'environment'];
+export const MODULES = ['project', 'prefilter', 'environment', 'codecs'];
 
 /** `ErrorCode` of include/welkin/core.h, in its order; statuses begin at 1. */
 const CODES = ['invalid_argument', 'rejected_pixel', 'file_access', 'corrupt_file', 'unsupported_file', 'limit_exceeded',
@@ -60,14 +60,45 @@ function systemFor(memory) {
   };
 }
 
+/** A number as C's printf writes it by `conversion`, which is f, e or g. (Of two texts that are as near, which is rare,
+ * C takes the even one and this the larger one. They are for messages.) */
+export function numberText(value, conversion, precision) {
+  if (!Number.isFinite(value)) return Number.isNaN(value) ? 'nan' : value < 0 ? '-inf' : 'inf';
+  const exponential = (digits) => value.toExponential(digits).replace(/e([+-])(\d)$/, 'e$10$2');
+  const fixed = (digits) => (Math.abs(value) < 1e21 ? value.toFixed(digits)
+    : BigInt(value) + (digits > 0 ? `.${'0'.repeat(digits)}` : ''));
+  const sign = Object.is(value, -0) ? '-' : '';
+  if (conversion === 'e') return sign + exponential(precision);
+  if (conversion === 'f') return sign + fixed(precision);
+  const digits = Math.max(precision, 1);
+  const exponent = Number(value.toExponential(digits - 1).split('e')[1]);
+  const text = exponent < -4 || exponent >= digits ? exponential(digits - 1) : fixed(digits - 1 - exponent);
+  return sign + text.replace(/(\.\d*?)0+(?=e|$)/, '$1').replace(/\.(?=e|$)/, '');
+}
+
+/** What a module imports of ours. Text is ASCII. */
+function helpersFor(memory, progress) {
+  return {
+    progress,
+    number_text: (value, conversion, precision, place, room) => {
+      const text = numberText(value, String.fromCharCode(conversion), precision).slice(0, room);
+      new TextEncoder().encodeInto(text, new Uint8Array(memory(), place, text.length));
+      return text.length;
+    },
+    number_of: (place, length) => Number(new TextDecoder().decode(new Uint8Array(memory(), place, length))),
+  };
+}
+
 /** One instance of a module. */
 class Instance {
   constructor(module, progress) {
-    const system = systemFor(() => this.exports.memory.buffer);
+    const memory = () => this.exports.memory.buffer;
+    const system = systemFor(memory);
+    const helpers = helpersFor(memory, progress);
     const imports = {};
     for (const { module: space, name } of WebAssembly.Module.imports(module)) {
       imports[space] ??= {};
-      imports[space][name] = space === 'welkin' && name === 'progress' ? progress : system[name] ?? system.missing;
+      imports[space][name] = (space === 'welkin' ? helpers[name] : system[name]) ?? system.missing;
     }
     this.exports = new WebAssembly.Instance(module, imports).exports;
     this.exports._initialize?.();
@@ -199,9 +230,11 @@ function backgroundOf(instance, index, { floats, mirrorX }) {
 function lightOf(instance, request) {
   const env = instance.take(4, Uint8Array);
   const ktx2 = instance.take(5, Uint8Array);
+  const radiance = instance.take(0, Float64Array);
   return {
     bands: request.bands ?? 3,
-    radiance: instance.take(0, Float64Array),
+    radiance,
+    sh: radiance,
     polynomial: polynomialOf(instance.take(1, Float64Array)),
     specular: chainOf(instance, 2, request),
     env: env.length > 0 ? env : null,
@@ -287,7 +320,23 @@ const OPERATIONS = {
   },
 };
 
-const NEEDS = { project: 0, prefilter: 1, bake: 2, sky: 2 };
+/** How files begin whose texels others' libraries unpack: OpenEXR, PNG, .env. */
+const CODED = [[0x76, 0x2f, 0x31, 0x01], [0x89, 0x50, 0x4e, 0x47], [0x86, 0x16, 0x87, 0x96]];
+const KTX2 = [0xab, 0x4b, 0x54, 0x58];
+const KTX2_SCHEME = 44; // where the supercompression is named: 0 is none
+
+function takesCodec(file) {
+  const bytes = ArrayBuffer.isView(file) ? new Uint8Array(file.buffer, file.byteOffset, file.byteLength) : new Uint8Array(file);
+  const begins = (magic) => magic.every((byte, k) => bytes[k] === byte);
+  return CODED.some(begins) || (begins(KTX2) && bytes[KTX2_SCHEME] !== 0);
+}
+
+/** Which of the modules is the first that can do it; undefined where none can. An .env holds PNG pictures. */
+function firstFor(operation, request) {
+  if (operation === 'bake' && takesCodec(request.bytes)) return 3;
+  if (request.env && (operation === 'bake' || operation === 'sky')) return 3;
+  return { project: 0, prefilter: 1, bake: 2, sky: 2 }[operation];
+}
 
 /** All that buffers of a result need to be handed over instead of copied. */
 export function buffersOf(value, found = new Set()) {
@@ -306,8 +355,8 @@ export class Engine {
   }
 
   /** The smallest module that does it, or a larger one that is there already. */
-  async instanceFor(operation) {
-    const least = NEEDS[operation];
+  async instanceFor(operation, request) {
+    const least = firstFor(operation, request);
     if (least === undefined) throw failure('invalid_argument', `there is no operation "${operation}"`);
     for (let k = least; k < MODULES.length; ++k) if (this.instances[k]) return this.instances[k];
     const module = await this.load(MODULES[least]);
@@ -316,7 +365,7 @@ export class Engine {
   }
 
   async run(operation, request, report = () => {}) {
-    const instance = await this.instanceFor(operation);
+    const instance = await this.instanceFor(operation, request);
     this.report = report;
     try {
       const result = OPERATIONS[operation](instance, request);

@@ -146,7 +146,7 @@ export interface LightOptions extends ChainOptions {
   bands?: number;
   /** False: no chain. Default: true. */
   specular?: boolean;
-  /** A file in Babylon.js's format: prefiltered, with its polynomial. */
+  /** A file in Babylon.js's format: prefiltered, with its polynomial. Takes the module of codecs. */
   env?: boolean;
   /** The chain as a KTX2 file. */
   ktx2?: boolean;
@@ -165,6 +165,8 @@ export interface Sun {
 }
 
 export interface Light extends SphericalHarmonics {
+  /** `radiance` by its short name: the same array. */
+  sh: Float64Array;
   specular: Chain | null;
   env: Uint8Array | null;
   ktx2: Uint8Array | null;
@@ -180,7 +182,8 @@ export interface BakeOptions extends CallOptions, PixelOptions, LightOptions {
   takeOutSun?: boolean;
 }
 
-/** Bakes an environment out of a file's bytes: Radiance .hdr, PFM, uncompressed KTX2 and DDS. */
+/** Bakes an environment out of a file's bytes: Radiance .hdr, PFM, KTX2 and DDS; OpenEXR, PNG, Babylon.js's .env (with
+ * PNG pictures) and KTX2 packed by zlib take the module of codecs. */
 export function bakeEnvironment(bytes: ArrayBuffer | ArrayBufferView, options?: BakeOptions):
   Promise<Light & { source: { width: number; height: number } }>;
 

@@ -5,6 +5,7 @@ const ADDRESSES = {
   project: new URL('./welkin-project.wasm', import.meta.url),
   prefilter: new URL('./welkin-prefilter.wasm', import.meta.url),
   environment: new URL('./welkin-environment.wasm', import.meta.url),
+  codecs: new URL('./welkin-codecs.wasm', import.meta.url),
 };
 
 async function load(name) {

@@ -1,6 +1,7 @@
 #include "chains.h"
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -33,9 +34,10 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
 void give_texels(const CubemapChain& chain, bool floats) {
   const UploadLayout layout{
       .format = floats ? TexelFormat::rgba32f : TexelFormat::rgba16f, .size = chain.size(), .levels = chain.levels()};
-  std::vector<std::byte> texels(static_cast<std::size_t>(upload_bytes(layout)));
-  store_texels(chain, upload_targets(layout, texels));
-  give(std::move(texels));
+  const auto bytes = static_cast<std::size_t>(upload_bytes(layout));
+  const std::shared_ptr<std::byte[]> texels(new std::byte[bytes]);  // all written: a vector would set them first
+  store_texels(chain, upload_targets(layout, {texels.get(), bytes}));
+  results().push_back({texels.get(), bytes, {texels, texels.get()}});
 }
 
 void give_chain(const PrefilteredSpecular& chain, bool floats) {

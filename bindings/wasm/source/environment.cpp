@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "chains.h"
+#include "env_file.h"
 #include "interface.h"
+#include "platform/text.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
 #include "welkin/directional_light.h"
@@ -39,8 +41,9 @@ std::vector<double> polynomial_numbers(const BabylonPolynomial& p) {
 /// numbers, its texels, an .env file, a KTX2 file, the background's texels.
 void give_light(const BakeResult& light, const Options& options, int first, std::span<const std::byte> env) {
   give(*light.radiance);
+  const dmat3& into_babylon = convention(Engine::babylon).from_welkin;
   give(polynomial_numbers(light.stored_polynomial ? *light.stored_polynomial
-                                                  : to_babylon({}, *light.radiance).polynomial.value()));
+                                                  : babylon_polynomial(turned(*light.radiance, into_babylon))));
   const bool floats = options.flag(first + kChainFloats);
   if (light.specular && options.flag(first + kLightTexels)) {
     give_chain(*light.specular, floats);
@@ -54,7 +57,7 @@ void give_light(const BakeResult& light, const Options& options, int first, std:
     std::string roughness;
     for (const MipRecord& mip : light.specular->mips) {
       if (!roughness.empty()) roughness += ' ';
-      roughness += std::to_string(mip.roughness);
+      roughness += platform::number_text(mip.roughness);
     }
     texture.metadata["welkin.roughness"] = roughness;
     write_texture({ktx2, "environment.ktx2"}, light.specular->cubemap.views(), texture);
@@ -87,22 +90,6 @@ BakeOptions bake_options(const Options& options, int first, const PixelPolicy& p
   return wanted;
 }
 
-/// An .env file of the same light: its chain has mips of its own, all down to one texel.
-std::vector<std::byte> environment_file(const LatLongView* wide, const CubemapView* cube, const Options& options,
-                                        int first, const PixelPolicy& pixels, const SphericalHarmonics& radiance,
-                                        const Control& control) {
-  PrefilterOptions chain;
-  if (options.whole(first + kChainSize) != 0) chain.size = options.whole(first + kChainSize);
-  chain.mips = full_chain_levels(chain.size);
-  chain.roughness = roughness_of_mips(RoughnessSchedule::babylon, *chain.mips, chain.size);
-  chain.pixels = pixels;
-  const PrefilteredSpecular made =
-      wide != nullptr ? prefilter_specular(*wide, chain, control) : prefilter_specular(*cube, chain, control);
-  std::vector<std::byte> bytes;
-  write_babylon_environment({bytes, "environment.env"}, to_babylon(made.cubemap, radiance));
-  return bytes;
-}
-
 /// The share of a call's progress between two others.
 Control part(double from, double to) {
   Control whole = reporting();
@@ -119,7 +106,7 @@ void bake_pixels(const LatLongView* wide, const CubemapView* cube, const Options
   const BakeResult light =
       wide != nullptr ? bake(*wide, wanted, part(from, middle)) : bake(*cube, wanted, part(from, middle));
   std::vector<std::byte> file;
-  if (env) file = environment_file(wide, cube, options, first, pixels, *light.radiance, part(middle, 1.0));
+  if (env) file = env_file({wide, cube}, options, first, pixels, *light.radiance, part(middle, 1.0));
   give_light(light, options, first, file);
 }
 

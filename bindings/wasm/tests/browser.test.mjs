@@ -68,13 +68,22 @@ test('a page whose worker bakes a 4k .hdr never stutters, and three.js is lit by
   if (process.env.WELKIN_WASM_QUIET) assert.ok(longest < 20, `the longest frame has ${longest} ms, that of the idle page ${idle} ms`);
 });
 
-test('a plain script tag does the same', { skip }, async () => {
+test('a plain script tag does the same, and reads OpenEXR', { skip }, async () => {
+  const { file, radiance } = JSON.parse(readFileSync(path.join(source, 'bindings/wasm/tests/data/files.json'), 'utf8'))
+    .find(({ name }) => name === 'piz_half.exr');
+  writeFileSync(path.join(work, 'data/picture.exr'), Buffer.from(file, 'hex'));
   writeFileSync(path.join(work, 'tag.html'), `<!doctype html><script src="/package/script/welkin.js"></script><script>
-    const faces = Array.from({ length: 6 }, () => new Float32Array(4 * 64 * 64).fill(2));
-    window.shown = welkin.projectCubemap(faces).then(({ radiance }) => ({ result: radiance[0] }), (error) => ({ error: String(error) }));
+    async function show() {
+      const faces = Array.from({ length: 6 }, () => new Float32Array(4 * 64 * 64).fill(2));
+      const even = (await welkin.projectCubemap(faces)).radiance[0];
+      const bytes = await (await fetch('/data/picture.exr')).arrayBuffer();
+      return { even, read: [...(await welkin.bakeEnvironment(bytes, { specular: false })).sh] };
+    }
+    window.shown = show().then((result) => ({ result }), (error) => ({ error: String(error) }));
     </script>`);
   const { result } = await shown('/made/tag.html');
-  assert.ok(Math.abs(result - 2 * Math.sqrt(4 * Math.PI)) < 1e-5);
+  assert.ok(Math.abs(result.even - 2 * Math.sqrt(4 * Math.PI)) < 1e-5);
+  assert.deepEqual(result.read, radiance);
 });
 
 test('an application that Vite builds does the same, and Babylon.js takes its polynomial', { skip }, async () => {

@@ -1,6 +1,7 @@
 // What the tests share: the package, where it and its companions lie, and pictures.
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { crc32, deflateSync } from 'node:zlib';
 
 import { modules, packageFolder } from './places.mjs';
 
@@ -46,6 +47,52 @@ export function radianceFile(width, height, colourAt) {
     }
   }
   return bytes;
+}
+
+const joined = (parts) => new Uint8Array(Buffer.concat(parts.map((part) => Buffer.from(part))));
+
+/** The bytes of a row as OpenEXR's ZIPS has them: even ones before odd ones, each less the one before it, deflated. */
+function zips(row) {
+  const half = (row.length + 1) >> 1;
+  const parted = Uint8Array.from(row, (_, k) => (k < half ? row[2 * k] : row[2 * (k - half) + 1]));
+  return deflateSync(parted.map((byte, k) => (k === 0 ? byte : byte - parted[k - 1] + 128)));
+}
+
+/** An OpenEXR file of floats in rows, packed by ZIPS or not at all. */
+export function openExrFile(width, height, colourAt, packed) {
+  const words = (...values) => new Uint8Array(Int32Array.from(values).buffer);
+  const floats = (...values) => new Uint8Array(Float32Array.from(values).buffer);
+  const attribute = (name, type, value) => [Buffer.from(`${name}\0${type}\0`), words(value.length), value];
+  const kFloat = 2;
+  const channels = joined(['B', 'G', 'R'].flatMap((name) => [Buffer.from(`${name}\0`), words(kFloat, 0, 1, 1)]).concat([[0]]));
+  const window = words(0, 0, width - 1, height - 1);
+  const head = joined([[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0], ...attribute('channels', 'chlist', channels),
+    ...attribute('compression', 'compression', [packed ? 2 : 0]), ...attribute('dataWindow', 'box2i', window),
+    ...attribute('displayWindow', 'box2i', window), ...attribute('lineOrder', 'lineOrder', [0]),
+    ...attribute('pixelAspectRatio', 'float', floats(1)), ...attribute('screenWindowCenter', 'v2f', floats(0, 0)),
+    ...attribute('screenWindowWidth', 'float', floats(1)), [0]]);
+  const rows = Array.from({ length: height }, (_, y) => {
+    const colours = Array.from({ length: width }, (_, x) => colourAt(x, y));
+    const plain = floats(...[2, 1, 0].flatMap((c) => colours.map((colour) => colour[c])));
+    const deflated = packed ? zips(plain) : plain;
+    const bytes = deflated.length < plain.length ? deflated : plain;
+    return joined([words(y, bytes.length), bytes]);
+  });
+  let at = head.length + 8 * height;
+  const places = rows.map((row) => { const place = at; at += row.length; return words(place, 0); });
+  return joined([head, ...places, ...rows]);
+}
+
+/** A PNG file of bytes, RGB, unfiltered. */
+export function pngFile(width, height, colourAt) {
+  const word = (value) => [value >>> 24, (value >>> 16) & 255, (value >>> 8) & 255, value & 255];
+  const chunk = (type, data) => {
+    const body = joined([Buffer.from(type), data]);
+    return joined([word(data.length), body, word(crc32(body))]);
+  };
+  const rows = Array.from({ length: height }, (_, y) => [0, ...Array.from({ length: width }, (_, x) => colourAt(x, y)).flat()]);
+  return joined([[0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10],
+    chunk('IHDR', [...word(width), ...word(height), 8, 2, 0, 0, 0]), chunk('IDAT', deflateSync(joined(rows))), chunk('IEND', [])]);
 }
 
 export const median = (values) => values.slice().sort((a, b) => a - b)[Math.floor(values.length / 2)];
