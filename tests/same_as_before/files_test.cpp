@@ -247,6 +247,21 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
           [](const auto& path) { return bits_of(read_environment(path), read_environment(path, {.level = 1})); });
     });
   }
+  for (const auto& [name, options] :
+       {std::pair{"bc6h_fast", Bc6hOptions{Bc6hEffort::fast}}, std::pair{"bc6h_normal", Bc6hOptions{}},
+        std::pair{"bc6h_slow", Bc6hOptions{Bc6hEffort::slow}},
+        std::pair{"bc6h_signed", Bc6hOptions{Bc6hEffort::normal, true}}}) {
+    for (const auto& [file_name, kind] : {std::pair{"a.ktx2", "_ktx2"}, std::pair{"a.dds", "_dds"}}) {
+      TextureOptions texture;
+      texture.format = options.is_signed ? TexelFormat::bc6h_sfloat : TexelFormat::bc6h_ufloat;
+      texture.bc6h_effort = options.effort;
+      results.emplace_back(std::string(name) + kind, [&chain, file_name = file_name, texture] {
+        return texture_bytes(file_name, chain, texture);
+      });
+      results.emplace_back(std::string(name) + kind + "_odd_back",
+                           [&odd, file_name = file_name, texture] { return texture_back(file_name, odd, texture); });
+    }
+  }
   results.emplace_back("ktx2_with_metadata", [&] {
     return texture_bytes("a.ktx2", chain, {.metadata = {{"welkin.roughness", "0 0.25 0.5 0.75 1"}, {"b", "c"}}});
   });

@@ -41,6 +41,11 @@ void write_textures(const std::filesystem::path& directory, const CubemapChain& 
     }
     write_texture(directory / (std::string(name) + ".dds"), chain.views(), {format});
   }
+  // Blocks of BC6H, and the same texels as our own reader decodes them.
+  const TextureOptions blocks{.format = TexelFormat::bc6h_ufloat};
+  for (const char* name : {"bc6h.dds", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
+  const CubemapChain decoded = read_texture(directory / "bc6h.dds").cubemap;
+  write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
   }

@@ -3,7 +3,7 @@
 //   node record.mjs --modules DIR --check SAMPLES     DIR holds node_modules (npm ci)
 //
 // Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Babylon.js's DDSTools and its .env parser. (three's
-// DDSLoader knows no float formats.) What is written here beside them: the unpacking of two 32-bit texels, by the
+// DDSLoader knows no float formats but BC6H.) What is written here beside them: the unpacking of two 32-bit texels, by the
 // formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
@@ -112,6 +112,24 @@ for (const [file, format] of [["picture.ktx2", FORMATS.rgba16f], ["picture_zstd.
 }
 
 // --- DDS
+// Blocks of BC6H: three.js's DDSLoader and ktx-parse find the same bytes for each face of each level.
+{
+  const { DDSLoader } = await load("three/examples/jsm/loaders/DDSLoader.js");
+  const dds = new DDSLoader().parse(bytesOf("bc6h.dds").buffer, true);
+  check(dds.format === three.RGB_BPTC_UNSIGNED_Format && dds.isCubemap, "bc6h.dds: format");
+  check(dds.width === SIZE && dds.mipmapCount === levels.length, "bc6h.dds: shape");
+  const container = ktx.read(bytesOf("bc6h.ktx2"));
+  check(container.vkFormat === 143 && container.faceCount === 6, "bc6h.ktx2: format"); // BC6H_UFLOAT_BLOCK
+  check(container.levels.length === levels.length, "bc6h.ktx2: levels");
+  for (const [level, { levelData }] of container.levels.entries()) {
+    const length = levelData.length / 6;
+    for (let face = 0; face < 6; ++face) {
+      const { data, width } = dds.mipmaps[face * levels.length + level];
+      const wanted = levelData.subarray(face * length, (face + 1) * length);
+      check(width === levels[level].size && Buffer.compare(data, wanted) === 0, `bc6h.dds level ${level}, face ${face}`);
+    }
+  }
+}
 const { DDSTools } = await load("@babylonjs/core/Misc/dds.pure.js");
 for (const name of ["rgba16f", "rgba32f"]) {
   const data = bytesOf(`${name}.dds`);

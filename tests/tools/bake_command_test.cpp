@@ -146,6 +146,35 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
   }
 }
 
+TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothing else", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const std::string options = "--sky --size 64 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
+  const auto blocks = scratch.path() / "blocks";
+  const auto floats = scratch.path() / "floats";
+  const nlohmann::json manifest = bake_into(blocks, options + "--ktx2-format bc6h --bc6h-effort slow");
+  check_manifest_matches(blocks);
+  bake_into(floats, options + "--ktx2-format rgba32f");
+  for (const std::string name : {"background", "specular"}) {
+    INFO(name);
+    CHECK(file_of(manifest, name + ".ktx2").at("format") == "KTX2 bc6h");
+    CHECK(file_of(manifest, name + ".dds").at("format") == "DDS bc6h");
+    const CubemapTexture given = read_texture(floats / (name + ".ktx2"));
+    const CubemapTexture packed = read_texture(blocks / (name + ".ktx2"));
+    const CubemapTexture same = read_texture(blocks / (name + ".dds"));
+    REQUIRE(packed.cubemap.levels() == given.cubemap.levels());
+    for (int level = 0; level < packed.cubemap.levels(); ++level)
+      CHECK(texels(packed.cubemap, level) == texels(same.cubemap, level));
+    // The very blocks that the library makes of the same floats, with the effort that was asked for.
+    const Bc6hCubemap wanted = encode_bc6h(given.cubemap.views(), {.effort = Bc6hEffort::slow});
+    const CubemapChain decoded = decode_bc6h(wanted);
+    for (int level = 0; level < decoded.levels(); ++level)
+      CHECK(texels(packed.cubemap, level) == texels(decoded, level));
+  }
+  for (const char* const name : {"irradiance.ktx2", "brdf.ktx2"}) {
+    CHECK(file_of(manifest, name).at("format") == "KTX2 rgba16f");
+  }
+}
+
 TEST_CASE("bake: a small OpenEXR lat-long and a cube in a strip are sources too", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto lat_long = scratch.path() / "small.exr";
