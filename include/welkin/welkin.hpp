@@ -26,3 +26,4 @@
 #include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
 #include "welkin/worker.h"
+#include "welkin/zonal_kernel.h"
