@@ -475,29 +475,43 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   return clamped + encoder.clamped();
 }
 
+namespace {
+
+/// A picture's texels as they lie in the file, unpacked.
+Bytes texels_of(const LatLongView& picture, const PictureJob& job, TexelEncoder& encoder) {
+  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format));
+  Bytes texels(row_bytes * static_cast<std::size_t>(picture.height));
+  for (int row = 0; row < picture.height; ++row) {
+    report_share(job.control, 0.1 * row / picture.height);
+    encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
+  }
+  return texels;
+}
+
+}  // namespace
+
 std::uint64_t write_ktx2(const PictureJob& job) {
   const TextureOptions& options = job.options;
-  const LatLongView& picture = job.picture;
-  const std::uint64_t unpacked = static_cast<std::uint64_t>(picture.width) *
-                                 static_cast<std::uint64_t>(picture.height) * texel_bytes(kind_of(options.format));
+  std::vector<LatLongView> levels{job.picture};
+  levels.insert(levels.end(), job.smaller.begin(), job.smaller.end());
   TexelEncoder encoder(options.format);
-  Bytes packed;
-  if (options.supercompression != Supercompression::none) {
-    Bytes texels(unpacked);
-    const std::size_t row_bytes = texels.size() / static_cast<std::size_t>(picture.height);
-    for (int row = 0; row < picture.height; ++row) {
-      report_share(job.control, 0.1 * row / picture.height);
-      encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
-    }
-    packed = pack(options.supercompression, texels, job.control.stop);
+  std::vector<Bytes> packed;
+  std::vector<Place> places;
+  for (const LatLongView& level : levels) {
+    const std::uint64_t unpacked = static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height) *
+                                   texel_bytes(kind_of(options.format));
+    if (options.supercompression != Supercompression::none)
+      packed.push_back(pack(options.supercompression, texels_of(level, job, encoder), job.control.stop));
+    places.push_back({0, packed.empty() ? unpacked : packed.back().size(), unpacked});
   }
-  std::vector<Place> places{{0, packed.empty() ? unpacked : packed.size(), unpacked}};
-  write_header(job.file, {picture.width, picture.height, 1}, options, places);
-  write_padding(job.file, places.front().offset);
-  if (packed.empty()) {
-    write_picture(job, encoder);
-  } else {
-    job.file.write(packed.data(), packed.size());
+  write_header(job.file, {job.picture.width, job.picture.height, 1}, options, places);
+  for (std::size_t level = levels.size(); level-- > 0;) {
+    write_padding(job.file, places[level].offset);
+    if (packed.empty()) {
+      write_picture({job.file, levels[level], options, job.control}, encoder);
+    } else {
+      job.file.write(packed[level].data(), packed[level].size());
+    }
   }
   return encoder.clamped();
 }

@@ -231,6 +231,7 @@ struct PictureJob {
   const LatLongView& picture;  ///< any picture: rows, not directions
   const TextureOptions& options;
   const Control& control;
+  std::span<const LatLongView> smaller{};  ///< levels below it, each half the one before: of KTX2 alone
 };
 
 /// The job's levels as BC6H, if that is its format: nine tenths of the work, which is said to the job's control.
@@ -286,5 +287,8 @@ void write_face(platform::WholeFile& file, const CubemapView& view, int face, Te
 
 /// Writes a picture likewise.
 void write_picture(const PictureJob& job, TexelEncoder& encoder);
+
+/// Throws `Error` (invalid_argument, unsupported_file) for options that a .ktx2 or .dds at the path cannot hold.
+void check_texture_options(const std::filesystem::path& path, const TextureOptions& options);
 
 }  // namespace welkin::files

@@ -14,6 +14,7 @@
 #include "welkin/image.h"
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"
+#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
@@ -33,6 +34,15 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
   CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  calls.call("octahedral_place(", [] {
+    const auto place = octahedral_place({0.1, -0.7, -0.3});
+    return dvec3(place[0], place[1], 0.0);
+  });
+  calls.call("octahedral_direction(", [] { return octahedral_direction(0.91, -0.13); });
+  const auto square = [](const OctahedralMap& map) { return map.levels.front(); };
+  calls.call("to_octahedral(CubemapChain", [&] { return square(to_octahedral(chain, {.size = 9})); });
+  calls.call("to_octahedral(SphericalHarmonics",
+             [&] { return square(to_octahedral(project(cube.view()).radiance, {.size = 9})); });
   calls.call("fill_mips(", [&] {
     fill_mips(chain, MipFilter::solid_angle);
     return std::cref(chain);
