@@ -1,6 +1,8 @@
 // Octahedral maps in files.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -81,6 +83,7 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
                                       : "is not written as an octahedral map; use .ktx2 or .exr");
   }
   std::vector<LatLongView> levels;
+  levels.reserve(map.levels.size());
   for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) levels.push_back(map.view(level));
   TextureOptions with_border = options;
   with_border.metadata["welkin.octahedral_border"] = std::to_string(map.border);

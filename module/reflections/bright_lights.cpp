@@ -70,6 +70,8 @@ struct BrightLights::Block {
   double most_merged = 0.0;    ///< through a kernel, whatever the distance: the radius over which it is all but a
                                ///< polynomial
   bool by_kernel = false;
+  double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
+  double farthest = 2.0;
   bool horizon = true;  ///< whether nothing comes from below it
 
   enum class Sight { below, cut, above };
@@ -80,6 +82,15 @@ struct BrightLights::Block {
     const double between = centre[0] * node.centre[0] + centre[1] * node.centre[1] + centre[2] * node.centre[2];
     const double margin = radius + node.radius;
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
+  }
+  [[nodiscard]] bool unseen(const Node& node) const noexcept {
+    if (!by_kernel) return false;
+    const double x = centre[0] - node.centre[0];
+    const double y = centre[1] - node.centre[1];
+    const double z = centre[2] - node.centre[2];
+    const double distance = std::sqrt(x * x + y * y + z * z);
+    const double margin = radius + node.radius;
+    return distance + margin < nearest || distance - margin > farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
     if (by_kernel) return node.merged <= most_merged;
@@ -203,6 +214,8 @@ BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& l
   if (block.by_kernel) {
     block.most_merged = kOfScale * lobe.kernel->scale();
     block.horizon = lobe.kernel->hemisphere();
+    block.nearest = 2.0 * lobe.kernel->nearest();
+    block.farthest = 2.0 * lobe.kernel->farthest();
   }
   return block;
 }
@@ -214,7 +227,7 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
     const Node& node = nodes_[static_cast<std::size_t>(index)];
     room.stack.pop_back();
     const Block::Sight sight = block.sight_of(node);
-    if (sight == Block::Sight::below) continue;
+    if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
     const bool cut = sight == Block::Sight::cut;
     if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node)))) {
@@ -309,8 +322,10 @@ void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel
           const CutLight& cut = cut_lights_[static_cast<std::size_t>(k)];
           double weight = 0.0;
           for (int place = 0; place < kPlaces * kPlaces; ++place) {
-            const double s = (2.0 * (place % kPlaces) + 1.0) / kPlaces - 1.0;
-            const double t = (2.0 * (place / kPlaces) + 1.0) / kPlaces - 1.0;
+            const int down = place / kPlaces;
+            const int across = place % kPlaces;
+            const double s = (2.0 * across + 1.0) / kPlaces - 1.0;
+            const double t = (2.0 * down + 1.0) / kPlaces - 1.0;
             const auto at = [&](float middle, int axis) {
               return static_cast<double>(middle) + s * static_cast<double>(cut.along[axis]) +
                      t * static_cast<double>(cut.down[axis]);

@@ -43,6 +43,9 @@ constexpr double kReferenceError = 1e-5;
 /// is left of a picture has most of its light in the lowest degrees.
 constexpr double kOfLoneLight = 3.5;
 
+/// At most: from there on every texel above 25 times the mean is a light, however wide the kernel.
+constexpr double kLightAlpha = 0.1;
+
 struct KernelMip {
   int size = 0;
   double roughness = 0.0;
@@ -121,7 +124,7 @@ KernelPlan plan_kernels(const KernelChainOptions& options) {
     plan.bands = std::max(plan.bands, static_cast<int>(mip.zonal.size()));
     // GGX's peak is 4 / alpha^2 times the mean; two points along an edge do for 0.6 alpha
     const double peak = 4.0 * kPi * kernel.shape().peak();
-    plan.light_alpha = std::min(plan.light_alpha, std::sqrt(4.0 / std::max(4.0, peak)));
+    plan.light_alpha = std::min(plan.light_alpha, std::min(kLightAlpha, std::sqrt(4.0 / std::max(4.0, peak))));
     plan.least_scale = std::min(plan.least_scale, kernel.shape().scale());
     plan.mips.push_back(std::move(mip));
   }

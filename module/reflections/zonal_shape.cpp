@@ -184,6 +184,27 @@ void ZonalShape::measure() {
   hemisphere_ = broken && below == 0.0;
 }
 
+/// By the cells of the table: one that is dark at its ends and in between is.
+void ZonalShape::find_ends() {
+  constexpr double kSeen = 1e-9;
+  double first = 1.0;
+  double last = 0.0;
+  for (const KernelTable::Run& run : table_.runs_) {
+    for (int cell = 0; cell < run.cells; ++cell) {
+      const double from = run.begin + cell / run.cells_of_s;
+      const double width = 1.0 / run.cells_of_s;
+      double largest = 0.0;
+      for (const double share : {0.001, 0.5, 0.999})
+        largest = std::max(largest, std::abs(table_.at(from + share * width)));
+      if (largest < kSeen * peak_) continue;
+      first = std::min(first, from);
+      last = std::max(last, from + width);
+    }
+  }
+  nearest_ = first;
+  farthest_ = last;
+}
+
 void ZonalShape::make_table() {
   std::vector<double> ends = breaks_;
   ends.push_back(1.0);
@@ -224,6 +245,7 @@ ZonalShape::ZonalShape(const std::function<double(double)>& value, std::vector<d
   normalise();
   measure();
   make_table();
+  find_ends();
 }
 
 ZonalShape::ZonalShape(std::vector<double> factors) : factors_(std::move(factors)) {
@@ -231,6 +253,7 @@ ZonalShape::ZonalShape(std::vector<double> factors) : factors_(std::move(factors
   normalise();
   measure();
   make_table();
+  find_ends();
 }
 
 std::vector<double> ZonalShape::spectrum(int bands) const {

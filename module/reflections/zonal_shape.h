@@ -58,6 +58,9 @@ class ZonalShape {
   [[nodiscard]] double peak() const noexcept { return peak_; }  ///< the largest magnitude
   /// Radians: the largest magnitude over the steepest slope, at most pi.
   [[nodiscard]] double scale() const noexcept { return scale_; }
+  /// Where it is seen at all, in s: nearer the axis and farther from it all is below 1e-9 of the largest magnitude.
+  [[nodiscard]] double nearest() const noexcept { return nearest_; }
+  [[nodiscard]] double farthest() const noexcept { return farthest_; }
   [[nodiscard]] bool negative() const noexcept { return negative_; }      ///< in places
   [[nodiscard]] bool hemisphere() const noexcept { return hemisphere_; }  ///< 0 wherever the cosine is below 0
   [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
@@ -81,6 +84,7 @@ class ZonalShape {
   void normalise();
   void measure();
   void make_table();
+  void find_ends();
 
   std::vector<double> factors_;
   std::vector<double> breaks_;  ///< in s
@@ -88,6 +92,8 @@ class ZonalShape {
   double square_ = 0.0;
   double peak_ = 0.0;
   double scale_ = 0.0;
+  double nearest_ = 0.0;
+  double farthest_ = 1.0;
   bool negative_ = false;
   bool hemisphere_ = false;
   KernelTable table_;
