@@ -183,6 +183,7 @@ typedef struct welkin_read_options {
   welkin_primaries primaries;  /* the colours that pixels are taken in */
   uint64_t memory_limit_bytes; /* the most that pixels may take; 0: 8 GiB */
   int64_t level;               /* of a file with a mip chain; 0 is the full size */
+  int64_t element;             /* of an array of cubemaps or pictures (KTX2, KTX, DDS), from 0 */
 } welkin_read_options;
 
 /* ---- Projection to spherical harmonics ---- */
