@@ -66,8 +66,8 @@ class Texels {
     const double radius = radius_ * part.half;
     const glm::dvec3 chord = direction(part.face, part.column, part.row) - axis;
     const double s = std::min(1.0, 0.5 * std::sqrt(glm::dot(chord, chord)));
-    const bool dark = kernel_.hemisphere() && s - 0.5 * radius > std::sqrt(0.5);
-    if (dark) return 0.0;
+    const bool unseen = s - 0.5 * radius > kernel_.farthest() || s + 0.5 * radius < kernel_.nearest();
+    if (unseen) return 0.0;
     const bool cut = std::any_of(kernel_.breaks().begin(), kernel_.breaks().end(),
                                  [&](double at) { return std::abs(at - s) <= 0.5 * radius; });
     if (radius > kWidest || radius > (cut ? kOfBreak : kOfScale) * kernel_.scale()) {
