@@ -29,6 +29,7 @@ constexpr const char* kBakeFooter =
     specular.ktx2         blurred by GGX lobes, a roughness a mip (split sum)
     irradiance.ktx2       what falls on a matte surface, W/m2
     brdf.ktx2             the BRDF table, the split sum's other half
+    charlie.ktx2          the same by sheen's lobe (--lobe charlie)
     environment.env       all of it for Babylon.js (--for babylon, --formats env)
     sh.json, sh.h         spherical harmonics, also in each engine's form
     preview_*.png         the environment, balls lit by the result, the mips
@@ -45,6 +46,8 @@ Examples:
   welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
+  welkin bake city.hdr -o out --lobe charlie          and sheen, for glTF
+  welkin bake city.hdr -o out --octahedral 512        and Godot's octahedral map
   welkin bake city.hdr -o out --take-out-sun          the sun as a separate light
   welkin bake city.hdr -o out --no-glossy --explain   no reflections; says why
   welkin bake city.hdr -o out --glossy 0.4,1          no mip sharper than 0.4
@@ -119,6 +122,16 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
     add_cubemap(names, "background", full_chain_levels(background), container);
     add_cubemap(names, "specular", bake.specular->mips.value(), container);
     if (bake.irradiance) add_cubemap(names, "irradiance", 1, container);
+    for (const Lobe lobe : options.lobes)
+      add_cubemap(names, name(lobe), static_cast<int>(kernels_of(lobe, options, *bake.specular).kernels.size()),
+                  container);
+    if (options.octahedral_size > 0 && (container == Container::ktx2 || container == Container::exr)) {
+      const int levels = octahedral_of(options.octahedral_size, bake.specular->mips.value()).levels;
+      for (int level = 0; level < (container == Container::exr ? levels : 1); ++level) {
+        const std::string number = container == Container::exr && levels > 1 ? "_m" + std::to_string(level) : "";
+        names.push_back("specular_octahedral" + number + '.' + name(container));
+      }
+    }
   }
   if (bake.brdf) {
     for (const std::string& table : brdf_names(options)) names.push_back(table);

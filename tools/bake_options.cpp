@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/bake_lobes.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 
@@ -179,6 +180,29 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
                               "Directions for each texel of the sampled method; default 1024"));
 }
 
+/// What is made beside the specular cubemap.
+void add_lobe_options(Options& table, BakeCommandOptions& options) {
+  const auto store = [&options](const std::vector<std::string>& words) {
+    options.lobes.clear();
+    for (const Lobe lobe : {Lobe::charlie, Lobe::lambert, Lobe::phong}) {
+      for (const std::string& word : words) {
+        if (same_word(word, name(lobe))) options.lobes.insert(lobe);
+      }
+    }
+  };
+  table.push_back({.names = "--lobe",
+                   .target = On<std::vector<std::string>>(store),
+                   .text =
+                       "Cubemaps by other lobes beside the specular one, which is GGX, separated by commas: charlie "
+                       "(sheen, for glTF), lambert (irradiance over pi), phong (powers by --roughness)",
+                   .type = "LIST",
+                   .words = {"ggx", "charlie", "lambert", "phong"},
+                   .list = List::commas});
+  table.push_back(size_option("--octahedral", options.octahedral_size, 0, 16384,
+                              "The specular cubemap as an octahedral map too, of so many texels along an edge with its "
+                              "borders, as Godot's shaders read it: .ktx2 and .exr; default 0: none"));
+}
+
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
   table.push_back(size_option("--irradiance", options.irradiance_size, 0, kLargestIrradiance,
                               "Texels along an edge of the irradiance cubemap's faces; default 64; 0: none"));
@@ -228,6 +252,7 @@ std::string roughness_words(const BakeCommandOptions& options) {
 
 void add_result_options(Options& table, BakeCommandOptions& options) {
   add_specular_options(table, options);
+  add_lobe_options(table, options);
   in_group(table, "Reflections");
   add_diffuse_options(table, options);
   in_group(table, "Diffuse light and BRDF table");

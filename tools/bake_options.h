@@ -12,6 +12,7 @@
 #include "tools/sky_model.h"
 #include "tools/turning.h"
 #include "welkin/bake.h"
+#include "welkin/octahedral.h"
 #include "welkin/reflections.h"
 #include "welkin/texture_file.h"
 
@@ -21,6 +22,9 @@ namespace welkin::tool {
 enum class Container { ktx2, dds, exr, hdr, pfm, env };
 
 [[nodiscard]] const char* name(Container container) noexcept;
+
+/// Lobes beside GGX.
+enum class Lobe { charlie, lambert, phong };
 
 /// How roughness is spread over the mips, where that was said: a schedule, or a number a mip.
 struct RoughnessChoice {
@@ -46,6 +50,8 @@ struct BakeCommandOptions {
   PrefilterOptions specular;
   bool all_mips = false;  ///< down to 1 texel
   RoughnessChoice roughness;
+  std::set<Lobe> lobes;      ///< of which there are chains, too
+  int octahedral_size = 0;   ///< of the specular chain as an octahedral map; 0: none
   int background_size = 0;   ///< 0: the specular cubemap's
   int irradiance_size = 64;  ///< 0: no irradiance cubemap
   IrradianceMethod irradiance_method = IrradianceMethod::harmonics;

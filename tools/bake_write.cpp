@@ -12,6 +12,7 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
+#include "welkin/octahedral.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
@@ -209,6 +210,33 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
   return table;
 }
 
+/// The specular chain as an octahedral map, in Welkin's axes, which are Godot's.
+void write_octahedral_maps(const PrefilteredSpecular& specular, const Job& job) {
+  const BakeCommandOptions& options = job.options;
+  if (options.octahedral_size == 0) return;
+  const OctahedralMap map = to_octahedral(
+      specular.cubemap, octahedral_of(options.octahedral_size, specular.cubemap.levels()), {job.control.stop, {}});
+  for (const Container container : {Container::ktx2, Container::exr}) {
+    if (!options.containers.contains(container)) continue;
+    TextureOptions texture = options.texture;
+    if (in_blocks(texture.format) || (container == Container::exr && texture.format != TexelFormat::rgba32f))
+      texture.format = TexelFormat::rgba16f;
+    if (container == Container::exr) texture.supercompression = Supercompression::none;
+    std::vector<double> roughness = roughness_of(specular);
+    roughness.resize(map.levels.size());
+    texture.metadata = {{"welkin.content", "specular"}, {"welkin.roughness", numbers_text(roughness)}};
+    const std::string file = std::string("specular_octahedral.") + name(container);
+    const WriteReport report = write_octahedral(job.folder.place(file), map, texture, {job.control.stop, {}});
+    const Json details = {{"size", map.size},       {"border", map.border}, {"mips", map.levels.size()},
+                          {"roughness", roughness}, {"unit", "radiance"},   {"axes", "welkin"}};
+    const std::string format = std::string(container == Container::ktx2 ? "KTX2 " : "OpenEXR ") + name(texture.format);
+    for (const std::filesystem::path& path : report.files) {
+      job.folder.add({path.filename().string(), "the specular cubemap as an octahedral map", format, 0,
+                      report.values_clamped, range_of(texture.format), details});
+    }
+  }
+}
+
 /// Three channels, the third one 0 where the table has two.
 LatLongImage picture_of(const BrdfTable& table) {
   LatLongImage picture{table.options.width, table.options.height, {}};
@@ -334,6 +362,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   const Job job{options, folder, control};
   write_computed(baked.picture, job);
   if (light.background) write_lat_longs(*light.background, job);  // before it is turned
+  if (light.specular) write_octahedral_maps(*light.specular, job);
   turn_to_engine(light, options.turn.to, control);
   if (light.background) {
     write_cubemap({"background", "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
@@ -343,6 +372,13 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
     write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
                    roughness_of(*light.specular), "radiance"},
                   job);
+  }
+  for (LobeChain& chain : baked.lobes) {
+    const glm::dmat3 symmetry = faces_of(options.turn.to);
+    if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
+    const std::vector<double> roughness =
+        chain.lobe == Lobe::charlie ? roughness_of(chain.light) : std::vector<double>();
+    write_cubemap({name(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"}, job);
   }
   if (light.irradiance) {
     write_cubemap({"irradiance",

@@ -316,7 +316,7 @@ void plan_env(const Source& source, const EnvChain& chain, const CostModel& cost
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
     return false;
-  if (options.containers.contains(Container::env)) return false;
+  if (options.containers.contains(Container::env) || !options.lobes.empty()) return false;
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
@@ -446,6 +446,14 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
     baked.env = timed(baked.passes, kEnvPass, "Babylon.js has a roughness of its own for each mip",
                       [&] { return prefilter_env(source, work.env.options, cache, part_of(control, kBaked, 1.0)); });
   });
+  for (const Lobe lobe : options.lobes) {
+    const KernelChainOptions chain = kernels_of(lobe, options, *baked.whole.specular);
+    timed(baked.passes, std::string("lobe ") + name(lobe), "as --lobe asks", [&] {
+      source.visit([&](const auto& view) {
+        baked.lobes.push_back({lobe, prefilter_by_kernels(view, chain, {control.stop, {}})});
+      });
+    });
+  }
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
           [&] { use_stored_light(baked, control); });

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bake_lobes.h"
 #include "tools/bake_options.h"
 #include "tools/terminal.h"
 #include "welkin/bake.h"
@@ -25,6 +26,7 @@ struct Baked {
   Plan plan;
   BakeResult light;
   std::optional<PrefilteredSpecular> env;  ///< the .env's chain, if the specular one would not do
+  std::vector<LobeChain> lobes;            ///< of --lobe
   std::optional<Projection> stored_light;  ///< of an .env: three bands that its pixels, clipped, do not have
   bool env_is_specular = false;            ///< it would
   bool env_left_out = false;               ///< no material of the scene would read it

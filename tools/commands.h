@@ -15,6 +15,7 @@ struct BakeCommandOptions;
 [[nodiscard]] Command info_command();
 [[nodiscard]] Command convert_command();
 [[nodiscard]] Command testmap_command();
+[[nodiscard]] Command importance_command();
 
 /// Bakes what the options name or compute into their folder. The manifest or, for a person, a table. Throws `Error`.
 [[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& options);

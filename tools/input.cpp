@@ -134,6 +134,11 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
                    .text = "The level of a file with a mip chain; 0, the default, is full size",
                    .type = "N",
                    .bounds = whole_between(0, kMaximumLevel)});
+  table.push_back({.names = "--element",
+                   .target = &options.read.element,
+                   .text = "Of a KTX2, KTX or DDS array, which of its cubemaps or pictures; default 0",
+                   .type = "N",
+                   .bounds = whole_between(0, 65535)});
   table.push_back(choice<Transfer>(
       "--transfer", options.read.transfer,
       {{"automatic", Transfer::automatic}, {"srgb", Transfer::srgb}, {"linear", Transfer::linear}},

@@ -25,6 +25,8 @@ constexpr const char* kProgramFooter =
   welkin report --quick              how good each setting is, and how fast
   welkin convert studio.hdr faces.exr --layout vertical-strip
                                      a lat-long to the faces of a cube
+  welkin importance studio.hdr -o tables
+                                     tables for path tracers
   welkin testmap -o labels.exr       an environment that shows how it is turned
   welkin sh --help                   all about one command
 
@@ -75,7 +77,7 @@ Program welkin_program() {
   return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
           kProgramFooter,
           {bake_command(), sh_command(), sky_command(), info_command(), convert_command(), testmap_command(),
-           report_command(), completion_command()}};
+           importance_command(), report_command(), completion_command()}};
 }
 
 /// Reports are measured by a program of their own, which is no part of this one's build.

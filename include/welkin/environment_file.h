@@ -1,7 +1,8 @@
 // Environments in files, on disk or in memory: what one is, what is in it, and its light.
 //
-// Read and written here: OpenEXR, Radiance .hdr, PFM and PNG. Read here too: cubemaps with their levels in KTX2, DDS
-// and Babylon.js .env files (in Welkin's axes); texture_file.h reads them whole and writes them.
+// Read and written here: OpenEXR, Radiance .hdr, PFM and PNG. Read here too: cubemaps and pictures with their levels in
+// KTX2, KTX (the first version) and DDS files, and cubemaps in Babylon.js .env files (in Welkin's axes); texture_file.h
+// reads them whole and writes them.
 #pragma once
 
 #include <array>
@@ -142,6 +143,9 @@ struct ReadOptions {
   /// Of a file with a mip chain: 0 is the full size. Rip maps have the levels that shrink both ways.
   int level = 0;
 
+  /// Of a KTX2, KTX or DDS array: which of its cubemaps or pictures, from 0.
+  int element = 0;
+
   Transfer transfer = Transfer::automatic;  ///< what the numbers of a PNG mean
   Primaries primaries = Primaries::rec709;  ///< whether colours become Rec. 709
 
@@ -154,9 +158,9 @@ struct ReadOptions {
 };
 
 /// The kinds of file that are read.
-enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon };
+enum class FileFormat { openexr, radiance, pfm, png, ktx2, dds, babylon, ktx1 };
 
-/// "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env"
+/// "OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX"
 [[nodiscard]] const char* name(FileFormat format) noexcept;
 
 /// How a file holds a channel's values.

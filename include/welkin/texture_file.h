@@ -16,6 +16,7 @@
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
+#include "welkin/octahedral.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace WELKIN_EXPORT welkin {
@@ -64,6 +65,12 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
 /// first row on top; 1 to 16384 each way. Throws as above.
 WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
                              const TextureOptions& options = {}, const Control& control = {});
+
+/// Writes an octahedral map with all its levels to a two-dimensional .ktx2, whose metadata says the border
+/// ("welkin.octahedral_border", texels of level 0). To .exr as plain pictures, halves, or floats with rgba32f; of more
+/// than one level in a file each, "map_m0.exr", "map_m1.exr" and so on. Throws as above.
+WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options = {},
+                             const Control& control = {});
 
 /// A texture that was read.
 struct CubemapTexture {

@@ -183,6 +183,7 @@ typedef struct welkin_read_options {
   welkin_primaries primaries;  /* the colours that pixels are taken in */
   uint64_t memory_limit_bytes; /* the most that pixels may take; 0: 8 GiB */
   int64_t level;               /* of a file with a mip chain; 0 is the full size */
+  int64_t element;             /* of an array of cubemaps or pictures (KTX2, KTX, DDS), from 0 */
 } welkin_read_options;
 
 /* ---- Projection to spherical harmonics ---- */
@@ -551,6 +552,46 @@ WELKIN_API welkin_status welkin_prefilter_lat_long(const welkin_lat_long* lat_lo
                                                    const welkin_prefilter_options* options,
                                                    const welkin_control* control, welkin_cubemap_chain** chain);
 
+/* Lobes beside GGX; zonal_kernel.h has their formulas. */
+typedef int32_t welkin_lobe;
+enum {
+  WELKIN_LOBE_CHARLIE = 0, /* sheen; a mip's number is its roughness */
+  WELKIN_LOBE_LAMBERT = 1, /* no numbers */
+  WELKIN_LOBE_PHONG = 2,   /* a mip's number is its power */
+  WELKIN_LOBE_BLINN = 3,   /* the same */
+  WELKIN_LOBE_SPECTRUM =
+      4 /* a mip's numbers are what harmonics of degree 0, 1, ... are multiplied by, over the first */
+};
+
+/* A chain by such a lobe; zonal_kernel.h says more. */
+typedef struct welkin_kernel_options {
+  uint32_t struct_size;
+  int32_t size;                      /* texels along an edge of mip 0, 1 to 8192; 0: 256 */
+  int32_t mips;                      /* 1 to 16 */
+  welkin_lobe lobe;                  /* of all mips */
+  const double* numbers;             /* of each mip: one, or as many as `bands`; copied */
+  int32_t bands;                     /* of a spectrum, 1 to 1536 */
+  welkin_prefilter_method method;    /* AUTOMATIC, SPECTRAL or REFERENCE */
+  double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
+  const welkin_pixel_policy* pixels; /* null: the defaults */
+} welkin_kernel_options;
+
+/* Prefilters by a kernel a mip. Also WELKIN_REJECTED_PIXEL, WELKIN_LIMIT_EXCEEDED (a kernel too narrow or too sharp),
+ * WELKIN_CANCELLED, WELKIN_OUT_OF_MEMORY. */
+WELKIN_API welkin_status welkin_prefilter_cubemap_by_kernels(const welkin_cubemap* cubemap,
+                                                             const welkin_kernel_options* options,
+                                                             const welkin_control* control,
+                                                             welkin_cubemap_chain** chain);
+
+/* The same of a lat-long. */
+WELKIN_API welkin_status welkin_prefilter_lat_long_by_kernels(const welkin_lat_long* lat_long,
+                                                              const welkin_kernel_options* options,
+                                                              const welkin_control* control,
+                                                              welkin_cubemap_chain** chain);
+
+/* The roughness of each mip of a sheen chain of glTF: `roughness` has room for `mips` doubles, 1 to 16. */
+WELKIN_API welkin_status welkin_charlie_roughness_of_mips(int32_t mips, int32_t size, double* roughness);
+
 /* What the first two channels of a BRDF table hold; reflections.h has the integrals. */
 typedef int32_t welkin_brdf_model;
 enum { WELKIN_BRDF_SPLIT_SUM = 0, WELKIN_BRDF_MULTIPLE_SCATTERING = 1 };
@@ -568,6 +609,28 @@ typedef struct welkin_brdf_options {
  * last are kept: a second call copies. */
 WELKIN_API welkin_status welkin_brdf_table(const welkin_brdf_options* options, const welkin_control* control,
                                            const welkin_image_target* target, uint64_t* values_clamped);
+
+/* What of a texel counts; a negative weight counts as 0. */
+typedef int32_t welkin_importance_weight;
+enum { WELKIN_IMPORTANCE_LUMINANCE = 0, WELKIN_IMPORTANCE_MEAN = 1, WELKIN_IMPORTANCE_LARGEST = 2 };
+
+/* How a table by which a path tracer picks directions is made; importance.h says more. */
+typedef struct welkin_importance_options {
+  uint32_t struct_size;
+  int32_t width;                     /* of the table, 1 to the source's; 0: the source's */
+  int32_t height;                    /* the same */
+  welkin_importance_weight weight;   /* what of a texel counts */
+  int32_t mis_compensation;          /* 1: what lies below the mean counts as 0; 0: all counts */
+  const welkin_pixel_policy* pixels; /* null: the defaults */
+} welkin_importance_options;
+
+/* Writes a table: `function` has width x height floats, the integral of the weight over each texel; `row_cdf` height +
+ * 1; `column_cdf` height x (width + 1). `integral`, the sum of `function`, may be null. Also WELKIN_REJECTED_PIXEL,
+ * WELKIN_CANCELLED. */
+WELKIN_API welkin_status welkin_importance_lat_long(const welkin_lat_long* lat_long,
+                                                    const welkin_importance_options* options,
+                                                    const welkin_control* control, float* function, float* row_cdf,
+                                                    float* column_cdf, double* integral);
 
 /* Writes irradiance at each texel's centre from the coefficients of irradiance, `welkin_irradiance_from_radiance`'s;
  * the target's size is 1 to 4096. */

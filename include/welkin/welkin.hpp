@@ -14,6 +14,7 @@
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"
 #include "welkin/job.h"
+#include "welkin/octahedral.h"
 #include "welkin/plan.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -26,3 +27,4 @@
 #include "welkin/spherical_harmonics.h"
 #include "welkin/texture_file.h"
 #include "welkin/worker.h"
+#include "welkin/zonal_kernel.h"

@@ -20,6 +20,7 @@
 #include "reflections/narrow.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
+#include "transform/row_reduction.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
@@ -149,6 +150,8 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
                         squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
   if (source.cubemap) bytes += reflections::cube_rings_bytes(source.columns, rings);
+  bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
+                                               jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, plan.least_alpha, reflections::kMostBright);
   if (search.texels == 0) return bytes;

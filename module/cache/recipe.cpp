@@ -356,10 +356,11 @@ ContentHash hash_options(const BakeOptions& options) {
 }
 
 ContentHash hash_options(const ReadOptions& options) {
-  const auto& [layout, part, layer, level, transfer, primaries, memory_limit_bytes] = options;
+  const auto& [layout, part, layer, level, element, transfer, primaries, memory_limit_bytes] = options;
   static_cast<void>(memory_limit_bytes);
   OptionWriter writer("read");
   writer.all(layout, part, layer, level, transfer, primaries);
+  if (element != 0) writer.all(element);
   return writer.hash();
 }
 

@@ -40,6 +40,10 @@ ReadOptions file_options(const welkin_read_options* options) {
     refuse("level is " + std::to_string(given.level) + "; it must be 0 or a level that the file has");
   }
   wanted.level = static_cast<int>(given.level);
+  if (given.element < 0 || given.element > std::numeric_limits<int>::max()) {
+    refuse("element is " + std::to_string(given.element) + "; it must be 0 or one that the array has");
+  }
+  wanted.element = static_cast<int>(given.element);
   return wanted;
 }
 

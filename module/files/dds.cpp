@@ -57,12 +57,8 @@ void check_kind(const platform::ByteFile& file, const Fields& fields) {
                " is not read; R16G16B16A16_FLOAT, R32G32B32A32_FLOAT, R11G11B10_FLOAT, R9G9B9E5_SHAREDEXP, BC6H_UF16, "
                "BC6H_SF16 and R8G8B8A8_UNORM (and _SRGB) are");
   }
-  if (fields[kDimension] != kDdsTexture2d || (fields[kMiscellaneous] & kDdsTextureCube) == 0) {
-    refuse(file, ErrorCode::unsupported_file, "is no cubemap; cubemaps, with six faces, are read");
-  }
-  if (fields[kArraySize] != 1) {
-    refuse(file, ErrorCode::unsupported_file,
-           "is an array of " + std::to_string(fields[kArraySize]) + " cubemaps; save one alone");
+  if (fields[kDimension] != kDdsTexture2d) {
+    refuse(file, ErrorCode::unsupported_file, "is a line or a volume; cubemaps and pictures are read");
   }
 }
 
@@ -81,24 +77,27 @@ std::optional<TexelKind> kind_of_dxgi_format(std::uint32_t format) noexcept {
   return std::nullopt;
 }
 
-TextureLayout read_dds_layout(platform::ByteFile& file) {
+TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   const Fields fields(file);
   check_kind(file, fields);
   const std::uint32_t levels = std::max(fields[kLevels], 1U);  // some writers forget the flag that says it is counted
-  check_cubemap_sizes(file, fields[kWidth], fields[kHeight], levels);
-
+  const bool cube = (fields[kMiscellaneous] & kDdsTextureCube) != 0;
   TextureLayout layout;
   layout.container = FileFormat::dds;
   layout.kind = *kind_of_dxgi_format(fields[kFormat]);
-  layout.size = static_cast<int>(fields[kWidth]);
+  settle_texture(file, layout, fields[kWidth], fields[kHeight], levels, cube ? 6 : 1, fields[kArraySize], element);
   layout.levels.resize(levels);
-  std::uint64_t place = kDdsFirstTexel;
-  for (std::size_t face = 0; face < 6; ++face) {
+  std::uint64_t chain = 0;  // of a face
+  for (std::uint32_t level = 0; level < levels; ++level) chain += layout.face_bytes(static_cast<int>(level));
+  const auto faces = static_cast<std::size_t>(layout.faces());
+  std::uint64_t place = kDdsFirstTexel + chain * faces * static_cast<std::uint64_t>(element);
+  for (std::size_t face = 0; face < faces; ++face) {
     for (std::uint32_t level = 0; level < levels; ++level) {
       layout.levels[level].faces[face] = place;
-      place += level_bytes(layout.kind, layout.level_size(static_cast<int>(level))) / 6;
+      place += layout.face_bytes(static_cast<int>(level));
     }
   }
+  place += chain * faces * static_cast<std::uint64_t>(layout.elements - 1 - element);
   if (place > file.size()) {
     refuse(file, ErrorCode::corrupt_file,
            "ends too early: its levels end at " + std::to_string(place) + ", the file has " +

@@ -27,6 +27,10 @@ constexpr std::array kVulkanFormats{
     VulkanFormat{TexelKind::e5b9g9r9, 123},     // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
     VulkanFormat{TexelKind::rgba8, 37},         // VK_FORMAT_R8G8B8A8_UNORM
     VulkanFormat{TexelKind::rgba8_srgb, 43},    // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::rgb8, 23},          // VK_FORMAT_R8G8B8_UNORM
+    VulkanFormat{TexelKind::rgb8_srgb, 29},     // VK_FORMAT_R8G8B8_SRGB
+    VulkanFormat{TexelKind::rgb16f, 90},        // VK_FORMAT_R16G16B16_SFLOAT
+    VulkanFormat{TexelKind::rgb32f, 106},       // VK_FORMAT_R32G32B32_SFLOAT
     VulkanFormat{TexelKind::bc6h_ufloat, 143},  // VK_FORMAT_BC6H_UFLOAT_BLOCK
     VulkanFormat{TexelKind::bc6h_sfloat, 144},  // VK_FORMAT_BC6H_SFLOAT_BLOCK
 };
@@ -106,10 +110,14 @@ std::optional<TexelKind> kind_of_vulkan_format(std::uint32_t format) noexcept {
 
 std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
   switch (kind) {
+    case TexelKind::rgb16f:
     case TexelKind::rgba16f: return 2;
+    case TexelKind::rgb32f:
     case TexelKind::rgba32f:
     case TexelKind::b10g11r11:
     case TexelKind::e5b9g9r9: return 4;
+    case TexelKind::rgb8:
+    case TexelKind::rgb8_srgb:
     case TexelKind::rgba8:
     case TexelKind::rgba8_srgb:
     case TexelKind::bc6h_ufloat:
@@ -182,7 +190,7 @@ Header read_header(platform::ByteFile& file) {
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(kKtx2Identifier.size(), file.size()));
   file.read(bytes.data(), known);
   if (std::memcmp(bytes.data(), kKtx2Identifier.data(), known) != 0) {
-    refuse(file, ErrorCode::unsupported_file, "is a KTX texture, but not of version 2.0; convert it (ktx2ktx2)");
+    refuse(file, ErrorCode::unsupported_file, "is a KTX texture, but neither of version 1 nor of 2.0");
   }
   file.read(bytes.data() + known, bytes.size() - known);
   const auto field = [&bytes](std::size_t index) {
@@ -193,18 +201,12 @@ Header read_header(platform::ByteFile& file) {
 }
 
 void check_kind(const platform::ByteFile& file, const Header& header) {
-  if (header.faces != 6) {
-    refuse(file, ErrorCode::unsupported_file,
-           "has " + std::to_string(header.faces) + (header.faces == 1 ? " face" : " faces") +
-               "; cubemaps, with six, are read");
-  }
-  if (header.depth > 1 || header.layers > 1) {
-    refuse(file, ErrorCode::unsupported_file, "is a volume or an array of cubemaps; save one cubemap alone");
-  }
+  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a volume; cubemaps and pictures are read");
   if (!kind_of_vulkan_format(header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, b10g11r11, e5b9g9r9, bc6h and rgba8 (unorm, srgb) are");
+               " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, rgba8 and rgb8 (unorm, "
+               "srgb) are");
   }
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
@@ -238,7 +240,7 @@ TextureLayout::Level read_level(const platform::ByteFile& file, const TextureLay
   const std::string what = "level " + std::to_string(level);
   require_inside(file, what.c_str(), offset, bytes);
   const bool packed = layout.supercompression != Supercompression::none;
-  const std::uint64_t wanted = level_bytes(layout.kind, layout.level_size(level));
+  const std::uint64_t wanted = layout.whole_bytes(level);
   if (unpacked != wanted || (!packed && bytes != wanted)) {
     refuse(file, ErrorCode::corrupt_file,
            "its " + what + " has " + std::to_string(packed ? unpacked : bytes) + " bytes; its size and format take " +
@@ -252,20 +254,23 @@ TextureLayout::Level read_level(const platform::ByteFile& file, const TextureLay
   TextureLayout::Level found;
   found.first_byte = offset;
   found.packed_bytes = bytes;
-  for (std::size_t face = 0; !packed && face < 6; ++face) found.faces[face] = offset + face * (wanted / 6);
+  for (int face = 0; !packed && face < layout.faces(); ++face)
+    found.faces[static_cast<std::size_t>(face)] = offset + layout.first_byte_of(level, face);
   return found;
 }
 
-/// Keys with their values; a text's closing zero is left out. Entries after one that makes no sense are an error.
-std::map<std::string, std::string> read_metadata(platform::ByteFile& file, const Header& header) {
-  require_inside(file, "key/value data", header.metadata_offset, header.metadata_bytes);
-  if (header.metadata_bytes > kMostMetadataBytes) {
+}  // namespace
+
+std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
+                                                   std::uint64_t bytes_there) {
+  require_inside(file, "key/value data", offset, bytes_there);
+  if (bytes_there > kMostMetadataBytes) {
     refuse(file, ErrorCode::limit_exceeded,
-           "has " + std::to_string(header.metadata_bytes) + " bytes of key/value data, above the limit of " +
+           "has " + std::to_string(bytes_there) + " bytes of key/value data, above the limit of " +
                std::to_string(kMostMetadataBytes) + "; save it without");
   }
-  std::vector<char> bytes(header.metadata_bytes);
-  file.seek(header.metadata_offset);
+  std::vector<char> bytes(bytes_there);
+  file.seek(offset);
   file.read(bytes.data(), bytes.size());
   std::map<std::string, std::string> metadata;
   for (std::size_t place = 0; place + 4 <= bytes.size();) {
@@ -288,19 +293,15 @@ std::map<std::string, std::string> read_metadata(platform::ByteFile& file, const
   return metadata;
 }
 
-}  // namespace
-
-TextureLayout read_ktx2_layout(platform::ByteFile& file) {
+TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const Header header = read_header(file);
   check_kind(file, header);
   const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
-  check_cubemap_sizes(file, header.width, header.height, levels);
-
   TextureLayout layout;
   layout.container = FileFormat::ktx2;
   layout.kind = *kind_of_vulkan_format(header.format);
   layout.supercompression = *supercompression_of_ktx2(header.scheme);
-  layout.size = static_cast<int>(header.width);
+  settle_texture(file, layout, header.width, header.height, levels, header.faces, header.layers, element);
   std::vector<std::uint8_t> index(kKtx2LevelIndexBytes * levels);
   file.read(index.data(), index.size());
   for (std::uint32_t level = 0; level < levels; ++level) {
@@ -309,7 +310,7 @@ TextureLayout read_ktx2_layout(platform::ByteFile& file) {
   }
   require_inside(file, "data format descriptor", header.descriptor_offset, header.descriptor_bytes);
   layout.has_metadata = true;
-  layout.metadata = read_metadata(file, header);
+  layout.metadata = read_key_values(file, header.metadata_offset, header.metadata_bytes);
   return layout;
 }
 
@@ -475,29 +476,43 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   return clamped + encoder.clamped();
 }
 
+namespace {
+
+/// A picture's texels as they lie in the file, unpacked.
+Bytes texels_of(const LatLongView& picture, const PictureJob& job, TexelEncoder& encoder) {
+  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * texel_bytes(kind_of(job.options.format));
+  Bytes texels(row_bytes * static_cast<std::size_t>(picture.height));
+  for (int row = 0; row < picture.height; ++row) {
+    report_share(job.control, 0.1 * row / picture.height);
+    encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
+  }
+  return texels;
+}
+
+}  // namespace
+
 std::uint64_t write_ktx2(const PictureJob& job) {
   const TextureOptions& options = job.options;
-  const LatLongView& picture = job.picture;
-  const std::uint64_t unpacked = static_cast<std::uint64_t>(picture.width) *
-                                 static_cast<std::uint64_t>(picture.height) * texel_bytes(kind_of(options.format));
+  std::vector<LatLongView> levels{job.picture};
+  levels.insert(levels.end(), job.smaller.begin(), job.smaller.end());
   TexelEncoder encoder(options.format);
-  Bytes packed;
-  if (options.supercompression != Supercompression::none) {
-    Bytes texels(unpacked);
-    const std::size_t row_bytes = texels.size() / static_cast<std::size_t>(picture.height);
-    for (int row = 0; row < picture.height; ++row) {
-      report_share(job.control, 0.1 * row / picture.height);
-      encoder.encode(picture, row, 1, texels.data() + row_bytes * static_cast<std::size_t>(row));
-    }
-    packed = pack(options.supercompression, texels, job.control.stop);
+  std::vector<Bytes> packed;
+  std::vector<Place> places;
+  for (const LatLongView& level : levels) {
+    const std::uint64_t unpacked = static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height) *
+                                   texel_bytes(kind_of(options.format));
+    if (options.supercompression != Supercompression::none)
+      packed.push_back(pack(options.supercompression, texels_of(level, job, encoder), job.control.stop));
+    places.push_back({0, packed.empty() ? unpacked : packed.back().size(), unpacked});
   }
-  std::vector<Place> places{{0, packed.empty() ? unpacked : packed.size(), unpacked}};
-  write_header(job.file, {picture.width, picture.height, 1}, options, places);
-  write_padding(job.file, places.front().offset);
-  if (packed.empty()) {
-    write_picture(job, encoder);
-  } else {
-    job.file.write(packed.data(), packed.size());
+  write_header(job.file, {job.picture.width, job.picture.height, 1}, options, places);
+  for (std::size_t level = levels.size(); level-- > 0;) {
+    write_padding(job.file, places[level].offset);
+    if (packed.empty()) {
+      write_picture({job.file, levels[level], options, job.control}, encoder);
+    } else {
+      job.file.write(packed[level].data(), packed[level].size());
+    }
   }
   return encoder.clamped();
 }

@@ -140,6 +140,7 @@ const char* name(FileFormat format) noexcept {
     case FileFormat::png: return "PNG";
     case FileFormat::ktx2: return "KTX2";
     case FileFormat::dds: return "DDS";
+    case FileFormat::ktx1: return "KTX";
     case FileFormat::babylon: return "Babylon.js .env";
   }
   return "unknown";
@@ -229,6 +230,15 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
   }
 }
 
+void require_level(const EnvironmentInfo& info, int levels, int level) {
+  if (level >= 0 && level < levels) return;
+  throw platform::file_error(
+      ErrorCode::unsupported_file, info.path,
+      "has no level " + std::to_string(level) + "; it has " +
+          (levels == 1 ? "one, level 0: leave --level out"
+                       : std::to_string(levels) + ": pass --level 0 to " + std::to_string(levels - 1)));
+}
+
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options) {
   if (options.layout != Layout::automatic && options.layout != Layout::vertical_strip) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,
@@ -236,13 +246,7 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
                                    name(info.format) +
                                    " holds six faces, read as a vertical strip; leave --layout out");
   }
-  if (options.level < 0 || options.level >= levels) {
-    throw platform::file_error(
-        ErrorCode::unsupported_file, info.path,
-        "has no level " + std::to_string(options.level) + "; it has " +
-            (levels == 1 ? "one, level 0: leave --level out"
-                         : std::to_string(levels) + ": pass --level 0 to " + std::to_string(levels - 1)));
-  }
+  require_level(info, levels, options.level);
   for (int level = 0; level < levels; ++level) {
     const int edge = std::max(1, size >> level);
     info.levels.push_back({edge, 6 * edge});

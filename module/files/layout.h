@@ -97,6 +97,9 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
 
 // What the sources of cubemaps with levels share: KTX2, DDS, .env.
 
+/// Throws `Error` (unsupported_file) for a level that is not there. Needs `info.path`.
+void require_level(const EnvironmentInfo& info, int levels, int level);
+
 /// Fills in layout and sizes for a file whose format says that it holds six faces: a vertical strip of the level that
 /// was asked for. `size`: texels along an edge of level 0. Needs `info.path` and `info.format`. Throws `Error`:
 /// unsupported_file for another layout, or a level that is not there.

@@ -53,7 +53,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
                                                          : "is no picture or texture that Welkin reads";
   throw platform::file_error(
       ErrorCode::unsupported_file, path,
-      found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, DDS and .env are read: convert it");
+      found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, KTX, DDS and .env are read: convert it");
 }
 
 }  // namespace

@@ -73,10 +73,11 @@ void note_discarded(StoredEnvironment& stored, const std::string& text) {
 
 void look_into_texture(StoredEnvironment& stored) {
   platform::ByteFile file = files::open_file(stored.input);
-  const files::TextureLayout layout = files::read_texture_layout(file);
+  const files::TextureLayout layout = files::read_texture_layout(file, stored.read.element);
+  if (layout.faces() != 6) return;
   stored.levels = static_cast<int>(layout.levels.size());
   stored.compressed = layout.supercompression != Supercompression::none;
-  if (!layout.has_metadata) return;  // DDS: it cannot be told
+  if (!layout.has_metadata || layout.container == FileFormat::ktx1) return;  // it cannot be told
   stored.content = LevelContent::radiance;
   for (const auto& [key, value] : layout.metadata) {
     if (!files::speaks_of_roughness(key)) continue;
@@ -114,7 +115,8 @@ StoredEnvironment probe_environment(const FileInput& input, const ReadOptions& r
                           : SourceShape{false, info.width, info.height, PixelFormat::rgb32f};
   stored.compressed = info.format != FileFormat::pfm && info.compression != "none";
   if (info.format == FileFormat::babylon) look_into_env(stored);
-  if (info.format == FileFormat::ktx2 || info.format == FileFormat::dds) look_into_texture(stored);
+  if (info.format == FileFormat::ktx2 || info.format == FileFormat::ktx1 || info.format == FileFormat::dds)
+    look_into_texture(stored);
   if (content != LevelContent::automatic && stored.levels > 1) {
     if (content != LevelContent::reflections && !stored.roughness.empty()) {
       stored.info.notes.emplace_back("its roughness is not used: its levels are to be taken for no reflections");

@@ -48,6 +48,10 @@ const char* name(TexelKind kind) noexcept {
     case TexelKind::rgba8_srgb: return "rgba8 srgb";
     case TexelKind::bc6h_ufloat: return "bc6h ufloat";
     case TexelKind::bc6h_sfloat: return "bc6h sfloat";
+    case TexelKind::rgb16f: return "rgb16f";
+    case TexelKind::rgb32f: return "rgb32f";
+    case TexelKind::rgb8: return "rgb8";
+    case TexelKind::rgb8_srgb: return "rgb8 srgb";
   }
   return "unknown";
 }
@@ -56,6 +60,9 @@ bool is_compressed(TexelKind kind) noexcept { return kind == TexelKind::bc6h_ufl
 
 std::size_t texel_bytes(TexelKind kind) noexcept {
   if (kind == TexelKind::rgba16f) return 8;
+  if (kind == TexelKind::rgb16f) return 6;
+  if (kind == TexelKind::rgb32f) return 12;
+  if (kind == TexelKind::rgb8 || kind == TexelKind::rgb8_srgb) return 3;
   return kind == TexelKind::rgba32f || is_compressed(kind) ? 16 : 4;
 }
 
@@ -85,6 +92,10 @@ void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count
     case TexelKind::rgba32f: return image::decode_texels(PixelFormat::rgba32f, texels, whole, rgb);
     case TexelKind::rgba8: return image::decode_texels(PixelFormat::rgba8, texels, whole, rgb);
     case TexelKind::rgba8_srgb: return image::decode_texels(PixelFormat::srgba8, texels, whole, rgb);
+    case TexelKind::rgb16f: return image::decode_texels(PixelFormat::rgb16f, texels, whole, rgb);
+    case TexelKind::rgb32f: return image::decode_texels(PixelFormat::rgb32f, texels, whole, rgb);
+    case TexelKind::rgb8: return image::decode_texels(PixelFormat::rgb8, texels, whole, rgb);
+    case TexelKind::rgb8_srgb: return image::decode_texels(PixelFormat::srgb8, texels, whole, rgb);
     case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
     case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
     case TexelKind::bc6h_ufloat:
@@ -96,7 +107,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-std::string_view first_bytes(platform::ByteFile& file, std::array<char, 5>& buffer) {
+std::string_view first_bytes(platform::ByteFile& file, std::array<char, 7>& buffer) {
   file.seek(0);
   const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.size());
   file.read(buffer.data(), count);
@@ -105,6 +116,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 5>& buff
 }
 
 bool is_ktx(std::string_view start) { return start.starts_with("\xabKTX "sv); }
+bool is_ktx1(std::string_view start) { return start.starts_with("\xabKTX 11"sv); }
 bool is_dds(std::string_view start) { return start.starts_with("DDS "sv); }
 
 }  // namespace
@@ -119,18 +131,60 @@ const char* name(Supercompression supercompression) noexcept {
 }
 
 bool is_texture(platform::ByteFile& file) {
-  std::array<char, 5> buffer{};
+  std::array<char, 7> buffer{};
   const std::string_view start = first_bytes(file, buffer);
   return is_ktx(start) || is_dds(start);
 }
 
-TextureLayout read_texture_layout(platform::ByteFile& file) {
-  std::array<char, 5> buffer{};
+TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
+  std::array<char, 7> buffer{};
   const std::string_view start = first_bytes(file, buffer);
-  if (is_ktx(start)) return read_ktx2_layout(file);
-  if (is_dds(start)) return read_dds_layout(file);
+  if (is_ktx1(start)) return read_ktx1_layout(file, element);
+  if (is_ktx(start)) return read_ktx2_layout(file, element);
+  if (is_dds(start)) return read_dds_layout(file, element);
   throw platform::file_error(ErrorCode::unsupported_file, file.path(),
                              "is neither a KTX2 nor a DDS texture by its first bytes");
+}
+
+void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
+                    std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element) {
+  constexpr std::uint32_t most_elements = 65536;
+  const auto refuse = [&file](ErrorCode code, const std::string& message) {
+    throw platform::file_error(code, file.path(), message);
+  };
+  if (faces != 6 && faces != 1)
+    refuse(ErrorCode::corrupt_file, "has " + std::to_string(faces) + " faces; a cubemap has six and a picture one");
+  const std::uint32_t count = std::max(elements, 1U);
+  if (count > most_elements) {
+    refuse(ErrorCode::unsupported_file, "is an array of " + std::to_string(elements) + "; up to " +
+                                            std::to_string(most_elements) + " elements are read");
+  }
+  if (element < 0 || static_cast<std::uint32_t>(element) >= count) {
+    refuse(ErrorCode::unsupported_file, "has no element " + std::to_string(element) +
+                                            (count == 1 ? ": it is no array; leave --element out"
+                                                        : "; it has " + std::to_string(count) +
+                                                              ": pass --element 0 to " + std::to_string(count - 1)));
+  }
+  if (faces == 6) {
+    check_cubemap_sizes(file, width, height, levels);
+  } else {
+    const std::string shape = std::to_string(width) + " x " + std::to_string(height);
+    if (width < 1 || height < 1 || width > static_cast<std::uint64_t>(kMaximumWidth) ||
+        height > static_cast<std::uint64_t>(kMaximumHeight)) {
+      refuse(ErrorCode::unsupported_file, "has " + shape + " texels; pictures from 1 x 1 to " +
+                                              std::to_string(kMaximumWidth) + " x " + std::to_string(kMaximumHeight) +
+                                              " are read");
+    }
+    const int most = full_chain_levels(static_cast<int>(std::max(width, height)));
+    if (levels < 1 || levels > static_cast<std::uint64_t>(most)) {
+      refuse(ErrorCode::corrupt_file, "says that it has " + std::to_string(levels) + " levels; from " + shape +
+                                          " texels down there can be 1 to " + std::to_string(most));
+    }
+    layout.height = static_cast<int>(height);
+  }
+  layout.size = static_cast<int>(width);
+  layout.elements = static_cast<int>(count);
+  layout.element = element;
 }
 
 void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
@@ -227,7 +281,7 @@ void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, 
 std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
   const int size = layout.level_size(level);
   const auto& place = layout.levels[static_cast<std::size_t>(level)];
-  if (layout.supercompression != Supercompression::none) return level_bytes(layout.kind, size) + place.packed_bytes;
+  if (layout.supercompression != Supercompression::none) return layout.whole_bytes(level) + place.packed_bytes;
   // Rows of blocks reach beyond the rows that are read, at either end.
   return place_of_rows(layout.kind, size, 0, rows + (is_compressed(layout.kind) ? image::kBlockEdge : 0)).bytes;
 }
@@ -238,7 +292,7 @@ void TextureReader::unpack_level(int level) {
   std::vector<std::uint8_t> packed(place.packed_bytes);
   file_.seek(place.first_byte);
   file_.read(packed.data(), packed.size());
-  texels_.resize(level_bytes(layout_.kind, layout_.level_size(level)));
+  texels_.resize(layout_.whole_bytes(level));
   unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
   unpacked_level_ = level;
 }
@@ -248,7 +302,7 @@ void TextureReader::read(int level, int face, int first_row, int rows, float* rg
   const RowPlace place = place_of_rows(layout_.kind, size, first_row, rows);
   if (layout_.supercompression != Supercompression::none) {
     if (unpacked_level_ != level) unpack_level(level);
-    const std::uint64_t first_byte = level_bytes(layout_.kind, size) / 6 * static_cast<std::uint64_t>(face);
+    const std::uint64_t first_byte = layout_.first_byte_of(level, face);
     decode_rows(layout_.kind, texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
     return;
   }
@@ -264,6 +318,13 @@ CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_b
   const platform::FloatingPointScope floating_point;
   platform::ByteFile file = files::open_file(input);
   const files::TextureLayout layout = files::read_texture_layout(file);
+  if (layout.faces() != 6 || layout.elements > 1) {
+    throw platform::file_error(ErrorCode::unsupported_file, input.path(),
+                               layout.faces() != 6
+                                   ? "is no cubemap, but a picture; read it as an environment (read_environment)"
+                                   : "is an array of " + std::to_string(layout.elements) +
+                                         " cubemaps; read one as an environment (ReadOptions::element)");
+  }
   const files::Tiles tiles(layout);
   const jobs::Placement placement = jobs::placement_for(std::int64_t{6} * layout.size * layout.size);
   const std::size_t workers = jobs::worker_count(placement);
@@ -293,15 +354,15 @@ constexpr int kStreamedRows = 16;
 class TextureRowReader final : public RowReader {
  public:
   TextureRowReader(const FileInput& input, const TextureLayout& layout, int level)
-      : reader_(input, layout), level_(level), size_(layout.level_size(level)) {}
+      : reader_(input, layout), level_(level), width_(layout.level_size(level)), rows_(layout.level_rows(level)) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const int end = first_row + row_count;
     for (int row = first_row; row < end;) {
-      const int face = row / size_;
-      const int rows = std::min({end - row, (face + 1) * size_ - row, kStreamedRows});
-      reader_.read(level_, face, row % size_, rows, rgb);
-      rgb += rgb_bytes(size_, rows) / sizeof(float);
+      const int face = row / rows_;
+      const int rows = std::min({end - row, (face + 1) * rows_ - row, kStreamedRows});
+      reader_.read(level_, face, row % rows_, rows, rgb);
+      rgb += rgb_bytes(width_, rows) / sizeof(float);
       row += rows;
     }
   }
@@ -309,7 +370,8 @@ class TextureRowReader final : public RowReader {
  private:
   TextureReader reader_;
   int level_;
-  int size_;
+  int width_;
+  int rows_;  ///< of a face
 };
 
 class TextureSource final : public RowSource {
@@ -319,10 +381,12 @@ class TextureSource final : public RowSource {
 
   [[nodiscard]] int natural_rows() const override {
     if (is_packed()) return info().height;
-    return is_compressed(layout_.kind) ? std::min(image::kBlockEdge, info().width) : 1;
+    return is_compressed(layout_.kind) ? std::min(image::kBlockEdge, layout_.level_rows(level_)) : 1;
   }
   [[nodiscard]] bool has_prefiltered_levels() const override {
-    if (!layout_.has_metadata) return true;  // DDS cannot say, and what tools for light write as DDS mostly is
+    if (layout_.faces() != 6) return false;
+    if (!layout_.has_metadata || layout_.container == FileFormat::ktx1)
+      return true;  // DDS cannot say, and what tools for light write as DDS mostly is
     return std::any_of(layout_.metadata.begin(), layout_.metadata.end(),
                        [](const auto& entry) { return speaks_of_roughness(entry.first); });
   }
@@ -347,11 +411,15 @@ class TextureSource final : public RowSource {
 ChannelType channel_type(TexelKind kind, std::size_t channel) {
   switch (kind) {
     case TexelKind::rgba16f:
+    case TexelKind::rgb16f:
     case TexelKind::bc6h_ufloat:
     case TexelKind::bc6h_sfloat: return ChannelType::half;
+    case TexelKind::rgb32f:
     case TexelKind::rgba32f: return ChannelType::float32;
     case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;
     case TexelKind::e5b9g9r9: return ChannelType::shared_exponent;
+    case TexelKind::rgb8:
+    case TexelKind::rgb8_srgb:
     case TexelKind::rgba8:
     case TexelKind::rgba8_srgb: return ChannelType::uint8;
   }
@@ -359,7 +427,8 @@ ChannelType channel_type(TexelKind kind, std::size_t channel) {
 }
 
 void list_channels(EnvironmentInfo& info, TexelKind kind) {
-  const bool alpha = kind != TexelKind::b10g11r11 && kind != TexelKind::e5b9g9r9 && !is_compressed(kind);
+  const bool alpha = kind == TexelKind::rgba16f || kind == TexelKind::rgba32f || kind == TexelKind::rgba8 ||
+                     kind == TexelKind::rgba8_srgb;
   constexpr std::array names{"R", "G", "B", "A"};
   for (std::size_t channel = 0; channel < (alpha ? 4U : 3U); ++channel) {
     info.channels.push_back({names[channel], channel_type(kind, channel)});
@@ -367,21 +436,35 @@ void list_channels(EnvironmentInfo& info, TexelKind kind) {
 }
 
 TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& info) {
-  if (kind != TexelKind::rgba8 && kind != TexelKind::rgba8_srgb) return kind;
+  const bool with_alpha = kind == TexelKind::rgba8 || kind == TexelKind::rgba8_srgb;
+  if (!with_alpha && kind != TexelKind::rgb8 && kind != TexelKind::rgb8_srgb) return kind;
   if (asked_for == Transfer::automatic) {
-    info.notes.emplace_back(kind == TexelKind::rgba8 ? "samples are taken as linear: the format says so"
-                                                     : "samples are taken as sRGB: the format says so");
+    info.notes.emplace_back(kind == TexelKind::rgba8 || kind == TexelKind::rgb8
+                                ? "samples are taken as linear: the format says so"
+                                : "samples are taken as sRGB: the format says so");
     return kind;
   }
   info.notes.emplace_back(asked_for == Transfer::linear ? "samples are taken as linear, as was asked for"
                                                         : "samples are taken as sRGB, as was asked for");
-  return asked_for == Transfer::linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
+  if (with_alpha) return asked_for == Transfer::linear ? TexelKind::rgba8 : TexelKind::rgba8_srgb;
+  return asked_for == Transfer::linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
+}
+
+/// Layout and sizes of a picture's level.
+void settle_picture(EnvironmentInfo& info, const TextureLayout& layout, const ReadOptions& options) {
+  const auto levels = static_cast<int>(layout.levels.size());
+  require_level(info, levels, options.level);
+  for (int level = 0; level < levels; ++level)
+    info.levels.push_back({layout.level_size(level), layout.level_rows(level)});
+  info.width = layout.level_size(options.level);
+  info.height = layout.level_rows(options.level);
+  decide_layout(info, options.layout, std::nullopt);
 }
 
 }  // namespace
 
 std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options) {
-  TextureLayout layout = read_texture_layout(file);
+  TextureLayout layout = read_texture_layout(file, options.element);
   EnvironmentInfo info;
   info.path = file.path();
   info.format = layout.container;
@@ -389,9 +472,19 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
   info.storage = name(layout.kind);
   layout.kind = with_transfer(layout.kind, options.transfer, info);
   list_channels(info, layout.kind);
-  settle_cube(info, layout.size, static_cast<int>(layout.levels.size()), options);
+  if (layout.faces() == 6) {
+    settle_cube(info, layout.size, static_cast<int>(layout.levels.size()), options);
+  } else {
+    settle_picture(info, layout, options);
+  }
+  if (layout.elements > 1) {
+    info.notes.push_back("element " + std::to_string(layout.element) + " of an array of " +
+                         std::to_string(layout.elements));
+  }
   const auto orientation = layout.metadata.find("KTXorientation");
-  if (orientation != layout.metadata.end() && orientation->second != "rd") {
+  const bool usual = orientation == layout.metadata.end() || orientation->second == "rd" ||
+                     orientation->second.starts_with("S=r,T=d");  // of the first version
+  if (!usual) {
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
                          "\" is not applied: rows are taken from the top");
   }

@@ -85,6 +85,10 @@ void check_options(const std::filesystem::path& path, const Container& container
 
 }  // namespace
 
+void check_texture_options(const std::filesystem::path& path, const TextureOptions& options) {
+  check_options(path, container_of(path), options);
+}
+
 std::optional<Bc6hCubemap> compressed(const TextureJob& job) {
   if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
   return encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat},

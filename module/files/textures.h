@@ -58,8 +58,21 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
-/// What is read; all but rgba8 is what is written (`TexelFormat`).
-enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb, bc6h_ufloat, bc6h_sfloat };
+/// What is read; of that `TexelFormat` is what is written.
+enum class TexelKind {
+  rgba16f,
+  rgba32f,
+  b10g11r11,
+  e5b9g9r9,
+  rgba8,
+  rgba8_srgb,
+  bc6h_ufloat,
+  bc6h_sfloat,
+  rgb16f,
+  rgb32f,
+  rgb8,
+  rgb8_srgb,
+};
 
 [[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
 
@@ -69,17 +82,18 @@ enum class TexelKind { rgba16f, rgba32f, b10g11r11, e5b9g9r9, rgba8, rgba8_srgb,
 /// Whether texels lie in blocks of 4 x 4, of 16 bytes each.
 [[nodiscard]] bool is_compressed(TexelKind kind) noexcept;
 
-/// 4, 8 or 16; of a block 16.
+/// 3 to 16; of a block 16.
 [[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
 
-/// What holds some rows of a face, whole blocks of it.
+/// What holds some rows of a face or picture, whole blocks of it; `size`: texels in a row.
 struct RowPlace {
   std::uint64_t first_byte;  ///< from the face's first one
   std::uint64_t bytes;
 };
 [[nodiscard]] RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept;
 
-/// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4.
+/// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8:
+/// any).
 void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
 
 /// Bytes of a level of six faces; `size` up to 16384.
@@ -138,23 +152,45 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 
-/// What a header says. Every place lies inside the file, and every level has the bytes that its size takes.
+/// What a header says: of a cubemap, or of a picture (as a lat-long is). Of an array of them it says where one element
+/// lies. Every place lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
     std::array<std::uint64_t, 6> faces{};  ///< first bytes, in the file; not of a supercompressed level
-    std::uint64_t first_byte = 0;          ///< of a supercompressed level, whose six faces unpack together
+    std::uint64_t first_byte = 0;          ///< of a supercompressed level, all of which unpacks together
     std::uint64_t packed_bytes = 0;
   };
 
   FileFormat container = FileFormat::ktx2;  ///< or dds
   TexelKind kind = TexelKind::rgba16f;
   Supercompression supercompression = Supercompression::none;
-  int size = 0;               ///< texels along an edge of level 0
+  int size = 0;               ///< texels along an edge of level 0; of a picture in a row
+  int height = 0;             ///< rows of a picture's level 0; 0: this is a cubemap
+  int elements = 1;           ///< of an array
+  int element = 0;            ///< of those the one whose places these are
   std::vector<Level> levels;  ///< largest first
   bool has_metadata = false;  ///< whether the container has a place for it
   std::map<std::string, std::string> metadata;
 
   [[nodiscard]] int level_size(int level) const noexcept { return size >> level > 1 ? size >> level : 1; }
+  [[nodiscard]] int faces() const noexcept { return height > 0 ? 1 : 6; }
+  /// Rows of a face, or of the picture.
+  [[nodiscard]] int level_rows(int level) const noexcept {
+    if (height == 0) return level_size(level);
+    return height >> level > 1 ? height >> level : 1;
+  }
+  /// Bytes of a face, or of the picture.
+  [[nodiscard]] std::uint64_t face_bytes(int level) const noexcept {
+    return place_of_rows(kind, level_size(level), 0, level_rows(level)).bytes;
+  }
+  /// Bytes of all elements' faces.
+  [[nodiscard]] std::uint64_t whole_bytes(int level) const noexcept {
+    return face_bytes(level) * static_cast<std::uint64_t>(faces()) * static_cast<std::uint64_t>(elements);
+  }
+  /// Within those, of a face of the element.
+  [[nodiscard]] std::uint64_t first_byte_of(int level, int face) const noexcept {
+    return face_bytes(level) * static_cast<std::uint64_t>(element * faces() + face);
+  }
 };
 
 /// "none", "zlib", "zstd"
@@ -162,12 +198,23 @@ struct TextureLayout {
 
 /// Read a header and check it whole; no texel is read. The file stands at its beginning. Throw `Error`:
 /// corrupt_file, unsupported_file, file_access.
-[[nodiscard]] TextureLayout read_ktx2_layout(platform::ByteFile& file);
-[[nodiscard]] TextureLayout read_dds_layout(platform::ByteFile& file);
+[[nodiscard]] TextureLayout read_ktx2_layout(platform::ByteFile& file, int element = 0);
+[[nodiscard]] TextureLayout read_ktx1_layout(platform::ByteFile& file, int element = 0);
+[[nodiscard]] TextureLayout read_dds_layout(platform::ByteFile& file, int element = 0);
 
 /// Of either, by the first bytes; unsupported_file if it is neither.
-[[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file);
+[[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file, int element = 0);
 [[nodiscard]] bool is_texture(platform::ByteFile& file);
+
+/// KTX's key/value data, of both versions: keys with their values; a text's closing zero is left out. Entries after one
+/// that makes no sense are an error. Throws `Error` (corrupt_file, limit_exceeded, file_access).
+[[nodiscard]] std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
+                                                                 std::uint64_t bytes);
+
+/// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
+/// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
+void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
+                    std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element);
 
 /// Throws unsupported_file unless a header's sizes are those of a cubemap from 1 to 16384 texels, whole or not.
 void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, std::uint64_t height,
@@ -200,7 +247,8 @@ class TextureReader {
 
 // KTX2 and DDS cubemaps as rows.
 
-/// A file that `is_texture`. Its six faces are those of `CubemapView` and come as a vertical strip. Packed levels are
+/// A file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; a picture holds the
+/// sphere as its shape or the options say. Packed levels are
 /// unpacked whole. 8-bit texels are linear or sRGB as the format says, or as ReadOptions.transfer has it. Throws as
 /// `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options);
@@ -231,6 +279,7 @@ struct PictureJob {
   const LatLongView& picture;  ///< any picture: rows, not directions
   const TextureOptions& options;
   const Control& control;
+  std::span<const LatLongView> smaller{};  ///< levels below it, each half the one before: of KTX2 alone
 };
 
 /// The job's levels as BC6H, if that is its format: nine tenths of the work, which is said to the job's control.
@@ -286,5 +335,8 @@ void write_face(platform::WholeFile& file, const CubemapView& view, int face, Te
 
 /// Writes a picture likewise.
 void write_picture(const PictureJob& job, TexelEncoder& encoder);
+
+/// Throws `Error` (invalid_argument, unsupported_file) for options that a .ktx2 or .dds at the path cannot hold.
+void check_texture_options(const std::filesystem::path& path, const TextureOptions& options);
 
 }  // namespace welkin::files

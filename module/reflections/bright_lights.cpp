@@ -20,7 +20,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
-constexpr double kLost = 5e-6;    ///< of the lights' field, at least: float sums, and what the truth itself errs
+constexpr double kKernelHorizon = 0.1 / 16.0;  ///< the same through a kernel, where a part is looked at in 16 places
+constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 
 double norm(const std::array<double, 3>& colour) {
@@ -53,22 +54,46 @@ double BrightLights::error(double alpha) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
+double BrightLights::error(const ZonalShape& kernel) const {
+  if (nodes_.empty()) return 0.0;
+  const double horizon = kKernelHorizon * kernel.peak() / kernel.scale() * norm(cut_);
+  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(kernel.square() / (4.0 * kPi));
+  return std::sqrt(horizon * horizon + merged * merged);
+}
+
 /// Some texels of a face that lie together.
 struct BrightLights::Block {
   std::array<double, 3> centre{};
   double radius = 0.0;
   double far = kFar;
   double width_squared = 0.0;  ///< of the lobe: it has its poles at such distances, squared and negative
+  double most_merged = 0.0;    ///< through a kernel, whatever the distance: the radius over which it is all but a
+                               ///< polynomial
+  bool by_kernel = false;
+  double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
+  double farthest = 2.0;
+  bool horizon = true;  ///< whether nothing comes from below it
 
   enum class Sight { below, cut, above };
 
   /// n.s is at least that of the two centres less both radii.
   [[nodiscard]] Sight sight_of(const Node& node) const noexcept {
+    if (!horizon) return Sight::above;
     const double between = centre[0] * node.centre[0] + centre[1] * node.centre[1] + centre[2] * node.centre[2];
     const double margin = radius + node.radius;
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
   }
+  [[nodiscard]] bool unseen(const Node& node) const noexcept {
+    if (!by_kernel) return false;
+    const double x = centre[0] - node.centre[0];
+    const double y = centre[1] - node.centre[1];
+    const double z = centre[2] - node.centre[2];
+    const double distance = std::sqrt(x * x + y * y + z * z);
+    const double margin = radius + node.radius;
+    return distance + margin < nearest || distance - margin > farthest;
+  }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
+    if (by_kernel) return node.merged <= most_merged;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -170,7 +195,8 @@ void BrightLights::make_rooms() {
   rooms_ = std::make_shared<Rooms>(jobs::worker_count(jobs::Placement::arena), (nodes_.size() + 1) / 2);
 }
 
-BrightLights::Block BrightLights::block_of(const Area& area, double alpha) const {
+BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& lobe) const {
+  constexpr double kOfScale = 0.8;  // four Gauss points over a bell of 1.3 standard deviations each side: 3e-4
   Block block;
   const glm::dvec3 middle = image::face_direction(area.size, area.face, 0.5 * (area.column + area.end_column),
                                                   0.5 * (area.row + area.end_row));
@@ -183,7 +209,14 @@ BrightLights::Block BrightLights::block_of(const Area& area, double alpha) const
   }
   block.radius += 1e-6;
   block.far = far_;
-  block.width_squared = 4.0 * alpha * alpha / std::max(1e-6, 1.0 - alpha * alpha);
+  block.width_squared = 4.0 * lobe.alpha * lobe.alpha / std::max(1e-6, 1.0 - lobe.alpha * lobe.alpha);
+  block.by_kernel = lobe.kernel != nullptr;
+  if (block.by_kernel) {
+    block.most_merged = kOfScale * lobe.kernel->scale();
+    block.horizon = lobe.kernel->hemisphere();
+    block.nearest = 2.0 * lobe.kernel->nearest();
+    block.farthest = 2.0 * lobe.kernel->farthest();
+  }
   return block;
 }
 
@@ -194,7 +227,7 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
     const Node& node = nodes_[static_cast<std::size_t>(index)];
     room.stack.pop_back();
     const Block::Sight sight = block.sight_of(node);
-    if (sight == Block::Sight::below) continue;
+    if (sight == Block::Sight::below || block.unseen(node)) continue;
     const bool leaf = node.children[0] < 0;
     const bool cut = sight == Block::Sight::cut;
     if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node)))) {
@@ -213,6 +246,10 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
 /// Adds the lights of `room`'s runs to an area's texels, packed RGB, and forgets them.
 void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.runs.empty() && room.parts.empty()) return;
+  if (lobe.kernel != nullptr) {
+    add_runs_by_kernel(area, *lobe.kernel, rgb, room);
+    return;
+  }
   const int across = area.end_column - area.column;
   const int texels = across * (area.end_row - area.row);
   const int count = (texels + kLobeTexels - 1) / kLobeTexels * kLobeTexels;
@@ -254,11 +291,63 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
   }
 }
 
+/// Texel by texel in double, as a kernel is a table. A part that the horizon cuts is looked at in 4 x 4 places.
+void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const {
+  constexpr int kPlaces = 4;
+  const KernelTable& table = kernel.table();
+  const auto towards = [&table](const glm::dvec3& normal, double x, double y, double z) {
+    x -= normal.x;
+    y -= normal.y;
+    z -= normal.z;
+    return table.at(0.5 * std::sqrt(x * x + y * y + z * z));
+  };
+  for (int row = area.row; row < area.end_row; ++row) {
+    for (int column = area.column; column < area.end_column; ++column) {
+      const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
+      std::array<double, 3> sum{};
+      const auto add = [&sum](const LobeLight& light, double weight) {
+        sum[0] += weight * static_cast<double>(light.red);
+        sum[1] += weight * static_cast<double>(light.green);
+        sum[2] += weight * static_cast<double>(light.blue);
+      };
+      for (const LobeRun& run : room.runs) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          const LobeLight& light = lights_[static_cast<std::size_t>(k)];
+          add(light, towards(normal, static_cast<double>(light.x), static_cast<double>(light.y),
+                             static_cast<double>(light.z)));
+        }
+      }
+      for (const LobeRun& run : room.parts) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          const CutLight& cut = cut_lights_[static_cast<std::size_t>(k)];
+          double weight = 0.0;
+          for (int place = 0; place < kPlaces * kPlaces; ++place) {
+            const int down = place / kPlaces;
+            const int across = place % kPlaces;
+            const double s = (2.0 * across + 1.0) / kPlaces - 1.0;
+            const double t = (2.0 * down + 1.0) / kPlaces - 1.0;
+            const auto at = [&](float middle, int axis) {
+              return static_cast<double>(middle) + s * static_cast<double>(cut.along[axis]) +
+                     t * static_cast<double>(cut.down[axis]);
+            };
+            weight += towards(normal, at(cut.light.x, 0), at(cut.light.y, 1), at(cut.light.z, 2));
+          }
+          add(cut.light, weight / (kPlaces * kPlaces));
+        }
+      }
+      float* const texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + column);
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<float>(static_cast<double>(texel[c]) + sum[c]);
+    }
+  }
+  room.runs.clear();
+  room.parts.clear();
+}
+
 void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   const bool parted = area.end_column - area.column > kPartEdge || area.end_row - area.row > kPartEdge;
   room.cut.clear();
   room.stack.push_back(0);
-  choose(block_of(area, lobe.alpha), !parted, room);
+  choose(block_of(area, lobe), !parted, room);
   add_runs(area, lobe, rgb, room);
   if (room.cut.empty()) return;
   for (int row = area.row; row < area.end_row; row += kPartEdge) {
@@ -270,7 +359,7 @@ void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* 
                       std::min(column + kPartEdge, area.end_column),
                       std::min(row + kPartEdge, area.end_row)};
       room.stack.assign(room.cut.rbegin(), room.cut.rend());
-      choose(block_of(part, lobe.alpha), true, room);
+      choose(block_of(part, lobe), true, room);
       add_runs(part, lobe, rgb, room);
     }
   }

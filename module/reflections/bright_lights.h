@@ -8,6 +8,7 @@
 
 #include "reflections/bright_texels.h"
 #include "reflections/lobe_kernels.h"
+#include "reflections/zonal_shape.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
@@ -26,7 +27,8 @@ struct PictureShape {
 /// What blurs lights.
 struct LightsLobe {
   double alpha = 1.0;
-  double far_split = 0.0;  ///< above 0: only the lobe's Gaussians below that t do, see `gaussian_spectrum`
+  double far_split = 0.0;              ///< above 0: only the lobe's Gaussians below that t do, see `gaussian_spectrum`
+  const ZonalShape* kernel = nullptr;  ///< not null: this and not GGX
 };
 
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
@@ -53,6 +55,8 @@ class BrightLights {
 
   /// Root mean square over the sphere of what they err, all channels together: at the horizon, and where merged.
   [[nodiscard]] double error(double alpha) const;
+  /// The same through a kernel.
+  [[nodiscard]] double error(const ZonalShape& kernel) const;
 
  private:
   friend class LightTree;
@@ -79,9 +83,10 @@ class BrightLights {
                                               double least_alpha) noexcept;
 
   void make_rooms();
-  [[nodiscard]] Block block_of(const Area& area, double alpha) const;
+  [[nodiscard]] Block block_of(const Area& area, const LightsLobe& lobe) const;
   void choose(const Block& block, bool to_parts, Room& room) const;
   void add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+  void add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const;
   void add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
 
   /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do

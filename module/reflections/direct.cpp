@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::size_t kBatch = 512;  ///< directions at a time: bounds the memory, 12 MiB of slots
 constexpr std::size_t kMostTiles = 1024;
+constexpr std::size_t kMostDirections = 10'000'000;
 
 /// One worker's room.
 struct Scratch {
@@ -112,14 +113,6 @@ glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm
   return projection::radiance_of(source.row(face * columns + row) + std::ptrdiff_t{3} * column);
 }
 
-}  // namespace welkin::reflections
-
-namespace welkin {
-namespace {
-
-constexpr std::size_t kMostDirections = 10'000'000;
-constexpr double kLeastAlpha = 1e-6;
-
 std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& directions) {
   if (directions.empty() || directions.size() > kMostDirections) {
     throw Error(ErrorCode::invalid_argument, std::to_string(directions.size()) + " directions; 1 to " +
@@ -137,6 +130,13 @@ std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& direction
   return units;
 }
 
+}  // namespace welkin::reflections
+
+namespace welkin {
+namespace {
+
+constexpr double kLeastAlpha = 1e-6;
+
 template <class View>
 std::vector<glm::dvec3> reference(const View& view, double roughness, const std::vector<glm::dvec3>& directions,
                                   const Control& control) {
@@ -144,7 +144,7 @@ std::vector<glm::dvec3> reference(const View& view, double roughness, const std:
   if (!(roughness >= 0.0 && roughness <= 1.0)) {
     throw Error(ErrorCode::invalid_argument, "roughness " + platform::number_text(roughness) + " is not from 0 to 1");
   }
-  const std::vector<glm::dvec3> units = unit_directions(directions);
+  const std::vector<glm::dvec3> units = reflections::unit_directions(directions);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
   const double alpha = roughness * roughness;
   if (alpha >= kLeastAlpha) return reflections::integrate_lobes(source, alpha, units, control);

@@ -20,6 +20,9 @@ namespace welkin::reflections {
 [[nodiscard]] glm::dvec3 radiance_towards(const projection::SanitizedSource& source,
                                           const glm::dvec3& direction) noexcept;
 
+/// A caller's directions, of length 1. Throws `Error` (invalid_argument) for none, too many, or one that has no length.
+[[nodiscard]] std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& directions);
+
 // How much of a lobe falls on each texel of a picture: the truth's inner part.
 
 /// A row's texels, so far as many directions share them.

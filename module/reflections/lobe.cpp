@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "math/elementary.h"
 #include "math/quadrature.h"
@@ -34,6 +35,14 @@ struct Rule {
   std::vector<double> weight;
 };
 
+/// Nodes without weight, up to a whole block.
+void fill_block(Rule& rule) {
+  while (rule.distance.size() % kBlock != 0) {
+    rule.distance.push_back(0.0);
+    rule.weight.push_back(0.0);
+  }
+}
+
 /// In s = sqrt(x / 2) = sin(theta / 2), dx = 4 s ds, the lobe has its poles at s = +- i alpha / sqrt(1 - alpha^2) and
 /// P_l oscillates evenly. So panels double in width from alpha on, and none is wider than 28 radians of the highest
 /// band's phase, which moves at most 2.83 l a unit of s: (e 14 / (4 x 20))^40 = 1e-13 of it is lost.
@@ -54,10 +63,7 @@ Rule make_rule(double alpha, int bands) {
     }
     from = to;
   }
-  while (rule.distance.size() % kBlock != 0) {
-    rule.distance.push_back(0.0);
-    rule.weight.push_back(0.0);
-  }
+  fill_block(rule);
   return rule;
 }
 
@@ -135,6 +141,12 @@ std::vector<double> lobe_spectrum(double alpha, int bands) {
       ->values;
 }
 
+std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands) {
+  Rule rule{std::move(distances), std::move(weights)};
+  fill_block(rule);
+  return moments(rule, bands);
+}
+
 std::vector<double> far_spectrum(double alpha, double split, int bands) {
   Rule rule = make_rule(alpha, std::max(bands, 8));
   const double whole = lobe_integral(alpha) / (2.0 * kPi);
@@ -175,15 +187,14 @@ constexpr int kLeastBands = 96;    ///< wide lobes: their kink at the horizon, n
 constexpr int kMostForKink = 512;  ///< where the bounds are tight
 constexpr int kStep = 8;           ///< bands are a multiple of it
 
-/// 1 up to the taper, then half a cosine down to 0 at `bands`.
-double taper(int l, int bands) {
+}  // namespace
+
+double taper(int l, int bands) noexcept {
   const double from = bands * (1.0 - kTaper);
   if (l <= from) return 1.0;
   const double share = (l - from) / (bands - from);
   return 0.5 + 0.5 * math::sine_cosine_of_turns(0.5 * share).cosine;
 }
-
-}  // namespace
 
 /// What the kink leaves falls with the bands; four more in `reach` are a fiftieth of the error.
 int bands_for(double alpha, double reach) noexcept {

@@ -28,6 +28,9 @@ inline constexpr double kGaussianStep = 0.8;
 /// e^(-l^2 / t) of each.
 [[nodiscard]] std::vector<double> gaussian_spectrum(double alpha, double least, int bands);
 
+/// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal kernel gives.
+[[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
+
 // How many harmonic bands a lobe needs, and how its spectrum ends.
 
 /// What one mip's synthesis multiplies bands by.
@@ -44,6 +47,9 @@ struct BandChoice {
 /// sphere, for ever longer than the lobe's own tail is dark.
 /// `most`: bands that may be used. alpha in (0, 1].
 [[nodiscard]] BandChoice choose_bands(double alpha, double reach, int most);
+
+/// 1 up to the last fifth of the bands, then half a cosine down to 0.
+[[nodiscard]] double taper(int l, int bands) noexcept;
 
 /// `reach` for error bounds; 9.25 for rms 1e-3 and maximum 1e-2, more for smaller ones.
 [[nodiscard]] double reach_for(double rms_error, double maximum_error) noexcept;

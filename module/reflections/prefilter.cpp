@@ -82,6 +82,21 @@ LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const C
   return rings;
 }
 
+Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
+               const Control& control) {
+  Rings rings;
+  rings.view = source.lat_long();
+  if (source.cubemap()) {
+    const CubemapImage rest{source.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source)};
+    rings.owned = sharp_rings_of_cubemap(bright.empty() ? source.cube() : rest.view(), rows, control);
+    rings.view = rings.owned.view();
+  } else if (!bright.empty()) {
+    rings.owned = {source.columns(), source.rows(), pixels_without(bright, source)};
+    rings.view = rings.owned.view();
+  }
+  return rings;
+}
+
 std::size_t cube_rings_bytes(int face_size, int rows) {
   const RingTableKey key{face_size, rows};
   if (RingTable::serves(key)) return RingTable::working_bytes(key) + RingTable::making_bytes(key);
@@ -164,6 +179,11 @@ void fill_level(const CubemapView& source, CubemapChain& chain, int level, const
 }
 
 namespace {
+
+/// Of a cubemap's rings.
+int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
+  return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
+}
 
 constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
 
@@ -278,31 +298,6 @@ void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const C
   mip.milliseconds = watch.milliseconds();
 }
 
-/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
-struct Rings {
-  LatLongView view{};
-  LatLongImage owned;  ///< holds the pixels where the caller's own would not do
-
-  [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
-};
-
-/// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on rings.
-Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
-               const PrefilterPlan& plan, const Control& control) {
-  Rings rings;
-  rings.view = source.lat_long();
-  if (source.cubemap()) {
-    const int rows = plan.rows_for_cubemap(source.columns());
-    const CubemapImage rest{source.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source)};
-    rings.owned = sharp_rings_of_cubemap(bright.empty() ? source.cube() : rest.view(), rows, control);
-    rings.view = rings.owned.view();
-  } else if (!bright.empty()) {
-    rings.owned = {source.columns(), source.rows(), pixels_without(bright, source)};
-    rings.view = rings.owned.view();
-  }
-  return rings;
-}
-
 template <class View>
 void Prefilter<View>::run_spectral(const Control& control) {
   const Stopwatch watch;
@@ -361,10 +356,9 @@ void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Con
 template <class View>
 void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Control& control) {
   const Stopwatch watch;
-  const std::size_t bringing =
-      source_.cubemap() ? cube_rings_bytes(source_.columns(), plan_.rows_for_cubemap(source_.columns())) : 0;
+  const std::size_t bringing = source_.cubemap() ? cube_rings_bytes(source_.columns(), rows_of(plan_, source_)) : 0;
   memory_.take(bringing);
-  Rings rings = rings_of(source_, texels, plan_, {control.stop, {}});
+  Rings rings = rings_of(source_, texels, rows_of(plan_, source_), {control.stop, {}});
   memory_.give_back(bringing);
   memory_.take(rings.bytes());
   note("rings", std::to_string(rings.view.height) + " of them", watch.milliseconds());
@@ -431,7 +425,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   } else {
     const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
-    rings = rings_of(source_, texels, plan_, {control.stop, {}});
+    rings = rings_of(source_, texels, rows_of(plan_, source_), {control.stop, {}});
     far.bright = BrightLights(texels, PictureShape::of(source_), kFarLights * sharpest, narrow_reach(plan_));
     far.bright_texels = static_cast<int>(texels.size());
   }

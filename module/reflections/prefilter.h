@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "projection/sanitized_pixels.h"
+#include "reflections/bright_texels.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -35,6 +37,18 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 
 /// What a transform takes for a cubemap: by a `RingTable`, or, where there is none, `rings_of_cubemap` sharpened.
 [[nodiscard]] LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
+struct Rings {
+  LatLongView view{};
+  LatLongImage owned;  ///< holds the pixels where the caller's own would not do
+
+  [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
+};
+
+/// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on `rows` rings.
+[[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
+                             int rows, const Control& control);
 
 /// A bound on what that takes beside the rings, a `RingTable` that has yet to be made included.
 [[nodiscard]] std::size_t cube_rings_bytes(int face_size, int rows);

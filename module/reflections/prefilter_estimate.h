@@ -28,6 +28,15 @@ struct SpectralSource {
 /// energy.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
+/// The same of a kernel: its spectrum, what degrees were multiplied by instead, and the rings of the synthesis.
+struct KernelFactors {
+  std::span<const double> kernel;  ///< of more degrees than `zonal`
+  std::span<const double> zonal;
+  int rings = 0;
+};
+[[nodiscard]] double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights,
+                                        double rms);
+
 /// As `spectral_rms_error`, of a mip that is a sum of texels. `of_weights`: `LobeErrors::rms`.
 [[nodiscard]] double summed_rms_error(int face_size, double of_weights, double of_lights, double rms);
 

@@ -93,6 +93,19 @@ ReducedRows::ReducedRows(const LatLongView& source, const ReducedShape& shape)
   std::fill_n(row(row_of_zeros()), row_floats_, 0.0F);
 }
 
+std::size_t ReducedRows::most_bytes(int width, int height, int bands, std::size_t workers) noexcept {
+  constexpr std::size_t kLine = 64;  // that a buffer begins on
+  const ReducedShape shape = reduced_shape(width, height, bands);
+  if (shape.rows == 0) return 0;
+  const auto count = [](int number) { return static_cast<std::size_t>(number); };
+  const std::size_t rows = 3 * count(shape.columns) * count(shape.rows + 2);
+  const std::size_t shares = 3 * count(height) * kStepShares;
+  const std::size_t strip = 3 * count(kStripColumns + 2 * margin_of(shape.halvings));
+  const std::size_t room = (kStepShares + 1) * ((strip + 15) / 16 * 16);
+  return sizeof(float) * (rows + shares + workers * room) + sizeof(int) * count(shape.rows + 1) +
+         (workers + 1) * (kLine + sizeof(Room));
+}
+
 void ReducedRows::find_shares() {
   const std::int64_t height = source_.height;
   const int equator = shape_.rows / 2;

@@ -55,6 +55,10 @@ class ReducedRows {
 
   [[nodiscard]] std::size_t bytes() const noexcept { return rows_.bytes(); }
 
+  /// What they take at most for such a source and so many bands, the shares of its rows and a room for each of
+  /// `workers` included; 0 where nothing is to be gained.
+  [[nodiscard]] static std::size_t most_bytes(int width, int height, int bands, std::size_t workers) noexcept;
+
  private:
   struct Room;
   struct Strip;

@@ -9,12 +9,15 @@
 #include <vector>
 
 #include "bake/baked.h"
+#include "jobs/tiles.h"
+#include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/random_environments.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
+#include "transform/row_reduction.h"
 #include "welkin/bake_file.h"
 #include "welkin/irradiance.h"
 #include "welkin/resampling.h"
@@ -230,6 +233,22 @@ void check_skipped(const Plan& plan, const std::string& pass, const std::string&
 }
 
 }  // namespace
+
+TEST_CASE("plan: rows that are brought to fewer count in the memory", "[bake][plan]") {
+  const SourceShape wide{false, 8192, 4096, PixelFormat::rgb32f};
+  BakeOptions options;
+  options.background.reset();
+  options.irradiance.reset();
+  options.brdf.reset();
+  options.specular = PrefilterOptions{.size = 64, .mips = 1, .roughness = {0.7}};
+  const int bands = reflections::plan_prefilter(*options.specular).bands;
+  const std::size_t rows =
+      transforms::ReducedRows::most_bytes(8192, 4096, bands, jobs::worker_count(jobs::Placement::arena));
+  CHECK(rows > std::size_t{1} << 20U);
+  const auto working = [&](const SourceShape& shape) { return plan(shape, SceneNeeds(), options).working_bytes; };
+  const SourceShape odd{false, 8191, 4096, PixelFormat::rgb32f};  // whose rows are taken as they are
+  CHECK(working(wide) - working(odd) >= rows);
+}
 
 TEST_CASE("A scene that needs everything leaves nothing out", "[plan]") {
   const Plan all = plan(kPanorama, {}, six_mip_bake());

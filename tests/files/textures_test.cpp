@@ -20,9 +20,11 @@
 #include "support/chains.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
+#include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
+#include "welkin/resampling.h"
 #include "welkin/texture_file.h"
 
 namespace welkin::test {
@@ -335,7 +337,59 @@ TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[
   CHECK(refusal("table.exr", 4, rgb).code == ErrorCode::unsupported_file);
   CHECK(refusal("table.dds", 0, rgb).code == ErrorCode::invalid_argument);
   CHECK(refusal("table.dds", 4, nullptr).says("no pixels"));
-  CHECK(thrown_by([&] { (void)read_texture(directory.file("table.ktx2")); }).says("has 1 face; cubemaps"));
+  CHECK(thrown_by([&] { (void)read_texture(directory.file("table.ktx2")); }).says("is no cubemap, but a picture"));
+}
+
+TEST_CASE("Octahedral maps go to KTX2 with all levels, and to OpenEXR a level a file", "[textures][octahedral]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = build_mips(make_cubemap(Content::smooth, 16, 3, 3).view());
+  const OctahedralMap map = to_octahedral(chain, {.size = 24, .levels = 3});
+  for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
+    std::vector<std::byte> bytes;
+    const WriteReport report =
+        write_octahedral({bytes, "map.ktx2"}, map, {TexelFormat::rgba32f, packing, {{"note", "x"}}});
+    CHECK(report.values_clamped == 0);
+    const auto field = [&bytes](std::size_t offset) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, bytes.data() + offset, sizeof value);
+      return value;
+    };
+    CHECK(field(12) == 109);  // VK_FORMAT_R32G32B32A32_SFLOAT
+    CHECK(field(20) == 24);
+    CHECK(field(24) == 24);
+    CHECK(field(36) == 1);  // face
+    CHECK(field(40) == 3);  // levels
+    const std::string whole(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    CHECK(whole.find(std::string("welkin.octahedral_border\0004\000", 27)) != std::string::npos);
+    if (packing != Supercompression::none) continue;
+    for (std::size_t level = 0; level < 3; ++level) {
+      const std::uint32_t offset = field(80 + 24 * level);
+      const auto texels = static_cast<std::uint32_t>(map.levels[level].size() / 3);
+      CHECK(field(80 + 24 * level + 8) == 16 * texels);
+      for (std::uint32_t texel = 0; texel < texels; ++texel) {
+        float red = 0.0F;
+        std::memcpy(&red, bytes.data() + offset + 16 * texel, sizeof red);
+        REQUIRE(red == map.levels[level][3 * texel]);
+      }
+    }
+  }
+  const WriteReport pictures = write_octahedral(directory.file("map.exr"), map, {TexelFormat::rgba32f});
+  REQUIRE(pictures.files.size() == 3);
+  CHECK(pictures.files[2].filename() == "map_m2.exr");
+  ReadOptions plain;
+  plain.layout = Layout::lat_long;
+  const Environment read = read_environment(pictures.files[1], plain);
+  REQUIRE(read.info.width == 12);
+  REQUIRE(read.info.height == 12);
+  CHECK(std::equal(map.levels[1].begin(), map.levels[1].end(), read.pixels.get()));
+  const auto refusal = [&](const char* name, const TextureOptions& options) {
+    return thrown_by([&] { write_octahedral(directory.file(name), map, options); }).code;
+  };
+  CHECK(refusal("map.dds", {}) == ErrorCode::invalid_argument);
+  CHECK(refusal("map.ktx2", {TexelFormat::bc6h_ufloat}) == ErrorCode::invalid_argument);
+  CHECK(refusal("map.png", {}) == ErrorCode::unsupported_file);
+  CHECK(thrown_by([&] { write_octahedral(directory.file("map.ktx2"), OctahedralMap()); }).code ==
+        ErrorCode::invalid_argument);
 }
 
 TEST_CASE("what a texel cannot hold is clamped and counted", "[codec][texels]") {

@@ -109,6 +109,52 @@ void call_c(Calls& calls) {
     result.numbers.insert(result.numbers.end(), texels.begin(), texels.end());
     return result;
   });
+  welkin_kernel_options kernels;
+  WELKIN_INIT(kernels);
+  kernels.size = 4;
+  kernels.mips = 1;
+  kernels.lobe = WELKIN_LOBE_PHONG;
+  const double power = 7.0;
+  kernels.numbers = &power;
+  const auto blurred = [&](const auto& prefilter) {
+    Given result{WELKIN_INTERNAL, {}};
+    welkin_cubemap_chain* chain = nullptr;
+    result.status = prefilter(&chain);
+    welkin_mip mip;
+    WELKIN_INIT(mip);
+    if (result.status == WELKIN_OK) welkin_cubemap_chain_get_mip(chain, 0, &mip);
+    result.numbers.assign(mip.mean, mip.mean + 3);
+    result.numbers.push_back(mip.error_estimate);
+    welkin_cubemap_chain_destroy(chain);
+    return result;
+  };
+  calls.call("welkin_prefilter_cubemap_by_kernels", [&] {
+    return blurred([&](auto** chain) { return welkin_prefilter_cubemap_by_kernels(&faces, &kernels, nullptr, chain); });
+  });
+  calls.call("welkin_prefilter_lat_long_by_kernels", [&] {
+    return blurred(
+        [&](auto** chain) { return welkin_prefilter_lat_long_by_kernels(&lat_long, &kernels, nullptr, chain); });
+  });
+  calls.call("welkin_charlie_roughness_of_mips", [&] {
+    Given result{WELKIN_INTERNAL, std::vector<double>(5)};
+    result.status = welkin_charlie_roughness_of_mips(5, 200, result.numbers.data());
+    return result;
+  });
+  calls.call("welkin_importance_lat_long", [&] {
+    const auto width = static_cast<std::size_t>(lat_long.width);
+    const auto height = static_cast<std::size_t>(lat_long.height);
+    std::vector<float> function(width * height);
+    std::vector<float> row_cdf(height + 1);
+    std::vector<float> column_cdf(height * (width + 1));
+    double integral = 0.0;
+    Given result{WELKIN_INTERNAL, {}};
+    result.status = welkin_importance_lat_long(&lat_long, nullptr, nullptr, function.data(), row_cdf.data(),
+                                               column_cdf.data(), &integral);
+    result.numbers.assign(function.begin(), function.end());
+    result.numbers.insert(result.numbers.end(), column_cdf.begin(), column_cdf.end());
+    result.numbers.push_back(integral);
+    return result;
+  });
   calls.call("welkin_project_lat_long", [&] {
     return projected([&](auto* out) { return welkin_project_lat_long(&lat_long, &options, nullptr, out); });
   });

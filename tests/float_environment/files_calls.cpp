@@ -93,6 +93,11 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
   }
   const std::filesystem::path table = folder.file("table.ktx2");
   const std::vector<float> rgb(36, 0.1F);
+  const std::filesystem::path octahedral = folder.file("octahedral.ktx2");
+  calls.call("write_octahedral(", [&] {
+    write_octahedral(octahedral, to_octahedral(chain, {.size = 8}));
+    return read_bytes(octahedral);
+  });
   calls.call("write_texture_2d(", [&] {
     write_texture_2d(table, 4, 3, rgb.data());
     return read_bytes(table);

@@ -14,9 +14,11 @@
 #include "welkin/image.h"
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"
+#include "welkin/octahedral.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
+#include "welkin/zonal_kernel.h"
 
 namespace welkin::test {
 namespace {
@@ -32,6 +34,15 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
   calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
   CubemapChain chain = build_mips(cube.view(), MipFilter::box);
+  calls.call("octahedral_place(", [] {
+    const auto place = octahedral_place({0.1, -0.7, -0.3});
+    return dvec3(place[0], place[1], 0.0);
+  });
+  calls.call("octahedral_direction(", [] { return octahedral_direction(0.91, -0.13); });
+  const auto square = [](const OctahedralMap& map) { return map.levels.front(); };
+  calls.call("to_octahedral(CubemapChain", [&] { return square(to_octahedral(chain, {.size = 9})); });
+  calls.call("to_octahedral(SphericalHarmonics",
+             [&] { return square(to_octahedral(project(cube.view()).radiance, {.size = 9})); });
   calls.call("fill_mips(", [&] {
     fill_mips(chain, MipFilter::solid_angle);
     return std::cref(chain);
@@ -124,6 +135,26 @@ void call_irradiance(Calls& calls, const LatLongImage& wide, const CubemapImage&
   calls.call("direct_irradiance_cubemap(LatLongView", [&] { return direct_irradiance_cubemap(wide.view(), 2); });
 }
 
+void call_kernels(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
+  const std::vector<dvec3> directions{{0.1, 0.7, -0.3}};
+  calls.call("ZonalKernel::charlie(", [] { return ZonalKernel::charlie(0.4).spectrum(40); });
+  calls.call("ZonalKernel::lambert(", [] { return ZonalKernel::lambert().spectrum(9); });
+  calls.call("ZonalKernel::phong(", [] { return ZonalKernel::phong(17.0).spectrum(40); });
+  calls.call("ZonalKernel::blinn(", [] { return ZonalKernel::blinn(17.0).value(0.4); });
+  calls.call("ZonalKernel::from_function(",
+             [] { return ZonalKernel::from_function([](double c) { return c > 0.0 ? c : 0.0; }).spectrum(9); });
+  calls.call("ZonalKernel::from_spectrum(", [] { return ZonalKernel::from_spectrum({3.0, 0.7}).spectrum(3); });
+  const ZonalKernel sheen = ZonalKernel::charlie(0.7);
+  calls.call("ZonalKernel::value(", [&] { return sheen.value(0.21); });
+  calls.call("ZonalKernel::spectrum(", [&] { return sheen.spectrum(17); });
+  calls.call("charlie_roughness_of_mips(", [] { return charlie_roughness_of_mips(5, 200); });
+  const KernelChainOptions options{.size = 8, .kernels = {sheen, ZonalKernel::lambert()}};
+  calls.call("prefilter_by_kernels(LatLongView", [&] { return prefilter_by_kernels(wide.view(), options); });
+  calls.call("prefilter_by_kernels(CubemapView", [&] { return prefilter_by_kernels(cube.view(), options); });
+  calls.call("reference_by_kernel(LatLongView", [&] { return reference_by_kernel(wide.view(), sheen, directions); });
+  calls.call("reference_by_kernel(CubemapView", [&] { return reference_by_kernel(cube.view(), sheen, directions); });
+}
+
 void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage& cube) {
   for (const RoughnessSchedule schedule :
        {RoughnessSchedule::linear, RoughnessSchedule::filament, RoughnessSchedule::babylon, RoughnessSchedule::unity,
@@ -145,6 +176,7 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage
   calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), sampled); });
   calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), reference); });
   calls.call("prefilter_specular(CubemapView", [&] { return prefilter_specular(cube.view(), spectral); });
+  call_kernels(calls, wide, cube);
   const std::vector<glm::dvec3> directions{{0.36, -0.48, 0.8}};
   calls.call("reference_specular(LatLongView", [&] { return reference_specular(wide.view(), 0.5, directions); });
   calls.call("reference_specular(CubemapView", [&] { return reference_specular(cube.view(), 0.5, directions); });

@@ -32,6 +32,7 @@ void use_as_file(const std::uint8_t* bytes, std::size_t count) {
   for (const Layout layout : {Layout::automatic, Layout::lat_long}) {
     ReadOptions options;
     options.layout = layout;
+    options.element = count > 0 ? bytes[count - 1] % 2 : 0;
     options.memory_limit_bytes = kMemoryLimit;
     EnvironmentInfo info;
     expect_result_or_error([&] { info = inspect_environment(file, options); });

@@ -1,9 +1,14 @@
-// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx2|dds|env|sky|entry DIRECTORY
+// Writes small sound files to start a fuzzer from: make_seeds exr|hdr|pfm|png|ktx1|ktx2|dds|env|sky|entry DIRECTORY
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
@@ -166,6 +171,47 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
   }
 }
 
+/// Cubemaps and pictures, alone and in arrays, of each format.
+void make_ktx1_seeds(const std::filesystem::path& directory) {
+  struct Kind {
+    std::uint32_t type, format, internal, texel_bytes;
+  };
+  int count = 0;
+  for (const Kind& kind : {Kind{0x1406, 0x1908, 0x8814, 16}, Kind{0x140B, 0x1908, 0x881A, 8},
+                           Kind{0x1406, 0x1907, 0x8815, 12}, Kind{0x8C3B, 0x1907, 0x8C3A, 4},
+                           Kind{0x8C3E, 0x1907, 0x8C3D, 4}, Kind{0x1401, 0x1908, 0x8058, 4}, Kind{0, 0, 0x8E8F, 16}}) {
+    for (const std::uint32_t faces : {6U, 1U}) {
+      for (const std::uint32_t elements : {0U, 2U}) {
+        std::vector<std::uint32_t> words{0x58544BAB,
+                                         0xBB313120,
+                                         0x0A1A0A0D,
+                                         0x04030201,
+                                         kind.type,
+                                         1,
+                                         kind.format,
+                                         kind.internal,
+                                         kind.format,
+                                         4,
+                                         faces == 6 ? 4U : 2U,
+                                         0,
+                                         elements,
+                                         faces,
+                                         1,
+                                         12,
+                                         6,
+                                         0x65746F6E,
+                                         0x00003100};  // "note", "1"
+        const std::uint32_t texels = kind.type == 0 ? 1 : words[9] * words[10];
+        const std::uint32_t face_bytes = texels * kind.texel_bytes;
+        words.push_back(faces == 6 && elements == 0 ? face_bytes : face_bytes * faces * std::max(elements, 1U));
+        words.resize(words.size() + face_bytes * faces * std::max(elements, 1U) / 4, 0x3C003800);
+        std::ofstream(directory / ("seed" + std::to_string(count++) + ".ktx"), std::ios::binary)
+            .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(4 * words.size()));
+      }
+    }
+  }
+}
+
 void make_env_seeds(const std::filesystem::path& directory) {
   int count = 0;
   for (const int size : {1, 2, 8}) {
@@ -228,6 +274,8 @@ int main(int argument_count, char** arguments) {
     make_pfm_seeds(arguments[2]);
   } else if (format == "png") {
     make_png_seeds(arguments[2]);
+  } else if (format == "ktx1") {
+    make_ktx1_seeds(arguments[2]);
   } else if (format == "ktx2" || format == "dds") {
     make_texture_seeds(arguments[2], "." + format);
   } else if (format == "env") {
@@ -237,7 +285,7 @@ int main(int argument_count, char** arguments) {
   } else if (format == "entry") {
     make_entry_seeds(arguments[2]);
   } else {
-    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx2|dds|env|sky|entry DIRECTORY\n", stderr);
+    std::fputs("usage: fuzz_seeds exr|hdr|pfm|png|ktx1|ktx2|dds|env|sky|entry DIRECTORY\n", stderr);
     return 2;
   }
   return 0;

@@ -111,6 +111,34 @@ TEST_CASE("bake: sizes that are no power of two give an .env of the next smaller
   check_manifest_matches(folder);
 }
 
+TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder,
+            "--sky --size 32 --irradiance 8 --brdf 8 --no-previews --formats ktx2,exr --ktx2-format rgba32f "
+            "--lobe charlie,lambert,phong --octahedral 32");
+  check_manifest_matches(folder);
+  const CubemapTexture charlie = read_texture(folder / "charlie.ktx2");
+  CHECK(charlie.cubemap.size() == 32);
+  CHECK(charlie.cubemap.levels() == 5);
+  CHECK(contains(charlie.metadata.at("welkin.roughness"), "0.11 "));
+  CHECK(read_texture(folder / "phong.ktx2").cubemap.levels() == 5);
+  const CubemapTexture lambert = read_texture(folder / "lambert.ktx2");
+  const CubemapTexture irradiance = read_texture(folder / "irradiance.ktx2");
+  REQUIRE(lambert.cubemap.levels() == 1);
+  REQUIRE(lambert.cubemap.size() == irradiance.cubemap.size());
+  const std::vector<float> over_pi = texels(lambert.cubemap, 0);
+  const std::vector<float> whole = texels(irradiance.cubemap, 0);
+  const auto sum = [](const std::vector<float>& values) { return std::accumulate(values.begin(), values.end(), 0.0); };
+  CHECK(std::abs(3.14159265 * sum(over_pi) - sum(whole)) < 0.03 * sum(whole));  // irradiance is of three bands
+  const auto said = file_of(manifest_of(folder), "specular_octahedral.ktx2");
+  CHECK(said.at("size") == 32);
+  CHECK(said.at("border") == 8);
+  CHECK(said.at("mips") == 4);
+  CHECK(std::filesystem::exists(folder / "specular_octahedral_m3.exr"));
+  CHECK(run_welkin("bake --sky -o " + quoted(folder) + " --lobe velvet").exit_code == 2);
+}
+
 TEST_CASE("bake: every container holds the same light", "[tools][bake]") {
   const TemporaryFolder scratch;
   const auto folder = scratch.path() / "out";

@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "jobs/tiles.h"
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/same_bits.h"
+#include "support/sanitized.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/reduction_kernels.h"
@@ -97,6 +99,29 @@ LatLongImage three_texels(const Shape& shape, int row) {
 }
 
 }  // namespace
+
+TEST_CASE("Reduced rows take no more memory than was said, and not much less", "[transform]") {
+  if (kSanitized) return;
+  for (const auto& [width, height, bands] : {std::array{2048, 1024, 96}, {1024, 512, 33}, {514, 300, 8}}) {
+    const TestLatLong source = make_lat_long(Content::random, width, height, 3);
+    const transforms::ReducedShape shape = transforms::reduced_shape(width, height, bands);
+    REQUIRE(shape.rows > 0);
+    std::uint64_t peak = 0;
+    {
+      const HeapWatch heap;
+      transforms::ReducedRows rows(source.view(), shape);
+      rows.fill({});
+      peak = static_cast<std::uint64_t>(heap.peak_bytes());
+    }
+    const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
+    const std::uint64_t said = transforms::ReducedRows::most_bytes(width, height, bands, workers);
+    CAPTURE(width, peak, said);
+    CHECK(peak <= said + 16384);  // tables of the pool
+    CHECK(said <= peak + peak / 4 + 16384);
+  }
+  CHECK(transforms::ReducedRows::most_bytes(256, 128, 96, 4) == 0);
+  CHECK(transforms::ReducedRows::most_bytes(8192, 4096, 1000, 2) > std::size_t{20} << 20U);
+}
 
 TEST_CASE("Few rows have the harmonics of all rows", "[transform][reduction]") {
   for (const Shape& shape : kShapes) {

@@ -1,0 +1,131 @@
+// The header of a KTX file of the first version (Khronos, "KTX File Format Specification", version 1.0), which Filament
+// loads.
+//
+//   identifier, header, key/value data, then level after level from the largest: its bytes as a number, and its texels
+//   (of a cubemap that is no array the number is a face's)
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "files/textures.h"
+#include "platform/file.h"
+
+namespace welkin::files {
+namespace {
+
+constexpr std::array<std::uint8_t, 12> kIdentifier{0xAB, 0x4B, 0x54, 0x58, 0x20, 0x31,
+                                                   0x31, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A};
+constexpr std::size_t kHeaderBytes = 64;
+constexpr std::uint32_t kOwnOrder = 0x04030201;
+
+// GL's numbers of types, formats and internal formats.
+constexpr std::uint32_t kUnsignedByte = 0x1401, kFloat = 0x1406, kHalf = 0x140B;
+constexpr std::uint32_t kPackedFloats = 0x8C3B, kSharedExponent = 0x8C3E;
+constexpr std::uint32_t kRgb = 0x1907, kRgba = 0x1908;
+constexpr std::uint32_t kR11G11B10 = 0x8C3A, kRgb9E5 = 0x8C3D, kSrgb8Alpha8 = 0x8C43;
+constexpr std::uint32_t kBc6hSigned = 0x8E8E, kBc6hUnsigned = 0x8E8F;
+
+struct Header {
+  std::uint32_t order, type, type_size, format, internal_format, base_format;
+  std::uint32_t width, height, depth, elements, faces, levels, metadata_bytes;
+};
+
+[[noreturn]] void refuse(const platform::ByteFile& file, ErrorCode code, const std::string& message) {
+  throw platform::file_error(code, file.path(), message);
+}
+
+Header read_header(platform::ByteFile& file) {
+  std::array<std::uint8_t, kHeaderBytes> bytes{};
+  file.read(bytes.data(), bytes.size());
+  if (std::memcmp(bytes.data(), kIdentifier.data(), kIdentifier.size()) != 0)
+    refuse(file, ErrorCode::corrupt_file, "begins as a KTX file does, and then does not; fetch or export it again");
+  const auto field = [&bytes](std::size_t index) {
+    return platform::read_little_endian<std::uint32_t>(bytes.data() + kIdentifier.size() + 4 * index);
+  };
+  return {field(0), field(1), field(2), field(3),  field(4),  field(5), field(6),
+          field(7), field(8), field(9), field(10), field(11), field(12)};
+}
+
+/// What lies in the file is told by type and format, of blocks by the internal format. (Filament writes the internal
+/// format as type, too.)
+std::optional<TexelKind> kind_of(const Header& header) {
+  switch (header.type) {
+    case 0:
+      if (header.internal_format == kBc6hUnsigned) return TexelKind::bc6h_ufloat;
+      if (header.internal_format == kBc6hSigned) return TexelKind::bc6h_sfloat;
+      return std::nullopt;
+    case kPackedFloats:
+    case kR11G11B10: return TexelKind::b10g11r11;
+    case kSharedExponent:
+    case kRgb9E5: return TexelKind::e5b9g9r9;
+    case kFloat:
+      if (header.format == kRgba) return TexelKind::rgba32f;
+      if (header.format == kRgb) return TexelKind::rgb32f;
+      return std::nullopt;
+    case kHalf: return header.format == kRgba ? std::optional(TexelKind::rgba16f) : std::nullopt;
+    case kUnsignedByte:
+      if (header.format != kRgba) return std::nullopt;
+      return header.internal_format == kSrgb8Alpha8 ? TexelKind::rgba8_srgb : TexelKind::rgba8;
+    default: return std::nullopt;
+  }
+}
+
+void check_kind(const platform::ByteFile& file, const Header& header) {
+  if (header.order != kOwnOrder)
+    refuse(file, ErrorCode::unsupported_file, "is a KTX file in the other order of bytes; convert it (ktx2ktx2)");
+  if (header.depth > 1) refuse(file, ErrorCode::unsupported_file, "is a volume; cubemaps and pictures are read");
+  if (!kind_of(header)) {
+    refuse(file, ErrorCode::unsupported_file,
+           "its glType " + std::to_string(header.type) + ", glFormat " + std::to_string(header.format) +
+               " and glInternalFormat " + std::to_string(header.internal_format) +
+               " are not read; halves and floats of RGBA, floats of RGB, R11F_G11F_B10F, RGB9_E5, RGBA8 (and SRGB) and "
+               "BC6H are");
+  }
+}
+
+}  // namespace
+
+TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
+  const Header header = read_header(file);
+  check_kind(file, header);
+  TextureLayout layout;
+  layout.container = FileFormat::ktx1;
+  layout.kind = *kind_of(header);
+  const std::uint32_t levels = std::max(header.levels, 1U);
+  settle_texture(file, layout, header.width, header.height, levels, header.faces, header.elements, element);
+  layout.has_metadata = true;
+  layout.metadata = read_key_values(file, kHeaderBytes, header.metadata_bytes);
+  const bool counts_a_face = header.elements == 0 && layout.faces() == 6;
+  std::uint64_t place = kHeaderBytes + header.metadata_bytes;
+  for (std::uint32_t number = 0; number < levels; ++number) {
+    const auto level = static_cast<int>(number);
+    const std::uint64_t whole = layout.whole_bytes(level);
+    const std::uint64_t wanted = counts_a_face ? layout.face_bytes(level) : whole;
+    if (place + 4 > file.size() || whole > file.size() - place - 4) {
+      refuse(file, ErrorCode::corrupt_file,
+             "ends too early: its level " + std::to_string(level) + " has " + std::to_string(whole) + " bytes at " +
+                 std::to_string(place + 4) + ", the file " + std::to_string(file.size()) +
+                 "; fetch or export it again");
+    }
+    std::array<std::uint8_t, 4> stated{};
+    file.seek(place);
+    file.read(stated.data(), stated.size());
+    if (platform::read_little_endian<std::uint32_t>(stated.data()) != wanted) {
+      refuse(file, ErrorCode::corrupt_file,
+             "its level " + std::to_string(level) + " says " +
+                 std::to_string(platform::read_little_endian<std::uint32_t>(stated.data())) +
+                 " bytes; its size and format take " + std::to_string(wanted));
+    }
+    place += 4;
+    TextureLayout::Level found;
+    for (int face = 0; face < layout.faces(); ++face)
+      found.faces[static_cast<std::size_t>(face)] = place + layout.first_byte_of(level, face);
+    layout.levels.push_back(found);
+    place += whole;  // all kinds have rows of a multiple of four bytes: there is no padding
+  }
+  return layout;
+}
+
+}  // namespace welkin::files

@@ -1,0 +1,124 @@
+// Kernels with names, and those of the caller's.
+#include "welkin/zonal_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "image/pixels.h"
+#include "math/elementary.h"
+#include "platform/float_environment.h"
+#include "platform/text.h"
+#include "reflections/zonal_shape.h"
+#include "transform/spectrum.h"
+
+namespace welkin {
+namespace {
+
+/// x^power for x in [0, 1].
+double power_of(double x, double power) noexcept {
+  if (x >= 1.0) return 1.0;
+  return x > 1e-300 ? math::exponential(power * math::logarithm(x)) : (power > 0.0 ? 0.0 : 1.0);
+}
+
+void require_number(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + platform::number_text(value) +
+                                               "; it must be from " + platform::number_text(least) + " to " +
+                                               platform::number_text(most));
+}
+
+std::shared_ptr<const reflections::ZonalShape> shape_of(const std::function<double(double)>& value,
+                                                        const std::vector<double>& breaks) {
+  std::vector<double> places;
+  places.reserve(breaks.size());
+  for (const double cosine : breaks) {
+    if (!(cosine > -1.0 && cosine < 1.0)) {
+      throw Error(ErrorCode::invalid_argument, "a kernel's break is at the cosine " + platform::number_text(cosine) +
+                                                   "; it must lie between -1 and 1");
+    }
+    places.push_back(std::sqrt(0.5 * (1.0 - cosine)));
+  }
+  return std::make_shared<const reflections::ZonalShape>(value, std::move(places));
+}
+
+/// Of a function of cosines above 0.
+template <class Value>
+std::shared_ptr<const reflections::ZonalShape> above_horizon(const Value& value) {
+  return shape_of([&value](double cosine) { return cosine > 0.0 ? value(cosine) : 0.0; }, {0.0});
+}
+
+}  // namespace
+
+ZonalKernel ZonalKernel::charlie(double roughness) {
+  const platform::FloatingPointScope floating_point;
+  require_number("roughness of Charlie sheen", roughness, 0.01, 1.0);
+  const double power = 0.5 / (roughness * roughness);
+  return {above_horizon([power](double cosine) { return cosine * power_of(1.0 - cosine, power); }), roughness};
+}
+
+ZonalKernel ZonalKernel::lambert() {
+  const platform::FloatingPointScope floating_point;
+  return {above_horizon([](double cosine) { return cosine; }), 0.0};
+}
+
+ZonalKernel ZonalKernel::phong(double power) {
+  const platform::FloatingPointScope floating_point;
+  require_number("the power of Phong's lobe", power, 0.5, 1e6);
+  return {above_horizon([power](double cosine) { return power_of(cosine, power); }), 0.0};
+}
+
+ZonalKernel ZonalKernel::blinn(double power) {
+  const platform::FloatingPointScope floating_point;
+  require_number("the power of Blinn's lobe", power, 0.0, 1e6);
+  return {above_horizon(
+              [power](double cosine) { return cosine * power_of(std::min(1.0, 0.5 * (1.0 + cosine)), 0.5 * power); }),
+          0.0};
+}
+
+ZonalKernel ZonalKernel::from_function(const std::function<double(double)>& value, const std::vector<double>& breaks) {
+  const platform::FloatingPointScope floating_point;
+  if (!value) throw Error(ErrorCode::invalid_argument, "a kernel has no function; pass one of the cosine");
+  return {shape_of(value, breaks), 0.0};
+}
+
+ZonalKernel ZonalKernel::from_spectrum(const std::vector<double>& factors) {
+  const platform::FloatingPointScope floating_point;
+  image::require_range("the number of a kernel's factors",
+                       static_cast<int>(std::min<std::size_t>(factors.size(), 99999)), 1,
+                       transforms::kMaximumSpectrumBands);
+  for (std::size_t l = 0; l < factors.size(); ++l) {
+    if (std::isfinite(factors[l]) && (l > 0 || factors[l] > 0.0)) continue;
+    throw Error(ErrorCode::invalid_argument, "a kernel's factor of degree " + std::to_string(l) + " is " +
+                                                 platform::number_text(factors[l]) + "; " +
+                                                 (l > 0 ? "it must be finite" : "the first one must be above 0"));
+  }
+  std::vector<double> ratios;
+  ratios.reserve(factors.size());
+  for (const double factor : factors) ratios.push_back(factor / factors.front());
+  return {std::make_shared<const reflections::ZonalShape>(std::move(ratios)), 0.0};
+}
+
+double ZonalKernel::value(double cosine) const {
+  const platform::FloatingPointScope floating_point;
+  return shape_->value(cosine);
+}
+
+std::vector<double> ZonalKernel::spectrum(int bands) const {
+  const platform::FloatingPointScope floating_point;
+  image::require_range("bands", bands, 1, transforms::kMaximumSpectrumBands);
+  return shape_->spectrum(bands);
+}
+
+std::vector<double> charlie_roughness_of_mips(int mips, int size) {
+  const platform::FloatingPointScope floating_point;
+  std::vector<double> roughness = roughness_of_mips(RoughnessSchedule::linear, mips, size);
+  const int steps = std::max(1, full_chain_levels(size) - 2);  // floor(log2 size) - 1
+  for (int mip = 0; mip < mips; ++mip) {
+    roughness[static_cast<std::size_t>(mip)] =
+        std::clamp(static_cast<double>(mip) / steps, kLeastCharlieRoughness, 1.0);
+  }
+  return roughness;
+}
+
+}  // namespace welkin

@@ -1,0 +1,219 @@
+// Octahedral maps: where directions lie, what borders hold, and what texels are.
+
+#include "welkin/octahedral.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "image/geometry.h"
+#include "image/resampling.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/resampling.h"
+
+namespace welkin::test {
+namespace {
+
+std::vector<dvec3> many_directions() {
+  std::vector<dvec3> directions;
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < 9; ++row) {
+      for (int column = 0; column < 9; ++column)
+        directions.push_back(image::face_direction(8, face, column, row));  // edges and corners too
+    }
+  }
+  return directions;
+}
+
+/// What a shader reads: bilinear, at a place of the square without its border.
+dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>& place) {
+  const int size = map.level_size(level);
+  const int border = map.border >> level;
+  const double x = place[0] * (size - 2 * border) + border - 0.5;
+  const double y = place[1] * (size - 2 * border) + border - 0.5;
+  const int column = static_cast<int>(std::floor(x));
+  const int row = static_cast<int>(std::floor(y));
+  dvec3 sum(0.0);
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      REQUIRE((column + i >= 0 && column + i < size && row + j >= 0 && row + j < size));
+      const float* const rgb = map.levels[static_cast<std::size_t>(level)].data() + 3 * ((row + j) * size + column + i);
+      const double weight = (i == 0 ? 1.0 - (x - column) : x - column) * (j == 0 ? 1.0 - (y - row) : y - row);
+      sum += weight * dvec3(rgb[0], rgb[1], rgb[2]);
+    }
+  }
+  return sum;
+}
+
+CubemapChain chain_of(Content content, int size) { return build_mips(make_cubemap(content, size, 3, 5).view()); }
+
+}  // namespace
+
+TEST_CASE("Directions go to octahedral places and back", "[octahedral]") {
+  for (const dvec3& direction : many_directions()) {
+    const auto place = octahedral_place(3.7 * direction);
+    CAPTURE(direction.x, direction.y, direction.z, place[0], place[1]);
+    CHECK((place[0] >= 0.0 && place[0] <= 1.0 && place[1] >= 0.0 && place[1] <= 1.0));
+    CHECK(glm::length(octahedral_direction(place[0], place[1]) - direction) < 1e-14);
+  }
+  const auto same = [](const std::array<double, 2>& place, double column, double row) {
+    return std::abs(place[0] - column) + std::abs(place[1] - row) < 1e-15;
+  };
+  CHECK(same(octahedral_place({0, 0, 1}), 0.5, 0.5));
+  CHECK(same(octahedral_place({1, 0, 0}), 1.0, 0.5));
+  CHECK(same(octahedral_place({0, -1, 0}), 0.5, 0.0));
+  CHECK(same(octahedral_place({1, 1, -2}), 0.875, 0.875));
+}
+
+TEST_CASE("Beyond an edge of the octahedral square the sphere goes on", "[octahedral]") {
+  for (const double along : {0.03, 0.4, 0.71, 0.98}) {
+    for (const double beyond : {1e-9, 0.1, 0.8}) {
+      CHECK(glm::length(octahedral_direction(-beyond, along) - octahedral_direction(beyond, 1.0 - along)) < 1e-14);
+      CHECK(glm::length(octahedral_direction(1.0 + beyond, along) - octahedral_direction(1.0 - beyond, 1.0 - along)) <
+            1e-14);
+      CHECK(glm::length(octahedral_direction(along, -beyond) - octahedral_direction(1.0 - along, beyond)) < 1e-14);
+      CHECK(glm::length(octahedral_direction(along, 1.0 + beyond) - octahedral_direction(1.0 - along, 1.0 - beyond)) <
+            1e-14);
+    }
+    CHECK(glm::length(octahedral_direction(along, -1e-9) - octahedral_direction(along, 1e-9)) < 1e-7);
+  }
+}
+
+TEST_CASE("Border texels of octahedral maps are those beyond the edge", "[octahedral]") {
+  for (const auto& [size, border, levels] : {std::array{20, 4, 3}, {8, 1, 1}, {7, 3, 1}, {12, 2, 2}, {3, 1, 1}}) {
+    CAPTURE(size, border, levels);
+    const OctahedralMap map =
+        to_octahedral(chain_of(Content::random, 16), {.size = size, .levels = levels, .border = border});
+    REQUIRE(map.levels.size() == static_cast<std::size_t>(levels));
+    for (int level = 0; level < levels; ++level) {
+      const int edge = map.level_size(level);
+      const int own = map.border >> level;
+      const int inner = edge - 2 * own;
+      const auto texel = [&](int column, int row) {
+        const float* const rgb = map.levels[static_cast<std::size_t>(level)].data() + 3 * (row * edge + column);
+        return std::array{rgb[0], rgb[1], rgb[2]};
+      };
+      for (int row = 0; row < edge; ++row) {
+        for (int column = 0; column < edge; ++column) {
+          // the texel inside whose centre is the same direction
+          const dvec3 direction = octahedral_direction((column - own + 0.5) / inner, (row - own + 0.5) / inner);
+          const bool folded_twice =
+              column - own < -inner || column - own >= 2 * inner || row - own < -inner || row - own >= 2 * inner;
+          if (folded_twice) continue;
+          const auto place = octahedral_place(direction);
+          const int at_column = std::clamp(static_cast<int>(place[0] * inner), 0, inner - 1) + own;
+          const int at_row = std::clamp(static_cast<int>(place[1] * inner), 0, inner - 1) + own;
+          REQUIRE(texel(column, row) == texel(at_column, at_row));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("Bilinear filtering of an octahedral map has no step at its edge", "[octahedral]") {
+  const OctahedralMap map = to_octahedral(chain_of(Content::random, 32), {.size = 32, .levels = 4});
+  CHECK(map.border == 8);
+  for (int level = 0; level < 4; ++level) {
+    for (double along = 0.01; along < 1.0; along += 0.037) {
+      const dvec3 here = looked_up(map, level, {0.0, along});
+      CHECK(glm::length(here - looked_up(map, level, {0.0, 1.0 - along})) < 1e-6);
+      const dvec3 top = looked_up(map, level, {along, 0.0});
+      CHECK(glm::length(top - looked_up(map, level, {1.0 - along, 0.0})) < 1e-6);
+    }
+    CHECK(glm::length(looked_up(map, level, {0.0, 0.0}) - looked_up(map, level, {1.0, 1.0})) < 1e-6);
+  }
+}
+
+TEST_CASE("A constant stays one in an octahedral map", "[octahedral]") {
+  const OctahedralMap map = to_octahedral(chain_of(Content::uniform, 17), {.size = 48, .levels = 3});
+  for (const std::vector<float>& level : map.levels) {
+    for (std::size_t k = 0; k < level.size(); k += 3) {
+      REQUIRE(std::abs(level[k] - 0.5F) < 1e-7F);
+      REQUIRE(std::abs(level[k + 2] - 2.0F) < 4e-7F);
+    }
+  }
+}
+
+TEST_CASE("Octahedral maps show what the cubemap shows", "[octahedral]") {
+  const CubemapChain chain = chain_of(Content::smooth, 64);
+  const OctahedralMap map = to_octahedral(chain, {.size = 256, .levels = 4});
+  for (int level = 0; level < 4; ++level) {
+    const image::CubemapSampler cube(chain.view(level));
+    double squares = 0.0;
+    double whole = 0.0;
+    for (const dvec3& direction : many_directions()) {
+      dvec3 expected(0.0);
+      cube.add(direction, 1.0, expected);
+      const dvec3 got = looked_up(map, level, octahedral_place(direction));
+      squares += glm::dot(got - expected, got - expected);
+      whole += glm::dot(expected, expected);
+    }
+    CAPTURE(level, std::sqrt(squares / whole));
+    CHECK(std::sqrt(squares / whole) < 2e-3 * (1 << level));  // both are bilinear, on other grids
+  }
+}
+
+TEST_CASE("A coarse octahedral map keeps a fine cubemap's light", "[octahedral]") {
+  const CubemapChain chain = chain_of(Content::random, 64);
+  const OctahedralMap map = to_octahedral(chain, {.size = 10});
+  double sum = 0.0;
+  double whole = 0.0;
+  for (int row = 1; row < 9; ++row) {
+    for (int column = 1; column < 9; ++column) {
+      double steradians = 0.0;
+      for (int k = 0; k < 64; ++k) {
+        const double x = std::abs(2.0 * (column - 1 + (k % 8 + 0.5) / 8) / 8 - 1.0);
+        const double y = std::abs(2.0 * (row - 1 + (k / 8 + 0.5) / 8) / 8 - 1.0);
+        const double z = 1.0 - x - y;
+        const dvec3 point = z >= 0.0 ? dvec3(x, y, z) : dvec3(1.0 - y, 1.0 - x, z);
+        steradians += 1.0 / std::pow(glm::dot(point, point), 1.5);
+      }
+      sum += steradians * static_cast<double>(map.levels[0][static_cast<std::size_t>(3 * (row * 10 + column))]);
+      whole += steradians;
+    }
+  }
+  const auto mean = static_cast<double>(chain.face(chain.levels() - 1, 0)[0] + chain.face(chain.levels() - 1, 1)[0] +
+                                        chain.face(chain.levels() - 1, 2)[0] + chain.face(chain.levels() - 1, 3)[0] +
+                                        chain.face(chain.levels() - 1, 4)[0] + chain.face(chain.levels() - 1, 5)[0]) /
+                    6.0;
+  CHECK(std::abs(sum / whole - mean) < 4e-3 * mean);  // of noise, looked at in 14 x 14 places a texel
+}
+
+TEST_CASE("Coefficients are at an octahedral map's centres", "[octahedral]") {
+  SphericalHarmonics harmonics(3);
+  for (std::size_t i = 0; i < 9; ++i)
+    harmonics.coefficients()[i] = dvec3(1.0 / (1.0 + static_cast<double>(i)), 0.2 * static_cast<double>(i), 1.0);
+  const OctahedralMap map = to_octahedral(harmonics, {.size = 9});
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 9; ++column) {
+      const dvec3 expected = evaluate(harmonics, octahedral_direction((column - 0.5) / 7.0, (row - 0.5) / 7.0));
+      const float* const rgb = map.levels[0].data() + 3 * (row * 9 + column);
+      CHECK(glm::length(dvec3(rgb[0], rgb[1], rgb[2]) - expected) < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("Octahedral maps that cannot be are refused", "[octahedral]") {
+  const CubemapChain chain = chain_of(Content::uniform, 8);
+  for (const OctahedralOptions& options : {OctahedralOptions{.size = 0},
+                                           {.size = 20000},
+                                           {.size = 16, .levels = 0},
+                                           {.size = 16, .levels = 5},
+                                           {.size = 18, .levels = 3},
+                                           {.size = 16, .levels = 2, .border = 3},
+                                           {.size = 16, .levels = 1, .border = -1},
+                                           {.size = 16, .levels = 1, .border = 8}}) {
+    CAPTURE(options.size, options.levels, options.border);
+    CHECK(thrown_by([&] { static_cast<void>(to_octahedral(chain, options)); }).code == ErrorCode::invalid_argument);
+  }
+  CHECK(thrown_by([&] { static_cast<void>(to_octahedral(CubemapChain(), {})); }).code == ErrorCode::invalid_argument);
+  CHECK(thrown_by([&] { static_cast<void>(to_octahedral(SphericalHarmonics(2), {.size = 16, .levels = 2})); }).code ==
+        ErrorCode::invalid_argument);
+}
+
+}  // namespace welkin::test

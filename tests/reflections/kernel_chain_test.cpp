@@ -1,0 +1,217 @@
+// Chains by kernels: each mip is the integral over its kernel, against the truth and closed forms.
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "image/geometry.h"
+#include "reflections/prefilter_support.h"
+#include "support/catch.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/core.h"
+#include "welkin/zonal_kernel.h"
+
+namespace welkin::test {
+namespace {
+
+std::vector<ZonalKernel> named_kernels() {
+  return {ZonalKernel::charlie(0.125), ZonalKernel::charlie(0.35), ZonalKernel::charlie(1.0),
+          ZonalKernel::lambert(),      ZonalKernel::phong(20.0),   ZonalKernel::blinn(64.0)};
+}
+
+/// Errors of all mips against the truth, at some `probes` texels each.
+template <class View>
+void check_kernels(const View& view, const std::vector<ZonalKernel>& kernels, int size, std::size_t probes) {
+  const PrefilteredSpecular result = prefilter_by_kernels(view, {.size = size, .kernels = kernels});
+  for (std::size_t level = 0; level < result.mips.size(); ++level) {
+    const std::vector<glm::dvec3> all = centres(result.mips[level].size);
+    const std::size_t step = std::max<std::size_t>(1, all.size() / probes);
+    std::vector<glm::dvec3> some;
+    for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
+    const auto truth = reference_by_kernel(view, kernels[level], some);
+    const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
+    CAPTURE(level, result.mips[level].bands, result.mips[level].bright_texels, error.rms, error.maximum,
+            *result.mips[level].error_estimate);
+    CHECK(error.rms < 1e-3);
+    CHECK(error.maximum < 1e-2);
+    CHECK(error.rms < 2.0 * *result.mips[level].error_estimate);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Every content is blurred by kernels to within the bounds", "[zonal][truth]") {
+  for (const Content content :
+       {Content::random, Content::high_range, Content::sun_disc, Content::blocks, Content::one_texel_sun}) {
+    CAPTURE(std::string(name(content)));
+    check_kernels(make_lat_long(content, 128, 64, 17).view(), named_kernels(), 32, 6);
+  }
+}
+
+TEST_CASE("Cubemaps are blurred by kernels to within the bounds", "[zonal][truth]") {
+  for (const Content content : {Content::high_range, Content::blocks, Content::one_texel_sun}) {
+    CAPTURE(std::string(name(content)));
+    check_kernels(make_cubemap(content, 32, 3, 17).view(), named_kernels(), 32, 5);
+  }
+}
+
+TEST_CASE("Odd sizes are blurred by kernels to within the bounds", "[zonal][truth]") {
+  const std::vector<ZonalKernel> kernels{ZonalKernel::charlie(0.2), ZonalKernel::lambert(), ZonalKernel::phong(7.0)};
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {7, 5}, {65, 33}}) {
+    CAPTURE(width, height);
+    check_kernels(make_lat_long(Content::random, width, height, 4).view(), kernels, 7, 5);
+  }
+}
+
+TEST_CASE("Chains by kernels have the same bits on any number of threads", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::high_range, 64, 32, 5);
+  const KernelChainOptions options{.size = 16, .kernels = {ZonalKernel::charlie(0.3), ZonalKernel::phong(30.0)}};
+  std::vector<float> first;
+  for (const int threads : {1, 2, 5}) {
+    std::vector<float> values;
+    run_with_threads(threads, [&] {
+      const PrefilteredSpecular result = prefilter_by_kernels(source.view(), options);
+      for (int level = 0; level < 2; ++level) {
+        const auto own = level_values(result.cubemap, level);
+        values.insert(values.end(), own.begin(), own.end());
+      }
+    });
+    if (first.empty()) first = values;
+    CHECK(values == first);
+  }
+}
+
+TEST_CASE("Even light goes through every kernel as it is", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::uniform, 64, 32, 0);
+  std::vector<ZonalKernel> kernels = named_kernels();
+  kernels.push_back(ZonalKernel::from_spectrum({2.0, 1.0, -0.5}));
+  const PrefilteredSpecular result = prefilter_by_kernels(source.view(), {.size = 64, .kernels = kernels});
+  for (int level = 0; level < result.cubemap.levels(); ++level) {
+    const auto values = level_values(result.cubemap, level);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double expected = k % 3 == 0 ? 0.5 : (k % 3 == 1 ? 1.0 : 2.0);
+      REQUIRE(std::abs(static_cast<double>(values[k]) - expected) < 3e-6 * expected);
+    }
+  }
+}
+
+TEST_CASE("A harmonic is multiplied by the kernel's own coefficient", "[zonal]") {
+  // 2 + P_2(y), sampled at texels' centres of a map fine enough that it is the harmonic
+  TestLatLong source = make_lat_long(Content::uniform, 512, 256, 0);
+  for (int row = 0; row < 256; ++row) {
+    const double y = image::lat_long_direction(512, 256, 0.5, row + 0.5).y;
+    std::fill_n(source.pixels.begin() + std::ptrdiff_t{3} * 512 * row, 3 * 512,
+                static_cast<float>(2.0 + 1.5 * y * y - 0.5));
+  }
+  const std::vector<ZonalKernel> kernels = named_kernels();
+  const PrefilteredSpecular result = prefilter_by_kernels(source.view(), {.size = 32, .kernels = kernels});
+  for (std::size_t level = 0; level < kernels.size(); ++level) {
+    const double factor = kernels[level].spectrum(3)[2];
+    const auto directions = centres(result.mips[level].size);
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      const double y = directions[k].y;
+      const auto got = static_cast<double>(result.cubemap.face(static_cast<int>(level), 0)[3 * k]);
+      CAPTURE(level, factor, y);
+      REQUIRE(std::abs(got - (2.0 + factor * (1.5 * y * y - 0.5))) < 5e-5);
+    }
+  }
+}
+
+TEST_CASE("Kernels have their closed forms", "[zonal]") {
+  SECTION("Charlie's first coefficients") {
+    for (const double roughness : {0.11, 0.25, 0.5, 1.0}) {
+      const double p = 0.5 / (roughness * roughness);
+      const std::vector<double> spectrum = ZonalKernel::charlie(roughness).spectrum(3);
+      CHECK(std::abs(spectrum[1] - 2.0 / (p + 3.0)) < 1e-10);
+      CHECK(std::abs(spectrum[2] - (9.0 / ((p + 3.0) * (p + 4.0)) - 0.5)) < 1e-10);
+      const double c = 1.0 / (1.0 + p);
+      const double peak = (p + 1.0) * (p + 2.0) / (2.0 * std::numbers::pi) * c * std::pow(1.0 - c, p);
+      CHECK(std::abs(ZonalKernel::charlie(roughness).value(c) - peak) < 1e-9 * peak);
+    }
+  }
+  SECTION("Lambert's") {
+    const std::vector<double> spectrum = ZonalKernel::lambert().spectrum(6);
+    const std::vector<double> expected{1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0};
+    for (std::size_t l = 0; l < expected.size(); ++l) CHECK(std::abs(spectrum[l] - expected[l]) < 1e-12);
+    CHECK(std::abs(ZonalKernel::lambert().value(0.3) - 0.3 / std::numbers::pi) < 1e-12);
+    CHECK(ZonalKernel::lambert().value(-0.3) == 0.0);
+  }
+  SECTION("Phong's and Blinn's values, where the lobe is narrow too") {
+    for (const double power : {0.5, 1.0, 20.0, 5000.0}) {
+      for (const double c : {0.1, 0.9, 0.9999}) {
+        const double phong = (power + 1.0) / (2.0 * std::numbers::pi);
+        CHECK(std::abs(ZonalKernel::phong(power).value(c) - phong * std::pow(c, power)) < 1e-8 * phong);
+      }
+    }
+    CHECK(std::abs(ZonalKernel::blinn(0.0).value(0.4) - ZonalKernel::lambert().value(0.4)) < 1e-12);
+  }
+  SECTION("A function of the caller's is the kernel with a name") {
+    const ZonalKernel own = ZonalKernel::from_function([](double c) { return c > 0.0 ? 7.0 * c * c * c : 0.0; });
+    const std::vector<double> spectrum = own.spectrum(64);
+    const std::vector<double> named = ZonalKernel::phong(3.0).spectrum(64);
+    for (std::size_t l = 0; l < named.size(); ++l) CHECK(std::abs(spectrum[l] - named[l]) < 1e-11);
+  }
+  SECTION("A spectrum is what it was made of, and its values are their sum") {
+    const ZonalKernel own = ZonalKernel::from_spectrum({2.0, 1.0, 0.5});
+    CHECK(own.spectrum(4) == std::vector<double>{1.0, 0.5, 0.25, 0.0});
+    CHECK(std::abs(own.value(0.5) - (1.0 + 3.0 * 0.5 * 0.5 + 5.0 * 0.25 * -0.125) / (4.0 * std::numbers::pi)) < 1e-11);
+  }
+}
+
+TEST_CASE("Kernels that cannot be are refused, and those that are too sharp for the bands", "[zonal]") {
+  const TestLatLong source = make_lat_long(Content::smooth, 32, 16, 1);
+  const auto chain = [&](const ZonalKernel& kernel) {
+    return thrown_by([&] { static_cast<void>(prefilter_by_kernels(source.view(), {.size = 8, .kernels = {kernel}})); })
+        .code;
+  };
+  CHECK(chain(ZonalKernel::phong(1e6)) == ErrorCode::limit_exceeded);
+  CHECK(chain(ZonalKernel::charlie(0.05)) == ErrorCode::limit_exceeded);
+  CHECK(chain(ZonalKernel::from_function([](double c) { return c > 0.0 ? 1.0 : 0.0; })) == ErrorCode::limit_exceeded);
+  CHECK_NOTHROW(
+      prefilter_by_kernels(source.view(), {.size = 8, .kernels = {ZonalKernel::charlie(kLeastCharlieRoughness)}}));
+  const auto refused = [](const auto& make) {
+    return thrown_by([&] { static_cast<void>(make()); }).code == ErrorCode::invalid_argument;
+  };
+  CHECK(refused([] { return ZonalKernel::charlie(0.0); }));
+  CHECK(refused([] { return ZonalKernel::phong(std::numeric_limits<double>::quiet_NaN()); }));
+  CHECK(refused([] { return ZonalKernel::from_function([](double) { return 0.0; }); }));
+  CHECK(refused([] { return ZonalKernel::from_function([](double c) { return 1.0 / (c - c); }); }));
+  CHECK(refused([] { return ZonalKernel::from_function([](double c) { return std::sin(1e9 * c) + 2.0; }); }));
+  CHECK(refused([] { return ZonalKernel::from_function(nullptr); }));
+  CHECK(refused([] { return ZonalKernel::from_function([](double c) { return c + 2.0; }, {1.0}); }));
+  CHECK(refused([] { return ZonalKernel::from_spectrum({}); }));
+  CHECK(refused([] { return ZonalKernel::from_spectrum({0.0, 1.0}); }));
+  CHECK(refused([&] { return prefilter_by_kernels(source.view(), {.size = 8}); }));
+  CHECK(refused([&] {
+    return prefilter_by_kernels(source.view(),
+                                {.size = 1, .kernels = {ZonalKernel::lambert(), ZonalKernel::lambert()}});
+  }));
+  CHECK(refused([&] {
+    return prefilter_by_kernels(source.view(),
+                                {.kernels = {ZonalKernel::lambert()}, .method = PrefilterMethod::sampled});
+  }));
+}
+
+TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
+  const TestCubemap source = make_cubemap(Content::high_range, 7, 3, 2);
+  const ZonalKernel kernel = ZonalKernel::charlie(0.6);
+  const PrefilteredSpecular result =
+      prefilter_by_kernels(source.view(), {.size = 3, .kernels = {kernel}, .method = PrefilterMethod::reference});
+  const LevelError error = level_error(result.cubemap, 0, reference_by_kernel(source.view(), kernel, centres(3)));
+  CHECK(error.maximum < 1e-6);
+}
+
+TEST_CASE("Roughness of a sheen chain is as glTF's sample renderer looks it up", "[zonal]") {
+  const std::vector<double> roughness = charlie_roughness_of_mips(5, 256);
+  const std::vector<double> expected{kLeastCharlieRoughness, 1.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0, 4.0 / 7.0};
+  for (std::size_t mip = 0; mip < expected.size(); ++mip) CHECK(std::abs(roughness[mip] - expected[mip]) < 1e-15);
+  CHECK(charlie_roughness_of_mips(9, 256).back() == 1.0);
+  CHECK(charlie_roughness_of_mips(1, 1).front() == kLeastCharlieRoughness);
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,248 @@
+// `welkin importance`: tables by which a path tracer picks directions, as .npy files with a JSON that says what they
+// are.
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "tools/bake_manifest.h"
+#include "tools/commands.h"
+#include "tools/input.h"
+#include "tools/json.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+#include "welkin/importance.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr const char* kImportanceFooter =
+    R"(What it does:
+  Makes the tables by which a path tracer picks directions of an environment in
+  proportion to the light that comes from there, in a folder:
+    function.npy          [height][width], the integral of the weight over a texel
+    row_cdf.npy           [height + 1], probability of the rows above
+    column_cdf.npy        [height][width + 1], within a row of the columns before
+    alias_rows.npy, alias_columns.npy      with --alias: share and other index
+    pyramid_0.npy, pyramid_1.npy, ...      with --pyramid: probabilities of blocks
+    importance.json       sizes, integral, what is gained; it is written last
+  They are laid out as pbrt's PiecewiseConstant2D has them. A cubemap becomes a
+  lat-long of four times its width first.
+
+Examples:
+  welkin importance city.hdr -o tables
+  welkin importance city.hdr -o tables --width 512 --height 256
+  welkin importance city.hdr -o tables --mis-compensation --alias
+  welkin importance city.hdr -o tables --json
+
+Units: the function is in the file's unit times steradians; divided by integral
+  it is a texel's probability. docs/importance.md has more.)";
+
+constexpr const char* kTableName = "importance.json";
+
+struct ImportanceCommandOptions {
+  CommonOptions common;
+  std::string input;
+  std::string directory;
+  ImportanceOptions table;
+  ClampChoice clamp;
+  bool alias = false;
+  bool pyramid = false;
+};
+
+/// NumPy's file, version 1.0: little-endian, rows first. `type`: "<f4", or a list of fields.
+std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, const void* values,
+                                 std::size_t bytes) {
+  static_assert(std::endian::native == std::endian::little);
+  std::string dimensions;
+  for (const std::size_t count : shape) dimensions += std::to_string(count) + ", ";
+  if (shape.size() > 1) dimensions.resize(dimensions.size() - 2);
+  std::string header = "{'descr': " + type + ", 'fortran_order': False, 'shape': (" + dimensions + "), }";
+  constexpr std::size_t kBefore = 10;
+  constexpr std::size_t kAlignment = 64;
+  const std::size_t whole = (kBefore + header.size() + 1 + kAlignment - 1) / kAlignment * kAlignment;
+  header.resize(whole - kBefore - 1, ' ');
+  header += '\n';
+  std::string text("\x93NUMPY\x01\x00", 8);
+  text += static_cast<char>(header.size() & 0xFFU);
+  text += static_cast<char>(header.size() >> 8U);
+  text += header;
+  std::vector<std::byte> file(text.size() + bytes);
+  std::memcpy(file.data(), text.data(), text.size());
+  if (bytes > 0) std::memcpy(file.data() + text.size(), values, bytes);
+  return file;
+}
+
+/// Writes files and lists them.
+class TableFolder {
+ public:
+  explicit TableFolder(std::filesystem::path path) : path_(std::move(path)) {
+    check_output_folder(path_);
+    std::filesystem::create_directories(path_);
+    std::filesystem::remove(path_ / kTableName);  // until the new one is there nobody shall take the folder for whole
+  }
+
+  void add(const std::string& name, const std::vector<std::size_t>& shape, std::span<const float> values) {
+    write(name, "'<f4'", shape, values.data(), values.size_bytes());
+  }
+  void add(const std::string& name, const std::vector<std::size_t>& shape, std::span<const AliasEntry> entries) {
+    static_assert(sizeof(AliasEntry) == 8);
+    write(name, "[('own', '<f4'), ('other', '<u4')]", shape, entries.data(), entries.size_bytes());
+  }
+
+  [[nodiscard]] const Json& files() const noexcept { return files_; }
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  void write(const std::string& name, const std::string& type, const std::vector<std::size_t>& shape,
+             const void* values, std::size_t bytes) {
+    const std::vector<std::byte> file = npy_bytes(type, shape, values, bytes);
+    write_bytes(path_ / name, file);
+    files_.push_back({{"name", name}, {"shape", shape}, {"bytes", file.size()}});
+  }
+
+  std::filesystem::path path_;
+  Json files_ = Json::array();
+};
+
+const char* word_of(ImportanceWeight weight) {
+  switch (weight) {
+    case ImportanceWeight::luminance: return "luminance";
+    case ImportanceWeight::mean: return "mean";
+    case ImportanceWeight::largest: break;
+  }
+  return "largest";
+}
+
+std::size_t count_of(int number) { return static_cast<std::size_t>(number); }
+
+std::string make(const ImportanceCommandOptions& options) {
+  ProgressBar bar;
+  const Control control = bar.control();
+  const FileInput input = input_of(options.input, options.common.read);
+  begin_stage("read");
+  const Environment source = read_environment(input, options.common.read, part_of(control, 0.0, 0.4));
+  LatLongImage turned;
+  if (const int face = source.face_size(); face > 0) {
+    turned = to_lat_long(source.cubemap(), 4 * face, 2 * face, dmat3(1.0), ResampleFilter::area, {control.stop, {}});
+  }
+  const LatLongView view = source.face_size() > 0 ? turned.view() : source.lat_long();
+  begin_stage("tables");
+  ImportanceOptions wanted = options.table;
+  options.clamp.apply(wanted.pixels);
+  const ImportanceTable table = importance_table(view, wanted, part_of(control, 0.4, 0.6));
+  const ImportanceVariance variance =
+      importance_variance(view, table, wanted.weight, wanted.pixels, part_of(control, 0.6, 0.8));
+  begin_stage("write");
+  TableFolder folder(options.directory);
+  const std::size_t width = count_of(table.width);
+  const std::size_t height = count_of(table.height);
+  folder.add("function.npy", {height, width}, std::span<const float>(table.function));
+  folder.add("row_cdf.npy", {height + 1}, std::span<const float>(table.row_cdf));
+  folder.add("column_cdf.npy", {height, width + 1}, std::span<const float>(table.column_cdf));
+  if (options.alias) {
+    const AliasTable alias = alias_table(table, {control.stop, {}});
+    folder.add("alias_rows.npy", {height}, std::span<const AliasEntry>(alias.rows));
+    folder.add("alias_columns.npy", {height, width}, std::span<const AliasEntry>(alias.columns));
+  }
+  if (options.pyramid) {
+    const ImportancePyramid pyramid = importance_pyramid(table, {control.stop, {}});
+    for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
+      const ImportancePyramid::Level& each = pyramid.levels[level];
+      folder.add("pyramid_" + std::to_string(level) + ".npy", {count_of(each.height), count_of(each.width)},
+                 std::span<const float>(each.probabilities));
+    }
+  }
+  const Json report = {{"welkin", WELKIN_VERSION_STRING},
+                       {"source", portable_path(options.input)},
+                       {"width", table.width},
+                       {"height", table.height},
+                       {"weight", word_of(wanted.weight)},
+                       {"mis_compensation", wanted.mis_compensation},
+                       {"integral", table.integral},
+                       {"variance", {{"uniform", variance.uniform}, {"table", variance.table}}},
+                       {"directions",
+                        "column i of width, row j of height: longitude pi - 2 pi i / width, latitude pi / 2 - pi j / "
+                        "height; (sin lon cos lat, sin lat, cos lon cos lat); even by solid angle within a texel"},
+                       {"files", folder.files()}};
+  const std::string text = json_text(report);
+  write_text_file(folder.path() / kTableName, text);
+  if (options.common.json) return text;
+  return printable(folder.path().string()) + ": tables of " + std::to_string(table.width) + " x " +
+         std::to_string(table.height) + " texels, by " + word_of(wanted.weight) +
+         "\n  variance of one sample over the total's square: even directions " + significant(variance.uniform, 4) +
+         ", the table " + significant(variance.table, 4) + '\n';
+}
+
+void run(const ImportanceCommandOptions& options) {
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = make(options); });
+  if (options.common.json) {
+    print_result(text);
+  } else {
+    print_summary(text);
+  }
+}
+
+}  // namespace
+
+Command importance_command() {
+  const auto options = std::make_shared<ImportanceCommandOptions>();
+  constexpr int kLargest = 65536;
+  Command command{"importance", "Tables by which a path tracer picks directions", kImportanceFooter};
+  Options& table = command.options;
+  table.push_back(
+      {.names = "INPUT",
+       .target = &options->input,
+       .text = "An OpenEXR, Radiance .hdr, PFM, PNG, KTX2, DDS or Babylon.js .env file; - for standard input",
+       .required = true});
+  table.push_back({.names = "-o,--output",
+                   .target = &options->directory,
+                   .text = "The folder to write to; it is made if it is not there",
+                   .type = "DIR",
+                   .required = true});
+  add_json_option(table, options->common);
+  in_group(table, "Input and output");
+  table.push_back({.names = "--width",
+                   .target = &options->table.width,
+                   .text = "Texels of the table, no more than the input's; default as many",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargest)});
+  table.push_back({.names = "--height",
+                   .target = &options->table.height,
+                   .text = "The same for rows",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargest)});
+  table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
+                                           {{"luminance", ImportanceWeight::luminance},
+                                            {"mean", ImportanceWeight::mean},
+                                            {"largest", ImportanceWeight::largest}},
+                                           "What of a texel counts: its luminance (default), the mean or the largest "
+                                           "of its channels"));
+  table.push_back({.names = "--mis-compensation",
+                   .target = &options->table.mis_compensation,
+                   .text = "Only what lies above the mean counts: for estimators that sample the material, too"});
+  table.push_back({.names = "--alias", .target = &options->alias, .text = "Alias tables, too"});
+  table.push_back(
+      {.names = "--pyramid", .target = &options->pyramid, .text = "Probabilities of ever larger blocks, too"});
+  in_group(table, "Tables");
+  add_pixel_options(table, options->table.pixels, options->clamp);
+  add_read_options(table, options->common, "");
+  add_threads_option(table, options->common);
+  command.everyday = {"INPUT",   "--output",           "--json",    "--width",   "--height", "--weight",
+                      "--alias", "--mis-compensation", "--pyramid", "--threads", "--quiet"};
+  command.run = [options](const Given& /*given*/) { run(*options); };
+  return command;
+}
+
+}  // namespace welkin::tool
