@@ -37,6 +37,8 @@ std::string system_message(DWORD number) {
   return message.empty() ? "error " + std::to_string(number) + " of Windows" : message;
 }
 
+std::int64_t process_number() noexcept { return static_cast<std::int64_t>(GetCurrentProcessId()); }
+
 std::filesystem::path reachable(const std::filesystem::path& path) {
   constexpr std::size_t kLongest = 248;  // of a folder that CreateDirectory takes: MAX_PATH less a name of 8.3
   constexpr std::wstring_view kUnbounded = L"\\\\?\\";

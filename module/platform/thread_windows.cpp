@@ -36,8 +36,6 @@ bool returns_from(void (*function)(void* argument), void* argument) {
   return true;
 }
 
-std::int64_t process_number() noexcept { return static_cast<std::int64_t>(GetCurrentProcessId()); }
-
 AddressReserve::AddressReserve(std::size_t bytes) noexcept
     : block_(VirtualAlloc(nullptr, bytes, MEM_RESERVE, PAGE_NOACCESS)), bytes_(bytes) {}
 

@@ -166,7 +166,7 @@ TEST_CASE("every level is read as the library reads it", "[codec]") {
         CAPTURE(width, height, mode, rounding);
         const Imf::TileDescription tiles(13, 8, mode, rounding);
         write_exr(path, recipe_of(width, height, tiles), some_pixels(width, height));
-        Imf::TiledInputFile file(path.c_str(), 0);
+        Imf::TiledInputFile file(path.string().c_str(), 0);
         const int count = std::min(file.numXLevels(), file.numYLevels());
         const EnvironmentInfo info = inspect_environment(path, at_level(0));
         REQUIRE(info.levels.size() == static_cast<std::size_t>(count));
