@@ -398,7 +398,7 @@ ExrRecipe small_recipe(const std::vector<ExrChannel>& channels) {
 
 }  // namespace
 
-TEST_CASE("what is no readable file is refused", "[codec]") {
+TEST_CASE("what is no readable file is refused", "[codec][posix]") {
   const TemporaryDirectory directory;
   check_refusal(directory.file("none.exr"), ErrorCode::file_access, "no such file", "");
   check_refusal(directory.file("."), ErrorCode::file_access, "is a directory", "name a picture in it");

@@ -467,7 +467,7 @@ TEST_CASE("bake: the .env's own chain counts towards the memory limit, before an
   CHECK(contains(run_welkin("bake --help-all").output, "are not counted"));
 }
 
-TEST_CASE("bake: odd names do no harm", "[tools][bake]") {
+TEST_CASE("bake: odd names do no harm", "[tools][bake][posix]") {
   const TemporaryFolder scratch;
   for (const std::string name :
        {"two words", "line\nbreak", "\"quoted\" \\ $HOME; true", "\xff\xfe", "-o", "*/ \x1b[31m"}) {

@@ -15,7 +15,7 @@ constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 ";
 
 }  // namespace
 
-TEST_CASE("bake: an input that would be written over is refused before any work, and kept", "[tools][bake]") {
+TEST_CASE("bake: an input that would be written over is refused before any work, and kept", "[tools][bake][posix]") {
   const TemporaryFolder scratch;
   const auto own = scratch.path() / "own";
   const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
@@ -52,7 +52,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
 }
 
-TEST_CASE("bake: none of six files is written over", "[tools][bake]") {
+TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
   const TemporaryFolder scratch;
   const auto faces = scratch.path() / "faces";
   const auto own = scratch.path() / "own";
@@ -142,7 +142,7 @@ TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools
   CHECK(file_text(file) == "no folder");
 }
 
-TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake]") {
+TEST_CASE("bake: without an input it says what it wants, and bakes nothing", "[tools][bake][posix]") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
   const std::string to_folder = " -o " + quoted(out);

@@ -217,7 +217,7 @@ TEST_CASE("command: an unknown WELKIN_ISA exits with 2 and is named", "[tools]")
   }
 }
 
-TEST_CASE("command: a full device exits with 1", "[tools]") {
+TEST_CASE("command: a full device exits with 1", "[tools][posix]") {
   for (const char* arguments : {"sh --sky >/dev/full", "sh --help >/dev/full", "--version >/dev/full"}) {
     const CommandResult result = run_welkin(arguments);
     CHECK(result.exit_code == 1);

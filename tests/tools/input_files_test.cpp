@@ -169,7 +169,7 @@ std::string output_of(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("command: damaged files within 512 MB", "[tools][damage]") {
+TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix]") {
   const TemporaryDirectory directory;
   std::filesystem::create_directory(directory.file("corpus"));
   const int files = write_corpus(directory.file("corpus"), directory.file(""));

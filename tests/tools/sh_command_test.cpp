@@ -142,7 +142,7 @@ TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
   CHECK(preserved.at("settings").at("preserve_clamped") == true);
 }
 
-TEST_CASE("sh --json: valid JSON whatever the file is called", "[tools]") {
+TEST_CASE("sh --json: valid JSON whatever the file is called", "[tools][posix]") {
   const TemporaryFolder folder;
   for (const std::string name : {"a \"b\" \\ c.pfm", "l\xc3\xa4nd.pfm", "not-utf8-\xff\xfe.pfm", "new\nline.pfm"}) {
     const auto file = folder.path() / name;
@@ -278,7 +278,7 @@ TEST_CASE("sh: an engine's text has the engine's terms and its formula", "[tools
   }
 }
 
-TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tools]") {
+TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tools][posix]") {
   const nlohmann::json vectors = run_sh_json("--sky --for unity").at("engine").at("vectors");
   const CommandResult result = run_welkin("sh --sky --format c --for unity");
   REQUIRE(result.exit_code == 0);
@@ -296,7 +296,7 @@ TEST_CASE("sh: a C header has Unity's shader vectors, four numbers each", "[tool
   }
 }
 
-TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools]") {
+TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix]") {
   const nlohmann::json json = run_sh_json("--sky");
   const CommandResult result = run_welkin("sh --sky --format c");
   REQUIRE(result.exit_code == 0);
@@ -313,7 +313,7 @@ TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools]") {
   }
 }
 
-TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools]") {
+TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools][posix]") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "7 a*-b*.pfm";
   write_pfm(path, 8, 4, grey_picture(8, 4, 0.5F));

@@ -391,7 +391,7 @@ TEST_CASE("sky: tables of another sky are made anew, and replace those in the fi
   }
 }
 
-TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky]") {
+TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "[tools][sky][posix]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "broken.sky";
   const std::string tables = kSmallSky + "--tables " + quoted(file);

@@ -286,7 +286,7 @@ TEST_CASE("sky: air that makes no sense is refused, and the member named", "[too
   refused("/ground_albedo", {2.0, 0.1, 0.1}, "");
 }
 
-TEST_CASE("sky: files that hold no air are refused", "[tools][sky]") {
+TEST_CASE("sky: files that hold no air are refused", "[tools][sky][posix]") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "air.json";
   const auto refused = [&](const std::string& text, const std::string& message) {
