@@ -13,6 +13,7 @@
 #include "files/codecs.h"
 #include "files/env_manifest.h"
 #include "files/layout.h"
+#include "files/write_environment.h"
 #include "harmonics/babylon.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
@@ -456,18 +457,15 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   jobs::run_tiles(pictures.size(), placement, jobs::worker_count(placement), packing,
                   [&](std::size_t tile, std::size_t) { files::encode(pictures[tile], encoder, control.stop); });
 
-  WriteReport report;
+  std::uint64_t values_clamped = 0;
   const std::string manifest = files::env_manifest_bytes(files::manifest_for(environment, pictures));
   file.write(manifest.data(), manifest.size());
   for (const files::Picture& picture : pictures) {
     file.write(picture.png.data(), picture.png.size());
-    report.values_clamped += picture.clamped;
+    values_clamped += picture.clamped;
   }
   file.finish();
-  report.files.push_back(file.path());
-  if (control.progress) control.progress(1.0);
-  file.commit();  // last: whatever throws leaves what was there before
-  return report;
+  return files::commit_files({&file}, values_clamped, control);
 }
 
 }  // namespace welkin

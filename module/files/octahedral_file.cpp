@@ -1,5 +1,6 @@
 // Octahedral maps in files.
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -53,18 +54,17 @@ WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, c
         "has one picture, and the map has " + std::to_string(map.levels.size()) + " levels; write .ktx2, or to a path");
   }
   const SampleType type = options.format == TexelFormat::rgba32f ? SampleType::float32 : SampleType::half;
-  WriteReport report;
+  std::uint64_t values_clamped = 0;
   std::vector<std::unique_ptr<WholeFile>> files;
   for (std::size_t level = 0; level < map.levels.size(); ++level) {
     files.push_back(std::make_unique<WholeFile>(path_of_level(output.path(), map, level), output.bytes()));
     const files::OutputPicture picture(map.view(static_cast<int>(level)));
-    report.values_clamped += files::write_exr(picture, {*files.back(), type, false, false, {control.stop, {}}});
+    values_clamped += files::write_exr(picture, {*files.back(), type, false, false, {control.stop, {}}});
     files.back()->finish();
-    report.files.push_back(files.back()->path());
   }
-  if (control.progress) control.progress(1.0);
-  for (const auto& file : files) file->commit();  // last: whatever throws leaves what was there before
-  return report;
+  std::vector<WholeFile*> all;
+  for (const auto& file : files) all.push_back(file.get());
+  return files::commit_files(all, values_clamped, control);
 }
 
 }  // namespace
@@ -88,14 +88,10 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
   TextureOptions with_border = options;
   with_border.metadata["welkin.octahedral_border"] = std::to_string(map.border);
   WholeFile file(output.path(), output.bytes());
-  WriteReport report;
-  report.values_clamped = files::write_ktx2(
+  const std::uint64_t values_clamped = files::write_ktx2(
       PictureJob{file, levels.front(), with_border, control, std::span<const LatLongView>(levels).subspan(1)});
   file.finish();
-  report.files.push_back(file.path());
-  if (control.progress) control.progress(1.0);
-  file.commit();  // last: whatever throws leaves what was there before
-  return report;
+  return files::commit_files({&file}, values_clamped, control);
 }
 
 }  // namespace welkin

@@ -6,6 +6,7 @@
 
 #include "files/codecs.h"
 #include "files/textures.h"
+#include "files/write_environment.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
@@ -163,13 +164,9 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
   const files::Container& container = files::container_of(output.path());
   files::check_options(output.path(), container, options);
   platform::WholeFile file(output.path(), output.bytes());
-  WriteReport report;
-  report.values_clamped = container.write({file, mips, options, control});
+  const std::uint64_t values_clamped = container.write({file, mips, options, control});
   file.finish();
-  report.files.push_back(file.path());
-  if (control.progress) control.progress(1.0);
-  file.commit();  // last: whatever throws leaves what was there before
-  return report;
+  return files::commit_files({&file}, values_clamped, control);
 }
 
 WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
@@ -193,13 +190,9 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                "is no cubemap, and BC6H is for cubemaps; pass another format");
   }
   platform::WholeFile file(output.path(), output.bytes());
-  WriteReport report;
-  report.values_clamped = container.write_picture({file, picture, options, control});
+  const std::uint64_t values_clamped = container.write_picture({file, picture, options, control});
   file.finish();
-  report.files.push_back(file.path());
-  if (control.progress) control.progress(1.0);
-  file.commit();  // last: whatever throws leaves what was there before
-  return report;
+  return files::commit_files({&file}, values_clamped, control);
 }
 
 }  // namespace welkin

@@ -91,15 +91,14 @@ class OutputFiles {
     const Control part = jobs::part_of(control_, from, to);
     const files::WriteJob job{*files_.back(), type_, header == Header::openexr_cube, header == Header::openexr_lat_long,
                               part};
-    report_.values_clamped += format_.write(picture, job);
+    values_clamped_ += format_.write(picture, job);
     files_.back()->finish();
   }
 
   WriteReport commit() {
-    for (const auto& file : files_) report_.files.push_back(file->path());
-    if (control_.progress) control_.progress(1.0);
-    for (const auto& file : files_) file->commit();  // last: whatever throws leaves what was there before
-    return std::move(report_);
+    std::vector<WholeFile*> files;
+    for (const auto& file : files_) files.push_back(file.get());
+    return files::commit_files(files, values_clamped_, control_);
   }
 
  private:
@@ -107,7 +106,7 @@ class OutputFiles {
   SampleType type_;
   const Control& control_;
   std::vector<std::unique_ptr<WholeFile>> files_;
-  WriteReport report_;
+  std::uint64_t values_clamped_ = 0;
 };
 
 std::filesystem::path face_path(const std::filesystem::path& path, int face) {
@@ -198,6 +197,15 @@ std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& p
   files.reserve(6);
   for (int face = 0; face < 6; ++face) files.push_back(face_path(path, face));
   return files;
+}
+
+WriteReport commit_files(const std::vector<platform::WholeFile*>& files, std::uint64_t values_clamped,
+                         const Control& control) {
+  WriteReport report{.files = {}, .values_clamped = values_clamped};
+  for (const platform::WholeFile* file : files) report.files.push_back(file->path());
+  if (control.progress) control.progress(1.0);
+  for (platform::WholeFile* file : files) file->commit();  // last: whatever throws leaves what was there before
+  return report;
 }
 
 OutputPicture::OutputPicture(const LatLongView& view)

@@ -1,6 +1,7 @@
 // A picture that is about to be written: a view laid out as a file wants it, row by row.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -45,6 +46,11 @@ struct WriteJob {
 
 /// The files that a picture of this layout becomes at `path`: one, or a face's each in their order.
 [[nodiscard]] std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout);
+
+/// Puts finished files in their places, together: until the first one is there, whatever throws leaves what was there
+/// before. Tells that all is done.
+[[nodiscard]] WriteReport commit_files(const std::vector<platform::WholeFile*>& files, std::uint64_t values_clamped,
+                                       const Control& control);
 
 /// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
 void report_rows(const WriteJob& job, int done, int height);
