@@ -63,6 +63,7 @@ WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, c
     files.back()->finish();
   }
   std::vector<WholeFile*> all;
+  all.reserve(files.size());
   for (const auto& file : files) all.push_back(file.get());
   return files::commit_files(all, values_clamped, control);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -97,6 +98,7 @@ class OutputFiles {
 
   WriteReport commit() {
     std::vector<WholeFile*> files;
+    files.reserve(files_.size());
     for (const auto& file : files_) files.push_back(file.get());
     return files::commit_files(files, values_clamped_, control_);
   }
