@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "cache/recipe.h"
+#include "platform/text.h"
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/json.h"
@@ -139,15 +140,15 @@ std::optional<std::string> with_own_times(const std::string& manifest, double mi
 }  // namespace
 
 std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
-  const EnvironmentInfo info = inspect_environment(*options.input, options.common.read);
+  const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
   if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
-  return {*options.input};
+  return {platform::path_of(*options.input)};
 }
 
 BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
   if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
   if (options.input && is_stream(*options.input)) return;  // which cannot be hashed before it is read
-  cache_.emplace(CacheOptions{.folder = options.common.cache, .memory_bytes = 0});
+  cache_.emplace(CacheOptions{.folder = platform::path_of(options.common.cache), .memory_bytes = 0});
   key_ = key();
 }
 

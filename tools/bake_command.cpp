@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "jobs/control.h"
+#include "platform/text.h"
 #include "tools/bake_cache.h"
 #include "tools/bake_manifest.h"
 #include "tools/bake_write.h"
@@ -99,9 +100,10 @@ void add_cubemap(std::vector<std::string>& names, const std::string& cubemap, in
 
 /// All files that are read.
 std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options) {
-  std::vector<std::filesystem::path> files(options.also_read.begin(), options.also_read.end());
+  std::vector<std::filesystem::path> files;
+  for (const std::string& file : options.also_read) files.push_back(platform::path_of(file));
   for (const auto* file : {&options.scene.file, &options.scene.costs_file}) {
-    if (*file) files.emplace_back(**file);
+    if (*file) files.push_back(platform::path_of(**file));
   }
   if (!options.input || is_stream(*options.input)) return files;
   const std::vector<std::filesystem::path> input = input_files(options);
@@ -147,7 +149,7 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
 /// directory any of the six; what `inspect_environment` throws.
 void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::error_code none;
-  const std::filesystem::path folder = options.directory;
+  const std::filesystem::path folder = platform::path_of(options.directory);
   if (!std::filesystem::exists(folder, none)) return;
   const std::vector<std::string> names = names_to_write(options, bake);
   for (const std::filesystem::path& input : files_read(options)) {
@@ -242,8 +244,8 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
 /// `times`: how long it took, and what for.
 std::string bake_table(const BakeWords& words, const std::string& times, const BakeCommandOptions& options,
                        const OutputFolder& folder) {
-  std::string text = words.source + printable(folder.path().string()) + ", axes " + axes_text(options.turn) + '\n' +
-                     file_lines(folder) + words.results + times;
+  std::string text = words.source + printable(platform::utf8(folder.path())) + ", axes " + axes_text(options.turn) +
+                     '\n' + file_lines(folder) + words.results + times;
   for (const std::string& note : words.notes) text += "note: " + printable(note) + '\n';
   return text;
 }
@@ -256,7 +258,7 @@ constexpr double kBaked = 0.6;  // of the progress; the rest is writing
 void check(const BakeCommandOptions& options) {
   const BakeOptions bake = library_options(options);
   static_cast<void>(faces_of(options.turn.to));
-  check_output_folder(options.directory);
+  check_output_folder(platform::path_of(options.directory));
   check_input_is_kept(options, bake);
 }
 
@@ -281,7 +283,7 @@ void run(BakeCommandOptions options) {
 /// The files of a bake that was made before.
 std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, const Control& control) {
   const auto start = std::chrono::steady_clock::now();
-  OutputFolder folder(options.directory, control);
+  OutputFolder folder(platform::path_of(options.directory), control);
   for (const KeptBake::File& file : kept.files) {
     jobs::throw_if_cancelled(control.stop);
     write_bytes(folder.place(file.about.name), file.contents);
@@ -305,7 +307,7 @@ std::string bake_to_folder(const BakeCommandOptions& options) {
   BakeFolderCache cache(options);
   if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options, control);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
-  OutputFolder folder(options.directory, part_of(control, kBaked, 1.0));
+  OutputFolder folder(platform::path_of(options.directory), part_of(control, kBaked, 1.0));
   const ToneMap tone_map = tone_map_of(baked, options);
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);

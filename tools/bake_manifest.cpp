@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "jobs/control.h"
+#include "platform/text.h"
 #include "tools/bake_write.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -18,13 +19,13 @@ namespace {
 
 [[noreturn]] void fail_folder(const std::filesystem::path& path, const std::string& what, const std::string& reason) {
   throw Error(ErrorCode::file_access,
-              path.string() + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
+              platform::utf8(path) + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
 }
 
 /// A remark that names a file or the cache without their folders, as `portable_path` has it.
 std::string portable_note(std::string note, const BakeCommandOptions& options) {
   for (const std::string& path : {options.input.value_or(""), options.common.cache, options.directory}) {
-    if (!std::filesystem::path(path).is_absolute()) continue;
+    if (!platform::path_of(path).is_absolute()) continue;
     const std::string portable = portable_path(path);
     for (std::size_t at = 0; (at = note.find(path, at)) != std::string::npos; at += portable.size()) {
       note.replace(at, path.size(), portable);
@@ -170,7 +171,7 @@ void check_output_folder(const std::filesystem::path& path) {
     there = there.parent_path();
   }
   if (!std::filesystem::is_directory(there, trouble)) {
-    fail_folder(path, "cannot be made or is not a folder", there.string() + " is something else");
+    fail_folder(path, "cannot be made or is not a folder", platform::utf8(there) + " is something else");
   }
   const std::string reason = reason_not_to_write_in(there);
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);

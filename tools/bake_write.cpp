@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "jobs/tiles.h"
+#include "platform/text.h"
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -231,7 +232,7 @@ void write_octahedral_maps(const PrefilteredSpecular& specular, const Job& job) 
                           {"roughness", roughness}, {"unit", "radiance"},   {"axes", "welkin"}};
     const std::string format = std::string(container == Container::ktx2 ? "KTX2 " : "OpenEXR ") + name(texture.format);
     for (const std::filesystem::path& path : report.files) {
-      job.folder.add({path.filename().string(), "the specular cubemap as an octahedral map", format, 0,
+      job.folder.add({platform::utf8(path.filename()), "the specular cubemap as an octahedral map", format, 0,
                       report.values_clamped, range_of(texture.format), details});
     }
   }

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "platform/text.h"
 #include "tools/bake_manifest.h"
 #include "tools/commands.h"
 #include "tools/input.h"
@@ -144,7 +145,7 @@ std::string make(const ImportanceCommandOptions& options) {
   const ImportanceVariance variance =
       importance_variance(view, table, wanted.weight, wanted.pixels, part_of(control, 0.6, 0.8));
   begin_stage("write");
-  TableFolder folder(options.directory);
+  TableFolder folder(platform::path_of(options.directory));
   const std::size_t width = count_of(table.width);
   const std::size_t height = count_of(table.height);
   folder.add("function.npy", {height, width}, std::span<const float>(table.function));
@@ -178,7 +179,7 @@ std::string make(const ImportanceCommandOptions& options) {
   const std::string text = json_text(report);
   write_text_file(folder.path() / kTableName, text);
   if (options.common.json) return text;
-  return printable(folder.path().string()) + ": tables of " + std::to_string(table.width) + " x " +
+  return printable(platform::utf8(folder.path())) + ": tables of " + std::to_string(table.width) + " x " +
          std::to_string(table.height) + " texels, by " + word_of(wanted.weight) +
          "\n  variance of one sample over the total's square: even directions " + significant(variance.uniform, 4) +
          ", the table " + significant(variance.table, 4) + '\n';

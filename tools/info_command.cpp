@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
 #include "tools/json.h"
@@ -39,8 +40,12 @@ struct InfoReport {
 // JSON. Members are only ever added: programs read this.
 
 Json source_json(const EnvironmentInfo& file) {
-  return {{"path", file.path.string()}, {"layout", name(file.layout)},   {"width", file.width},
-          {"height", file.height},      {"format", file.format_words()}, {"notes", file.notes}};
+  return {{"path", platform::utf8(file.path)},
+          {"layout", name(file.layout)},
+          {"width", file.width},
+          {"height", file.height},
+          {"format", file.format_words()},
+          {"notes", file.notes}};
 }
 
 Json storage_json(const EnvironmentInfo& file) {
@@ -54,7 +59,7 @@ Json storage_json(const EnvironmentInfo& file) {
                {"layers", file.layers}};
   if (file.layout == Layout::six_files) {
     Json faces = Json::array();
-    for (const std::filesystem::path& face : file.faces) faces.push_back(face.string());
+    for (const std::filesystem::path& face : file.faces) faces.push_back(platform::utf8(face));
     json["faces"] = faces;
   }
   return json;
@@ -125,7 +130,7 @@ std::string further_lines(const EnvironmentInfo& file) {
   if (!file.parts.empty()) text += line("parts", list_text(file.parts) + " (--part)");
   if (!file.layers.empty()) text += line("layers", list_text(file.layers) + " (--layer)");
   if (file.layout == Layout::six_files) {
-    for (const std::filesystem::path& face : file.faces) text += line("", printable(face.filename().string()));
+    for (const std::filesystem::path& face : file.faces) text += line("", printable(platform::utf8(face.filename())));
   }
   for (const std::string& note : file.notes) text += line("note", printable(note));
   return text;
@@ -133,7 +138,7 @@ std::string further_lines(const EnvironmentInfo& file) {
 
 std::string file_lines(const EnvironmentInfo& file) {
   const std::string compression = file.compression == "none" ? "not compressed" : file.compression + " compression";
-  return printable(file.path.string()) + '\n' +
+  return printable(platform::utf8(file.path)) + '\n' +
          line("size", std::to_string(file.width) + " x " + std::to_string(file.height)) +
          line("layout", std::string(name(file.layout)) + " (" + file.layout_reason + ")") +
          line("format", file.format_words() + ", " + file.storage + ", " + compression) +

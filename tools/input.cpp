@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "platform/text.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -79,11 +80,11 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
 
 bool is_stream(const std::string& named) {
   std::error_code unknown;
-  return is_standard_stream(named) || std::filesystem::is_fifo(named, unknown);
+  return is_standard_stream(named) || std::filesystem::is_fifo(platform::path_of(named), unknown);
 }
 
 FileInput input_of(const std::string& named, const ReadOptions& read) {
-  if (!is_stream(named)) return named;
+  if (!is_stream(named)) return platform::path_of(named);
   // A command has one input.
   static const std::vector<std::byte> bytes =
       read_to_end(is_standard_stream(named) ? std::nullopt : std::optional(named), read.memory_limit_bytes);
@@ -158,7 +159,7 @@ void with_cache(const CommonOptions& options, std::vector<std::string>& notes,
     work(nullptr);
     return;
   }
-  ResultCache cache({.folder = options.cache, .memory_bytes = 0});
+  ResultCache cache({.folder = platform::path_of(options.cache), .memory_bytes = 0});
   work(&cache);
   const CacheStatistics statistics = cache.statistics();
   if (statistics.damaged > 0)

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "platform/file.h"
+#include "platform/text.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
@@ -78,7 +79,7 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint) 
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path, none)) {
-    throw Error(ErrorCode::file_access, path.string() + ": cannot be read (" +
+    throw Error(ErrorCode::file_access, platform::utf8(path) + ": cannot be read (" +
                                             (errno != 0 ? std::strerror(errno) : "it is a directory") + "); " + hint);
   }
   std::string text(kLongestText + 1, '\0');
@@ -86,7 +87,7 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint) 
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kLongestText) {
     throw Error(ErrorCode::limit_exceeded,
-                path.string() + ": has more than a megabyte; sound ones have some kilobytes");
+                platform::utf8(path) + ": has more than a megabyte; sound ones have some kilobytes");
   }
   return text;
 }

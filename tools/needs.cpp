@@ -80,7 +80,7 @@ auto naming_file(const std::filesystem::path& path, const Read& read) {
   try {
     return read();
   } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, path.string() + ": " + flaw.message);
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message);
   }
 }
 
@@ -106,7 +106,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   };
   table.push_back({.names = "--needs",
                    .target = On<std::string>([&choice](const std::string& file) {
-                     choice.needs_in_file = read_needs(file);
+                     choice.needs_in_file = read_needs(platform::path_of(file));
                      choice.file = file;
                    }),
                    .text = "A JSON file that says what the scene uses (docs/plans.md); the rest is not baked",
@@ -142,7 +142,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   table.push_back({.names = "--plan-only", .target = &choice.plan_only, .text = "Print the plan and bake nothing"});
   table.push_back({.names = "--costs",
                    .target = On<std::string>([&choice](const std::string& file) {
-                     choice.costs_in_file = read_costs(file);
+                     choice.costs_in_file = read_costs(platform::path_of(file));
                      choice.costs_file = file;
                    }),
                    .text =

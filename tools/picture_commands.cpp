@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "files/write_environment.h"
+#include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
 #include "tools/terminal.h"
@@ -93,7 +94,7 @@ std::string size_text(int width, int height) { return std::to_string(width) + " 
 
 std::string described(const WriteReport& report, const std::string& what) {
   std::string text;
-  for (const auto& file : report.files) text += printable(file.string()) + ": " + what + '\n';
+  for (const auto& file : report.files) text += printable(platform::utf8(file)) + ": " + what + '\n';
   if (report.values_clamped > 0) {
     text += "note: " + counted(report.values_clamped, "value") + " beyond what the format holds, clamped to it\n";
   }
@@ -135,7 +136,7 @@ class Output {
   explicit Output(const OutputOptions& options) : options_(options) {}
 
   [[nodiscard]] FileOutput target() {
-    if (!is_standard_stream(options_.path)) return options_.path;
+    if (!is_standard_stream(options_.path)) return platform::path_of(options_.path);
     return {bytes_, name_of_output(options_)};
   }
 
@@ -157,7 +158,7 @@ class Output {
 };
 
 void check_output(const OutputOptions& options, bool cubemap) {
-  check_write_options(Output::name_of_output(options), options.write, cubemap);
+  check_write_options(platform::path_of(Output::name_of_output(options)), options.write, cubemap);
   if (is_standard_stream(options.path) && options.write.layout == Layout::six_files) {
     throw Error(ErrorCode::invalid_argument, "standard output is one file, and --layout six-files makes six; name OUT");
   }
@@ -257,9 +258,10 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
 /// Throws `Error` (file_access) if OUT is a file that is read: of six files and of a folder any of them.
 void check_input_is_kept(const ConvertOptions& options, const EnvironmentInfo& input) {
   if (is_standard_stream(options.input) || is_standard_stream(options.output.path)) return;
-  std::vector<std::filesystem::path> read{options.input};
+  std::vector<std::filesystem::path> read{platform::path_of(options.input)};
   if (input.layout == Layout::six_files) read.assign(input.faces.begin(), input.faces.end());
-  for (const auto& written : files::files_to_write(options.output.path, options.output.write.layout)) {
+  for (const auto& written :
+       files::files_to_write(platform::path_of(options.output.path), options.output.write.layout)) {
     for (const auto& file : read) require_kept(file, written, "the conversion", "give OUT another name");
   }
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/terminal.h"
 #include "welkin/core.h"
@@ -143,7 +144,7 @@ void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) 
   const std::uint64_t bytes = 2 * 12 * (is_cross ? texels / 2 : texels);
   if (bytes <= read.memory_limit_bytes) return;
   throw Error(ErrorCode::limit_exceeded,
-              info.path.string() + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
+              platform::utf8(info.path) + ": " + std::to_string(info.width) + " x " + std::to_string(info.height) +
                   " texels, held twice for --take-out-sun and --irradiance-error, take " + std::to_string(bytes) +
                   " bytes, above the limit of " + std::to_string(read.memory_limit_bytes) +
                   "; raise --memory-limit, leave those options out, or reduce the picture");
@@ -183,8 +184,9 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   report.source = source_of(*options.input, info);
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
     const bool keeps = cache != nullptr && !is_stream(*options.input);  // the cache knows files by their paths
-    report.projection = keeps ? cache->project_file(*options.input, read, options.projection, control)
-                              : project_file(input, read, options.projection, control);
+    report.projection = keeps
+                            ? cache->project_file(platform::path_of(*options.input), read, options.projection, control)
+                            : project_file(input, read, options.projection, control);
   });
   return is_cubemap(info);
 }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <string_view>
 
+#include "platform/text.h"
 #include "tools/json.h"
 #include "tools/sh_report.h"
 #include "tools/text.h"
@@ -427,7 +428,7 @@ namespace {
 /// The file's stem as a C identifier: "city-at noon.exr" to "city_at_noon".
 std::string identifier(const std::string& path) {
   std::string name;
-  for (const char c : std::filesystem::path(path).stem().string()) {
+  for (const char c : platform::utf8(platform::path_of(path).stem())) {
     name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   }
   if (name.empty() || std::isdigit(static_cast<unsigned char>(name.front())) != 0) name.insert(0, "environment_");

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "platform/text.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/bake_file.h"
@@ -107,10 +108,10 @@ Atmosphere read_atmosphere(const std::filesystem::path& path) {
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {
-    throw Error(ErrorCode::corrupt_file, path.string() + ": " + flaw.message);
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + flaw.message);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid_argument) throw;
-    throw Error(ErrorCode::corrupt_file, path.string() + ": " + error.what());
+    throw Error(ErrorCode::corrupt_file, platform::utf8(path) + ": " + error.what());
   }
 }
 
@@ -181,7 +182,7 @@ Atmosphere earth_of(const EarthPreset& preset, const AtmosphereChoice& choice, S
 }
 
 Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour colour) {
-  if (choice.file) return read_atmosphere(*choice.file);
+  if (choice.file) return read_atmosphere(platform::path_of(*choice.file));
   if (const EarthPreset* const preset = earth_preset(choice.preset)) return earth_of(*preset, choice, colour);
   if (choice.preset == AtmospherePreset::earth_bruneton) return earth_bruneton(wavelengths_of(choice, colour));
   return choice.preset == AtmospherePreset::mars ? mars() : earth_hillaire();
@@ -375,16 +376,17 @@ ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& 
   std::error_code none;
   std::string reason = "no --tables file keeps them";
   if (file) {
-    const bool is_there = std::filesystem::exists(*file, none);
+    const bool is_there = std::filesystem::exists(platform::path_of(*file), none);
     if (is_there) {
-      auto loaded = std::make_shared<const SkyTables>(load_sky_tables(*file, options.memory_limit_bytes));
+      auto loaded =
+          std::make_shared<const SkyTables>(load_sky_tables(platform::path_of(*file), options.memory_limit_bytes));
       if (fit(*loaded, atmosphere, options))
         return {loaded, {"tables", PassAction::reuse, "loaded from " + *file, 0.0}};
     }
     reason = (is_there ? "those in the file were of other parameters; now saved to " : "saved to ") + *file;
   }
   auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
-  if (file) save_sky_tables(*made, *file);
+  if (file) save_sky_tables(*made, platform::path_of(*file));
   return {made, {"tables", PassAction::run, reason, 0.0}};
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "platform/text.h"
 #include "tools/preview_light.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -156,7 +157,7 @@ std::string tile_line(const Sky& sky, const Tile& tile, std::size_t number) {
 }
 
 std::string head_lines(const Sky& sky, const SweepOptions& options) {
-  return printable(std::filesystem::path(options.path).filename().string()) + ": " +
+  return printable(platform::utf8(platform::path_of(options.path).filename())) + ": " +
          printable(sky.report.atmosphere.name) + ", altitude " + significant(sky.report.altitude_m) +
          " m; tiles row by row from the left\n" + "  r, g, b in " + sky_unit(sky.report) +
          "; the sun's light is what falls on a surface that faces it\n\n" + " tile  elevation" +
@@ -165,11 +166,11 @@ std::string head_lines(const Sky& sky, const SweepOptions& options) {
 }
 
 std::filesystem::path text_beside(const SweepOptions& options) {
-  return std::filesystem::path(options.path).replace_extension(".txt");
+  return platform::path_of(options.path).replace_extension(".txt");
 }
 
 void check(const SkyParameters& parameters, const SweepOptions& options) {
-  const std::filesystem::path path = options.path;
+  const std::filesystem::path path = platform::path_of(options.path);
   if (path.extension() != ".png") {
     throw Error(ErrorCode::invalid_argument, options.path + ": --sweep draws a PNG; give a name that ends with .png");
   }
@@ -215,7 +216,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
     text += tile_line(sky, tile, i);
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
-  picture.save(options.path);
+  picture.save(platform::path_of(options.path));
   write_text_file(text_beside(options), text);
   return text;
 }

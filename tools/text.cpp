@@ -117,10 +117,10 @@ std::string printable_lines(const std::string& text) {
 }
 
 std::string portable_path(const std::string& path) {
-  const std::filesystem::path whole = path;
+  const std::filesystem::path whole = platform::path_of(path);
   if (!whole.is_absolute()) return path;
   const std::filesystem::path last = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
-  return last.string();
+  return platform::utf8(last);
 }
 
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
@@ -134,8 +134,8 @@ bool is_same_file(const std::filesystem::path& one, const std::filesystem::path&
 void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,
                   const std::string& remedy) {
   if (!is_same_file(read, written)) return;
-  throw Error(ErrorCode::file_access, read.string() + ": is read, and " + writer + " would write over it as " +
-                                          written.filename().string() + "; " + remedy);
+  throw Error(ErrorCode::file_access, platform::utf8(read) + ": is read, and " + writer + " would write over it as " +
+                                          platform::utf8(written.filename()) + "; " + remedy);
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

@@ -89,7 +89,7 @@ class FileOutput {
   /// A vector, which must outlive the call. The extension of `name` chooses the format as that of a path does, and
   /// messages call the file by it.
   FileOutput(std::vector<std::byte>& bytes, std::string_view name)
-      : path_(name.empty() ? "bytes in memory" : name), bytes_(&bytes) {}
+      : path_(name.empty() ? u8"bytes in memory" : std::u8string(name.begin(), name.end())), bytes_(&bytes) {}
 
   /// The path, or the name of the bytes.
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
