@@ -89,13 +89,19 @@ Units: radiance is in the file's unit; irradiance in even light is pi times
 
 // A bake must not write over what it reads.
 
-/// A file with all mips, or where the container has none, a file a mip.
-void add_cubemap(std::vector<std::string>& names, const std::string& cubemap, int mips, Container container) {
-  const bool strips = container == Container::hdr || container == Container::pfm;
-  for (int mip = 0; mip < (strips ? mips : 1); ++mip) {
-    const std::string number = strips && mips > 1 ? "_m" + std::to_string(mip) : "";
-    names.push_back(cubemap + number + '.' + name(container));
+/// How many levels a file's content has. `bake`: of `library_options`.
+int levels_of(Content content, const BakeCommandOptions& options, const BakeOptions& bake) {
+  const int mips = bake.specular->mips.value();
+  switch (content) {
+    case Content::background: return full_chain_levels(bake.background->size.value_or(bake.specular->size));
+    case Content::specular: return mips;
+    case Content::octahedral: return octahedral_of(options.octahedral_size, mips).levels;
+    default: break;
   }
+  for (const Lobe lobe : options.lobes) {
+    if (content_of(lobe) == content) return static_cast<int>(kernels_of(lobe, options, *bake.specular).kernels.size());
+  }
+  return 1;
 }
 
 /// All files that are read.
@@ -114,29 +120,10 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
 /// The names in the output folder that a bake of these options writes, manifest included. `bake`: of
 /// `library_options`.
 std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
-  const int background = bake.background->size.value_or(bake.specular->size);
   std::vector<std::string> names = {kManifestName};
   if (!options.picture_name.empty()) names.push_back(options.picture_name);
-  for (const Container container : options.containers) {
-    const bool textures = container == Container::ktx2 || container == Container::dds;
-    if (!textures) names.push_back(std::string("environment.") + name(container));
-    if (container == Container::env) continue;
-    add_cubemap(names, "background", full_chain_levels(background), container);
-    add_cubemap(names, "specular", bake.specular->mips.value(), container);
-    if (bake.irradiance) add_cubemap(names, "irradiance", 1, container);
-    for (const Lobe lobe : options.lobes)
-      add_cubemap(names, name(lobe), static_cast<int>(kernels_of(lobe, options, *bake.specular).kernels.size()),
-                  container);
-    if (options.octahedral_size > 0 && (container == Container::ktx2 || container == Container::exr)) {
-      const int levels = octahedral_of(options.octahedral_size, bake.specular->mips.value()).levels;
-      for (int level = 0; level < (container == Container::exr ? levels : 1); ++level) {
-        const std::string number = container == Container::exr && levels > 1 ? "_m" + std::to_string(level) : "";
-        names.push_back("specular_octahedral" + number + '.' + name(container));
-      }
-    }
-  }
-  if (bake.brdf) {
-    for (const std::string& table : brdf_names(options)) names.push_back(table);
+  for (const OutputFile& file : options.files) {
+    for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }
   if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", "sh.h"});
   if (options.previews) {
@@ -269,7 +256,7 @@ std::string planned(const BakeCommandOptions& options) {
 }
 
 void run(BakeCommandOptions options) {
-  settle_containers(options);
+  settle_files(options);
   std::string text;
   run_with_threads(options.common.threads,
                    [&] { text = options.scene.plan_only ? planned(options) : bake_to_folder(options); });

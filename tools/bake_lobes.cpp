@@ -16,15 +16,6 @@ double phong_power(double roughness) {
 
 }  // namespace
 
-const char* name(Lobe lobe) noexcept {
-  switch (lobe) {
-    case Lobe::charlie: return "charlie";
-    case Lobe::lambert: return "lambert";
-    case Lobe::phong: break;
-  }
-  return "phong";
-}
-
 std::string what_of(Lobe lobe) {
   switch (lobe) {
     case Lobe::charlie: return "prefiltered for sheen by Charlie's lobe, a roughness a mip";

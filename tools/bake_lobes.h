@@ -16,9 +16,6 @@ struct LobeChain {
   PrefilteredSpecular light;
 };
 
-/// "charlie", "lambert", "phong"
-[[nodiscard]] const char* name(Lobe lobe) noexcept;
-
 /// What its file holds.
 [[nodiscard]] std::string what_of(Lobe lobe);
 

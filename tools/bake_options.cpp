@@ -226,18 +226,6 @@ void add_diffuse_options(Options& table, BakeCommandOptions& options) {
 
 }  // namespace
 
-const char* name(Container container) noexcept {
-  switch (container) {
-    case Container::ktx2: return "ktx2";
-    case Container::dds: return "dds";
-    case Container::exr: return "exr";
-    case Container::hdr: return "hdr";
-    case Container::pfm: return "pfm";
-    case Container::env: break;
-  }
-  return "env";
-}
-
 RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
   return options.roughness.schedule.value_or(default_schedule(options));
 }
@@ -285,8 +273,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_cache_option(table, options.common);
 }
 
-void settle_containers(BakeCommandOptions& options) {
+void settle_files(BakeCommandOptions& options) {
   if (!options.containers_named && options.turn.to == Engine::babylon) options.containers.insert(Container::env);
+  options.files = files_in(options.containers, options);
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {
@@ -319,7 +308,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   bake.specular = specular;
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
   // The .env wants its polynomial; the files of harmonics look at what was asked for.
-  if (bake.bands == 0 && options.containers.contains(Container::env)) bake.bands = 3;
+  if (bake.bands == 0 && contains(options.files, Content::env)) bake.bands = 3;
   bake.memory_limit_bytes = options.common.read.memory_limit_bytes;
   return bake;
 }

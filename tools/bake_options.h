@@ -9,6 +9,7 @@
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/needs.h"
+#include "tools/output_files.h"
 #include "tools/sky_model.h"
 #include "tools/turning.h"
 #include "welkin/bake.h"
@@ -17,14 +18,6 @@
 #include "welkin/texture_file.h"
 
 namespace welkin::tool {
-
-/// Containers, by the word on the command line and the extension alike.
-enum class Container { ktx2, dds, exr, hdr, pfm, env };
-
-[[nodiscard]] const char* name(Container container) noexcept;
-
-/// Lobes beside GGX.
-enum class Lobe { charlie, lambert, phong };
 
 /// How roughness is spread over the mips, where that was said: a schedule, or a number a mip.
 struct RoughnessChoice {
@@ -42,6 +35,7 @@ struct BakeCommandOptions {
   std::vector<std::string> also_read;  ///< files beside the input and those of `scene`
   std::set<Container> containers{Container::ktx2};
   bool containers_named = false;  ///< by --formats
+  std::vector<OutputFile> files;  ///< that are written, beside harmonics, previews and manifest: `settle_files`
   TextureOptions texture;
   bool previews = true;
   int preview_size = 256;                ///< pixels across a ball
@@ -71,9 +65,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options);
 /// Those that say what comes out: --size, --mips, --irradiance, --brdf, --formats and so on; not --bands.
 void add_result_options(Options& table, BakeCommandOptions& options);
 
-/// Adds the .env to containers that nobody named, if the files are for Babylon.js: a chain and a hundred pictures of
-/// its own, it costs more than all the rest. To be called once all options are read.
-void settle_containers(BakeCommandOptions& options);
+/// Lists the files that the options ask for. The .env, a chain and a hundred pictures of its own, costs more than all
+/// the rest: where no formats are named, it is there for Babylon.js alone. To be called once all options are read.
+void settle_files(BakeCommandOptions& options);
 
 /// The schedule that was asked for, else the one of the engine that the files are for.
 [[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);

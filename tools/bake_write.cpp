@@ -23,7 +23,7 @@ namespace {
 
 /// One cubemap of the result, and what is said of it.
 struct Cubemap {
-  std::string name;  ///< of the files, without extension
+  Content content;
   std::string what;
   std::vector<CubemapView> mips;
   std::vector<double> roughness;  ///< of each mip; empty if it is not blurred
@@ -86,17 +86,11 @@ std::string range_of(Container container) {
 
 bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
 
-/// .dds and .exr hold halves or floats, .dds also blocks. Irradiance is not compressed: where it nears 0 the errors of
-/// blocks are large beside it.
-TextureOptions texture_options(Container container, const Cubemap& cubemap, const Job& job) {
+TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
   TextureOptions options = job.options.texture;
-  if (container != Container::ktx2) {
-    options.supercompression = Supercompression::none;
-    const bool holds_blocks = container == Container::dds && in_blocks(options.format);
-    if (options.format != TexelFormat::rgba32f && !holds_blocks) options.format = TexelFormat::rgba16f;
-  }
-  if (cubemap.name == "irradiance" && in_blocks(options.format)) options.format = TexelFormat::rgba16f;
-  options.metadata = {{"welkin.content", cubemap.name},
+  options.format = file.format;
+  options.supercompression = file.supercompression;
+  options.metadata = {{"welkin.content", name(cubemap.content)},
                       {"welkin.unit", cubemap.unit},
                       {"welkin.axes", convention(job.options.turn.to).name},
                       {"welkin.version", WELKIN_VERSION_STRING}};
@@ -114,69 +108,72 @@ std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
          " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
 
-void write_texture_file(Container container, const Cubemap& cubemap, const Job& job) {
-  const TextureOptions options = texture_options(container, cubemap, job);
-  const std::string file = cubemap.name + '.' + name(container);
-  const WriteReport report = write_texture(job.folder.place(file), cubemap.mips, options, {job.control.stop, {}});
-  std::string format = container == Container::ktx2 ? "KTX2 " : container == Container::dds ? "DDS " : "OpenEXR ";
-  format += name(options.format);
-  if (options.supercompression == Supercompression::zlib) format += " zlib";
-  if (options.supercompression == Supercompression::zstd) format += " zstd";
-  job.folder.add({file, cubemap.what, format, 0, report.values_clamped, range_of(options.format),
+/// For a person: "KTX2 rgba16f zstd".
+std::string format_text(const OutputFile& file) {
+  std::string text = file.container == Container::ktx2  ? "KTX2 "
+                     : file.container == Container::dds ? "DDS "
+                                                        : "OpenEXR ";
+  text += name(file.format);
+  if (file.supercompression == Supercompression::zlib) text += " zlib";
+  if (file.supercompression == Supercompression::zstd) text += " zstd";
+  return text;
+}
+
+void write_texture_file(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
+  const TextureOptions options = texture_options(file, cubemap, job);
+  const WriteReport report = write_texture(job.folder.place(file.name), cubemap.mips, options, {job.control.stop, {}});
+  job.folder.add({file.name, cubemap.what, format_text(file), 0, report.values_clamped, range_of(options.format),
                   details_of(cubemap, job), caution_of(options.format, cubemap)});
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.
-void write_strips(Container container, const Cubemap& cubemap, const Job& job) {
+void write_strips(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
+  const std::vector<std::string> names = names_of(file, static_cast<int>(cubemap.mips.size()));
   for (std::size_t mip = 0; mip < cubemap.mips.size(); ++mip) {
-    const std::string number = cubemap.mips.size() > 1 ? "_m" + std::to_string(mip) : "";
-    const std::string file = cubemap.name + number + '.' + name(container);
     WriteOptions options;
     options.layout = Layout::vertical_strip;
     const WriteReport report =
-        write_environment(job.folder.place(file), cubemap.mips[mip], options, {job.control.stop, {}});
+        write_environment(job.folder.place(names[mip]), cubemap.mips[mip], options, {job.control.stop, {}});
     Json details = {{"layout", welkin::name(options.layout)}, {"size", cubemap.mips[mip].size}, {"mip", mip}};
     if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness[mip];
     details["unit"] = cubemap.unit;
     details["axes"] = convention(job.options.turn.to).name;
-    job.folder.add({file, cubemap.what, container == Container::hdr ? "Radiance RGBE" : "PFM", 0, report.values_clamped,
-                    range_of(container), details});
+    job.folder.add({names[mip], cubemap.what, file.container == Container::hdr ? "Radiance RGBE" : "PFM", 0,
+                    report.values_clamped, range_of(file.container), details});
   }
 }
 
 void write_cubemap(const Cubemap& cubemap, const Job& job) {
   if (cubemap.mips.empty()) return;
-  for (const Container container : job.options.containers) {
-    if (container == Container::env) continue;
-    const bool strips = container == Container::hdr || container == Container::pfm;
+  for (const OutputFile& file : files_with(cubemap.content, job.options.files)) {
+    const bool strips = file.container == Container::hdr || file.container == Container::pfm;
     if (strips) {
-      write_strips(container, cubemap, job);
+      write_strips(file, cubemap, job);
     } else {
-      write_texture_file(container, cubemap, job);
+      write_texture_file(file, cubemap, job);
     }
   }
 }
 
-/// The background once more as a lat-long, which is the same picture for all engines, where the container has them.
+/// The background once more as a lat-long, which is the same picture for all engines.
 void write_lat_longs(const CubemapChain& background, const Job& job) {
   LatLongImage picture;
-  for (const Container container : {Container::exr, Container::hdr, Container::pfm}) {
-    if (!job.options.containers.contains(container)) continue;
+  for (const OutputFile& file : files_with(Content::lat_long, job.options.files)) {
     if (picture.width == 0) {
       picture = to_lat_long(background.view(0), 4 * background.size(), 2 * background.size(), glm::dmat3(1.0),
                             ResampleFilter::bilinear, {job.control.stop, {}});
     }
-    const std::string file = std::string("environment.") + name(container);
-    const WriteReport report = write_environment(job.folder.place(file), picture.view(), {}, {job.control.stop, {}});
-    const char* const format = container == Container::exr   ? "OpenEXR half"
-                               : container == Container::hdr ? "Radiance RGBE"
-                                                             : "PFM";
-    job.folder.add({file,
+    const WriteReport report =
+        write_environment(job.folder.place(file.name), picture.view(), {}, {job.control.stop, {}});
+    const char* const format = file.container == Container::exr   ? "OpenEXR half"
+                               : file.container == Container::hdr ? "Radiance RGBE"
+                                                                  : "PFM";
+    job.folder.add({file.name,
                     "the background as a lat-long",
                     format,
                     0,
                     report.values_clamped,
-                    range_of(container),
+                    range_of(file.container),
                     {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
   }
 }
@@ -213,27 +210,23 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
 
 /// The specular chain as an octahedral map, in Welkin's axes, which are Godot's.
 void write_octahedral_maps(const PrefilteredSpecular& specular, const Job& job) {
-  const BakeCommandOptions& options = job.options;
-  if (options.octahedral_size == 0) return;
+  const std::vector<OutputFile> files = files_with(Content::octahedral, job.options.files);
+  if (files.empty()) return;
   const OctahedralMap map = to_octahedral(
-      specular.cubemap, octahedral_of(options.octahedral_size, specular.cubemap.levels()), {job.control.stop, {}});
-  for (const Container container : {Container::ktx2, Container::exr}) {
-    if (!options.containers.contains(container)) continue;
-    TextureOptions texture = options.texture;
-    if (in_blocks(texture.format) || (container == Container::exr && texture.format != TexelFormat::rgba32f))
-      texture.format = TexelFormat::rgba16f;
-    if (container == Container::exr) texture.supercompression = Supercompression::none;
+      specular.cubemap, octahedral_of(job.options.octahedral_size, specular.cubemap.levels()), {job.control.stop, {}});
+  for (const OutputFile& file : files) {
+    TextureOptions texture = job.options.texture;
+    texture.format = file.format;
+    texture.supercompression = file.supercompression;
     std::vector<double> roughness = roughness_of(specular);
     roughness.resize(map.levels.size());
     texture.metadata = {{"welkin.content", "specular"}, {"welkin.roughness", numbers_text(roughness)}};
-    const std::string file = std::string("specular_octahedral.") + name(container);
-    const WriteReport report = write_octahedral(job.folder.place(file), map, texture, {job.control.stop, {}});
+    const WriteReport report = write_octahedral(job.folder.place(file.name), map, texture, {job.control.stop, {}});
     const Json details = {{"size", map.size},       {"border", map.border}, {"mips", map.levels.size()},
                           {"roughness", roughness}, {"unit", "radiance"},   {"axes", "welkin"}};
-    const std::string format = std::string(container == Container::ktx2 ? "KTX2 " : "OpenEXR ") + name(texture.format);
     for (const std::filesystem::path& path : report.files) {
-      job.folder.add({platform::utf8(path.filename()), "the specular cubemap as an octahedral map", format, 0,
-                      report.values_clamped, range_of(texture.format), details});
+      job.folder.add({platform::utf8(path.filename()), "the specular cubemap as an octahedral map", format_text(file),
+                      0, report.values_clamped, range_of(texture.format), details});
     }
   }
 }
@@ -257,26 +250,22 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
   constexpr const char* kWhat = "BRDF table: columns along N.V, rows along roughness, the smoothest on top";
   const Json details = {
       {"width", picture.width}, {"height", picture.height}, {"channels", brdf_channels(table.options)}};
-  TextureOptions texture;
-  texture.format = options.texture.format == TexelFormat::rgba32f ? TexelFormat::rgba32f : TexelFormat::rgba16f;
-  const bool floats = texture.format == TexelFormat::rgba32f;
-  for (const Container container : {Container::ktx2, Container::dds}) {
-    if (!options.containers.contains(container)) continue;
-    const std::string file = std::string("brdf.") + name(container);
-    texture.supercompression = container == Container::ktx2 ? options.texture.supercompression : Supercompression::none;
-    texture.metadata.clear();
-    if (container == Container::ktx2) texture.metadata = {{"welkin.content", "brdf"}};
-    write_texture_2d(folder.place(file), picture.width, picture.height, picture.pixels.data(), texture,
+  for (const OutputFile& file : files_with(Content::brdf, options.files)) {
+    if (file.container == Container::pfm) {
+      WriteOptions write;
+      write.layout = Layout::lat_long;  // a plain picture, to a PFM
+      write_environment(folder.place(file.name), picture.view(), write, {control.stop, {}});
+      folder.add({file.name, kWhat, "PFM", 0, 0, "", details});
+      continue;
+    }
+    TextureOptions texture;
+    texture.format = file.format;
+    texture.supercompression = file.supercompression;
+    if (file.container == Container::ktx2) texture.metadata = {{"welkin.content", name(file.content)}};
+    write_texture_2d(folder.place(file.name), picture.width, picture.height, picture.pixels.data(), texture,
                      {control.stop, {}});
-    const std::string format = container == Container::ktx2 ? "KTX2 " : "DDS ";
-    folder.add({file, kWhat, format + (floats ? "rgba32f" : "rgba16f"), 0, 0, "", details});
+    folder.add({file.name, kWhat, format_text(file), 0, 0, "", details});
   }
-  constexpr const char* kName = "brdf.pfm";
-  if (brdf_names(options) != std::vector<std::string>{kName}) return;
-  WriteOptions write;
-  write.layout = Layout::lat_long;  // a plain picture, to a PFM
-  write_environment(folder.place(kName), picture.view(), write, {control.stop, {}});
-  folder.add({kName, kWhat, "PFM", 0, 0, "", details});
 }
 
 Json roughness_json(const std::vector<MipRecord>& mips) {
@@ -286,13 +275,12 @@ Json roughness_json(const std::vector<MipRecord>& mips) {
 }
 
 /// environment.env, in Babylon.js's axes.
-void write_env(const Baked& baked, OutputFolder& folder, const Control& control) {
+void write_env(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = baked.env_is_specular ? *baked.light.specular : *baked.env;
   // The polynomial from the source's own harmonics, or those that it stored: mip 0 ends at 255.
   const SphericalHarmonics& radiance = baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
   BabylonEnvironment environment = to_babylon(specular.cubemap, radiance);
-  constexpr const char* kName = "environment.env";
-  const WriteReport report = write_babylon_environment(folder.place(kName), environment, control);
+  const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
   const Json details = {
       {"size", environment.specular.size()},
       {"mips", environment.specular.levels()},
@@ -300,7 +288,7 @@ void write_env(const Baked& baked, OutputFolder& folder, const Control& control)
       {"axes", "babylon"},
       {"lod_generation_scale", environment.lod_generation_scale},
       {"polynomial", baked.stored_light ? "the one that the input stores" : "of the source's harmonics"}};
-  folder.add({kName, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
+  folder.add({file, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
               "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, "above 255 or below 0 clamped: RGBD ends there",
               details});
 }
@@ -366,11 +354,12 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   if (light.specular) write_octahedral_maps(*light.specular, job);
   turn_to_engine(light, options.turn.to, control);
   if (light.background) {
-    write_cubemap({"background", "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
-                  job);
+    write_cubemap(
+        {Content::background, "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
+        job);
   }
   if (light.specular) {
-    write_cubemap({"specular", "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
+    write_cubemap({Content::specular, "prefiltered for reflections, a roughness a mip", light.specular->cubemap.views(),
                    roughness_of(*light.specular), "radiance"},
                   job);
   }
@@ -379,10 +368,11 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
     if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
     const std::vector<double> roughness =
         chain.lobe == Lobe::charlie ? roughness_of(chain.light) : std::vector<double>();
-    write_cubemap({name(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"}, job);
+    write_cubemap({content_of(chain.lobe), what_of(chain.lobe), chain.light.cubemap.views(), roughness, "radiance"},
+                  job);
   }
   if (light.irradiance) {
-    write_cubemap({"irradiance",
+    write_cubemap({Content::irradiance,
                    "irradiance: divide by pi for what a white surface shows",
                    {light.irradiance->view()},
                    {},
@@ -414,16 +404,6 @@ std::vector<std::string> brdf_channels(const BrdfTableOptions& options) {
   return names;
 }
 
-std::vector<std::string> brdf_names(const BakeCommandOptions& options) {
-  std::vector<std::string> names;
-  for (const Container container : {Container::ktx2, Container::dds}) {
-    if (options.containers.contains(container)) names.push_back(std::string("brdf.") + name(container));
-  }
-  const bool babylon_alone = options.containers == std::set<Container>{Container::env};  // it has a table of its own
-  if (names.empty() && !babylon_alone) names.emplace_back("brdf.pfm");
-  return names;
-}
-
 void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
   constexpr double kPreviews = 0.3;
   constexpr double kEnv = 0.6;
@@ -441,9 +421,10 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   std::vector<PassRecord> writing;
   const auto write = [&] {
     progress(kPreviews);
-    if (options.containers.contains(Container::env) && (baked.env || baked.env_is_specular)) {
-      measured(writing, "write .env", "environment.env",
-               [&] { write_env(baked, folder, part_of(control, kPreviews, kEnv)); });
+    for (const OutputFile& file : files_with(Content::env, options.files)) {
+      if (!baked.env && !baked.env_is_specular) continue;
+      measured(writing, "write .env", file.name,
+               [&] { write_env(baked, file.name, folder, part_of(control, kPreviews, kEnv)); });
       baked.env.reset();
     }
     progress(kEnv);

@@ -17,9 +17,6 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
 /// Of the previews: as --exposure has it, else by the environment, of which a few mips below the top tell enough.
 [[nodiscard]] ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options);
 
-/// The names of the files that hold the BRDF table.
-[[nodiscard]] std::vector<std::string> brdf_names(const BakeCommandOptions& options);
-
 /// What its channels are, for the manifest.
 [[nodiscard]] std::vector<std::string> brdf_channels(const BrdfTableOptions& options);
 

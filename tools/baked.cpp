@@ -202,8 +202,7 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   const std::uint64_t results = background + specular + irradiance;
   // 4 size x 2 size texels.
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
-  const bool has_lat_long = options.containers.contains(Container::exr) ||
-                            options.containers.contains(Container::hdr) || options.containers.contains(Container::pfm);
+  const bool has_lat_long = contains(options.files, Content::lat_long);
   const bool turns = faces_of(options.turn.to) != glm::dmat3(1.0);
   const std::uint64_t env =
       memory.second_bake > 0 ? chain_bytes(memory.env_size, full_chain_levels(memory.env_size)) : 0;
@@ -269,7 +268,7 @@ void use_stored_light(Baked& baked, const Control& control) {
 SceneNeeds needs_of(const BakeCommandOptions& options) {
   constexpr int kPolynomialBands = 3;
   SceneNeeds needs = options.scene.needs();
-  if (!options.containers.contains(Container::env) || !needs.glossy) return needs;
+  if (!contains(options.files, Content::env) || !needs.glossy) return needs;
   // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
   const PrefilterOptions whole = *library_options(options).specular;
   if (env_options(whole) == whole) needs.glossy = RoughnessRange{};
@@ -291,7 +290,7 @@ struct EnvChain {
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
   EnvChain chain{env_options(*whole.specular)};
-  if (!options.containers.contains(Container::env) || !specular) return chain;
+  if (!contains(options.files, Content::env) || !specular) return chain;
   chain.wanted = true;
   chain.options.rms_error = specular->rms_error;
   chain.options.maximum_error = specular->maximum_error;
@@ -316,7 +315,7 @@ void plan_env(const Source& source, const EnvChain& chain, const CostModel& cost
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
     return false;
-  if (options.containers.contains(Container::env) || !options.lobes.empty()) return false;
+  if (contains(options.files, Content::env) || !options.lobes.empty()) return false;
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
@@ -397,7 +396,7 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
     memory.bake = work.light.result_bytes + work.light.working_bytes;
     if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
   });
-  baked.env_left_out = options.containers.contains(Container::env) && !work.env.wanted;
+  baked.env_left_out = contains(options.files, Content::env) && !work.env.wanted;
   baked.env_is_specular = work.env.is_specular;
   explain(options, baked.plan);
   memory.env_size = work.env.options.size;

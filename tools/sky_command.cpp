@@ -276,7 +276,7 @@ void settle(SkyOptions& options, const Given& given) {
   options.bake.turn.to = options.sh.turn.to;
   options.bake.bake.bands = options.sh.projection.bands;
   options.bake.picture_name = "sky.exr";
-  settle_containers(options.bake);
+  settle_files(options.bake);
 }
 
 constexpr int kMostZeniths = 128;

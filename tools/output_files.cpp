@@ -1,0 +1,129 @@
+#include "tools/output_files.h"
+
+#include <algorithm>
+
+#include "tools/bake_options.h"
+
+namespace welkin::tool {
+namespace {
+
+bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
+
+/// What the container has room for: OpenEXR halves or floats, DDS also blocks. Irradiance is not compressed: where it
+/// nears 0 the errors of blocks are large beside it. Blocks are for cubemaps, and a table is of halves or floats.
+TexelFormat stored_format(Content content, Container container, TexelFormat wanted) {
+  if (wanted == TexelFormat::rgba32f) return wanted;
+  const bool plain = content == Content::irradiance || content == Content::octahedral;
+  if (in_blocks(wanted) && plain) return TexelFormat::rgba16f;
+  if (content == Content::brdf || container == Container::exr) return TexelFormat::rgba16f;
+  if (container == Container::dds && !in_blocks(wanted)) return TexelFormat::rgba16f;
+  return wanted;
+}
+
+OutputFile file_of(Content content, Container container, const TextureOptions& texture) {
+  return {content, container, stored_format(content, container, texture.format),
+          container == Container::ktx2 ? texture.supercompression : Supercompression::none,
+          std::string(name(content)) + '.' + name(container)};
+}
+
+bool holds_all_levels(const OutputFile& file) {
+  if (file.container == Container::exr) return file.content != Content::octahedral;
+  return file.container != Container::hdr && file.container != Container::pfm;
+}
+
+/// What is a cubemap, in the order in which it is written.
+std::vector<Content> cubemaps_of(const BakeCommandOptions& options) {
+  std::vector<Content> cubemaps = {Content::background, Content::specular};
+  for (const Lobe lobe : options.lobes) cubemaps.push_back(content_of(lobe));
+  if (options.irradiance_size > 0) cubemaps.push_back(Content::irradiance);
+  return cubemaps;
+}
+
+}  // namespace
+
+const char* name(Container container) noexcept {
+  switch (container) {
+    case Container::ktx2: return "ktx2";
+    case Container::dds: return "dds";
+    case Container::exr: return "exr";
+    case Container::hdr: return "hdr";
+    case Container::pfm: return "pfm";
+    case Container::env: break;
+  }
+  return "env";
+}
+
+const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }
+
+const char* name(Content content) noexcept {
+  switch (content) {
+    case Content::env:
+    case Content::lat_long: return "environment";
+    case Content::octahedral: return "specular_octahedral";
+    case Content::background: return "background";
+    case Content::specular: return "specular";
+    case Content::charlie: return "charlie";
+    case Content::lambert: return "lambert";
+    case Content::phong: return "phong";
+    case Content::irradiance: return "irradiance";
+    case Content::brdf: break;
+  }
+  return "brdf";
+}
+
+Content content_of(Lobe lobe) noexcept {
+  switch (lobe) {
+    case Lobe::charlie: return Content::charlie;
+    case Lobe::lambert: return Content::lambert;
+    case Lobe::phong: break;
+  }
+  return Content::phong;
+}
+
+std::vector<std::string> names_of(const OutputFile& file, int levels) {
+  if (levels <= 1 || holds_all_levels(file)) return {file.name};
+  const std::size_t dot = file.name.rfind('.');
+  std::vector<std::string> names;
+  for (int level = 0; level < levels; ++level) {
+    names.push_back(file.name.substr(0, dot) + "_m" + std::to_string(level) + file.name.substr(dot));
+  }
+  return names;
+}
+
+std::vector<OutputFile> files_in(const std::set<Container>& containers, const BakeCommandOptions& options) {
+  std::vector<OutputFile> files;
+  const auto add = [&](Content content, std::initializer_list<Container> able) {
+    bool any = false;
+    for (const Container container : able) {
+      if (!containers.contains(container)) continue;
+      files.push_back(file_of(content, container, options.texture));
+      any = true;
+    }
+    return any;
+  };
+  add(Content::env, {Container::env});
+  add(Content::lat_long, {Container::exr, Container::hdr, Container::pfm});
+  if (options.octahedral_size > 0) add(Content::octahedral, {Container::ktx2, Container::exr});
+  for (const Content cubemap : cubemaps_of(options)) {
+    add(cubemap, {Container::ktx2, Container::dds, Container::exr, Container::hdr, Container::pfm});
+  }
+  if (options.no_brdf) return files;
+  const bool babylon_alone = containers == std::set<Container>{Container::env};  // it has a table of its own
+  if (!add(Content::brdf, {Container::ktx2, Container::dds}) && !babylon_alone) {
+    files.push_back(file_of(Content::brdf, Container::pfm, options.texture));
+  }
+  return files;
+}
+
+std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile>& files) {
+  std::vector<OutputFile> found;
+  std::ranges::copy_if(files, std::back_inserter(found),
+                       [content](const OutputFile& file) { return file.content == content; });
+  return found;
+}
+
+bool contains(const std::vector<OutputFile>& files, Content content) noexcept {
+  return std::ranges::any_of(files, [content](const OutputFile& file) { return file.content == content; });
+}
+
+}  // namespace welkin::tool

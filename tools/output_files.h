@@ -1,0 +1,65 @@
+// The files of a bake: what each holds, in which format, and its name.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "welkin/texture_file.h"
+
+namespace welkin::tool {
+
+struct BakeCommandOptions;
+
+/// Containers, by the word on the command line and the extension alike.
+enum class Container { ktx2, dds, exr, hdr, pfm, env };
+
+[[nodiscard]] const char* name(Container container) noexcept;
+
+/// Lobes beside GGX.
+enum class Lobe { charlie, lambert, phong };
+
+/// "charlie", "lambert", "phong"
+[[nodiscard]] const char* name(Lobe lobe) noexcept;
+
+/// What a file holds.
+enum class Content {
+  env,         ///< all that Babylon.js wants
+  lat_long,    ///< the background as a lat-long
+  octahedral,  ///< the specular chain as an octahedral map
+  background,
+  specular,
+  charlie,
+  lambert,
+  phong,
+  irradiance,
+  brdf,
+};
+
+/// "background", "specular", ...: the name of its files without extension where nobody calls them otherwise.
+[[nodiscard]] const char* name(Content content) noexcept;
+
+[[nodiscard]] Content content_of(Lobe lobe) noexcept;
+
+/// A file that is to be written.
+struct OutputFile {
+  Content content;
+  Container container;
+  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm and .env
+  Supercompression supercompression = Supercompression::none;
+  std::string name;  ///< with its extension
+};
+
+/// The names in the folder: its own or, of a container that holds one level of this content, one a level.
+[[nodiscard]] std::vector<std::string> names_of(const OutputFile& file, int levels);
+
+/// What `--formats` asks for: of each container everything that it can hold.
+[[nodiscard]] std::vector<OutputFile> files_in(const std::set<Container>& containers,
+                                               const BakeCommandOptions& options);
+
+/// Of a list, those with this content, in its order.
+[[nodiscard]] std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile>& files);
+
+[[nodiscard]] bool contains(const std::vector<OutputFile>& files, Content content) noexcept;
+
+}  // namespace welkin::tool
