@@ -21,7 +21,7 @@
 
 namespace WELKIN_EXPORT welkin {
 
-// ---- KTX2, DDS and OpenEXR
+// ---- KTX2, KTX, DDS and OpenEXR
 
 /// How KTX2's levels are packed.
 enum class Supercompression {
@@ -35,17 +35,20 @@ struct TextureOptions {
   TexelFormat format = TexelFormat::rgba16f;                   ///< OpenEXR holds rgba16f and rgba32f alone
   Supercompression supercompression = Supercompression::none;  ///< KTX2 only
 
-  /// KTX2: key/value data, 1 MiB at most, no key that starts with KTX. OpenEXR: string attributes, none that OpenEXR
-  /// has already. DDS has no place for it and leaves it out.
+  /// KTX2 and KTX: key/value data, 1 MiB at most, no key that starts with KTX. OpenEXR: string attributes, none that
+  /// OpenEXR has already. DDS has no place for it and leaves it out.
   std::map<std::string, std::string> metadata{};
 
-  Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< with the BC6H formats, which KTX2 and DDS hold
+  Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< with the BC6H formats, which KTX2, KTX and DDS hold
 };
 
 /// Writes a cubemap with its mips, largest first, each half the one before (rounded down), in the format that the
 /// extension names. Faces are those of `CubemapView`, which are the graphics APIs' own.
 ///
 /// - .ktx2: Vulkan's formats of `TexelFormat`, linear Rec. 709; KTXorientation "rd".
+/// - .ktx: the first version of KTX with OpenGL's formats, R11F_G11F_B10F the way Filament writes and reads it, its
+/// type
+///   being the internal format; nothing but the caller's key/value data.
 /// - .dds: DX10 header, the same formats as DXGI has them.
 /// - .exr: mip-mapped tiles, envmap attribute, in OpenEXR's own frames; half or float by `format`, ZIP; halves keep NaN
 ///   and infinities. OpenEXR's chain goes on to 1 x 1: levels that were not given are means of the last one, and the
@@ -76,13 +79,13 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
 struct CubemapTexture {
   CubemapChain cubemap;                         ///< all levels, as radiance
   std::string format;                           ///< "KTX2 rgba16f zstd", for a person
-  std::map<std::string, std::string> metadata;  ///< KTX2's key/value data
+  std::map<std::string, std::string> metadata;  ///< KTX2's and KTX's key/value data
 };
 
-/// Reads .ktx2 and .dds cubemaps with all their mips, told by their first bytes: the four formats above, BC6H (unsigned
-/// and signed), and r8g8b8a8 unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10 header.
-/// Alpha is passed over. The header is checked whole before anything is allocated, and what would take more than the
-/// limit is refused. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
+/// Reads .ktx2, .ktx and .dds cubemaps with all their mips, told by their first bytes: the four formats above, BC6H
+/// (unsigned and signed), and r8g8b8a8 unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10
+/// header. Alpha is passed over. The header is checked whole before anything is allocated, and what would take more
+/// than the limit is refused. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
 [[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});

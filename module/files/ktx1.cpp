@@ -1,4 +1,4 @@
-// The header of a KTX file of the first version (Khronos, "KTX File Format Specification", version 1.0), which Filament
+// A KTX file of the first version (Khronos, "KTX File Format Specification", version 1.0), which Filament
 // loads.
 //
 //   identifier, header, key/value data, then level after level from the largest: its bytes as a number, and its texels
@@ -24,6 +24,7 @@ constexpr std::uint32_t kOwnOrder = 0x04030201;
 constexpr std::uint32_t kUnsignedByte = 0x1401, kFloat = 0x1406, kHalf = 0x140B;
 constexpr std::uint32_t kPackedFloats = 0x8C3B, kSharedExponent = 0x8C3E;
 constexpr std::uint32_t kRgb = 0x1907, kRgba = 0x1908;
+constexpr std::uint32_t kRgba16f = 0x881A, kRgba32f = 0x8814;
 constexpr std::uint32_t kR11G11B10 = 0x8C3A, kRgb9E5 = 0x8C3D, kSrgb8Alpha8 = 0x8C43;
 constexpr std::uint32_t kBc6hSigned = 0x8E8E, kBc6hUnsigned = 0x8E8F;
 
@@ -126,6 +127,67 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
     place += whole;  // all kinds have rows of a multiple of four bytes: there is no padding
   }
   return layout;
+}
+
+namespace {
+
+/// What the header says of texels.
+struct GlFormat {
+  std::uint32_t type, type_size, format, internal_format, base_format;
+};
+
+/// As OpenGL's tables have it but for R11F_G11F_B10F, whose type and base format are the internal format: so Filament's
+/// cmgen writes it (1.9.25; before 1.8 the format too), and no other type does Filament load.
+GlFormat gl_format(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::rgba16f: return {kHalf, 2, kRgba, kRgba16f, kRgba};
+    case TexelFormat::rgba32f: return {kFloat, 4, kRgba, kRgba32f, kRgba};
+    case TexelFormat::b10g11r11: return {kR11G11B10, 1, kRgb, kR11G11B10, kR11G11B10};
+    case TexelFormat::e5b9g9r9: return {kSharedExponent, 4, kRgb, kRgb9E5, kRgb};
+    case TexelFormat::bc6h_ufloat: return {0, 1, 0, kBc6hUnsigned, kRgb};
+    case TexelFormat::bc6h_sfloat: break;
+  }
+  return {0, 1, 0, kBc6hSigned, kRgb};
+}
+
+std::vector<std::uint8_t> header_bytes(const TextureJob& job) {
+  const GlFormat gl = gl_format(job.options.format);
+  const auto size = static_cast<std::uint32_t>(job.mips.front().size);
+  const auto levels = static_cast<std::uint32_t>(job.mips.size());
+  constexpr std::uint32_t no_depth = 0, no_array = 0, six_faces = 6;
+  const std::vector<std::uint8_t> metadata = key_value_bytes(job.file, job.options.metadata);
+  std::vector<std::uint8_t> bytes(kIdentifier.begin(), kIdentifier.end());
+  for (const std::uint32_t field :
+       {kOwnOrder, gl.type, gl.type_size, gl.format, gl.internal_format, gl.base_format, size, size, no_depth, no_array,
+        six_faces, levels, static_cast<std::uint32_t>(metadata.size())}) {
+    platform::append_little_endian(bytes, field);
+  }
+  bytes.insert(bytes.end(), metadata.begin(), metadata.end());
+  return bytes;
+}
+
+}  // namespace
+
+std::uint64_t write_ktx1(const TextureJob& job) {
+  const std::optional<Bc6hCubemap> blocks = compressed(job);
+  const std::vector<std::uint8_t> header = header_bytes(job);
+  job.file.write(header.data(), header.size());
+  TexelEncoder encoder(job.options.format);
+  TexelProgress progress(job.mips, job.control);
+  for (std::size_t level = 0; level < job.mips.size(); ++level) {
+    std::vector<std::uint8_t> face_bytes;  // of a face: this is no array
+    platform::append_little_endian(
+        face_bytes, static_cast<std::uint32_t>(level_bytes(kind_of(job.options.format), job.mips[level].size) / 6));
+    job.file.write(face_bytes.data(), face_bytes.size());
+    if (blocks) {
+      job.file.write(blocks->levels[level].blocks.data(), blocks->levels[level].blocks.size());
+      continue;
+    }
+    for (int face = 0; face < 6; ++face) {
+      write_face(job.file, job.mips[level], face, job.options.format, encoder, progress);
+    }
+  }
+  return (blocks ? blocks->values_clamped : 0) + encoder.clamped();
 }
 
 }  // namespace welkin::files

@@ -329,18 +329,25 @@ void append_entry(Bytes& bytes, const std::string& key, const std::string& value
   pad_to(bytes, 4);
 }
 
-/// Keys in the order of their bytes, as the map has them.
-Bytes key_values(const platform::WholeFile& file, const TextureOptions& options) {
-  std::map<std::string, std::string> all = options.metadata;
-  all["KTXorientation"] = "rd";  // columns run right, rows down
-  all["KTXwriter"] = "Welkin";
+}  // namespace
+
+Bytes key_value_bytes(const platform::WholeFile& file, const std::map<std::string, std::string>& metadata) {
   Bytes bytes;
-  for (const auto& [key, value] : all) append_entry(bytes, key, value);
+  for (const auto& [key, value] : metadata) append_entry(bytes, key, value);
   if (bytes.size() > kMostMetadataBytes) {
     throw platform::file_error(ErrorCode::invalid_argument, file.path(),
                                "its metadata takes " + std::to_string(bytes.size()) + " bytes; 1 MiB is the most");
   }
   return bytes;
+}
+
+namespace {
+
+Bytes key_values(const platform::WholeFile& file, const TextureOptions& options) {
+  std::map<std::string, std::string> all = options.metadata;
+  all["KTXorientation"] = "rd";  // columns run right, rows down
+  all["KTXwriter"] = "Welkin";
+  return key_value_bytes(file, all);
 }
 
 struct Place {

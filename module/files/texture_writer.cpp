@@ -35,6 +35,7 @@ struct Container {
 };
 
 constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true},
+                                 Container{".ktx", write_ktx1, nullptr, true, false, true},
                                  Container{".dds", write_dds, write_dds, true, false, true},
                                  Container{".exr", write_exr_cube, nullptr, false, false, false}};
 
@@ -51,7 +52,7 @@ const Container& container_of(const std::filesystem::path& path) {
       ErrorCode::unsupported_file, path,
       (extension.empty() ? std::string("has no extension that names a format")
                          : "\"" + platform::printable(extension) + "\" is not written as a texture") +
-          "; use .ktx2, .dds or .exr");
+          "; use .ktx2, .ktx, .dds or .exr");
 }
 
 void check_options(const std::filesystem::path& path, const Container& container, const TextureOptions& options) {
@@ -64,7 +65,7 @@ void check_options(const std::filesystem::path& path, const Container& container
     refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
   }
   if (is_compressed(kind_of(options.format)) && !container.blocks) {
-    refuse("cannot hold blocks of BC6H; pass rgba16f or rgba32f, or write .ktx2 or .dds");
+    refuse("cannot hold blocks of BC6H; pass rgba16f or rgba32f, or write .ktx2, .ktx or .dds");
   }
   const bool packed = options.format == TexelFormat::b10g11r11 || options.format == TexelFormat::e5b9g9r9;
   if (packed && !container.packed_formats) {

@@ -211,6 +211,10 @@ struct TextureLayout {
 [[nodiscard]] std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
                                                                  std::uint64_t bytes);
 
+/// The same as bytes, keys in the order of theirs. Throws `Error` (invalid_argument) above 1 MiB.
+[[nodiscard]] std::vector<std::uint8_t> key_value_bytes(const platform::WholeFile& file,
+                                                        const std::map<std::string, std::string>& metadata);
+
 /// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
 /// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
@@ -288,6 +292,7 @@ struct PictureJob {
 /// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
 /// `write_texture` does.
 std::uint64_t write_ktx2(const TextureJob& job);
+std::uint64_t write_ktx1(const TextureJob& job);
 std::uint64_t write_dds(const TextureJob& job);
 std::uint64_t write_exr_cube(const TextureJob& job);
 std::uint64_t write_ktx2(const PictureJob& job);

@@ -496,7 +496,7 @@ TEST_CASE("textures that cannot be written are refused, and nothing is left", "[
     return error;
   };
   CHECK(refusal("sky.png", mips).code == ErrorCode::unsupported_file);
-  CHECK(refusal("sky.png", mips).says("use .ktx2, .dds or .exr"));
+  CHECK(refusal("sky.png", mips).says("use .ktx2, .ktx, .dds or .exr"));
   CHECK(refusal("sky", mips).says("no extension"));
   CHECK(refusal("none/sky.dds", mips).code == ErrorCode::file_access);
   CHECK(refusal("sky.ktx2", {}).says("a level at least"));
