@@ -22,7 +22,7 @@ namespace WELKIN_EXPORT welkin {
 // ---- Axes, lat-longs and cube faces
 
 /// The engines and formats whose conventions are known; `conventions()` describes them.
-enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot };
+enum class Engine { welkin, openexr, babylon, three, filament, gltf, unity, unreal, blender, godot, bevy, usd };
 
 /// Where things lie in one engine.
 struct Convention {
@@ -109,14 +109,14 @@ struct EngineLight {
   std::vector<EngineVector> vectors;
 };
 
-/// Whether the engine has a form of its own: not welkin, openexr, blender.
+/// Whether the engine has a form of its own: not welkin, openexr, blender, bevy, usd.
 [[nodiscard]] bool has_engine_light(Engine engine) noexcept;
 
 /// The terms of an engine's form from radiance in Welkin's axes: turned to the engine's axes
 /// (`Convention::from_welkin`), then signs, order and scale. Bands above the third are left out, missing ones are
 /// zero. Coefficients of faces that the engine rendered itself are not in Welkin's axes: see `engine_light_in_place`
 /// and `Convention::faces_from_engine`. Throws `Error` (invalid_argument) for an engine that has no such form (openexr,
-/// blender), naming those that do.
+/// blender, bevy, usd), naming those that do.
 [[nodiscard]] EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine);
 
 /// The same without the turn: `radiance` is in the engine's axes already.

@@ -361,7 +361,9 @@ enum {
   WELKIN_ENGINE_UNITY = 6,
   WELKIN_ENGINE_UNREAL = 7,
   WELKIN_ENGINE_BLENDER = 8,
-  WELKIN_ENGINE_GODOT = 9
+  WELKIN_ENGINE_GODOT = 9,
+  WELKIN_ENGINE_BEVY = 10,
+  WELKIN_ENGINE_USD = 11
 };
 
 /* How an engine's axes lie to Welkin's; engines.h says more. The strings are constants. */
@@ -1359,8 +1361,8 @@ typedef struct welkin_texture_options {
   welkin_supercompression supercompression; /* KTX2 only */
 } welkin_texture_options;
 
-/* Writes a cubemap with its mips in the format that the extension names: .ktx2, .dds or .exr. `mips` is as of
- * `welkin_project_cubemap`; `values_clamped` (may be null) gets how many values the format could not hold. */
+/* Writes a cubemap with its mips in the format that the extension names: .ktx2, .ktx, .dds or .exr. `mips` is as
+ * of `welkin_project_cubemap`; `values_clamped` (may be null) gets how many values the format could not hold. */
 WELKIN_API welkin_status welkin_write_texture(const char* path, const welkin_cubemap* mips, int32_t mip_count,
                                               const welkin_texture_options* options, const welkin_control* control,
                                               uint64_t* values_clamped);

@@ -213,6 +213,8 @@ static_assert(WELKIN_ENGINE_GLTF == static_cast<int>(Engine::gltf));
 static_assert(WELKIN_ENGINE_UNITY == static_cast<int>(Engine::unity));
 static_assert(WELKIN_ENGINE_UNREAL == static_cast<int>(Engine::unreal));
 static_assert(WELKIN_ENGINE_GODOT == static_cast<int>(Engine::godot));
+static_assert(WELKIN_ENGINE_BEVY == static_cast<int>(Engine::bevy));
+static_assert(WELKIN_ENGINE_USD == static_cast<int>(Engine::usd));
 
 welkin_engine_light plain(const EngineLight& light) {
   welkin_engine_light values{};
@@ -238,7 +240,7 @@ using Form = EngineLight (*)(const SphericalHarmonics&, Engine);
 welkin_status write_form(Form form, int32_t bands, const double* radiance, welkin_engine engine,
                          welkin_engine_light* light) {
   return guarded([&] {
-    const Engine wanted = enumerator("engine", engine, Engine::godot);
+    const Engine wanted = enumerator("engine", engine, Engine::usd);
     write_struct(light, plain(form(read_harmonics(bands, radiance, "radiance"), wanted)), "light");
     return WELKIN_OK;
   });
@@ -259,7 +261,7 @@ welkin_status welkin_engine_light_in_place(int32_t bands, const double* radiance
 
 welkin_status welkin_get_convention(welkin_engine engine, welkin_convention* convention) {
   return guarded([&] {
-    const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::godot));
+    const auto& known = welkin::convention(enumerator("engine", engine, welkin::Engine::usd));
     welkin_convention values{};
     values.engine = engine;
     values.right_handed = known.right_handed ? 1 : 0;

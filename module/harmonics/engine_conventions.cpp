@@ -44,8 +44,9 @@ constexpr glm::dmat3 kCentreMinusYRightXUpZ = matrix({{-1, 0, 0}, {0, 0, -1}, {0
 constexpr glm::dmat3 kCentreXRightMinusYUpZ = matrix({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
 
 constexpr glm::dmat3 kMirroredX = matrix({{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+constexpr glm::dmat3 kMirroredZ = matrix({{1, 0, 0}, {0, 1, 0}, {0, 0, -1}});
 
-constexpr std::array<Convention, 10> kConventions{{
+constexpr std::array<Convention, 12> kConventions{{
     {Engine::welkin, "welkin", "Welkin", true, "right-handed, y up", "centre +z, right -x", "include/welkin/image.h",
      kSame, kSame},
     {Engine::openexr, "openexr", "OpenEXR", true, "right-handed, y up", "centre +z, right -x",
@@ -79,6 +80,12 @@ constexpr std::array<Convention, 10> kConventions{{
      "servers/rendering/renderer_rd/shaders/environment/sky.glsl, panorama_coords; faces derived: a samplerCube is "
      "looked up by EYEDIR as it is",
      kSame, kSame},
+    {Engine::bevy, "bevy", "Bevy", true, "right-handed, y up", "centre +z, right -x",
+     "crates/bevy_pbr/src/light_probe/environment_map.wgsl, compute_cubemap_sample_dir, which negates z; derived: Bevy "
+     "has no lat-longs, so that its +z is Welkin's",
+     kSame, kMirroredZ},
+    {Engine::usd, "usd", "OpenUSD", true, "right-handed, y up", "centre +z, right -x",
+     "UsdLuxDomeLight, which has OpenEXR's LatLongMap; of a stage whose up axis is y", kSame, std::nullopt},
 }};
 
 std::string all_names() {
@@ -265,7 +272,8 @@ EngineLight godot(const SphericalHarmonics& radiance) {
 }  // namespace
 
 bool has_engine_light(Engine engine) noexcept {
-  return engine != Engine::welkin && engine != Engine::openexr && engine != Engine::blender;
+  constexpr std::array kWithout{Engine::welkin, Engine::openexr, Engine::blender, Engine::bevy, Engine::usd};
+  return std::find(kWithout.begin(), kWithout.end(), engine) == kWithout.end();
 }
 
 EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine) {
@@ -280,7 +288,9 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
     case Engine::godot: return godot(radiance);
     case Engine::welkin:
     case Engine::openexr:
-    case Engine::blender: break;
+    case Engine::blender:
+    case Engine::bevy:
+    case Engine::usd: break;
   }
   throw Error(ErrorCode::invalid_argument,
               std::string(convention(engine).title) +

@@ -105,7 +105,8 @@ const std::vector<Case>& cases() {
       {Engine::babylon, babylon_picture, false},  {Engine::three, three_picture, true},
       {Engine::filament, filament_picture, true}, {Engine::gltf, gltf_picture, true},
       {Engine::unity, unity_picture, false},      {Engine::unreal, unreal_picture, false},
-      {Engine::blender, blender_picture, true},   {Engine::godot, godot_picture, true}};
+      {Engine::blender, blender_picture, true},   {Engine::godot, godot_picture, true},
+      {Engine::bevy, welkin_picture, true},       {Engine::usd, welkin_picture, true}};
   return all;
 }
 
@@ -182,10 +183,10 @@ TEST_CASE("the words about a lat-long are those of the matrix", "[engine]") {
   }
 }
 
-TEST_CASE("cube faces are looked up by the world's direction, but for three.js, which mirrors x", "[engine]") {
+TEST_CASE("cube faces are looked up by the world's direction, but for three.js's x and Bevy's z", "[engine]") {
   for (const Convention& engine : conventions()) {
     INFO(engine.name);
-    if (engine.engine == Engine::blender) {
+    if (engine.engine == Engine::blender || engine.engine == Engine::usd) {
       CHECK(!engine.faces_from_engine);
       continue;
     }
@@ -193,7 +194,8 @@ TEST_CASE("cube faces are looked up by the world's direction, but for three.js, 
     const glm::dvec3 x = *engine.faces_from_engine * glm::dvec3(1, 0, 0);
     CHECK(x == glm::dvec3(engine.engine == Engine::three ? -1 : 1, 0, 0));
     CHECK(*engine.faces_from_engine * glm::dvec3(0, 1, 0) == glm::dvec3(0, 1, 0));
-    CHECK(*engine.faces_from_engine * glm::dvec3(0, 0, 1) == glm::dvec3(0, 0, 1));
+    const glm::dvec3 z = *engine.faces_from_engine * glm::dvec3(0, 0, 1);
+    CHECK(z == glm::dvec3(0, 0, engine.engine == Engine::bevy ? -1 : 1));
   }
 }
 
@@ -503,7 +505,7 @@ TEST_CASE("Unity's and Unreal's vectors are named and packed as their shaders de
 }
 
 TEST_CASE("engines without a form are refused, and those with one named", "[engine]") {
-  for (const Engine engine : {Engine::welkin, Engine::openexr, Engine::blender}) {
+  for (const Engine engine : {Engine::welkin, Engine::openexr, Engine::blender, Engine::bevy, Engine::usd}) {
     CHECK_FALSE(has_engine_light(engine));
     const ThrownError error = thrown_by([&] { (void)engine_light(SphericalHarmonics(3), engine); });
     CHECK(error.code == ErrorCode::invalid_argument);

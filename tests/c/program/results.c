@@ -274,7 +274,7 @@ static void harmonics_that_are_refused(void) {
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_sun_harmonics(&sun, 3, to)); /* it has no direction */
 
   welkin_convention convention = {.struct_size = sizeof convention};
-  REFUSED("engine", welkin_get_convention(10, &convention));
+  REFUSED("engine", welkin_get_convention(12, &convention));
   REFUSED("convention", welkin_get_convention(WELKIN_ENGINE_UNITY, NULL));
   welkin_engine_light form = {.struct_size = sizeof form};
   REFUSED("colour", welkin_babylon_constant(NULL, &form));
