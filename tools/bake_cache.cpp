@@ -14,6 +14,7 @@
 #include "cache/recipe.h"
 #include "platform/text.h"
 #include "tools/arguments.h"
+#include "tools/engine_folders.h"
 #include "tools/input.h"
 #include "tools/json.h"
 #include "tools/text.h"
@@ -70,6 +71,7 @@ std::optional<ContentHash> hash_in(std::string_view text) {
 /// Of a file in the folder itself and no other place: the index may be anybody's.
 bool is_plain_name(std::string_view name) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_.";
+  if (name == kReadmeName) return true;
   return !name.empty() && name.front() != '.' && name != kManifestName &&
          name.find_first_not_of(kLetters) == std::string_view::npos;
 }

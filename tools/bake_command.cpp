@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -13,6 +14,7 @@
 #include "tools/bake_manifest.h"
 #include "tools/bake_write.h"
 #include "tools/commands.h"
+#include "tools/engine_folders.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -32,18 +34,23 @@ constexpr const char* kBakeFooter =
     brdf.ktx2             the BRDF table, the split sum's other half
     charlie.ktx2          the same by sheen's lobe (--lobe charlie)
     environment.env       all of it for Babylon.js (--for babylon, --formats env)
+    README.md             code that loads the files (--for ENGINE)
     sh.json, sh.h         spherical harmonics, also in each engine's form
     preview_*.png         the environment, balls lit by the result, the mips
     manifest.json         what is in the folder, how it was made, how good it is
   The manifest is written last, so a folder with a manifest is complete. Other
   files in the folder stay. docs/bake_folder.md says how engines load the files.
+  --for ENGINE without --formats writes what that engine loads instead of these
+  textures: three (BC6H as DDS, halves as KTX2), babylon (.env, DDS), filament
+  (KTX with harmonics), bevy and gltf (KTX2), usd (a stage with a dome light),
+  unity, unreal, blender and godot (a lat-long).
 
 Examples:
   welkin bake --sky -o out                            a built-in, computed sky
   welkin bake city.hdr -o out                         a photograph
   welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
-  welkin bake city.hdr -o out --for three --formats ktx2,exr
-  welkin bake city.hdr -o out --for unity             its axes, mips, roughness
+  welkin bake city.hdr -o out --for three             what three.js loads, and how
+  welkin bake city.hdr -o out --for unity --formats dds  its axes and roughness
   welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews
@@ -146,6 +153,19 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
   }
 }
 
+/// Throws `Error` (file_access) if a README.md that this bake would write over is somebody else's.
+void check_readme_is_kept(const BakeCommandOptions& options) {
+  for (const OutputFile& file : files_with(Content::readme, options.files)) {
+    const std::filesystem::path path = platform::path_of(options.directory) / file.name;
+    std::ifstream stream(path);
+    std::string line;
+    if (!stream || (std::getline(stream, line) && is_own_readme(line))) continue;
+    throw Error(ErrorCode::file_access, platform::utf8(path) +
+                                            ": is not of a bake, which would write over it; pass another folder to -o, "
+                                            "or choose files without one by --formats");
+  }
+}
+
 // What is said of a bake to a person.
 
 std::string size_text(std::uint64_t bytes) {
@@ -244,9 +264,10 @@ constexpr double kBaked = 0.6;  // of the progress; the rest is writing
 /// What can be refused is refused before there is a folder, and before any work.
 void check(const BakeCommandOptions& options) {
   const BakeOptions bake = library_options(options);
-  static_cast<void>(faces_of(options.turn.to));
+  static_cast<void>(turn_of_faces(options));
   check_output_folder(platform::path_of(options.directory));
   check_input_is_kept(options, bake);
+  check_readme_is_kept(options);
 }
 
 std::string planned(const BakeCommandOptions& options) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/bake_lobes.h"
+#include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 
@@ -19,8 +20,8 @@ constexpr int kLargestBall = 1024;
 constexpr int kMostSamples = 1 << 20;
 constexpr double kMostStops = 60.0;
 
-constexpr std::array<Container, 6> kContainers = {Container::ktx2, Container::dds, Container::exr,
-                                                  Container::hdr,  Container::pfm, Container::env};
+constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
+                                                  Container::pfm,  Container::env, Container::ktx};
 
 Option size_option(const char* name, int& size, int least, int largest, const std::string& text) {
   return {.names = name, .target = &size, .text = text, .type = "N", .bounds = whole_between(least, largest)};
@@ -31,8 +32,8 @@ const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   static const std::vector<std::pair<std::string, RoughnessSchedule>> words = {
       {"filament", RoughnessSchedule::filament}, {"three", RoughnessSchedule::filament},
       {"linear", RoughnessSchedule::linear},     {"gltf", RoughnessSchedule::linear},
-      {"babylon", RoughnessSchedule::babylon},   {"unity", RoughnessSchedule::unity},
-      {"unreal", RoughnessSchedule::unreal}};
+      {"bevy", RoughnessSchedule::linear},       {"babylon", RoughnessSchedule::babylon},
+      {"unity", RoughnessSchedule::unity},       {"unreal", RoughnessSchedule::unreal}};
   return words;
 }
 
@@ -103,12 +104,13 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   };
   table.push_back({.names = "--formats",
                    .target = On<std::vector<std::string>>(store),
-                   .text = "The formats of the cubemaps, separated by commas: ktx2, dds, exr, hdr, pfm, env; default "
-                           "ktx2, and env too with --for babylon",
+                   .text =
+                       "The formats of the cubemaps, separated by commas: ktx2, dds, exr, hdr, pfm, env, ktx; default: "
+                       "what the engine that --for names loads, else ktx2",
                    .type = "LIST",
                    .words = words,
                    .list = List::commas});
-  table.push_back(
+  Option formats =
       choice<TexelFormat>("--ktx2-format", options.texture.format,
                           {{"rgba16f", TexelFormat::rgba16f},
                            {"rgba32f", TexelFormat::rgba32f},
@@ -117,8 +119,14 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                            {"bc6h", TexelFormat::bc6h_ufloat},
                            {"bc6h-signed", TexelFormat::bc6h_sfloat}},
                           "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes, or 1 byte in blocks of "
-                          "BC6H. DDS and OpenEXR hold halves, or floats with rgba32f; DDS also bc6h. Irradiance is "
-                          "never in blocks"));
+                          "BC6H. DDS and OpenEXR hold halves, or floats with rgba32f; DDS also bc6h; KTX all of them. "
+                          "Irradiance is never in blocks");
+  formats.target =
+      On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
+        store(word);
+        options.format_named = true;
+      });
+  table.push_back(std::move(formats));
   table.push_back(
       choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
                          {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
@@ -265,6 +273,8 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_needs_options(table, options.scene);
   in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
+  option(table, "--for").text +=
+      ". Without --formats the folder holds what the engine loads as it is, and a README.md with the code that does so";
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   add_read_options(table, options.common, kInput);
@@ -274,8 +284,18 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
 }
 
 void settle_files(BakeCommandOptions& options) {
-  if (!options.containers_named && options.turn.to == Engine::babylon) options.containers.insert(Container::env);
-  options.files = files_in(options.containers, options);
+  if (options.containers_named || !has_folder(options.turn.to)) {
+    options.files = files_in(options.containers, options);
+    return;
+  }
+  options.files = files_of_engine(options);
+  for (const Lobe lobe : {Lobe::charlie, Lobe::lambert}) {
+    if (contains(options.files, content_of(lobe))) options.lobes.insert(lobe);
+  }
+}
+
+glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {
+  return contains_cubemap(options.files) ? faces_of(options.turn.to) : glm::dmat3(1.0);
 }
 
 BakeOptions library_options(const BakeCommandOptions& options) {
@@ -301,16 +321,23 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   specular.roughness = numbers > 0 ? table : roughness_of_mips(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
-  if (options.irradiance_size > 0)
+  // Where previews alone would look at it, it is not worth a refusal for want of harmonics.
+  if (options.irradiance_size > 0 && (bake.bands > 0 || contains(options.files, Content::irradiance)))
     bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method};
   options.clamp.apply(bake.pixels);
   specular.pixels = bake.pixels;
   bake.specular = specular;
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
-  // The .env wants its polynomial; the files of harmonics look at what was asked for.
-  if (bake.bands == 0 && contains(options.files, Content::env)) bake.bands = 3;
+  // The .env wants its polynomial, Filament's reflections their harmonics; the files of harmonics look at what was
+  // asked for.
+  if (bake.bands == 0 && (contains(options.files, Content::env) || stores_harmonics(options))) bake.bands = 3;
   bake.memory_limit_bytes = options.common.read.memory_limit_bytes;
   return bake;
+}
+
+bool stores_harmonics(const BakeCommandOptions& options) {
+  return options.turn.to == Engine::filament && !files_with(Content::specular, options.files).empty() &&
+         files_with(Content::specular, options.files).front().container == Container::ktx;
 }
 
 int env_size(int specular_size) noexcept {

@@ -37,6 +37,7 @@ struct BakeCommandOptions {
   bool containers_named = false;  ///< by --formats
   std::vector<OutputFile> files;  ///< that are written, beside harmonics, previews and manifest: `settle_files`
   TextureOptions texture;
+  bool format_named = false;  ///< by --ktx2-format
   bool previews = true;
   int preview_size = 256;                ///< pixels across a ball
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
@@ -65,9 +66,13 @@ void add_bake_options(Options& table, BakeCommandOptions& options);
 /// Those that say what comes out: --size, --mips, --irradiance, --brdf, --formats and so on; not --bands.
 void add_result_options(Options& table, BakeCommandOptions& options);
 
-/// Lists the files that the options ask for. The .env, a chain and a hundred pictures of its own, costs more than all
-/// the rest: where no formats are named, it is there for Babylon.js alone. To be called once all options are read.
+/// Lists the files that the options ask for: those of the formats that are named; else what the engine loads that the
+/// files are for, with the lobes that it takes; else KTX2. To be called once all options are read.
 void settle_files(BakeCommandOptions& options);
+
+/// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`
+/// (invalid_argument) for cubemaps for an engine that has none.
+[[nodiscard]] glm::dmat3 turn_of_faces(const BakeCommandOptions& options);
 
 /// The schedule that was asked for, else the one of the engine that the files are for.
 [[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);
@@ -78,6 +83,9 @@ void settle_files(BakeCommandOptions& options);
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.
 [[nodiscard]] BakeOptions library_options(const BakeCommandOptions& options);
+
+/// Whether the reflections carry the harmonics in their key/value data, where Filament looks for them.
+[[nodiscard]] bool stores_harmonics(const BakeCommandOptions& options);
 
 /// The size of the .env's cubemap: the largest power of two that is not above the specular cubemap's size.
 [[nodiscard]] int env_size(int specular_size) noexcept;

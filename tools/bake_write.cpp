@@ -9,6 +9,7 @@
 
 #include "jobs/tiles.h"
 #include "platform/text.h"
+#include "tools/engine_folders.h"
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -35,6 +36,7 @@ struct Job {
   const BakeCommandOptions& options;
   OutputFolder& folder;
   const Control& control;
+  const SphericalHarmonics* radiance = nullptr;  ///< in Welkin's axes; none: there are no harmonics
 };
 
 std::string numbers_text(const std::vector<double>& values) {
@@ -95,6 +97,9 @@ TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, c
                       {"welkin.axes", convention(job.options.turn.to).name},
                       {"welkin.version", WELKIN_VERSION_STRING}};
   if (!cubemap.roughness.empty()) options.metadata["welkin.roughness"] = numbers_text(cubemap.roughness);
+  if (job.radiance != nullptr && file.content == Content::specular && stores_harmonics(job.options)) {
+    options.metadata["sh"] = filament_harmonics(*job.radiance);
+  }
   return options;
 }
 
@@ -110,9 +115,11 @@ std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
 
 /// For a person: "KTX2 rgba16f zstd".
 std::string format_text(const OutputFile& file) {
-  std::string text = file.container == Container::ktx2  ? "KTX2 "
-                     : file.container == Container::dds ? "DDS "
-                                                        : "OpenEXR ";
+  const char* const container = file.container == Container::ktx2  ? "KTX2 "
+                                : file.container == Container::ktx ? "KTX "
+                                : file.container == Container::dds ? "DDS "
+                                                                   : "OpenEXR ";
+  std::string text = container;
   text += name(file.format);
   if (file.supercompression == Supercompression::zlib) text += " zlib";
   if (file.supercompression == Supercompression::zstd) text += " zstd";
@@ -143,14 +150,23 @@ void write_strips(const OutputFile& file, const Cubemap& cubemap, const Job& job
   }
 }
 
+/// The first ones of its levels; 0: all.
+Cubemap with_levels(Cubemap cubemap, int levels) {
+  const auto most = static_cast<std::size_t>(levels);
+  if (levels > 0 && cubemap.mips.size() > most) cubemap.mips.resize(most);
+  if (levels > 0 && cubemap.roughness.size() > most) cubemap.roughness.resize(most);
+  return cubemap;
+}
+
 void write_cubemap(const Cubemap& cubemap, const Job& job) {
   if (cubemap.mips.empty()) return;
   for (const OutputFile& file : files_with(cubemap.content, job.options.files)) {
     const bool strips = file.container == Container::hdr || file.container == Container::pfm;
+    const Cubemap content = with_levels(cubemap, file.levels);
     if (strips) {
-      write_strips(file, cubemap, job);
+      write_strips(file, content, job);
     } else {
-      write_texture_file(file, cubemap, job);
+      write_texture_file(file, content, job);
     }
   }
 }
@@ -178,6 +194,25 @@ void write_lat_longs(const CubemapChain& background, const Job& job) {
   }
 }
 
+/// A stage of OpenUSD for each that is asked for, with the lat-long beside it.
+void write_usd_stages(const Job& job) {
+  for (const OutputFile& file : files_with(Content::usd_stage, job.options.files)) {
+    write_text_file(job.folder.place(file.name),
+                    usd_stage(files_with(Content::lat_long, job.options.files).front().name));
+    job.folder.add({file.name, "a dome light with the lat-long", "OpenUSD text", 0, 0, "", Json()});
+  }
+}
+
+/// How the engine loads what was written.
+void write_readme(const Job& job) {
+  for (const OutputFile& file : files_with(Content::readme, job.options.files)) {
+    std::vector<std::string> written;
+    for (const WrittenFile& each : job.folder.files()) written.push_back(each.name);
+    write_text_file(job.folder.place(file.name), readme_text(job.options.turn.to, written));
+    job.folder.add({file.name, "how the engine loads the files", "Markdown", 0, 0, "", Json()});
+  }
+}
+
 /// What was computed, to the last bit: baked again it gives the same files.
 void write_computed(const LatLongImage& picture, const Job& job) {
   if (picture.width == 0) return;
@@ -194,8 +229,7 @@ void write_computed(const LatLongImage& picture, const Job& job) {
                   {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
 }
 
-void turn_to_engine(BakeResult& light, Engine engine, const Control& control) {
-  const glm::dmat3 symmetry = faces_of(engine);
+void turn_to_engine(BakeResult& light, const glm::dmat3& symmetry, const Control& control) {
   if (symmetry == glm::dmat3(1.0)) return;
   if (light.background) light.background = turned(*light.background, symmetry, control);
   if (light.specular) light.specular->cubemap = turned(light.specular->cubemap, symmetry, control);
@@ -348,11 +382,15 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
 /// All files but .env and the previews.
 void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
   BakeResult& light = baked.light;
-  const Job job{options, folder, control};
+  const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
+  const glm::dmat3 symmetry = turn_of_faces(options);
   write_computed(baked.picture, job);
-  if (light.background) write_lat_longs(*light.background, job);  // before it is turned
+  if (light.background) {  // before it is turned
+    write_lat_longs(*light.background, job);
+    write_usd_stages(job);
+  }
   if (light.specular) write_octahedral_maps(*light.specular, job);
-  turn_to_engine(light, options.turn.to, control);
+  turn_to_engine(light, symmetry, control);
   if (light.background) {
     write_cubemap(
         {Content::background, "the environment itself, with plain mips", light.background->views(), {}, "radiance"},
@@ -364,7 +402,6 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
                   job);
   }
   for (LobeChain& chain : baked.lobes) {
-    const glm::dmat3 symmetry = faces_of(options.turn.to);
     if (symmetry != glm::dmat3(1.0)) chain.light.cubemap = turned(chain.light.cubemap, symmetry, control);
     const std::vector<double> roughness =
         chain.lobe == Lobe::charlie ? roughness_of(chain.light) : std::vector<double>();
@@ -381,6 +418,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   }
   if (light.brdf) write_brdf(*light.brdf, options, folder, control);
   write_harmonics(baked, options, folder);
+  write_readme(job);
 }
 
 }  // namespace
@@ -431,7 +469,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
     measured(writing, "write", "all other files", [&] { write_files(baked, options, folder, control); });
   };
   begin_stage("write");
-  if (faces_of(options.turn.to) == glm::dmat3(1.0)) {
+  if (turn_of_faces(options) == glm::dmat3(1.0)) {
     // Side by side: a picture is packed by one thread, a file written by another.
     const jobs::Placement where = jobs::Placement::arena;
     jobs::run_tiles(2, where, jobs::worker_count(where), {control.stop, {}},

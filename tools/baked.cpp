@@ -203,7 +203,7 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   // 4 size x 2 size texels.
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
   const bool has_lat_long = contains(options.files, Content::lat_long);
-  const bool turns = faces_of(options.turn.to) != glm::dmat3(1.0);
+  const bool turns = turn_of_faces(options) != glm::dmat3(1.0);
   const std::uint64_t env =
       memory.second_bake > 0 ? chain_bytes(memory.env_size, full_chain_levels(memory.env_size)) : 0;
 

@@ -1,8 +1,10 @@
 #include "tools/output_files.h"
 
 #include <algorithm>
+#include <array>
 
 #include "tools/bake_options.h"
+#include "tools/engine_folders.h"
 
 namespace welkin::tool {
 namespace {
@@ -13,7 +15,7 @@ bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat |
 /// nears 0 the errors of blocks are large beside it. Blocks are for cubemaps, and a table is of halves or floats.
 TexelFormat stored_format(Content content, Container container, TexelFormat wanted) {
   if (wanted == TexelFormat::rgba32f) return wanted;
-  const bool plain = content == Content::irradiance || content == Content::octahedral;
+  const bool plain = content == Content::irradiance || content == Content::lambert || content == Content::octahedral;
   if (in_blocks(wanted) && plain) return TexelFormat::rgba16f;
   if (content == Content::brdf || container == Container::exr) return TexelFormat::rgba16f;
   if (container == Container::dds && !in_blocks(wanted)) return TexelFormat::rgba16f;
@@ -48,9 +50,11 @@ const char* name(Container container) noexcept {
     case Container::exr: return "exr";
     case Container::hdr: return "hdr";
     case Container::pfm: return "pfm";
-    case Container::env: break;
+    case Container::env: return "env";
+    case Container::ktx: return "ktx";
+    case Container::text: break;
   }
-  return "env";
+  return "text";
 }
 
 const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }
@@ -66,9 +70,11 @@ const char* name(Content content) noexcept {
     case Content::lambert: return "lambert";
     case Content::phong: return "phong";
     case Content::irradiance: return "irradiance";
-    case Content::brdf: break;
+    case Content::brdf: return "brdf";
+    case Content::usd_stage: return "dome light";
+    case Content::readme: break;
   }
-  return "brdf";
+  return "readme";
 }
 
 Content content_of(Lobe lobe) noexcept {
@@ -105,12 +111,34 @@ std::vector<OutputFile> files_in(const std::set<Container>& containers, const Ba
   add(Content::lat_long, {Container::exr, Container::hdr, Container::pfm});
   if (options.octahedral_size > 0) add(Content::octahedral, {Container::ktx2, Container::exr});
   for (const Content cubemap : cubemaps_of(options)) {
-    add(cubemap, {Container::ktx2, Container::dds, Container::exr, Container::hdr, Container::pfm});
+    add(cubemap, {Container::ktx2, Container::dds, Container::exr, Container::hdr, Container::pfm, Container::ktx});
   }
   if (options.no_brdf) return files;
   const bool babylon_alone = containers == std::set<Container>{Container::env};  // it has a table of its own
   if (!add(Content::brdf, {Container::ktx2, Container::dds}) && !babylon_alone) {
     files.push_back(file_of(Content::brdf, Container::pfm, options.texture));
+  }
+  return files;
+}
+
+std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
+  std::vector<OutputFile> files;
+  const auto add = [&files](OutputFile file) {
+    const auto same = [&file](const OutputFile& other) {
+      return other.content == file.content && other.container == file.container && other.format == file.format;
+    };
+    if (std::ranges::none_of(files, same)) files.push_back(std::move(file));
+  };
+  for (OutputFile file : files_for(options.turn.to)) {
+    if (file.container == Container::ktx2) {
+      if (options.format_named) file.format = stored_format(file.content, file.container, options.texture.format);
+      file.supercompression = options.texture.supercompression;
+    }
+    add(std::move(file));
+  }
+  if (options.octahedral_size > 0) add(file_of(Content::octahedral, Container::ktx2, options.texture));
+  for (const Lobe lobe : options.lobes) {
+    if (!contains(files, content_of(lobe))) add(file_of(content_of(lobe), Container::ktx2, options.texture));
   }
   return files;
 }
@@ -124,6 +152,13 @@ std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile
 
 bool contains(const std::vector<OutputFile>& files, Content content) noexcept {
   return std::ranges::any_of(files, [content](const OutputFile& file) { return file.content == content; });
+}
+
+bool contains_cubemap(const std::vector<OutputFile>& files) noexcept {
+  constexpr std::array kOthers{Content::env,  Content::lat_long,  Content::octahedral,
+                               Content::brdf, Content::usd_stage, Content::readme};
+  return std::ranges::any_of(
+      files, [&](const OutputFile& file) { return std::ranges::find(kOthers, file.content) == kOthers.end(); });
 }
 
 }  // namespace welkin::tool

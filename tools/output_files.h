@@ -12,7 +12,16 @@ namespace welkin::tool {
 struct BakeCommandOptions;
 
 /// Containers, by the word on the command line and the extension alike.
-enum class Container { ktx2, dds, exr, hdr, pfm, env };
+enum class Container {
+  ktx2,
+  dds,
+  exr,
+  hdr,
+  pfm,
+  env,
+  ktx,
+  text,  ///< none: what a file of letters holds
+};
 
 [[nodiscard]] const char* name(Container container) noexcept;
 
@@ -34,6 +43,8 @@ enum class Content {
   phong,
   irradiance,
   brdf,
+  usd_stage,  ///< a dome light
+  readme,     ///< how the engine loads the files
 };
 
 /// "background", "specular", ...: the name of its files without extension where nobody calls them otherwise.
@@ -45,9 +56,10 @@ enum class Content {
 struct OutputFile {
   Content content;
   Container container;
-  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm and .env
+  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env and text
   Supercompression supercompression = Supercompression::none;
-  std::string name;  ///< with its extension
+  std::string name{};  ///< with its extension
+  int levels = 0;      ///< the first ones of the content's; 0: all
 };
 
 /// The names in the folder: its own or, of a container that holds one level of this content, one a level.
@@ -57,9 +69,16 @@ struct OutputFile {
 [[nodiscard]] std::vector<OutputFile> files_in(const std::set<Container>& containers,
                                                const BakeCommandOptions& options);
 
+/// What `options.turn.to` loads as it is and, as KTX2, what is asked for beside it (--lobe, --octahedral). The format
+/// and supercompression of .ktx2 files are those of the options, where these name them.
+[[nodiscard]] std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options);
+
 /// Of a list, those with this content, in its order.
 [[nodiscard]] std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile>& files);
 
 [[nodiscard]] bool contains(const std::vector<OutputFile>& files, Content content) noexcept;
+
+/// Whether there is one whose faces lie as the engine looks for them.
+[[nodiscard]] bool contains_cubemap(const std::vector<OutputFile>& files) noexcept;
 
 }  // namespace welkin::tool

@@ -106,7 +106,8 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
                              "--threads -1",
                              "--size 4 --mips 4",
                              "--mips 3 --roughness 0,1",
-                             "--for blender"}) {
+                             "--for blender --formats ktx2",
+                             "--for usd --lobe charlie"}) {
     INFO(option);
     failure(start + option, 2);
     CHECK_FALSE(std::filesystem::exists(out));

@@ -1,0 +1,346 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "support/chains.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+#include "welkin/environment_file.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+#include "welkin/texture_file.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+// `welkin bake --for ENGINE`: the folder holds what the engine loads as it is, and a README that says how.
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+constexpr const char* kSmall = " --size 32 --irradiance 8 --brdf 8 ";
+
+/// What is there beside the files that all folders have.
+const std::map<std::string, Names>& folders() {
+  static const std::map<std::string, Names> all = {{"three", {"specular.dds", "specular.ktx2"}},
+                                                   {"babylon", {"environment.env", "specular.dds"}},
+                                                   {"filament", {"environment_ibl.ktx", "environment_skybox.ktx"}},
+                                                   {"bevy", {"diffuse.ktx2", "specular.ktx2", "specular_bc6h.ktx2"}},
+                                                   {"gltf", {"charlie.ktx2", "ggx.ktx2", "lambertian.ktx2"}},
+                                                   {"unity", {"environment.exr"}},
+                                                   {"unreal", {"environment.hdr"}},
+                                                   {"blender", {"environment.exr"}},
+                                                   {"godot", {"environment.exr"}},
+                                                   {"usd", {"environment.exr", "environment.usda"}}};
+  return all;
+}
+
+Names with_common_files(Names names) {
+  for (const char* name : {"README.md", "manifest.json", "preview_environment.png", "preview_mips.png",
+                           "preview_spheres.png", "sh.h", "sh.json"}) {
+    names.emplace_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The files of a bake's folder that a text names; not those that it names with a folder of another place.
+Names files_named_in(const std::string& text) {
+  static const std::regex pattern(
+      R"((^|[^A-Za-z0-9_/])(?:/|\./|//|res://|Assets/)?([a-z0-9_]+\.(?:ktx2|ktx|dds|exr|hdr|env|usda|json|h)\b))");
+  Names names;
+  for (std::sregex_iterator at(text.begin(), text.end(), pattern); at != std::sregex_iterator(); ++at) {
+    names.push_back((*at)[2]);
+  }
+  return names;
+}
+
+void check_readme(const std::filesystem::path& folder) {
+  const Names there = names_in(folder);
+  const Names named = files_named_in(file_text(folder / "README.md"));
+  CHECK_FALSE(named.empty());
+  for (const std::string& name : named) {
+    INFO(name);
+    CHECK(std::find(there.begin(), there.end(), name) != there.end());
+  }
+}
+
+std::vector<float> numbers_in(const std::string& text) {
+  std::istringstream words(text);
+  return {std::istream_iterator<float>(words), {}};
+}
+
+/// Root mean square of the difference, over that of what is wanted.
+double difference(std::span<const float> wanted, std::span<const float> got) {
+  REQUIRE(wanted.size() == got.size());
+  double error = 0.0;
+  double all = 0.0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const double off = static_cast<double>(got[i]) - static_cast<double>(wanted[i]);
+    error += off * off;
+    all += static_cast<double>(wanted[i]) * static_cast<double>(wanted[i]);
+  }
+  return std::sqrt(error / all);
+}
+
+/// Light without edges, from one side more than from the others.
+LatLongImage smooth_picture(int height) {
+  LatLongImage picture{2 * height, height, {}};
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < 2 * height; ++column) {
+      const double latitude = 1.5707963 - 3.14159265 * (row + 0.5) / height;
+      const double longitude = 3.14159265 - 3.14159265 * (column + 0.5) / height;
+      const double x = std::cos(latitude) * std::sin(longitude);
+      const double y = std::sin(latitude);
+      const double z = std::cos(latitude) * std::cos(longitude);
+      for (const double value : {2.0 + x + 0.5 * y * z, 1.5 + y - 0.4 * x * z, 1.0 + 0.8 * z + 0.3 * x * y * z})
+        picture.pixels.push_back(static_cast<float>(value));
+    }
+  }
+  return picture;
+}
+
+/// Mean over all values, for what must be nearly the same.
+double mean(const CubemapChain& chain, int level) {
+  const std::span<const float> values = level_values(chain, level);
+  double sum = 0.0;
+  for (const float value : values) sum += static_cast<double>(value);
+  return sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+TEST_CASE("bake --for: each engine's folder has its files and no other, and our readers take them",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  for (const auto& [engine, files] : folders()) {
+    INFO(engine);
+    const auto folder = scratch.path() / engine;
+    const nlohmann::json manifest = bake_into(folder, "--sky --for " + engine + kSmall);
+    CHECK(names_in(folder) == with_common_files(files));
+    CHECK(names_of(manifest) == with_common_files(files));
+    for (const std::string& name : files) {
+      INFO(name);
+      const std::filesystem::path path = folder / name;
+      const std::string extension = path.extension().string();
+      const nlohmann::json said = file_of(manifest, name);
+      CHECK(said.at("bytes").get<std::uintmax_t>() == std::filesystem::file_size(path));
+      if (extension == ".ktx2" || extension == ".ktx" || extension == ".dds") {
+        const CubemapTexture texture = read_texture(path);
+        CHECK(texture.cubemap.size() == said.at("size").get<int>());
+        CHECK(texture.cubemap.levels() == said.at("mips").get<int>());
+      } else if (extension == ".env") {
+        CHECK(read_babylon_environment(path).polynomial.has_value());
+      } else if (extension == ".exr" || extension == ".hdr") {
+        CHECK(inspect_environment(path).layout == Layout::lat_long);
+      }
+    }
+    check_readme(folder);
+    const std::string readme = file_text(folder / "README.md");
+    for (const std::string& name : files) CHECK(contains(readme, name));
+  }
+}
+
+TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto formats = scratch.path() / "formats";
+  const auto folder = scratch.path() / "folder";
+  bake_into(formats, std::string("--sky --for three --formats ktx2,dds") + kSmall);
+  bake_into(folder, std::string("--sky --for three") + kSmall);
+  CHECK(file_text(folder / "specular.ktx2") == file_text(formats / "specular.ktx2"));
+  bake_into(formats, std::string("--sky --for three --formats dds --ktx2-format bc6h") + kSmall);
+  CHECK(file_text(folder / "specular.dds") == file_text(formats / "specular.dds"));
+  bake_into(formats, std::string("--sky --for babylon --formats dds,env") + kSmall);
+  bake_into(scratch.path() / "babylon", std::string("--sky --for babylon") + kSmall);
+  for (const char* name : {"specular.dds", "environment.env"}) {
+    CHECK(file_text(scratch.path() / "babylon" / name) == file_text(formats / name));
+  }
+  // Named formats are all that is written, for whichever engine.
+  const Names named = names_in(formats);
+  CHECK(std::find(named.begin(), named.end(), "README.md") == named.end());
+  CHECK(std::find(named.begin(), named.end(), "background.dds") != named.end());
+}
+
+TEST_CASE("bake --for three: the last mip is the diffuse light", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto manifest = bake_into(scratch.path() / "out", std::string("--sky --for three") + kSmall);
+  const auto roughness = file_of(manifest, "specular.ktx2").at("roughness").get<std::vector<double>>();
+  CHECK(roughness.front() == 0.0);
+  CHECK(roughness.back() == 1.0);
+  CHECK(roughness == roughness_of_mips(RoughnessSchedule::filament, static_cast<int>(roughness.size()), 32));
+}
+
+TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky --for filament") + kSmall);
+  const CubemapTexture reflections = read_texture(folder / "environment_ibl.ktx");
+  const CubemapTexture skybox = read_texture(folder / "environment_skybox.ktx");
+  CHECK(reflections.cubemap.levels() == 5);
+  CHECK(skybox.cubemap.levels() == 1);
+  CHECK_FALSE(skybox.metadata.contains("sh"));
+  const std::string text = reflections.metadata.at("sh");
+  CHECK(std::count(text.begin(), text.end(), '\n') == 9);
+  const std::vector<float> numbers = numbers_in(text);
+  REQUIRE(numbers.size() == 27);
+  const nlohmann::json terms = run_sh_json("--sky --for filament").at("engine").at("terms");
+  std::size_t at = 0;
+  for (const auto& [name, rgb] : terms.items()) {
+    for (std::size_t c = 0; c < 3; ++c, ++at)
+      CHECK(static_cast<double>(numbers[at]) == Approx(rgb.at(c).get<double>()).epsilon(1e-5));
+  }
+  // Band 0 of that form is the mean radiance.
+  const dvec3 mean_radiance = measure_environment(folder / "environment_skybox.ktx").mean;
+  for (int c = 0; c < 3; ++c)
+    CHECK(static_cast<double>(numbers[static_cast<std::size_t>(c)]) == Approx(mean_radiance[c]).epsilon(0.02));
+  // Without files of harmonics they are there all the same.
+  bake_into(folder, std::string("--sky --for filament --bands 0") + kSmall);
+  CHECK(read_texture(folder / "environment_ibl.ktx").metadata.at("sh") == text);
+}
+
+TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise",
+          "[tools][bake][engine_folders][posix]") {
+  // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
+  if (std::system("command -v cmgen >/dev/null 2>&1") != 0) {
+    WARN("left out: there is no cmgen (Debian's libfilament-tools)");
+    return;
+  }
+  const TemporaryFolder scratch;
+  const auto source = scratch.path() / "source";
+  std::filesystem::create_directory(source);
+  const LatLongImage picture = smooth_picture(256);
+  write_environment(source / "environment.hdr", picture.view());
+  const auto own = scratch.path() / "own";
+  bake_into(own, quoted(source / "environment.hdr") + " --for filament --size 256 --irradiance 0 --no-previews");
+  const std::string cmgen = "cmgen -x " + quoted(scratch.path() / "cm") +
+                            " --format=ktx --size=256 --ibl-samples=256 --sh-window=no --quiet " +
+                            quoted(source / "environment.hdr") + " >/dev/null";
+  REQUIRE(std::system(cmgen.c_str()) == 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  for (const char* kind : {"ibl", "skybox"}) {
+    INFO(kind);
+    const auto theirs = scratch.path() / "cm" / (std::string("cm_") + kind + ".ktx");
+    const auto ours = own / (std::string("environment_") + kind + ".ktx");
+    // identifier, byte order, types and formats, sizes, faces, levels
+    CHECK(file_text(ours).substr(0, 60) == file_text(theirs).substr(0, 60));
+    const CubemapTexture wanted = read_texture(theirs);
+    const CubemapTexture got = read_texture(ours);
+    REQUIRE(got.cubemap.levels() == wanted.cubemap.levels());
+    for (int level = 0; level < got.cubemap.levels(); ++level) {
+      INFO(level);
+      CHECK(difference(level_values(wanted.cubemap, level), level_values(got.cubemap, level)) < 0.03);
+    }
+    if (!wanted.metadata.contains("sh")) continue;
+    const std::vector<float> theirs_sh = numbers_in(wanted.metadata.at("sh"));
+    const std::vector<float> ours_sh = numbers_in(got.metadata.at("sh"));
+    REQUIRE(theirs_sh.size() == 27);
+    CHECK(difference(theirs_sh, ours_sh) < 0.01);
+  }
+}
+
+TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irradiance over pi",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const std::string options = std::string(" --roughness linear --ktx2-format rgba32f") + kSmall;
+  const auto plain = scratch.path() / "plain";
+  const auto folder = scratch.path() / "out";
+  bake_into(plain, "--sky --formats ktx2" + options);
+  bake_into(folder, "--sky --for bevy" + options);
+  CHECK_FALSE(std::filesystem::exists(folder / "specular_bc6h.ktx2"));  // the format was named
+  const CubemapChain straight = read_texture(plain / "specular.ktx2").cubemap;
+  const CubemapChain mirrored = read_texture(folder / "specular.ktx2").cubemap;
+  REQUIRE(mirrored.levels() == straight.levels());
+  const glm::dmat3 mirror(1, 0, 0, 0, 1, 0, 0, 0, -1);
+  for (int level = 0; level < straight.levels(); ++level) {
+    const CubemapImage wanted = to_cubemap(straight.view(level), straight.level_size(level), mirror);
+    const std::span<const float> got = level_values(mirrored, level);
+    CHECK(std::equal(got.begin(), got.end(), wanted.pixels.begin(), wanted.pixels.end()));
+  }
+  CHECK_FALSE(same_bits(straight, mirrored));
+  const double irradiance = mean(read_texture(plain / "irradiance.ktx2").cubemap, 0);
+  CHECK(mean(read_texture(folder / "diffuse.ktx2").cubemap, 0) == Approx(irradiance / 3.14159265).epsilon(0.03));
+}
+
+TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky --for usd") + kSmall);
+  const std::string stage = file_text(folder / "environment.usda");
+  CHECK(stage.starts_with("#usda 1.0\n"));
+  CHECK(contains(stage, "defaultPrim = \"Environment\""));
+  CHECK(contains(stage, "upAxis = \"Y\""));
+  CHECK(contains(stage, "def DomeLight \"Environment\""));
+  CHECK(contains(stage, "token inputs:texture:format = \"latlong\""));
+  std::smatch found;
+  REQUIRE(std::regex_search(stage, found, std::regex("asset inputs:texture:file = @([^@]+)@")));
+  CHECK(std::filesystem::exists(folder / found[1].str()));
+  for (const auto& [open, close] : {std::pair{'(', ')'}, std::pair{'{', '}'}}) {
+    CHECK(std::count(stage.begin(), stage.end(), open) == 1);
+    CHECK(std::count(stage.begin(), stage.end(), close) == 1);
+  }
+}
+
+TEST_CASE("bake --for: what is asked for beside comes too, and formats are as they are named",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const auto manifest =
+      bake_into(folder, std::string("--sky --for three --lobe charlie --octahedral 32 --ktx2-format e5b9g9r9 "
+                                    "--supercompression zlib --no-previews --bands 0") +
+                            kSmall);
+  CHECK(names_in(folder) == Names{"README.md", "charlie.ktx2", "manifest.json", "specular.dds", "specular.ktx2",
+                                  "specular_octahedral.ktx2"});
+  CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 e5b9g9r9 zlib");
+  CHECK(file_of(manifest, "specular.dds").at("format") == "DDS bc6h");
+}
+
+TEST_CASE("bake --for: the README names no file that the scene made needless", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky --for filament --no-glossy --bands 3") + kSmall);
+  CHECK_FALSE(std::filesystem::exists(folder / "environment_ibl.ktx"));
+  check_readme(folder);
+  CHECK(contains(file_text(folder / "README.md"), "environment_skybox.ktx"));
+  const auto three = scratch.path() / "three";
+  bake_into(three, "--sky --for three --no-glossy --bands 0 --no-previews --size 32 --irradiance 0");
+  CHECK(contains(file_text(three / "README.md"), "reads none of the files"));
+}
+
+TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const std::string bake = std::string("--sky --for godot --no-previews") + kSmall;
+  bake_into(folder, bake);
+  bake_into(folder, bake);  // ours is
+  std::ofstream(folder / "README.md") << "# My project\n";
+  const std::string message = failure("bake " + bake + "-o " + quoted(folder), 1);
+  CHECK(contains(message, "README.md"));
+  CHECK(contains(message, "another folder"));
+  CHECK(file_text(folder / "README.md") == "# My project\n");
+  bake_into(folder, bake + "--formats exr");
+  CHECK(file_text(folder / "README.md") == "# My project\n");
+}
+
+TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto input = scratch.path() / "map.hdr";
+  REQUIRE(run_welkin("testmap -o " + quoted(input)).exit_code == 0);
+  for (const char* engine : {"filament", "usd"}) {
+    INFO(engine);
+    const std::string bake =
+        quoted(input) + " --for " + engine + kSmall + "--cache " + quoted(scratch.path() / "cache");
+    const auto first = scratch.path() / (std::string("first_") + engine);
+    const auto again = scratch.path() / (std::string("again_") + engine);
+    CHECK(bake_into(first, bake).at("times").size() > 1);
+    CHECK(bake_into(again, bake).at("times").size() == 1);
+    REQUIRE(names_in(again) == names_in(first));
+    for (const std::string& name : names_in(first)) {
+      INFO(name);
+      if (name != "manifest.json") CHECK(file_text(first / name) == file_text(again / name));
+    }
+  }
+}

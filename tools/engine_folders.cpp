@@ -1,0 +1,305 @@
+#include "tools/engine_folders.h"
+
+#include <algorithm>
+#include <array>
+
+#include "tools/text.h"
+
+namespace welkin::tool {
+namespace {
+
+/// Some lines of the README's code, and the files that they name.
+struct LoaderLines {
+  std::vector<std::string> files;
+  const char* text;
+};
+
+struct EngineFolder {
+  Engine engine;
+  std::vector<OutputFile> files;
+  const char* language;  ///< of the lines, as Markdown names it
+  std::vector<LoaderLines> lines;
+  const char* remarks;  ///< what a person should know beside
+  const char* known;    ///< how it is known that the engine takes the files so
+};
+
+constexpr TexelFormat kHalves = TexelFormat::rgba16f;
+constexpr TexelFormat kBlocks = TexelFormat::bc6h_ufloat;
+constexpr TexelFormat kPacked = TexelFormat::b10g11r11;
+constexpr TexelFormat kShared = TexelFormat::e5b9g9r9;
+
+OutputFile texture(Content content, Container container, TexelFormat format, const char* name, int levels = 0) {
+  return {content, container, format, Supercompression::none, name, levels};
+}
+
+OutputFile lat_long(Container container) {
+  return texture(Content::lat_long, container, kHalves,
+                 container == Container::exr ? "environment.exr" : "environment.hdr");
+}
+
+OutputFile text_file(Content content, const char* name) { return texture(content, Container::text, kHalves, name); }
+
+const std::vector<EngineFolder>& folders() {
+  static const std::vector<EngineFolder> all = {
+      {Engine::three,
+       {texture(Content::specular, Container::dds, kBlocks, "specular.dds"),
+        texture(Content::specular, Container::ktx2, kHalves, "specular.ktx2")},
+       "js",
+       {{{"specular.dds"},
+         R"(// Blocks of BC6H, a byte a texel: where renderer.extensions.has("EXT_texture_compression_bptc"), as on desktops.
+const data = await (await fetch("specular.dds")).arrayBuffer();
+const { width, height, mipmaps, mipmapCount: n, format } = new DDSLoader().parse(data, true);
+const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.slice(n * face, n * (face + 1)) }));
+const texture = new THREE.CompressedCubeTexture(images, format, THREE.HalfFloatType);
+Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
+scene.environment = texture;
+)"},
+        {{"specular.ktx2"},
+         R"(// Halves, eight bytes a texel: everywhere else.
+const { image: { width, height }, mipmaps } = await new KTX2Loader().detectSupport(renderer).loadAsync("specular.ktx2");
+const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.map(({ data, width, height }) =>
+  ({ width, height, data: data.subarray((data.length / 6) * face, (data.length / 6) * (face + 1)) })) }));
+const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, THREE.HalfFloatType);
+Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
+scene.environment = texture;
+)"},
+        {{"sh.json"},
+         R"(// A light probe instead of the reflections' diffuse light.
+const three = (await (await fetch("sh.json")).json()).engines.find((engine) => engine.name === "three");
+probe.sh.set(Object.values(three.terms).map((rgb) => new THREE.Vector3(...rgb)));
+)"}},
+       "three.js uses the chain as it is: `isPMREMTexture` keeps its own prefilter from running. The last mip has "
+       "roughness 1, whose lobe is the cosine's, so it is the diffuse light too.",
+       "the loaders of three.js r187 were run on the files in Node.js; the lines for specular.dds lit a ball in "
+       "Chromium, "
+       "without a prefilter pass."},
+
+      {Engine::babylon,
+       {texture(Content::env, Container::env, kHalves, "environment.env"),
+        texture(Content::specular, Container::dds, kHalves, "specular.dds")},
+       "js",
+       {{{"environment.env"},
+         R"(// Reflections, and diffuse light as a polynomial that was computed before the pixels were clipped at 255.
+scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData("environment.env", scene);
+)"},
+        {{"specular.dds"},
+         R"(// Or halves, which hold suns up to 65504; Babylon.js computes the polynomial from mip 0 when it loads them.
+scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData("specular.dds", scene);
+)"}},
+       "Each mip has the roughness at which Babylon.js looks it up.",
+       "environment.env lights balls in Chromium in Welkin's tests, beside Babylon.js's own prefilter (9.34); of "
+       "specular.dds its DDS reader was run, and the rest of the loader was read."},
+
+      {Engine::filament,
+       {texture(Content::specular, Container::ktx, kPacked, "environment_ibl.ktx"),
+        texture(Content::background, Container::ktx, kPacked, "environment_skybox.ktx", 1)},
+       "cpp",
+       {{{"environment_ibl.ktx"},
+         R"(// bytes, size: of environment_ibl.ktx. Filament frees the bundle once the texture is uploaded.
+auto* bundle = new image::Ktx1Bundle(bytes, size);
+filament::math::float3 sh[9];
+bundle->getSphericalHarmonics(sh);
+auto* reflections = ktxreader::Ktx1Reader::createTexture(engine, bundle, false);
+scene->setIndirectLight(
+    filament::IndirectLight::Builder().reflections(reflections).irradiance(3, sh).intensity(1.0f).build(*engine));
+)"},
+        {{"environment_skybox.ktx"},
+         R"(// The same of environment_skybox.ktx.
+auto* sky = ktxreader::Ktx1Reader::createTexture(engine, new image::Ktx1Bundle(sky_bytes, sky_size), false);
+scene->setSkybox(filament::Skybox::Builder().environment(sky).build(*engine));
+)"}},
+       "The files are as `cmgen --deploy` writes them, but without the window that it lays over the harmonics. "
+       "`intensity` multiplies the radiance; with a picture in units of its own it is what you choose.",
+       "header and harmonics were compared with files of cmgen 1.9.25; the KTX reader of Filament 1.53 (its npm "
+       "package) "
+       "was run and takes the files; the shaders for lod and harmonics were read."},
+
+      {Engine::bevy,
+       {texture(Content::lambert, Container::ktx2, kShared, "diffuse.ktx2"),
+        texture(Content::specular, Container::ktx2, kShared, "specular.ktx2"),
+        texture(Content::specular, Container::ktx2, kBlocks, "specular_bc6h.ktx2")},
+       "rust",
+       {{{"diffuse.ktx2", "specular.ktx2"},
+         R"(commands.spawn((Camera3d::default(), EnvironmentMapLight {
+    diffuse_map: asset_server.load("diffuse.ktx2"),
+    specular_map: asset_server.load("specular.ktx2"),
+    intensity: 1000.0, // cd/m2 for a radiance of 1
+    ..default()
+}));
+)"},
+        {{"specular_bc6h.ktx2"},
+         R"(// specular_bc6h.ktx2 instead has a quarter of the bytes, for cards with BC6H (CompressedImageFormats::BC).
+)"}},
+       "diffuse.ktx2 is irradiance over pi, of one mip; the specular mips have roughness 0 to 1 in even steps. Bevy "
+       "looks "
+       "cubemaps up at (x, y, -z), and the faces lie so. It needs Bevy's features ktx2 and, with --supercompression, "
+       "zlib or zstd.",
+       "environment_map.wgsl was read (direction, mip, and that nothing is divided by pi); Bevy was not run."},
+
+      {Engine::gltf,
+       {texture(Content::lambert, Container::ktx2, kHalves, "lambertian.ktx2"),
+        texture(Content::specular, Container::ktx2, kHalves, "ggx.ktx2"),
+        texture(Content::charlie, Container::ktx2, kHalves, "charlie.ktx2")},
+       "sh",
+       {{{"lambertian.ktx2", "ggx.ktx2", "charlie.ktx2"},
+         R"(# The names that Khronos' sample viewer looks for, in a folder of its assets/environments.
+mkdir -p city/lambertian city/ggx city/charlie
+cp lambertian.ktx2 city/lambertian/diffuse.ktx2
+cp ggx.ktx2 city/ggx/specular.ktx2
+cp charlie.ktx2 city/charlie/sheen.ktx2
+)"}},
+       "lambertian.ktx2 is irradiance over pi, ggx.ktx2 has roughness 0 to 1 in even steps, charlie.ktx2 the same from "
+       "0.11 on. sh.json has `irradianceCoefficients` of EXT_lights_image_based.",
+       "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run."},
+
+      {Engine::unity,
+       {lat_long(Container::exr)},
+       "cs",
+       {{{"environment.exr"},
+         R"(// In an editor script, with the file under Assets.
+var importer = (TextureImporter)AssetImporter.GetAtPath("Assets/environment.exr");
+importer.textureShape = TextureImporterShape.TextureCube;
+importer.generateCubemap = TextureImporterGenerateCubemap.Cylindrical;
+var settings = new TextureImporterSettings();
+importer.ReadTextureSettings(settings);
+settings.cubemapConvolution = TextureImporterCubemapConvolution.Specular;
+importer.SetTextureSettings(settings);
+importer.SaveAndReimport();
+RenderSettings.defaultReflectionMode = DefaultReflectionMode.Custom;
+RenderSettings.customReflectionTexture = AssetDatabase.LoadAssetAtPath<Cubemap>("Assets/environment.exr");
+)"},
+        {{"sh.h"},
+         R"(// Diffuse light: the vectors unity_SHAr to unity_SHC of sh.h, or its sh[9] as RenderSettings.ambientProbe.
+)"}},
+       "Unity prefilters the lat-long itself when it imports it.",
+       "the names stand in Unity's scripting reference; Unity was not run. How its importer turns a lat-long is not "
+       "public: `welkin testmap` shows it, and --yaw turns the picture."},
+
+      {Engine::unreal,
+       {lat_long(Container::hdr)},
+       "python",
+       {{{"environment.hdr"},
+         R"(# In the editor's Python console: a lat-long .hdr becomes a TextureCube.
+task = unreal.AssetImportTask()
+task.filename, task.destination_path, task.automated = "environment.hdr", "/Game/Light", True
+unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
+sky_light.light_component.set_editor_property("source_type", unreal.SkyLightSourceType.SLS_SPECIFIED_CUBEMAP)
+sky_light.light_component.set_cubemap(unreal.load_asset("/Game/Light/environment"))
+)"}},
+       "`sky_light` is a SkyLight actor of the level. Unreal prefilters the cubemap itself.",
+       "that a .hdr is taken for a lat-long was read in public copies of the importer; Unreal was not run."},
+
+      {Engine::blender,
+       {lat_long(Container::exr)},
+       "python",
+       {{{"environment.exr"},
+         R"(world = bpy.context.scene.world
+world.use_nodes = True
+node = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+node.image = bpy.data.images.load("//environment.exr")
+world.node_tree.links.new(node.outputs["Color"], world.node_tree.nodes["Background"].inputs["Color"])
+)"}},
+       "Blender samples the lat-long itself; nothing is prefiltered.",
+       "Blender was not run; where the picture's centre lies was read in Cycles."},
+
+      {Engine::godot,
+       {lat_long(Container::exr)},
+       "gdscript",
+       {{{"environment.exr"},
+         R"(var material := PanoramaSkyMaterial.new()
+material.panorama = load("res://environment.exr")
+var sky := Sky.new()
+sky.sky_material = material
+$WorldEnvironment.environment.sky = sky
+$WorldEnvironment.environment.background_mode = Environment.BG_SKY
+)"}},
+       "Godot prefilters the sky itself. For a shader of your own `--octahedral 512` adds the specular chain as an "
+       "octahedral map.",
+       "Godot's reference names .exr for panoramas, and sky.glsl was read; Godot was not run."},
+
+      {Engine::usd,
+       {text_file(Content::usd_stage, "environment.usda"), lat_long(Container::exr)},
+       "python",
+       {{{"environment.usda", "environment.exr"},
+         R"(# usdview environment.usda, or into a Usd.Stage of your own:
+stage.DefinePrim("/Environment").GetReferences().AddReference("./environment.usda")
+)"}},
+       "The dome light's texture is environment.exr beside the stage; its pole is +y and its centre +z, as OpenEXR has "
+       "it.",
+       "the schema and its orientation are those of OpenUSD's documentation; TinyUSDZ 0.9 reads the stage; OpenUSD was "
+       "not run."},
+  };
+  return all;
+}
+
+const EngineFolder* folder_of(Engine engine) noexcept {
+  const std::vector<EngineFolder>& all = folders();
+  const auto found =
+      std::ranges::find_if(all, [engine](const EngineFolder& folder) { return folder.engine == engine; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+constexpr const char* kFirstWords = "# Light for ";
+constexpr const char* kLastWords = ", made by Welkin";
+
+}  // namespace
+
+bool has_folder(Engine engine) noexcept { return folder_of(engine) != nullptr; }
+
+std::vector<OutputFile> files_for(Engine engine) {
+  std::vector<OutputFile> files = folder_of(engine)->files;
+  files.push_back(text_file(Content::readme, kReadmeName));
+  return files;
+}
+
+bool is_own_readme(const std::string& first_line) noexcept {
+  return first_line.starts_with(kFirstWords) && first_line.ends_with(kLastWords);
+}
+
+std::string readme_text(Engine engine, const std::vector<std::string>& written) {
+  const EngineFolder& folder = *folder_of(engine);
+  const Convention& axes = convention(engine);
+  const auto is_there = [&written](const std::string& file) {
+    return std::ranges::find(written, file) != written.end();
+  };
+  std::string code;
+  for (const LoaderLines& lines : folder.lines) {
+    if (!std::ranges::all_of(lines.files, is_there)) continue;
+    code += "```" + std::string(folder.language) + '\n' + lines.text + "```\n\n";
+  }
+  std::string text = kFirstWords + std::string(axes.title) + kLastWords + "\n\n";
+  if (code.empty()) {
+    text += "The scene for which this was baked reads none of the files that " + std::string(axes.title) + " loads.\n";
+  } else {
+    text += code + folder.remarks + "\n\nHow this is known: " + folder.known + '\n';
+  }
+  return text + "\nSizes, roughness and errors are in manifest.json; axes: " + axes.axes + ".\n";
+}
+
+std::string usd_stage(const std::string& lat_long) {
+  return R"(#usda 1.0
+(
+    defaultPrim = "Environment"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+
+def DomeLight "Environment"
+{
+    float inputs:intensity = 1
+    asset inputs:texture:file = @./)" +
+         lat_long + R"(@
+    token inputs:texture:format = "latlong"
+}
+)";
+}
+
+std::string filament_harmonics(const SphericalHarmonics& radiance) {
+  std::string text;
+  for (const EngineTerm& term : engine_light(radiance, Engine::filament).terms) {
+    text += significant(term.rgb.x) + ' ' + significant(term.rgb.y) + ' ' + significant(term.rgb.z) + '\n';
+  }
+  return text;
+}
+
+}  // namespace welkin::tool
