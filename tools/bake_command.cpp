@@ -308,12 +308,13 @@ std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, 
 
 }  // namespace
 
-std::string bake_to_folder(const BakeCommandOptions& options) {
-  check(options);
+std::string bake_to_folder(const BakeCommandOptions& asked) {
+  check(asked);
   ProgressBar bar;
   const Control control = bar.control();
-  BakeFolderCache cache(options);
-  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options, control);
+  BakeFolderCache cache(asked);
+  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, asked, control);
+  BakeCommandOptions options = asked;  // and what a budget chooses
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(platform::path_of(options.directory), part_of(control, kBaked, 1.0));
   const ToneMap tone_map = tone_map_of(baked, options);

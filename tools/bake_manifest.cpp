@@ -268,6 +268,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   if (baked.sky) json["sky"] = sky_json(*baked.sky);
   if (baked.sun_wanted) json["sun"] = sun_json(baked, options);
   if (options.scene.any()) json["needs"] = needs_json(options.scene.needs());
+  if (baked.textures) json["textures"] = choice_json(*baked.textures);
   if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
   json["notes"] = notes_json(bake_notes(baked, folder), options);

@@ -135,6 +135,13 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},
       "How a .ktx2 is compressed; default none"));
+  table.push_back({.names = "--budget",
+                   .target = ByteCount{&options.byte_budget},
+                   .text = "The most bytes that the texels of all files may take, such as 2MiB. Face size, mips and, "
+                           "with --formats, the texel format are then chosen for the least error on this input, where "
+                           "no option names them; with --error-budget for the fewest bytes within both. --explain "
+                           "prints what was looked at",
+                   .type = "BYTES"});
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
                    .text = "Write no preview pictures"});
@@ -153,9 +160,16 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
-  table.push_back(size_option(
-      "--size", options.specular.size, 1, kLargestFace,
-      "Texels along an edge of the specular cubemap's faces; default " + std::to_string(options.specular.size)));
+  const auto set_size = [&options](int size) {
+    options.specular.size = size;
+    options.size_named = true;
+  };
+  table.push_back({.names = "--size",
+                   .target = On<int>(set_size),
+                   .text = "Texels along an edge of the specular cubemap's faces; default " +
+                           std::to_string(options.specular.size) + ", or by the budget",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "The same for the background cubemap, which is not blurred; 0: as --size; default " +
                                   std::to_string(options.background_size)));
@@ -283,8 +297,12 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_cache_option(table, options.common);
 }
 
+bool is_engine_folder(const BakeCommandOptions& options) noexcept {
+  return !options.containers_named && has_folder(options.turn.to);
+}
+
 void settle_files(BakeCommandOptions& options) {
-  if (options.containers_named || !has_folder(options.turn.to)) {
+  if (!is_engine_folder(options)) {
     options.files = files_in(options.containers, options);
     return;
   }

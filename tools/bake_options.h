@@ -1,6 +1,7 @@
 // What `welkin bake` can be asked.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -42,8 +43,10 @@ struct BakeCommandOptions {
   int preview_size = 256;                ///< pixels across a ball
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
+  std::uint64_t byte_budget = 0;  ///< of all textures; 0: none
   PrefilterOptions specular;
-  bool all_mips = false;  ///< down to 1 texel
+  bool size_named = false;  ///< by --size
+  bool all_mips = false;    ///< down to 1 texel
   RoughnessChoice roughness;
   std::set<Lobe> lobes;      ///< of which there are chains, too
   int octahedral_size = 0;   ///< of the specular chain as an octahedral map; 0: none
@@ -69,6 +72,9 @@ void add_result_options(Options& table, BakeCommandOptions& options);
 /// Lists the files that the options ask for: those of the formats that are named; else what the engine loads that the
 /// files are for, with the lobes that it takes; else KTX2. To be called once all options are read.
 void settle_files(BakeCommandOptions& options);
+
+/// Whether they are for an engine that says which files there are.
+[[nodiscard]] bool is_engine_folder(const BakeCommandOptions& options) noexcept;
 
 /// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`
 /// (invalid_argument) for cubemaps for an engine that has none.

@@ -53,18 +53,6 @@ Json details_of(const Cubemap& cubemap, const Job& job) {
   return details;
 }
 
-const char* name(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::rgba16f: return "rgba16f";
-    case TexelFormat::rgba32f: return "rgba32f";
-    case TexelFormat::b10g11r11: return "b10g11r11";
-    case TexelFormat::bc6h_ufloat: return "bc6h";
-    case TexelFormat::bc6h_sfloat: return "bc6h-signed";
-    case TexelFormat::e5b9g9r9: break;
-  }
-  return "e5b9g9r9";
-}
-
 std::string range_of(TexelFormat format) {
   switch (format) {
     case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
@@ -86,8 +74,6 @@ std::string range_of(Container container) {
   }
 }
 
-bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
-
 TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
   TextureOptions options = job.options.texture;
   options.format = file.format;
@@ -108,7 +94,7 @@ TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, c
 std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
   constexpr int kEnough = 32;
   const int last = cubemap.mips.back().size;
-  if (!in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
+  if (!is_in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
   return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") +
          " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }

@@ -232,6 +232,7 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
 
 // Shares of the progress.
 constexpr double kRead = 0.15;
+constexpr double kChosen = 0.35;  // textures, for a budget
 constexpr double kJudged = 0.45;  // the pixels, for an error budget
 constexpr double kBaked = 0.75;
 
@@ -315,11 +316,20 @@ void plan_env(const Source& source, const EnvChain& chain, const CostModel& cost
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
     return false;
-  if (contains(options.files, Content::env) || !options.lobes.empty()) return false;
+  if (contains(options.files, Content::env) || !options.lobes.empty() || chooses_textures(options)) return false;
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
   return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
+}
+
+/// Chooses textures if there is a budget for them, and says so if that is to be explained.
+std::optional<ChosenTextures> settle_textures(const BakeSource& source, BakeCommandOptions& options,
+                                              const Control& control) {
+  if (!chooses_textures(options)) return std::nullopt;
+  ChosenTextures choice = source.visit([&](const auto& view) { return choose_textures(view, options, control); });
+  if (options.scene.explains()) std::cerr << choice_text(choice) << std::flush;
+  return choice;
 }
 
 void explain(const BakeCommandOptions& options, const Plan& plan) {
@@ -385,10 +395,11 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
                       Baked& baked, const Control& control) {
   const CostModel costs = options.scene.costs();
   PixelWork work;
-  work.done = needs.error_budget ? kJudged : kRead;
+  work.done = needs.error_budget ? kJudged : baked.textures ? kChosen : kRead;
   BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0};
   source.visit([&](const auto& view) {
-    work.light = plan(view, needs, baked.whole, costs, part_of(control, kRead, work.done));
+    const double from = baked.textures ? kChosen : kRead;
+    work.light = plan(view, needs, baked.whole, costs, part_of(control, from, std::max(from, work.done)));
     baked.plan = work.light;
     baked.options = work.light.options;
     work.env = env_chain(options, baked.whole, work.light);
@@ -404,10 +415,10 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   return work;
 }
 
-/// Refuses by a file's header what would be refused once its pixels are read. With an error budget the settings, and so
-/// what they need, are known only then.
+/// Refuses by a file's header what would be refused once its pixels are read. With a budget the settings, and so what
+/// they need, are known only then.
 void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
-  if (!options.input || needs.error_budget) return;
+  if (!options.input || needs.error_budget || chooses_textures(options)) return;
   const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
   const Plan planned = plan(file.shape, needs, whole, options.scene.costs());
   const EnvChain chain = env_chain(options, whole, planned);
@@ -425,14 +436,20 @@ void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, co
 }
 
 /// From the pixels.
-void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
-  check_header(options, needs, baked.whole);
+void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& control) {
+  check_header(options, needs_of(options), baked.whole);
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
+  if (chooses_textures(options)) {
+    baked.textures = timed(baked.passes, "textures", "as the budget asks",
+                           [&] { return settle_textures(source, options, part_of(control, kRead, kChosen)); });
+    baked.whole = library_options(options);
+  }
+  const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
   note_blur(options, baked);
   const PixelWork work = plan_pixels(source, options, needs, baked, control);
@@ -463,11 +480,12 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
 
 }  // namespace
 
-Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
-  const SceneNeeds needs = needs_of(options);
-  const BakeOptions whole = library_options(options);
+Plan plan_ahead(BakeCommandOptions options, const Control& control) {
   const CostModel costs = options.scene.costs();
-  if (options.input && !needs.error_budget) {  // which is judged by pixels
+  if (options.input && !options.scene.needs().error_budget &&
+      !chooses_textures(options)) {  // which is judged by pixels
+    const SceneNeeds needs = needs_of(options);
+    const BakeOptions whole = library_options(options);
     const StoredEnvironment file =
         probe_environment(input_of(*options.input, options.common.read), options.common.read);
     Plan planned =
@@ -476,14 +494,17 @@ Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
+  settle_textures(source, options, part_of(control, kRead, kChosen));
+  const SceneNeeds needs = needs_of(options);
+  const BakeOptions whole = library_options(options);
   return source.visit([&](const auto& view) {
-    Plan planned = plan(view, needs, whole, costs, part_of(control, kRead, 1.0));
+    Plan planned = plan(view, needs, whole, costs, part_of(control, kChosen, 1.0));
     plan_env(view, env_chain(options, whole, planned), costs, planned);
     return planned;
   });
 }
 
-Baked bake_source(const BakeCommandOptions& options, const Control& control) {
+Baked bake_source(BakeCommandOptions& options, const Control& control) {
   Baked baked;
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
@@ -494,7 +515,7 @@ Baked bake_source(const BakeCommandOptions& options, const Control& control) {
     bake_stored(file, options, baked, control);
     return baked;
   }
-  bake_pixels(options, needs, baked, control);
+  bake_pixels(options, baked, control);
   return baked;
 }
 

@@ -9,6 +9,7 @@
 #include "tools/bake_lobes.h"
 #include "tools/bake_options.h"
 #include "tools/terminal.h"
+#include "tools/texture_budget.h"
 #include "welkin/bake.h"
 #include "welkin/plan.h"
 
@@ -24,6 +25,7 @@ struct Baked {
   BakeOptions whole;    ///< all that the options ask for
   BakeOptions options;  ///< what the scene needs of it
   Plan plan;
+  std::optional<ChosenTextures> textures;  ///< by a budget
   BakeResult light;
   std::optional<PrefilteredSpecular> env;  ///< the .env's chain, if the specular one would not do
   std::vector<LobeChain> lobes;            ///< of --lobe
@@ -63,10 +65,10 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
 }
 
 /// The plan by itself; of a file only the header is read.
-[[nodiscard]] Plan plan_ahead(const BakeCommandOptions& options, const Control& control);
+[[nodiscard]] Plan plan_ahead(BakeCommandOptions options, const Control& control);
 
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
-/// before, if it is to be explained.
-[[nodiscard]] Baked bake_source(const BakeCommandOptions& options, const Control& control);
+/// before, if it is to be explained. What a budget chooses is set in `options`.
+[[nodiscard]] Baked bake_source(BakeCommandOptions& options, const Control& control);
 
 }  // namespace welkin::tool

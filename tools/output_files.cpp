@@ -9,16 +9,14 @@
 namespace welkin::tool {
 namespace {
 
-bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
-
 /// What the container has room for: OpenEXR halves or floats, DDS also blocks. Irradiance is not compressed: where it
 /// nears 0 the errors of blocks are large beside it. Blocks are for cubemaps, and a table is of halves or floats.
 TexelFormat stored_format(Content content, Container container, TexelFormat wanted) {
   if (wanted == TexelFormat::rgba32f) return wanted;
   const bool plain = content == Content::irradiance || content == Content::lambert || content == Content::octahedral;
-  if (in_blocks(wanted) && plain) return TexelFormat::rgba16f;
+  if (is_in_blocks(wanted) && plain) return TexelFormat::rgba16f;
   if (content == Content::brdf || container == Container::exr) return TexelFormat::rgba16f;
-  if (container == Container::dds && !in_blocks(wanted)) return TexelFormat::rgba16f;
+  if (container == Container::dds && !is_in_blocks(wanted)) return TexelFormat::rgba16f;
   return wanted;
 }
 
@@ -55,6 +53,22 @@ const char* name(Container container) noexcept {
     case Container::text: break;
   }
   return "text";
+}
+
+const char* name(TexelFormat format) noexcept {
+  switch (format) {
+    case TexelFormat::rgba16f: return "rgba16f";
+    case TexelFormat::rgba32f: return "rgba32f";
+    case TexelFormat::b10g11r11: return "b10g11r11";
+    case TexelFormat::bc6h_ufloat: return "bc6h";
+    case TexelFormat::bc6h_sfloat: return "bc6h-signed";
+    case TexelFormat::e5b9g9r9: break;
+  }
+  return "e5b9g9r9";
+}
+
+bool is_in_blocks(TexelFormat format) noexcept {
+  return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat;
 }
 
 const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }

@@ -25,6 +25,11 @@ enum class Container {
 
 [[nodiscard]] const char* name(Container container) noexcept;
 
+/// "rgba16f", "bc6h", ...: as --ktx2-format has them.
+[[nodiscard]] const char* name(TexelFormat format) noexcept;
+
+[[nodiscard]] bool is_in_blocks(TexelFormat format) noexcept;
+
 /// Lobes beside GGX.
 enum class Lobe { charlie, lambert, phong };
 

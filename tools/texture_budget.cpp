@@ -1,0 +1,480 @@
+#include "tools/texture_budget.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "image/pixels.h"
+#include "jobs/control.h"
+#include "math/elementary.h"
+#include "tools/bake_lobes.h"
+#include "tools/output_files.h"
+#include "tools/preview_light.h"
+#include "tools/text.h"
+#include "welkin/bc6h.h"
+#include "welkin/reflections.h"
+#include "welkin/resampling.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr int kLargestChoice = 1024;  ///< where nobody names a size
+constexpr int kLeastChoice = 16;
+constexpr double kSharpest = 0.1;  ///< roughness of what is judged
+constexpr int kRoughnesses = 10;
+constexpr int kDirections = 1024;
+constexpr int kKeptSize = 256;       ///< larger chains take much memory, and few are looked at twice
+constexpr double kJudgedFrom = 0.3;  ///< of the progress: where the truth is known
+
+// ---- Bytes of a folder
+
+std::uint64_t texel_bytes(std::uint64_t width, std::uint64_t height, TexelFormat format) {
+  switch (format) {
+    case TexelFormat::rgba16f: return 8 * width * height;
+    case TexelFormat::rgba32f: return 16 * width * height;
+    case TexelFormat::b10g11r11:
+    case TexelFormat::e5b9g9r9: return 4 * width * height;
+    case TexelFormat::bc6h_ufloat:
+    case TexelFormat::bc6h_sfloat: break;
+  }
+  return 16 * ((width + 3) / 4) * ((height + 3) / 4);
+}
+
+/// Of a picture in a file: before it is packed, where the container packs.
+std::uint64_t picture_bytes(std::uint64_t width, std::uint64_t height, const OutputFile& file) {
+  switch (file.container) {
+    case Container::exr: return (file.format == TexelFormat::rgba32f ? 12 : 6) * width * height;
+    case Container::hdr:
+    case Container::env: return 4 * width * height;
+    case Container::pfm: return 12 * width * height;
+    default: return texel_bytes(width, height, file.format);
+  }
+}
+
+std::uint64_t chain_bytes(int size, int levels, const OutputFile& file) {
+  if (file.levels > 0) levels = std::min(levels, file.levels);
+  std::uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) {
+    const auto edge = static_cast<std::uint64_t>(std::max(1, size >> level));
+    bytes += 6 * picture_bytes(edge, edge, file);
+  }
+  return bytes;
+}
+
+std::uint64_t file_bytes(const OutputFile& file, const BakeCommandOptions& options, const BakeOptions& bake) {
+  const int size = bake.specular->size;
+  const int mips = bake.specular->mips.value();
+  const int background = bake.background->size.value_or(size);
+  switch (file.content) {
+    case Content::env: return chain_bytes(env_size(size), full_chain_levels(env_size(size)), file);
+    case Content::lat_long: {
+      const auto width = 4 * static_cast<std::uint64_t>(background);
+      return picture_bytes(width, width / 2, file);
+    }
+    case Content::octahedral: {
+      std::uint64_t bytes = 0;
+      for (int level = 0; level < octahedral_of(options.octahedral_size, mips).levels; ++level) {
+        const auto edge = static_cast<std::uint64_t>(options.octahedral_size >> level);
+        bytes += picture_bytes(edge, edge, file);
+      }
+      return bytes;
+    }
+    case Content::background: return chain_bytes(background, full_chain_levels(background), file);
+    case Content::specular: return chain_bytes(size, mips, file);
+    case Content::irradiance: return chain_bytes(options.irradiance_size, 1, file);
+    case Content::brdf:
+      return picture_bytes(static_cast<std::uint64_t>(options.brdf.width),
+                           static_cast<std::uint64_t>(options.brdf.height), file);
+    default: break;
+  }
+  for (const Lobe lobe : options.lobes) {
+    if (content_of(lobe) != file.content) continue;
+    const KernelChainOptions chain = kernels_of(lobe, options, *bake.specular);
+    return chain_bytes(chain.size, static_cast<int>(chain.kernels.size()), file);
+  }
+  return 0;  // text
+}
+
+std::uint64_t folder_bytes(const BakeCommandOptions& options) {
+  const BakeOptions bake = library_options(options);
+  std::uint64_t bytes = 0;
+  for (const OutputFile& file : options.files) bytes += file_bytes(file, options, bake);
+  return bytes;
+}
+
+// ---- Errors of a chain
+
+/// Spread evenly over the sphere (a Fibonacci lattice).
+std::vector<glm::vec3> even_directions() {
+  std::vector<glm::vec3> directions;
+  for (int k = 0; k < kDirections; ++k) {
+    const double y = 1.0 - (2.0 * k + 1.0) / kDirections;
+    const double radius = std::sqrt((1.0 - y) * (1.0 + y));
+    const double turns = std::numbers::phi * k;
+    const math::SineCosine at = math::sine_cosine_of_turns(turns - std::floor(turns));
+    directions.emplace_back(radius * at.cosine, y, radius * at.sine);
+  }
+  return directions;
+}
+
+/// Roughness that no mip has, and what a mirror of it shows in even directions.
+struct TrueReflections {
+  double roughness;
+  std::vector<glm::vec3> radiance;
+  double square = 0.0;  ///< the sum over all directions and channels
+};
+
+double square_of(const glm::dvec3& rgb) { return glm::dot(rgb, rgb); }
+
+/// All that candidates are compared with.
+class Truth {
+ public:
+  template <class View>
+  Truth(const View& source, const PrefilterOptions& options, const RoughnessRange& glossy, const Control& control)
+      : directions_(even_directions()) {
+    const double least = std::max(kSharpest, glossy.minimum);
+    const double most = std::max(least, glossy.maximum);
+    for (int k = 0; k < kRoughnesses; ++k) {
+      const double roughness = least + (most - least) * k / (kRoughnesses - 1);
+      PrefilterOptions one = options;
+      one.size = roughness < 0.3 ? 512 : 128;  // texels of a fourth of the lobe's width and less
+      one.mips = 1;
+      one.roughness = {roughness};
+      const PrefilteredSpecular chain = prefilter_specular(source, one, {control.stop, {}});
+      const CubeLookup look(chain.cubemap);
+      TrueReflections reflections{roughness, {}};
+      for (const glm::vec3& direction : directions_) {
+        reflections.radiance.push_back(look.at(direction, 0));
+        reflections.square += square_of(reflections.radiance.back());
+      }
+      roughnesses_.push_back(std::move(reflections));
+      if (control.progress) control.progress((k + 1.0) / kRoughnesses);
+      if (most == least) break;
+    }
+  }
+
+  /// The worst error of the chain, whose mips have this roughness, and where it is.
+  [[nodiscard]] std::pair<double, double> error_of(const CubemapChain& chain, const std::vector<double>& table) const {
+    const CubeLookup look(chain);
+    std::pair<double, double> worst{0.0, roughnesses_.front().roughness};
+    for (const TrueReflections& truth : roughnesses_) {
+      const double level = mip_of_roughness(table, truth.roughness);
+      double square = 0.0;
+      for (std::size_t k = 0; k < directions_.size(); ++k)
+        square += square_of(glm::dvec3(look.at(directions_[k], level)) - glm::dvec3(truth.radiance[k]));
+      const double error = truth.square > 0.0 ? std::sqrt(square / truth.square) : 0.0;
+      if (error > worst.first) worst = {error, truth.roughness};
+    }
+    return worst;
+  }
+
+ private:
+  std::vector<glm::vec3> directions_;
+  std::vector<TrueReflections> roughnesses_;
+};
+
+std::array<float, 3> rounded_to(TexelFormat format, const std::array<float, 3>& rgb) {
+  const auto within = [&](float most) {
+    return std::array<float, 3>{std::clamp(rgb[0], 0.0F, most), std::clamp(rgb[1], 0.0F, most),
+                                std::clamp(rgb[2], 0.0F, most)};
+  };
+  switch (format) {
+    case TexelFormat::rgba16f: {
+      std::array<float, 3> halves{};
+      for (std::size_t c = 0; c < 3; ++c) halves[c] = image::float_from_half(image::half_from_float(rgb[c]));
+      return halves;
+    }
+    case TexelFormat::b10g11r11: return image::unpack_b10g11r11(image::pack_b10g11r11(within(image::kLargestFloat10)));
+    case TexelFormat::e5b9g9r9: return image::unpack_e5b9g9r9(image::pack_e5b9g9r9(within(image::kLargestSharedFloat)));
+    default: return rgb;
+  }
+}
+
+/// The chain as a file of that format gives it back.
+CubemapChain stored_as(TexelFormat format, const CubemapChain& chain, Bc6hEffort effort, const Control& control) {
+  if (is_in_blocks(format)) {
+    const Bc6hOptions options{effort, format == TexelFormat::bc6h_sfloat};
+    return decode_bc6h(encode_bc6h(chain.views(), options, control), control);
+  }
+  CubemapChain stored(chain.size(), chain.levels());
+  for (int level = 0; level < chain.levels(); ++level) {
+    const auto edge = static_cast<std::size_t>(chain.level_size(level));
+    const float* from = chain.face(level, 0);
+    float* to = stored.face(level, 0);
+    for (std::size_t texel = 0; texel < 6 * edge * edge; ++texel, from += 3, to += 3) {
+      const std::array<float, 3> rgb = rounded_to(format, {from[0], from[1], from[2]});
+      std::copy(rgb.begin(), rgb.end(), to);
+    }
+  }
+  return stored;
+}
+
+// ---- The choice
+
+bool may_choose_mips(const BakeCommandOptions& options) {
+  return !options.all_mips && !options.specular.mips && options.roughness.table.empty();
+}
+
+/// A format is chosen for files of --formats alone: an engine's files have those that it loads.
+bool may_choose_format(const BakeCommandOptions& options) {
+  if (options.format_named || is_engine_folder(options)) return false;
+  return std::any_of(options.files.begin(), options.files.end(), [](const OutputFile& file) {
+    return file.content == Content::specular && (file.container == Container::ktx2 || file.container == Container::dds);
+  });
+}
+
+std::vector<int> halved_sizes(int most) {
+  std::vector<int> sizes{most};
+  while (sizes.back() / 2 >= kLeastChoice) sizes.push_back(sizes.back() / 2);
+  return sizes;
+}
+
+/// As many as the schedule wants; of those that may end anywhere also down to 8, 4, 2 and 1 texels.
+std::vector<int> mips_to_try(const BakeCommandOptions& options, int size) {
+  const RoughnessSchedule schedule = schedule_of(options);
+  std::vector<int> mips{mips_of_chain(schedule, size)};
+  if (schedule != RoughnessSchedule::filament && schedule != RoughnessSchedule::linear) return mips;
+  while (mips.back() < full_chain_levels(size)) mips.push_back(mips.back() + 1);
+  return mips;
+}
+
+/// A candidate and the options that make it.
+struct Candidate {
+  TriedTextures tried;
+  BakeCommandOptions options;
+};
+
+Candidate candidate_of(BakeCommandOptions options) {
+  Candidate candidate;
+  settle_files(options);
+  const BakeOptions bake = library_options(options);
+  std::vector<std::string> formats;
+  for (const OutputFile& file : files_with(Content::specular, options.files)) {
+    const std::string word = name(file.format);
+    if (std::find(formats.begin(), formats.end(), word) == formats.end()) formats.push_back(word);
+  }
+  for (const std::string& word : formats)
+    candidate.tried.formats += (candidate.tried.formats.empty() ? "" : ",") + word;
+  candidate.tried.size = bake.specular->size;
+  candidate.tried.mips = bake.specular->mips.value();
+  candidate.tried.background_size = bake.background->size.value_or(bake.specular->size);
+  candidate.tried.format = options.texture.format;
+  candidate.tried.bytes = folder_bytes(options);
+  candidate.options = std::move(options);
+  return candidate;
+}
+
+bool holds_reflections(const BakeCommandOptions& options) {
+  return contains(options.files, Content::specular) || contains(options.files, Content::env);
+}
+
+/// All that may be chosen, by bytes.
+std::vector<Candidate> candidates_of(const BakeCommandOptions& options, int most) {
+  if (!holds_reflections(options)) {  // of the background alone, which is enlarged in the end
+    BakeCommandOptions least = options;
+    if (options.background_size == 0) least.background_size = std::min(kLeastChoice, options.specular.size);
+    return {candidate_of(std::move(least))};
+  }
+  const std::vector<int> sizes = options.size_named ? std::vector<int>{options.specular.size} : halved_sizes(most);
+  std::vector<TexelFormat> formats{options.texture.format};
+  if (may_choose_format(options)) {
+    formats = {TexelFormat::bc6h_ufloat, TexelFormat::e5b9g9r9, TexelFormat::b10g11r11, TexelFormat::rgba16f};
+  }
+  std::vector<Candidate> candidates;
+  for (const int size : sizes) {
+    BakeCommandOptions own = options;
+    own.specular.size = size;
+    // An error budget is about reflections: it leaves the background as large as it was to be.
+    if (options.scene.error_budget && options.background_size == 0) own.background_size = options.specular.size;
+    const std::vector<int> mips = may_choose_mips(options) ? mips_to_try(own, size) : std::vector<int>{0};
+    for (const int count : mips) {
+      if (count > 0) own.specular.mips = count;
+      for (const TexelFormat format : formats) {
+        own.texture.format = format;
+        candidates.push_back(candidate_of(own));
+      }
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.tried.bytes < b.tried.bytes; });
+  return candidates;
+}
+
+/// Bakes and stores each chain once.
+template <class View>
+class Judge {
+ public:
+  Judge(const View& source, const BakeCommandOptions& options, const Control& control)
+      : source_(source), control_(control) {
+    const PrefilterOptions specular = *library_options(options).specular;
+    truth_.emplace(source, specular, options.scene.needs().glossy.value_or(RoughnessRange{}),
+                   jobs::part_of(control, 0.0, kJudgedFrom));
+  }
+
+  void judge(Candidate& candidate) {
+    const PrefilterOptions specular = *library_options(candidate.options).specular;
+    std::set<TexelFormat> formats;
+    for (const OutputFile& file : files_with(Content::specular, candidate.options.files)) formats.insert(file.format);
+    // What RGBD rounds is not looked at.
+    if (contains(candidate.options.files, Content::env)) formats.insert(TexelFormat::rgba32f);
+    for (const TexelFormat format : formats) {
+      const auto [error, roughness] = error_of(specular, format, candidate.options.texture.bc6h_effort);
+      if (error < candidate.tried.error) continue;
+      candidate.tried.error = error;
+      candidate.tried.roughness = roughness;
+    }
+  }
+
+ private:
+  using Key = std::tuple<int, int, TexelFormat>;
+
+  std::pair<double, double> error_of(const PrefilterOptions& specular, TexelFormat format, Bc6hEffort effort) {
+    const Key key{specular.size, *specular.mips, format};
+    if (const auto known = errors_.find(key); known != errors_.end()) return known->second;
+    const auto error =
+        truth_->error_of(stored_as(format, chain_of(specular), effort, {control_.stop, {}}), specular.roughness);
+    errors_.emplace(key, error);
+    return error;
+  }
+
+  const CubemapChain& chain_of(const PrefilterOptions& specular) {
+    const std::pair<int, int> key{specular.size, *specular.mips};
+    if (const auto known = chains_.find(key); known != chains_.end()) return known->second;
+    std::erase_if(chains_, [](const auto& entry) { return entry.first.first > kKeptSize; });
+    return chains_.emplace(key, prefilter_specular(source_, specular, {control_.stop, {}}).cubemap).first->second;
+  }
+
+  const View& source_;
+  const Control& control_;
+  std::optional<Truth> truth_;
+  std::map<std::pair<int, int>, CubemapChain> chains_;  ///< by size and mips
+  std::map<Key, std::pair<double, double>> errors_;
+};
+
+/// The largest face that shows what the source has.
+int resolution_of(const LatLongView& source) {
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>((source.width + 3) / 4)));
+}
+int resolution_of(const CubemapView& source) {
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(source.size)));
+}
+
+void enlarge_background(Candidate& candidate, int most, std::uint64_t budget) {
+  for (const int size : halved_sizes(most)) {
+    if (size <= candidate.tried.background_size) return;
+    BakeCommandOptions options = candidate.options;
+    options.background_size = size;
+    const std::uint64_t bytes = folder_bytes(options);
+    if (bytes > budget) continue;
+    candidate.options = std::move(options);
+    candidate.tried.background_size = size;
+    candidate.tried.bytes = bytes;
+    return;
+  }
+}
+
+[[noreturn]] void refuse(const Candidate& least, std::uint64_t budget) {
+  throw Error(ErrorCode::invalid_argument,
+              "--budget of " + grouped(budget) + " bytes is too small: with the smallest faces the files take " +
+                  grouped(least.tried.bytes) +
+                  "; leave some of them out (--formats, --no-brdf, --irradiance 0) or raise it");
+}
+
+/// Under the budget of bytes, the largest first where nothing else is asked for: what is far smaller is not better.
+void keep_likely(std::vector<Candidate>& candidates, std::uint64_t bytes, bool judged_by_error) {
+  const auto end = std::find_if(candidates.begin(), candidates.end(),
+                                [&](const Candidate& candidate) { return candidate.tried.bytes > bytes; });
+  if (end == candidates.begin()) refuse(candidates.front(), bytes);
+  candidates.erase(end, candidates.end());
+  if (judged_by_error) return;
+  constexpr std::uint64_t kFarSmaller = 16;
+  const std::uint64_t most = candidates.back().tried.bytes;
+  std::erase_if(candidates, [most](const Candidate& candidate) { return candidate.tried.bytes < most / kFarSmaller; });
+}
+
+template <class View>
+ChosenTextures choose(const View& source, BakeCommandOptions& options, const Control& control) {
+  const int most = std::clamp(resolution_of(source), kLeastChoice, kLargestChoice);
+  const std::uint64_t bytes = options.byte_budget > 0 ? options.byte_budget : ~std::uint64_t{0};
+  const std::optional<double> budget = options.scene.error_budget;
+  std::vector<Candidate> candidates = candidates_of(options, most);
+  keep_likely(candidates, bytes, budget.has_value());
+  ChosenTextures choice;
+  const Candidate* best = &candidates.front();
+  if (holds_reflections(options)) {
+    Judge<View> judge(source, options, control);
+    for (std::size_t k = 0; k < candidates.size() && !(budget && choice.met); ++k) {
+      Candidate& candidate = candidates[k];
+      judge.judge(candidate);
+      choice.tried.push_back(candidate.tried);
+      if (k == 0 || candidate.tried.error < best->tried.error) best = &candidate;
+      choice.met = !budget || candidate.tried.error <= *budget;
+      const double done = static_cast<double>(k + 1) / static_cast<double>(candidates.size());
+      if (control.progress) control.progress(kJudgedFrom + (1.0 - kJudgedFrom) * done);
+    }
+  } else {
+    choice.met = true;
+  }
+  Candidate chosen = *best;
+  if (!budget && options.background_size == 0) enlarge_background(chosen, most, bytes);
+  choice.chosen = chosen.tried;
+  options = std::move(chosen.options);
+  return choice;
+}
+
+}  // namespace
+
+bool chooses_textures(const BakeCommandOptions& options) noexcept {
+  if (options.byte_budget > 0) return true;
+  if (!options.scene.error_budget || !options.scene.needs().glossy || !holds_reflections(options)) return false;
+  return !options.size_named || may_choose_mips(options) || may_choose_format(options);
+}
+
+ChosenTextures choose_textures(const LatLongView& source, BakeCommandOptions& options, const Control& control) {
+  return choose(source, options, control);
+}
+ChosenTextures choose_textures(const CubemapView& source, BakeCommandOptions& options, const Control& control) {
+  return choose(source, options, control);
+}
+
+std::string choice_text(const ChosenTextures& choice) {
+  std::string text = "Textures\n     size  mips  background        bytes  rms error  at roughness  formats\n";
+  for (const TriedTextures& tried : choice.tried) {
+    const bool is_chosen =
+        tried.size == choice.chosen.size && tried.mips == choice.chosen.mips && tried.format == choice.chosen.format;
+    text += pad_left(is_chosen ? "=>" : "", 4) + pad_left(std::to_string(tried.size), 5) +
+            pad_left(std::to_string(tried.mips), 6) + pad_left(std::to_string(tried.background_size), 12) +
+            pad_left(grouped(tried.bytes), 13) + pad_left(significant(100.0 * tried.error, 3) + " %", 11) +
+            pad_left(significant(tried.roughness, 3), 14) + "  " + tried.formats + '\n';
+  }
+  text += choice.met ? "  chosen: " : "  none is within the budget; the least error is that of: ";
+  text += std::to_string(choice.chosen.size) + " texels, " +
+          counted(static_cast<std::uint64_t>(choice.chosen.mips), "mip") + ", background " +
+          std::to_string(choice.chosen.background_size) + " texels, " + grouped(choice.chosen.bytes) + " bytes\n";
+  return text;
+}
+
+namespace {
+
+Json tried_json(const TriedTextures& tried) {
+  return {{"size", tried.size},          {"mips", tried.mips},   {"background_size", tried.background_size},
+          {"formats", tried.formats},    {"bytes", tried.bytes}, {"error", tried.error},
+          {"roughness", tried.roughness}};
+}
+
+}  // namespace
+
+Json choice_json(const ChosenTextures& choice) {
+  Json tried = Json::array();
+  for (const TriedTextures& one : choice.tried) tried.push_back(tried_json(one));
+  return {{"chosen", tried_json(choice.chosen)}, {"met", choice.met}, {"tried", tried}};
+}
+
+}  // namespace welkin::tool
