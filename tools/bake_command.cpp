@@ -49,8 +49,8 @@ Examples:
   welkin bake --sky -o out                            a built-in, computed sky
   welkin bake city.hdr -o out                         a photograph
   welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
-  welkin bake city.hdr -o out --for three             what three.js loads, and how
-  welkin bake city.hdr -o out --for unity --formats dds  its axes and roughness
+  welkin bake city.hdr -o out --for three             what three.js loads
+  welkin bake city.hdr -o out --for unity --formats dds
   welkin bake city.hdr -o out --roughness 0,0.25,0.5,0.75,1
   welkin bake city.hdr -o out --ktx2-format e5b9g9r9 --supercompression zstd
   welkin bake city.hdr -o out --formats env --no-brdf --no-previews

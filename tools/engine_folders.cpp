@@ -187,7 +187,7 @@ sky_light.light_component.set_editor_property("source_type", unreal.SkyLightSour
 sky_light.light_component.set_cubemap(unreal.load_asset("/Game/Light/environment"))
 )"}},
        "`sky_light` is a SkyLight actor of the level. Unreal prefilters the cubemap itself.",
-       "that a .hdr is taken for a lat-long was read in public copies of the importer; Unreal was not run."},
+       "Unreal's manual says that a .hdr in longitude and latitude becomes a cubemap; Unreal was not run."},
 
       {Engine::blender,
        {lat_long(Container::exr)},

@@ -104,6 +104,7 @@ std::vector<std::string> names_of(const OutputFile& file, int levels) {
   if (levels <= 1 || holds_all_levels(file)) return {file.name};
   const std::size_t dot = file.name.rfind('.');
   std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(levels));
   for (int level = 0; level < levels; ++level) {
     names.push_back(file.name.substr(0, dot) + "_m" + std::to_string(level) + file.name.substr(dot));
   }

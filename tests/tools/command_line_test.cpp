@@ -84,7 +84,7 @@ TEST_CASE("command: bake --help names every option", "[tools]") {
                              "--size",
                              "--background-size",
                              "--mips",
-                             "--roughness filament|three|linear|gltf|babylon|unity|unreal|LIST",
+                             "--roughness filament|three|linear|gltf|bevy|babylon|unity|unreal|LIST",
                              "--method automatic|spectral|sampled|reference",
                              "--samples",
                              "--irradiance",
