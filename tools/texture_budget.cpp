@@ -1,6 +1,7 @@
 #include "tools/texture_budget.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -225,8 +226,9 @@ bool may_choose_mips(const BakeCommandOptions& options) {
 /// A format is chosen for files of --formats alone: an engine's files have those that it loads.
 bool may_choose_format(const BakeCommandOptions& options) {
   if (options.format_named || is_engine_folder(options)) return false;
-  return std::any_of(options.files.begin(), options.files.end(), [](const OutputFile& file) {
-    return file.content == Content::specular && (file.container == Container::ktx2 || file.container == Container::dds);
+  constexpr std::array kAble{Container::ktx2, Container::dds, Container::ktx};
+  return std::any_of(options.files.begin(), options.files.end(), [&](const OutputFile& file) {
+    return file.content == Content::specular && std::find(kAble.begin(), kAble.end(), file.container) != kAble.end();
   });
 }
 
