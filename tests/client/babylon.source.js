@@ -64,18 +64,21 @@ function material(scene, texture, { roughness, metallic, albedo, matte }) {
   return made;
 }
 
-/** The balls seen from -z, where Babylon.js's camera stands as a rule. */
+/** The balls in a row, ball 0 on the viewer's left. */
 function row(scene, textures) {
   BALLS.forEach((look, index) => {
     const ball = MeshBuilder.CreateSphere("ball", { diameter: 2, segments: 64 }, scene);
-    ball.position = new Vector3(centre(index), 0, 0);
+    ball.position = new Vector3(-centre(index), 0, 0); // seen from +z, +x is on the left
     ball.material = material(scene, textures[index], look);
   });
 }
 
-/** Orthographic: every ball sees the same, a pixel's normal does not depend on the ball. */
+/**
+ * Orthographic, so that a pixel's normal does not depend on the ball. The shader takes the view from the camera's place
+ * all the same, so that this is far away. From +z both engines see the same half of a picture reflected.
+ */
 function view(scene) {
-  const camera = new ArcRotateCamera("camera", -Math.PI / 2, Math.PI / 2, 10, Vector3.Zero(), scene);
+  const camera = new ArcRotateCamera("camera", Math.PI / 2, Math.PI / 2, 2000, Vector3.Zero(), scene);
   camera.mode = ArcRotateCamera.ORTHOGRAPHIC_CAMERA;
   Object.assign(camera, { orthoLeft: -HALF.x, orthoRight: HALF.x, orthoTop: HALF.y, orthoBottom: -HALF.y });
   return camera;
