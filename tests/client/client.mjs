@@ -16,7 +16,7 @@ import { pathToFileURL } from "node:url";
 import { BALLS } from "./balls.js";
 import { compare, percent, tableRow, within } from "./compare.mjs";
 import { errorOfTruth } from "./direct.mjs";
-import { ENGINES, MIRRORED, PICTURE, SIZE, TRUTH } from "./engines.mjs";
+import { ENGINES, PICTURE, SIZE, TRUTH } from "./engines.mjs";
 
 const flags = process.argv.slice(2);
 const flag = (name) => (flags.includes(name) ? flags[flags.indexOf(name) + 1] : undefined);
@@ -96,7 +96,7 @@ function checkTruth(picture, chains) {
   run("convert", join(files, picture), pfm, "--size", `${PICTURE}`);
   for (const roughness of engine.direct.roughness) {
     const error = errorOfTruth(ktx.read(readFileSync(join(files, chains.get(roughness)))), pfm, roughness);
-    console.log(`${picture}: the truth of roughness ${roughness} is ${percent(error)} from a sum over the picture's pixels`);
+    console.log(`${picture}: the truth of roughness ${roughness} is ${error.toExponential(1)} from a sum over the picture's pixels`);
     check(error <= engine.direct.allowed, `${picture}: the truth of roughness ${roughness} is not true`);
   }
 }
@@ -152,7 +152,7 @@ async function judge(ask, picture, isFirst) {
     checkFrame(`${picture}, ${file.name}`, made, true);
     checkRow(picture, `${file.name} - truth`, compare(made, exact));
     checkRow(picture, `${file.name} - theirs`, compare(made, theirs));
-    for (const [how, ...options] of isFirst ? file.wrong : [MIRRORED]) {
+    for (const [how, ...options] of isFirst ? file.wrong : file.wrong.slice(0, 1)) {
       const wrong = compare(await ask("measure", ours(picture, file, ...options), PIXELS), exact);
       console.log(tableRow(`${picture}, ${file.name} ${how}`, wrong));
       check(!within(wrong, allowed(picture, `${file.name} - truth`) ?? [0]),
