@@ -75,7 +75,7 @@ function row(scene, textures) {
 
 /**
  * Orthographic, so that a pixel's normal does not depend on the ball. The shader takes the view from the camera's place
- * all the same, so that this is far away. From +z both engines see the same half of a picture reflected.
+ * all the same, so that this is far away. From +z, because our sunny picture's sun is reflected there.
  */
 function view(scene) {
   const camera = new ArcRotateCamera("camera", Math.PI / 2, Math.PI / 2, 2000, Vector3.Zero(), scene);

@@ -19,9 +19,9 @@ const WITHOUT_LAST = [0, 1, 2, 3].map((mip) => `${1 - Math.sqrt(1 - mip / 4)}`).
 export const ENGINES = {
   babylon: {
     // The .env has the mips and the roughness that Babylon.js looks for whatever is asked for.
-    files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: [MIRRORED] },
+    files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: TURNED },
             { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
-              wrong: [...TURNED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] }],
+              wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] }],
     truth: { of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"] },
     /** The roughness that the shader makes of a material's: it adds 0.0005 to alpha. */
     roughness: (given) => Math.min(1, Math.sqrt(given * given + 0.0005)),

@@ -4,7 +4,6 @@ import * as THREE from "three";
 import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
 import { read } from "ktx-parse";
-import { environmentTexture } from "../../bindings/wasm/package/three.js";
 import { BALLS, HALF, centre, figure } from "./balls.js";
 
 const bytesOf = async (url) => (await fetch(url)).arrayBuffer();
@@ -17,19 +16,19 @@ async function blocks(url) {
   return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
-/** A chain in halves or floats, by ktx-parse and our package's function for what the worker makes. */
+/** A chain in halves: the lines of docs/bake_folder.md. In floats, too, for the truth. */
 async function texels(url) {
   const { pixelWidth, levels, vkFormat } = read(new Uint8Array(await bytesOf(url)));
   const floats = vkFormat === 109; // VK_FORMAT_R32G32B32A32_SFLOAT; else 97, R16G16B16A16
   if (!floats && vkFormat !== 97) throw new Error(`${url} has Vulkan's format ${vkFormat}`);
-  const mips = levels.map(({ levelData }, mip) => {
-    const size = pixelWidth >> mip;
-    const values = new (floats ? Float32Array : Uint16Array)(levelData.slice().buffer);
-    const face = 4 * size * size;
-    return { size, faces: [0, 1, 2, 3, 4, 5].map((index) => values.subarray(face * index, face * (index + 1))) };
-  });
-  const specular = { mirrored: true, size: pixelWidth, format: floats ? "rgba32f" : "rgba16f", mips };
-  return environmentTexture(THREE, { specular });
+  const [Values, type] = floats ? [Float32Array, THREE.FloatType] : [Uint16Array, THREE.HalfFloatType];
+  const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width: pixelWidth, height: pixelWidth, mipmaps:
+    levels.map(({ levelData }, mip) => {
+      const [size, values] = [pixelWidth >> mip, new Values(levelData.slice().buffer)];
+      return { width: size, height: size, data: values.subarray(4 * size * size * face, 4 * size * size * (face + 1)) };
+    }) }));
+  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, type);
+  return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
 /** The picture itself, which three.js prefilters when it first draws with it. */
