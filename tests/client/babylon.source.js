@@ -47,7 +47,8 @@ async function open(scene, source) {
     const irradiance = await environment(scene, source.irradiance);
     return Promise.all(source.urls.map((url) => exact(scene, url, irradiance)));
   }
-  const texture = await (source.kind === "picture" ? panorama(scene, source.url, source.size) : environment(scene, source.url));
+  const texture = await (source.kind === "picture" ? panorama(scene, source.url, source.size)
+                                                   : environment(scene, source.url));
   await harmonicsOf(texture);
   return BALLS.map(() => texture);
 }
@@ -110,5 +111,6 @@ async function measure(source, pixels) {
 window.client = {
   about: () => `Babylon.js ${Engine.Version}, ${engine.getGlInfo().renderer}`,
   measure,
-  figure: async (ours, theirs, pixels, gain) => figure(await measure(ours, 2 * pixels), await measure(theirs, 2 * pixels), gain),
+  figure: async (ours, theirs, pixels, gain) =>
+    figure(await measure(ours, 2 * pixels), await measure(theirs, 2 * pixels), gain),
 };

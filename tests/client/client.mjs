@@ -76,7 +76,8 @@ function bake(picture, folder, of, ...options) {
   return `/${folder}/${of}`;
 }
 
-const ours = (picture, { name, kind, of, options }, ...more) => ({ kind, url: bake(picture, name, of, ...options, ...more) });
+const ours = (picture, { name, kind, of, options }, ...more) =>
+  ({ kind, url: bake(picture, name, of, ...options, ...more) });
 
 /**
  * For each ball a cubemap of floats whose mip 0 has the ball's own roughness. Mip 1 has roughness 1, whose lobe is the
@@ -85,10 +86,12 @@ const ours = (picture, { name, kind, of, options }, ...more) => ({ kind, url: ba
 function truth(picture) {
   const { of, options } = engine.truth;
   const exact = [...options, "--ktx2-format", "rgba32f", "--size", `${TRUTH}`, "--roughness"];
-  const chains = new Map([...new Set(BALLS.map(({ roughness }) => engine.roughness(roughness)))].map(
-    (roughness) => [roughness, bake(picture, `truth-${roughness}`, of, ...exact, roughness < 1 ? `${roughness},1` : "1")]));
+  const wanted = BALLS.map(({ roughness }) => engine.roughness(roughness));
+  const chainOf = (roughness) =>
+    bake(picture, `truth-${roughness}`, of, ...exact, roughness < 1 ? `${roughness},1` : "1");
+  const chains = new Map([...new Set(wanted)].map((roughness) => [roughness, chainOf(roughness)]));
   if (engine.direct) checkTruth(picture, chains);
-  return { kind: "truth", urls: BALLS.map(({ roughness }) => chains.get(engine.roughness(roughness))), irradiance: chains.get(1) };
+  return { kind: "truth", urls: wanted.map((roughness) => chains.get(roughness)), irradiance: chains.get(1) };
 }
 
 function checkTruth(picture, chains) {
@@ -180,7 +183,9 @@ try {
   await browser.close();
   server.close();
 }
-if (flags.includes("--record"))
-  writeFileSync(RECORD, `${JSON.stringify({ ...measured, [flag("--engine")]: found }, null, 1).replace(/\n\s+(?=[\d\]])/g, " ")}\n`);
+if (flags.includes("--record")) {
+  const text = JSON.stringify({ ...measured, [flag("--engine")]: found }, null, 1);
+  writeFileSync(RECORD, `${text.replace(/\n\s+(?=[\d\]])/g, " ")}\n`); // a row of numbers in a line
+}
 for (const failure of failures) console.log(`FAILED: ${failure}`);
 process.exit(failures.length > 0 ? 1 : 0);

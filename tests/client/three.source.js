@@ -133,5 +133,6 @@ function about() {
 window.client = {
   about,
   measure,
-  figure: async (ours, theirs, pixels, gain) => figure(await measure(ours, 2 * pixels), await measure(theirs, 2 * pixels), gain),
+  figure: async (ours, theirs, pixels, gain) =>
+    figure(await measure(ours, 2 * pixels), await measure(theirs, 2 * pixels), gain),
 };
