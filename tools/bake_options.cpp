@@ -316,6 +316,15 @@ glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {
   return contains_cubemap(options.files) ? faces_of(options.turn.to) : glm::dmat3(1.0);
 }
 
+int mips_wanted(const BakeCommandOptions& options) {
+  const int size = options.specular.size;
+  int mips = mips_of_chain(schedule_of(options), size);
+  // three.js's own chain ends at 8 texels, and balls that ours lights are nearer to the truth if it does, too.
+  const bool ends_at_eight = is_engine_folder(options) && options.turn.to == Engine::three;
+  while (ends_at_eight && (size >> mips) >= 8) ++mips;
+  return mips;
+}
+
 BakeOptions library_options(const BakeCommandOptions& options) {
   BakeOptions bake = options.bake;
   PrefilterOptions specular = options.specular;
@@ -328,7 +337,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
                                                  ", and --roughness has numbers for " + std::to_string(numbers) +
                                                  "; leave --mips out");
   }
-  const int mips = specular.mips.value_or(numbers > 0 ? numbers : mips_of_chain(schedule, specular.size));
+  const int mips = specular.mips.value_or(numbers > 0 ? numbers : mips_wanted(options));
   if (mips > full_chain_levels(specular.size)) {
     throw Error(ErrorCode::invalid_argument,
                 "a cubemap of " + std::to_string(specular.size) + " texels has at most " +

@@ -86,6 +86,10 @@ void settle_files(BakeCommandOptions& options);
 /// The schedule's name, or the numbers with commas between them.
 [[nodiscard]] std::string roughness_words(const BakeCommandOptions& options);
 
+/// How many mips the reflections have where nobody names them: as the schedule wants; of three.js's files down to 8
+/// texels.
+[[nodiscard]] int mips_wanted(const BakeCommandOptions& options);
+
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.
 [[nodiscard]] BakeOptions library_options(const BakeCommandOptions& options);

@@ -90,10 +90,11 @@ TextureOptions texture_options(const OutputFile& file, const Cubemap& cubemap, c
 }
 
 /// A block of a small level holds much of the sphere, and little in it is alike. (Levels of a cubemap that is not
-/// blurred are for the distance, and nobody chooses how many there are.)
-std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
+/// blurred are for the distance, and nobody chooses how many there are, as nobody does of an engine's files.)
+std::string caution_of(TexelFormat format, const Cubemap& cubemap, const BakeCommandOptions& options) {
   constexpr int kEnough = 32;
   const int last = cubemap.mips.back().size;
+  if (is_engine_folder(options) && !options.specular.mips) return "";
   if (!is_in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
   return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") +
          " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
@@ -116,7 +117,7 @@ void write_texture_file(const OutputFile& file, const Cubemap& cubemap, const Jo
   const TextureOptions options = texture_options(file, cubemap, job);
   const WriteReport report = write_texture(job.folder.place(file.name), cubemap.mips, options, {job.control.stop, {}});
   job.folder.add({file.name, cubemap.what, format_text(file), 0, report.values_clamped, range_of(options.format),
-                  details_of(cubemap, job), caution_of(options.format, cubemap)});
+                  details_of(cubemap, job), caution_of(options.format, cubemap, job.options)});
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.

@@ -239,9 +239,10 @@ std::vector<int> halved_sizes(int most) {
 }
 
 /// As many as the schedule wants; of those that may end anywhere also down to 8, 4, 2 and 1 texels.
-std::vector<int> mips_to_try(const BakeCommandOptions& options, int size) {
+std::vector<int> mips_to_try(const BakeCommandOptions& options) {
   const RoughnessSchedule schedule = schedule_of(options);
-  std::vector<int> mips{mips_of_chain(schedule, size)};
+  const int size = options.specular.size;
+  std::vector<int> mips{mips_wanted(options)};
   if (schedule != RoughnessSchedule::filament && schedule != RoughnessSchedule::linear) return mips;
   while (mips.back() < full_chain_levels(size)) mips.push_back(mips.back() + 1);
   return mips;
@@ -295,7 +296,7 @@ std::vector<Candidate> candidates_of(const BakeCommandOptions& options, int most
     own.specular.size = size;
     // An error budget is about reflections: it leaves the background as large as it was to be.
     if (options.scene.error_budget && options.background_size == 0) own.background_size = options.specular.size;
-    const std::vector<int> mips = may_choose_mips(options) ? mips_to_try(own, size) : std::vector<int>{0};
+    const std::vector<int> mips = may_choose_mips(options) ? mips_to_try(own) : std::vector<int>{0};
     for (const int count : mips) {
       if (count > 0) own.specular.mips = count;
       for (const TexelFormat format : formats) {

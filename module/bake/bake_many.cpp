@@ -67,6 +67,7 @@ class ManyBakes {
   BakeResult run(const Control& control) {
     const Clock::time_point began = Clock::now();
     gather();
+    make_tables(control);
     const double beside_share = share_of(beside_texels_);
     run_beside(jobs::part_of(control, 0.0, beside_share));
     std::int64_t done = beside_texels_;
@@ -117,6 +118,15 @@ class ManyBakes {
     }
     all_texels_ = beside_texels_ + one_by_one_texels_;
     rooms_.resize(beside_.empty() ? 1 : threads);
+  }
+
+  /// By all threads: those that bake side by side would all wait for the one that makes them.
+  void make_tables(const Control& control) const {
+    int last = 0;  // probes of a call mostly have one size, and asking again for a table that is there is cheap
+    for (const std::size_t k : beside_) {
+      const int size = probes_[k].size;
+      if (size != std::exchange(last, size)) reflections::make_tables(plan_, size, control);
+    }
   }
 
   void run_beside(const Control& control) {

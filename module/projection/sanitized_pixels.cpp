@@ -84,31 +84,55 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
   const Sanitizer sanitizer(policy);
   const auto row_values = static_cast<std::size_t>(3 * columns_);
   copy_ = platform::AlignedBuffer<float>(rows.size() * row_values);
-  std::vector<SanitizeRecord> records(tiles_of(rows.size()));
-  // Solid angles as the policy wants them; of a lat-long's row all alike.
-  const auto weight_rows = cubemap_ ? static_cast<std::size_t>(columns_) : rows.size();
-  const auto weight_columns = cubemap_ ? static_cast<std::size_t>(columns_) : std::size_t{1};
-  std::vector<float> weights(weight_rows * weight_columns);
-  std::vector<double> angles(weight_columns);
-  for (std::size_t row = 0; row < weight_rows; ++row) {
-    if (cubemap_) {
-      image::cubemap_row_solid_angles(static_cast<int>(row), angles);
-    } else {
-      angles[0] = image::lat_long_texel_solid_angle(columns_, static_cast<int>(rows.size()), static_cast<int>(row));
-    }
-    for (std::size_t k = 0; k < weight_columns; ++k) weights[row * weight_columns + k] = static_cast<float>(angles[k]);
-  }
-  for_rows(rows.size(), columns_, control, [&](std::size_t tile, std::size_t row) {
+  std::vector<char> suspects(rows.size());
+  for_rows(rows.size(), columns_, jobs::part_of(control, 0.0, 0.7), [&](std::size_t /*tile*/, std::size_t row) {
     float* const rgb = copy_.data() + row * row_values;
     image::decode_texels(format, rows[row], columns_, rgb);
     first_texels_[row] = rgb;
-    if (!sanitizer.may_change(format, rgb, columns_)) return;
-    sanitizer.sanitize({.rgb = rgb,
+    suspects[row] = sanitizer.may_change(format, rgb, columns_) ? 1 : 0;
+  });
+  if (std::find(suspects.begin(), suspects.end(), 1) == suspects.end()) return;
+  sanitize(suspects, sanitizer, jobs::part_of(control, 0.7, 1.0));
+}
+
+/// Solid angles of texels as the sanitizer takes them: of a lat-long's row all alike.
+class SanitizedSource::TexelAngles {
+ public:
+  TexelAngles(bool cubemap, std::size_t columns, std::size_t rows)
+      : rows_(cubemap ? columns : rows), columns_(cubemap ? columns : 1), angles_(rows_ * columns_) {
+    std::vector<double> of_row(columns_);
+    for (std::size_t row = 0; row < rows_; ++row) {
+      if (cubemap) {
+        image::cubemap_row_solid_angles(static_cast<int>(row), of_row);
+      } else {
+        of_row[0] =
+            image::lat_long_texel_solid_angle(static_cast<int>(columns), static_cast<int>(rows), static_cast<int>(row));
+      }
+      for (std::size_t k = 0; k < columns_; ++k) angles_[row * columns_ + k] = static_cast<float>(of_row[k]);
+    }
+  }
+
+  /// Rows of a cubemap are counted face after face.
+  [[nodiscard]] const float* of_row(std::size_t row) const { return angles_.data() + row % rows_ * columns_; }
+
+ private:
+  std::size_t rows_;
+  std::size_t columns_;
+  std::vector<float> angles_;
+};
+
+void SanitizedSource::sanitize(const std::vector<char>& suspects, const Sanitizer& sanitizer, const Control& control) {
+  const std::size_t rows = suspects.size();
+  const TexelAngles angles(cubemap_, static_cast<std::size_t>(columns_), rows);
+  std::vector<SanitizeRecord> records(tiles_of(rows));
+  for_rows(rows, columns_, control, [&](std::size_t tile, std::size_t row) {
+    if (suspects[row] == 0) return;
+    sanitizer.sanitize({.rgb = copy_.data() + row * static_cast<std::size_t>(3 * columns_),
                         .count = columns_,
                         .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
                         .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
                         .first_column = 0,
-                        .weights = weights.data() + (row % weight_rows) * weight_columns,
+                        .weights = angles.of_row(row),
                         .weight_step = cubemap_ ? 1 : 0,
                         .weight_scale = 1.0},
                        records[tile]);

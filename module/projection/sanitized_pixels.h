@@ -12,6 +12,8 @@
 
 namespace welkin::projection {
 
+class Sanitizer;
+
 /// The caller's own pixels where they are RGB floats that need no change, else a sanitized copy. Rows are counted face
 /// after face. The view's pixels must outlive this object.
 class SanitizedSource {
@@ -53,6 +55,9 @@ class SanitizedSource {
             const Control& control);
   void read(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
             const Control& control);
+  class TexelAngles;
+  /// The rows of the copy that are marked.
+  void sanitize(const std::vector<char>& suspects, const Sanitizer& sanitizer, const Control& control);
 
   bool cubemap_;
   int columns_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -59,7 +60,7 @@ LevelPoint moved_point(const CubeImage& image, const CubeLevel& level, const Lev
 
 }  // namespace
 
-/// Goes over the texels of a sixteenth of all mips.
+/// Goes over the texels of a sixteenth of all mips, some rows of a mip in each tile.
 class LobeTable::Builder {
  public:
   Builder(LobeTable& table, const LobeTableKey& key) : table_(table), key_(key) {
@@ -80,49 +81,90 @@ class LobeTable::Builder {
   struct Place {
     std::uint32_t level;
     std::uint32_t point;
+
+    friend bool operator==(const Place&, const Place&) = default;
   };
 
   /// A weight of one of a group's texels.
   struct Part {
-    std::uint32_t level;
-    std::uint32_t point;
+    Place place;
     std::size_t texel;
     float value;
   };
 
+  /// What comes of two rows of a face, and which of the sixteenth's texels is their first.
+  struct Rows {
+    int face;
+    int row;
+    std::size_t first_texel;
+    std::vector<Group> groups{};  ///< their taps are counted from the first one of these rows
+    std::vector<GroupTap> taps{};
+    std::vector<Place> places{};                ///< of each tap
+    std::vector<std::vector<double>> looked{};  ///< at: errors of the weights
+  };
+
   void add_mip(const LobeMip& mip, const Control& control) {
-    LobeWeights weights(table_.levels_, mip.alpha);
-    Mip made{mip.size, LobeErrors(key_.face_size), {}};
-    std::size_t texel = 0;
+    std::vector<Rows> pieces = rows_of(mip.size);
+    constexpr auto arena = jobs::Placement::arena;
+    std::vector<std::unique_ptr<LobeWeights>> weights(jobs::worker_count(arena));
+    jobs::run_tiles(pieces.size(), arena, weights.size(), {control.stop}, [&](std::size_t tile, std::size_t worker) {
+      if (!weights[worker]) weights[worker] = std::make_unique<LobeWeights>(table_.levels_, mip.alpha);
+      weigh(mip.size, pieces[tile], *weights[worker]);
+    });
+    Mip made{mip.size, LobeErrors(key_.face_size), {}, {}};
     std::vector<std::vector<double>> looked;
-    for (int face : {5, 2}) {
-      for (int row = 0; row < mip.size; row += 2) {
-        jobs::throw_if_cancelled(control);
-        for (int column = 0; column < mip.size; column += 2) {
-          Group group{face, row, column, 0, table_.taps_.size(), 0};
-          parts_.clear();
-          for (std::size_t k = 0; k < kTexelsOfGroup; ++k) {
-            const int own_row = row + static_cast<int>(k / 2);
-            const int own_column = column + static_cast<int>(k % 2);
-            if (own_row >= mip.size || own_column >= mip.size) continue;
-            if (!in_sixteenth(face, image::point_of(mip.size, {face, own_column, own_row}))) continue;
-            group.texels |= 1U << k;
-            const glm::dvec3 direction = image::face_direction(mip.size, face, own_column + 0.5, own_row + 0.5);
-            for (const LobeWeights::Weight& weight : weights.about(direction))
-              parts_.push_back({weight.level, weight.point, k, static_cast<float>(weight.value)});
-            for (; texel == looked_at(mip.size, looked.size()); looked.push_back(weights.errors())) {
-            }
-            ++texel;
-          }
-          if (group.texels == 0) continue;
-          add_taps();
-          group.end = table_.taps_.size();
-          made.groups.push_back(group);
-        }
-      }
+    for (Rows& rows : pieces) {
+      append(rows, made);
+      std::move(rows.looked.begin(), rows.looked.end(), std::back_inserter(looked));
+      rows = {};
     }
     keep(looked, made.errors);
     table_.mips_.push_back(std::move(made));
+  }
+
+  static bool has_texel(int size, int face, int row, int column) noexcept {
+    return row < size && column < size && in_sixteenth(face, image::point_of(size, {face, column, row}));
+  }
+
+  /// Still without groups.
+  static std::vector<Rows> rows_of(int size) {
+    std::vector<Rows> pieces;
+    std::size_t texel = 0;
+    for (const int face : {5, 2}) {
+      for (int row = 0; row < size; row += 2) {
+        pieces.push_back({face, row, texel});
+        for (int column = 0; column < size; ++column) {
+          for (const int own_row : {row, row + 1}) texel += has_texel(size, face, own_row, column) ? 1 : 0;
+        }
+      }
+    }
+    return pieces;
+  }
+
+  static void weigh(int size, Rows& rows, LobeWeights& weights) {
+    std::size_t texel = rows.first_texel;
+    std::size_t looked = 0;
+    while (looked_at(size, looked) < texel) ++looked;
+    std::vector<Part> parts;
+    for (int column = 0; column < size; column += 2) {
+      Group group{rows.face, rows.row, column, 0, rows.taps.size(), 0};
+      parts.clear();
+      for (std::size_t k = 0; k < kTexelsOfGroup; ++k) {
+        const int own_row = rows.row + static_cast<int>(k / 2);
+        const int own_column = column + static_cast<int>(k % 2);
+        if (!has_texel(size, rows.face, own_row, own_column)) continue;
+        group.texels |= 1U << k;
+        const glm::dvec3 direction = image::face_direction(size, rows.face, own_column + 0.5, own_row + 0.5);
+        for (const LobeWeights::Weight& weight : weights.about(direction))
+          parts.push_back({{weight.level, weight.point}, k, static_cast<float>(weight.value)});
+        for (; looked_at(size, looked) == texel; ++looked) rows.looked.push_back(weights.errors());
+        ++texel;
+      }
+      if (group.texels == 0) continue;
+      add_taps(parts, rows);
+      group.end = rows.taps.size();
+      rows.groups.push_back(group);
+    }
   }
 
   /// Which of the sixteenth's texels is the k-th that is looked at; one of few texels more than once.
@@ -130,30 +172,53 @@ class LobeTable::Builder {
     return k < kLookedAt ? (2 * k + 1) * texels_of_sixteenth(size) / (2 * kLookedAt) : ~std::size_t{0};
   }
 
+  /// Coarse levels first, whose weights are small.
+  static void add_taps(std::vector<Part>& parts, Rows& rows) {
+    std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+      if (a.place.level != b.place.level) return a.place.level > b.place.level;
+      return a.place.point != b.place.point ? a.place.point < b.place.point : a.texel < b.texel;
+    });
+    const std::size_t first = rows.taps.size();
+    for (const Part& part : parts) {
+      if (rows.taps.size() == first || rows.places.back() != part.place) {
+        rows.places.push_back(part.place);
+        rows.taps.push_back({0, {}});
+      }
+      rows.taps.back().weights[part.texel] = part.value;
+    }
+  }
+
+  void append(const Rows& rows, Mip& mip) {
+    const std::size_t first = table_.taps_.size();
+    for (Group group : rows.groups) {
+      group.first += first;
+      group.end += first;
+      group.place = mip.places.size();
+      for (std::size_t k = 0; k < kTexelsOfGroup; ++k) {
+        if ((group.texels >> k & 1U) != 0) add_places(group, k, mip);
+      }
+      mip.groups.push_back(group);
+    }
+    table_.taps_.insert(table_.taps_.end(), rows.taps.begin(), rows.taps.end());
+    places_.insert(places_.end(), rows.places.begin(), rows.places.end());
+    for (const Place& place : rows.places) records_[place.level][place.point] = 1;
+  }
+
+  static void add_places(const Group& group, std::size_t texel, Mip& mip) {
+    const glm::ivec3 point = image::point_of(
+        mip.size, {group.face, group.column + static_cast<int>(texel % 2), group.row + static_cast<int>(texel / 2)});
+    for (int k = 0; k < kRingImages; ++k) {
+      const image::CubeTexel at = image::texel_at(mip.size, moved(cube_image_of(k), point));
+      mip.places.push_back(
+          {static_cast<std::uint16_t>(at.face), static_cast<std::uint16_t>(at.row * mip.size + at.column)});
+    }
+  }
+
   /// Keeps each second, from the worst down: where one place of a face is far worse than others, it counts.
   static void keep(std::vector<std::vector<double>>& looked, LobeErrors& errors) {
     const auto square = [](const std::vector<double>& off) { return math::dot(off, off); };
     std::stable_sort(looked.begin(), looked.end(), [&](const auto& a, const auto& b) { return square(a) > square(b); });
     for (int k = 0; k < LobeErrors::kTexels; ++k) errors.add(k, looked[std::size_t{2} * static_cast<std::size_t>(k)]);
-  }
-
-  /// Coarse levels first, whose weights are small.
-  void add_taps() {
-    std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) {
-      if (a.level != b.level) return a.level > b.level;
-      return a.point != b.point ? a.point < b.point : a.texel < b.texel;
-    });
-    for (const Part& part : parts_) {
-      const bool begins = table_.taps_.size() == places_.size() &&
-                          (places_.empty() || places_.back().level != part.level || places_.back().point != part.point);
-      if (begins || table_.taps_.size() == first_of_group_) {
-        records_[part.level][part.point] = 1;
-        places_.push_back({part.level, part.point});
-        table_.taps_.push_back({0, {}});
-      }
-      table_.taps_.back().weights[part.texel] = part.value;
-    }
-    first_of_group_ = table_.taps_.size();
   }
 
   [[nodiscard]] Run run_from(std::size_t level, const LevelPoint& first, std::uint32_t record) const {
@@ -196,8 +261,6 @@ class LobeTable::Builder {
   const LobeTableKey& key_;
   std::vector<std::vector<std::uint32_t>> records_;
   std::vector<Place> places_;
-  std::vector<Part> parts_;
-  std::size_t first_of_group_ = 0;
 };
 
 LobeTable::LobeTable(const LobeTableKey& key, const Control& control)
@@ -233,7 +296,10 @@ std::size_t LobeTable::scratch_floats() const noexcept {
 std::size_t LobeTable::bytes() const noexcept {
   std::size_t bytes =
       sizeof(*this) + runs_.size() * sizeof(Run) + taps_.size() * sizeof(GroupTap) + steradians_.size() * sizeof(float);
-  for (const Mip& mip : mips_) bytes += mip.groups.size() * sizeof(Group) + LobeErrors::bytes_for(face_size_);
+  for (const Mip& mip : mips_) {
+    bytes +=
+        mip.groups.size() * sizeof(Group) + mip.places.size() * sizeof(TexelPlace) + LobeErrors::bytes_for(face_size_);
+  }
   return bytes;
 }
 
@@ -253,8 +319,9 @@ std::size_t LobeTable::making_bytes(const LobeTableKey& key) noexcept {
   const std::size_t face_texels = std::size_t{6} * static_cast<std::size_t>(key.face_size * key.face_size);
   const std::size_t errors =
       kLookedAt * face_texels * sizeof(double) + key.mips.size() * LobeErrors::bytes_for(key.face_size);
+  const std::size_t weights = points * 64 * jobs::worker_count(jobs::Placement::arena);
   // twice: lists grow by doubling
-  return 2 * texels * kMostTaps * (sizeof(GroupTap) + 2 * sizeof(std::uint32_t)) + points * 64 + errors;
+  return 2 * texels * kMostTaps * (sizeof(GroupTap) + 2 * sizeof(std::uint32_t)) + weights + errors;
 }
 
 /// One call of `fill`.
@@ -287,20 +354,16 @@ class LobeTable::Filling {
     ring_kernels().gather_images(rows, records() + static_cast<std::size_t>(run.record) * kRecordFloats);
   }
 
-  void sum(const Group& group, int size, const std::array<float*, 6>& faces) const {
+  void sum(const Mip& mip, const Group& group, const std::array<float*, 6>& faces) const {
     alignas(64) float sums[kTexelsOfGroup][kRecordFloats];
     ring_kernels().sum_group_taps({records(), table_.taps_.data() + group.first, table_.taps_.data() + group.end},
                                   sums);
+    const TexelPlace* place = mip.places.data() + group.place;
     for (std::size_t texel = 0; texel < kTexelsOfGroup; ++texel) {
       if ((group.texels >> texel & 1U) == 0) continue;
-      const glm::ivec3 point = image::point_of(
-          size, {group.face, group.column + static_cast<int>(texel % 2), group.row + static_cast<int>(texel / 2)});
-      for (int k = 0; k < kRingImages; ++k) {
-        const image::CubeTexel at = image::texel_at(size, moved(cube_image_of(k), point));
-        float* const to =
-            faces[static_cast<std::size_t>(at.face)] + std::ptrdiff_t{3} * (std::ptrdiff_t{at.row} * size + at.column);
-        for (int c = 0; c < 3; ++c) to[c] = sums[texel][3 * k + c];
-      }
+      const float* from = sums[texel];
+      for (int k = 0; k < kRingImages; ++k, ++place, from += 3)
+        std::copy_n(from, 3, faces[place->face] + std::size_t{3} * place->texel);
     }
   }
 
@@ -337,7 +400,7 @@ void LobeTable::fill(const CubemapView& source, float* room, const std::vector<s
                     [&](std::size_t tile, std::size_t) {
                       for (std::size_t i = tile * kTileGroups; i < std::min(groups.size(), (tile + 1) * kTileGroups);
                            ++i)
-                        filling.sum(groups[i], mips_[k].size, mips[k]);
+                        filling.sum(mips_[k], groups[i], mips[k]);
                     });
   }
   if (control.progress) control.progress(1.0);

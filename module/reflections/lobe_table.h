@@ -79,11 +79,18 @@ class LobeTable {
     std::uint32_t texels;  ///< bit k: texel k is one
     std::size_t first;     ///< of its taps
     std::size_t end;
+    std::size_t place = 0;  ///< of its first texel's images among the mip's
+  };
+  /// Of a mip's texel.
+  struct TexelPlace {
+    std::uint16_t face;
+    std::uint16_t texel;  ///< of the face, row by row
   };
   struct Mip {
     int size;
     LobeErrors errors;
     std::vector<Group> groups;
+    std::vector<TexelPlace> places;  ///< [texel of the sixteenth][image]
   };
   class Builder;
   class Filling;

@@ -316,8 +316,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
 template <class View>
 void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Control& control) {
   const Stopwatch watch;
-  const LobeTableKey key{source_.columns(), plan_.summed_mips(source_.columns())};
-  const auto table = LobeTable::get(key, {control.stop});
+  const auto table = LobeTable::get({source_.columns(), plan_.summed_mips(source_.columns())}, {control.stop});
   const CubemapImage rest{source_.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source_)};
   platform::AlignedBuffer<float> room(table->room_floats());
   memory_.take(room.bytes() + rest.pixels.size() * sizeof(float));
@@ -575,6 +574,13 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
   specular.pixels.passes = std::move(passes);
   specular.pixels.total_radiance = 4.0 * std::numbers::pi * specular.mips.front().mean;
   specular.pixels.total_radiance_before_clamp = specular.pixels.total_radiance + clamped_radiance;
+}
+
+void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
+  if (const std::vector<LobeMip> mips = plan.summed_mips(face_size); !mips.empty())
+    LobeTable::get({face_size, mips}, {control.stop});
+  const RingTableKey rings{face_size, plan.rows_for_cubemap(face_size)};
+  if (plan.needs_rings(face_size) && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,

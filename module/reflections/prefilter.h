@@ -19,6 +19,9 @@ namespace welkin::reflections {
 [[nodiscard]] PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan,
                                             const PixelPolicy& pixels, CubemapChain room, const Control& control);
 
+/// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
+void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);
+
 /// Resamples RGB floats by area into a level of `chain`: a copy of a cubemap of the same size.
 void fill_level(const LatLongView& source, CubemapChain& chain, int level, const Control& control);
 void fill_level(const CubemapView& source, CubemapChain& chain, int level, const Control& control);

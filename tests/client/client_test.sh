@@ -1,6 +1,6 @@
 #!/bin/sh
-# A real client of our .env: Babylon.js in Debian's Chromium, without a screen.
-#   client_test.sh CLIENT_DIR WELKIN SHARED_HDR_DIR WORK_DIR [MORE ARGUMENTS OF client.mjs]
+# Real clients of our files: Babylon.js and three.js in Debian's Chromium, without a screen.
+#   client_test.sh CLIENT_DIR WELKIN SHARED_HDR_DIR WORK_DIR --engine babylon|three [MORE ARGUMENTS OF client.mjs]
 # CLIENT_DIR holds client.mjs and the package.json with the pinned packages, which are installed into WORK_DIR (once).
 # Chromium is installed with apt-get where it is missing and that may be done. Exit code 77, for ctest to call it skipped,
 # where Node.js, the packages or Chromium cannot be had.

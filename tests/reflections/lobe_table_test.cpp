@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "image/geometry.h"
+#include "platform/memory.h"
 #include "reflections/cube_levels.h"
 #include "reflections/lobe_weights.h"
 #include "reflections/prefilter_support.h"
@@ -15,6 +16,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/heap.h"
+#include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"
@@ -200,6 +202,37 @@ TEST_CASE("Sums over texels give the same bits on any threads and instruction se
   forget_allocations_in_tiles();
   static_cast<void>(prefilter_specular(source.view(), {.size = 64}));
   CHECK(allocations_in_tiles() == 0);
+}
+
+TEST_CASE("A table of sums has the same weights whichever threads made it", "[prefilter][bits][sums]") {
+  const reflections::LobeTableKey key{20, {{10, 0.1}, {7, 0.3}, {1, 1.0}}};  // not from the cache: odd mips, too
+  const TestCubemap source = make_cubemap(Content::high_range, 20, 3, 3);
+  const auto mips_of = [&](int threads) {
+    std::vector<float> texels;
+    std::vector<std::array<float*, 6>> faces;
+    std::vector<std::vector<float>> mips;
+    run_with_threads(threads, [&] {
+      const reflections::LobeTable table(key);
+      platform::AlignedBuffer<float> room(table.room_floats());
+      for (const reflections::LobeMip& mip : key.mips) {
+        const auto face = static_cast<std::size_t>(3 * mip.size * mip.size);
+        mips.emplace_back(6 * face);
+        std::array<float*, 6> to{};
+        for (std::size_t k = 0; k < 6; ++k) to[k] = mips.back().data() + k * face;
+        faces.push_back(to);
+      }
+      table.fill(source.view(), room.data(), faces, true, {});
+      reflections::BlockLight light(20);
+      light.read(source.view());
+      for (std::size_t k = 0; k < mips.size(); ++k) {
+        texels.insert(texels.end(), mips[k].begin(), mips[k].end());
+        texels.push_back(static_cast<float>(table.errors(k).rms(light)));
+      }
+    });
+    return texels;
+  };
+  const std::vector<float> expected = mips_of(1);
+  for (const int threads : {2, 5}) CHECK(same_bytes<float>(expected, mips_of(threads)));
 }
 
 TEST_CASE("Tighter bounds, other sizes and the spectral method take harmonics", "[specular][prefilter][sums]") {

@@ -1,0 +1,49 @@
+// What is asked of each engine: which of our files it loads, what is baked wrongly on purpose, and how far off the balls
+// may be.
+import { BALLS } from "./balls.js";
+
+/** Texels along an edge of a cubemap's face: ours and the engine's own. three.js makes none that is smaller. */
+export const SIZE = 256;
+/** Pixels across a picture: as many as go round such a cubemap. three.js chooses its cubemap's size by them. */
+export const PICTURE = 4 * SIZE;
+/** Texels along an edge of the truth's faces. */
+export const TRUTH = 512;
+
+/** Ways to bake a file that is not the picture's; a name and options of `welkin bake`. */
+const MIRRORED = ["mirrored", "--mirror"];
+const TURNED = [MIRRORED, ["turned", "--yaw", "90"], ["back", "--yaw", "180"], ["overhead", "--rotation", "0,0,1,0"]];
+
+/** Roughness of the mips of a chain of three.js's, from 256 texels to 8, but for the last. */
+const WITHOUT_LAST = [0, 1, 2, 3, 4].map((mip) => `${1 - Math.sqrt(1 - mip / 5)}`).join(",");
+
+export const ENGINES = {
+  babylon: {
+    // The .env has the mips and the roughness that Babylon.js looks for whatever is asked for.
+    files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: TURNED },
+            { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
+              wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] }],
+    truth: { of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"] },
+    /** The roughness that the shader makes of a material's: it adds 0.0005 to alpha. */
+    roughness: (given) => Math.min(1, Math.sqrt(given * given + 0.0005)),
+  },
+  three: {
+    // The folder of --for three: as many mips as three.js makes itself.
+    files: [{ name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "three"],
+              wrong: [...TURNED, ["with another schedule", "--roughness", "linear"],
+                      ["without its last mip", "--roughness", WITHOUT_LAST]] },
+            { name: "ktx2", kind: "ktx2", of: "specular.ktx2", options: ["--for", "three"],
+              wrong: [MIRRORED, ["without its last mip", "--roughness", WITHOUT_LAST]] },
+            { name: "ktx2 of 5 mips", kind: "ktx2", of: "specular.ktx2",
+              options: ["--for", "three", "--formats", "ktx2"], wrong: [] }],
+    truth: { of: "specular.ktx2", options: ["--for", "three", "--formats", "ktx2"] },
+    /** The least roughness that the shader knows. */
+    roughness: (given) => Math.max(given, 0.045),
+    /** Passes, draws and shaders of a first frame with a file of ours, and with the picture. */
+    checkFrame({ passes, draws, prefilters }, ours) {
+      if (ours) return passes === 1 && draws === BALLS.length && prefilters.length === 0;
+      return passes > 1 && draws > BALLS.length && prefilters.length > 0;
+    },
+    /** The truth is summed once more where lobes are much wider than a pixel; it may be off by this. */
+    direct: { roughness: [0.375, 0.75], allowed: 0.001 },
+  },
+};
