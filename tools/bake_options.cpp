@@ -287,8 +287,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_needs_options(table, options.scene);
   in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
-  option(table, "--for").text +=
-      ". Without --formats the folder holds what the engine loads as it is, and a README.md with the code that does so";
+  option(table, "--for").text =
+      "Write what this engine loads as it is, in its axes, and a README.md with the code that does so; with --formats "
+      "these formats in its axes. Faces, harmonics and lights are turned so that the surroundings look the same there";
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   add_read_options(table, options.common, kInput);

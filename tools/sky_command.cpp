@@ -253,6 +253,7 @@ void add_sky_options(Options& table, SkyOptions& options) {
   add_bands_option(table, options.sh);
   add_window_options(table, options.sh);
   add_engine_option(table, options.sh.turn);
+  option(table, "--for").text += ". With -o the folder holds what that engine loads, as of 'welkin bake'";
   in_group(table, "Harmonics and output");
   add_sweep_options(table, options.sweep);
   in_group(table, "A day");

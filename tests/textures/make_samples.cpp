@@ -40,10 +40,11 @@ void write_textures(const std::filesystem::path& directory, const CubemapChain& 
                     {format, packing, {{"roughness", "0 0.25 1"}}});
     }
     write_texture(directory / (std::string(name) + ".dds"), chain.views(), {format});
+    write_texture(directory / (std::string(name) + ".ktx"), chain.views(), {format, {}, {{"sh", "1 2 3\n"}}});
   }
   // Blocks of BC6H, and the same texels as our own reader decodes them.
   const TextureOptions blocks{.format = TexelFormat::bc6h_ufloat};
-  for (const char* name : {"bc6h.dds", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
+  for (const char* name : {"bc6h.dds", "bc6h.ktx", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
   const CubemapChain decoded = read_texture(directory / "bc6h.dds").cubemap;
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   for (const char* name : {"picture.ktx2", "picture.dds"}) {

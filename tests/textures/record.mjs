@@ -2,7 +2,7 @@
 //
 //   node record.mjs --modules DIR --check SAMPLES     DIR holds node_modules (npm ci)
 //
-// Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Babylon.js's DDSTools and its .env parser. (three's
+// Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Filament's Ktx1Bundle; Babylon.js's DDSTools and its .env parser. (three's
 // DDSLoader knows no float formats but BC6H.) What is written here beside them: the unpacking of two 32-bit texels, by the
 // formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
 import { readFileSync } from "node:fs";
@@ -109,6 +109,38 @@ for (const [file, format] of [["picture.ktx2", FORMATS.rgba16f], ["picture_zstd.
   const texture = await new Promise((done, no) => loader.parse(bytesOf(file).buffer, done, no));
   check(texture.mipmaps.length === 1 && texture.mipmaps[0].width === 16 && texture.mipmaps[0].height === 8, `${file}: shape`);
   same(format.rgb(texture.mipmaps[0].data), flat, 0, `${file} in three.js`);
+}
+
+// --- KTX of the first version: the reader of Filament, whose only types of floats these are.
+{
+  const wasmBinary = readFileSync(`${resolve(modules)}/node_modules/filament/filament.wasm`);
+  const filament = await (await load("filament/filament.js")).default({ wasmBinary });
+  const inFilament = (bytes) => {
+    const buffer = new filament.driver$BufferDescriptor(bytes.length);
+    buffer.getBytes().set(bytes);
+    return new filament.Ktx1Bundle(buffer);
+  };
+  const pixels = filament.PixelDataType;
+  const types = { rgba16f: pixels.HALF, rgba32f: pixels.FLOAT, b10g11r11: pixels.UINT_10F_11F_11F_REV };
+  for (const [name, type] of Object.entries(types)) {
+    const file = `${name}.ktx`;
+    const bundle = inFilament(bytesOf(file));
+    check(bundle.isCubemap() && !bundle.isCompressed() && bundle.getNumMipLevels() === levels.length, `${file}: shape`);
+    check(bundle.getPixelDataType() === type, `${file}: type of the texels`);
+    check(bundle.getMetadata("sh") === "1 2 3\n", `${file}: harmonics`);
+    levels.forEach(({ rgb }, i) => {
+      const bytes = bundle._getCubeBlob(i).getBytes().slice();
+      const { array, rgb: decode, tolerance } = FORMATS[name];
+      same(decode(new array(bytes.buffer)), rgb, tolerance, `${file} level ${i} in Filament`);
+    });
+  }
+  const blocks = inFilament(bytesOf("bc6h.ktx"));
+  check(blocks.isCompressed() && blocks.isCubemap(), "bc6h.ktx: blocks");
+  const wanted = ktx.read(bytesOf("bc6h.ktx2")).levels;
+  wanted.forEach(({ levelData }, i) => {
+    const bytes = blocks._getCubeBlob(i).getBytes();
+    check(Buffer.compare(Buffer.from(bytes), Buffer.from(levelData)) === 0, `bc6h.ktx: level ${i} in Filament`);
+  });
 }
 
 // --- DDS
