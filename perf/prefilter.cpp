@@ -1,11 +1,16 @@
 #include "prefilter.h"
 
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "subjects.h"
 #include "welkin/image.h"
+#include "welkin/octahedral.h"
 #include "welkin/reflections.h"
+#include "welkin/resampling.h"
+#include "welkin/zonal_kernel.h"
 
 namespace welkin::perf {
 namespace {
@@ -13,11 +18,11 @@ namespace {
 constexpr int kWidth = 1024;
 constexpr int kHeight = 512;
 
-LatLongImage with_sun() {
+LatLongImage with_sun(bool sun = true) {
   const LatLongView noise = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
   const float* const rgb = static_cast<const float*>(noise.pixels);
   LatLongImage image{kWidth, kHeight, {rgb, rgb + std::size_t{3} * kWidth * kHeight}};
-  for (std::size_t c = 0; c < 3; ++c) image.pixels[std::size_t{3} * (150 * kWidth + 300) + c] = 1e6F;
+  for (std::size_t c = 0; sun && c < 3; ++c) image.pixels[std::size_t{3} * (150 * kWidth + 300) + c] = 1e6F;
   return image;
 }
 
@@ -51,6 +56,35 @@ void add_cubemap(const std::string& variant, int size, int threads, const Prefil
                 });
 }
 
+/// Charlie sheen as glTF's sample renderer has it.
+KernelChainOptions sheen(int size) {
+  KernelChainOptions options{.size = size};
+  for (const double roughness : charlie_roughness_of_mips(5, size))
+    options.kernels.push_back(ZonalKernel::charlie(roughness));
+  return options;
+}
+
+void add_kernels(int size, int threads) {
+  const double texels = 6.0 * size * size * 4.0 / 3.0;
+  for (const bool sun : {false, true}) {
+    add_benchmark("Prefilter", sun ? "sheen-bright" : "sheen", std::to_string(size), threads, texels, 12.0 * texels,
+                  [=]() -> std::function<void()> {
+                    return [=, image = with_sun(sun)] {
+                      benchmark::DoNotOptimize(prefilter_by_kernels(image.view(), sheen(size)));
+                    };
+                  });
+  }
+}
+
+void add_octahedral(int size, int threads) {
+  const double texels = 4.0 / 3.0 * size * size;
+  add_benchmark(
+      "Octahedral", "chain", std::to_string(size), threads, texels, 12.0 * texels, [=]() -> std::function<void()> {
+        const auto chain = std::make_shared<CubemapChain>(build_mips(noise_cubemap(PixelFormat::rgb32f, size / 2)));
+        return [=] { benchmark::DoNotOptimize(to_octahedral(*chain, OctahedralOptions{.size = size, .levels = 5})); };
+      });
+}
+
 }  // namespace
 
 void add_prefilter(const std::vector<int>& thread_counts) {
@@ -61,6 +95,8 @@ void add_prefilter(const std::vector<int>& thread_counts) {
       add("narrow", size, threads, narrow(size), false);
       add("narrow-bright", size, threads, narrow(size), true);
     }
+    add_kernels(256, threads);
+    add_octahedral(512, threads);
     add_cubemap("cubemap", 256, threads, {.size = 256});
     add_cubemap("cubemap-narrow", 256, threads, narrow(256));
     add("sampled", 256, threads, {.size = 256, .method = PrefilterMethod::sampled, .samples = 64}, false);
