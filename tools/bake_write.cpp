@@ -58,6 +58,8 @@ const char* name(TexelFormat format) {
     case TexelFormat::b10g11r11: return "b10g11r11";
     case TexelFormat::bc6h_ufloat: return "bc6h";
     case TexelFormat::bc6h_sfloat: return "bc6h-signed";
+    case TexelFormat::astc_4x4_hdr: return "astc4x4";
+    case TexelFormat::astc_6x6_hdr: return "astc6x6";
     case TexelFormat::e5b9g9r9: break;
   }
   return "e5b9g9r9";
@@ -70,6 +72,8 @@ std::string range_of(TexelFormat format) {
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
     case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: return "below 0 or above 65504 clamped: ASTC ends there";
     case TexelFormat::e5b9g9r9: break;
   }
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
@@ -84,15 +88,19 @@ std::string range_of(Container container) {
   }
 }
 
-bool in_blocks(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
+bool in_bc6h(TexelFormat format) { return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat; }
 
-/// .dds and .exr hold halves or floats, .dds also blocks. Irradiance is not compressed: where it nears 0 the errors of
-/// blocks are large beside it.
+bool in_blocks(TexelFormat format) {
+  return in_bc6h(format) || format == TexelFormat::astc_4x4_hdr || format == TexelFormat::astc_6x6_hdr;
+}
+
+/// .dds and .exr hold halves or floats, .dds also blocks of BC6H. Irradiance is not compressed: where it nears 0 the
+/// errors of blocks are large beside it.
 TextureOptions texture_options(Container container, const Cubemap& cubemap, const Job& job) {
   TextureOptions options = job.options.texture;
   if (container != Container::ktx2) {
     options.supercompression = Supercompression::none;
-    const bool holds_blocks = container == Container::dds && in_blocks(options.format);
+    const bool holds_blocks = container == Container::dds && in_bc6h(options.format);
     if (options.format != TexelFormat::rgba32f && !holds_blocks) options.format = TexelFormat::rgba16f;
   }
   if (cubemap.name == "irradiance" && in_blocks(options.format)) options.format = TexelFormat::rgba16f;
@@ -110,8 +118,9 @@ std::string caution_of(TexelFormat format, const Cubemap& cubemap) {
   constexpr int kEnough = 32;
   const int last = cubemap.mips.back().size;
   if (!in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
-  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") +
-         " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
+  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") + " along an edge; below 32 " +
+         (in_bc6h(format) ? "BC6H" : "ASTC") +
+         " is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
 
 void write_texture_file(Container container, const Cubemap& cubemap, const Job& job) {

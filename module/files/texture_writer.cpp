@@ -5,6 +5,7 @@
 #include <string>
 #include <system_error>
 
+#include "files/astc.h"
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
@@ -21,6 +22,16 @@ namespace {
 
 constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
 
+/// Each as a picture of its own.
+std::vector<LatLongView> faces_of(const CubemapView& view) {
+  std::vector<LatLongView> faces;
+  faces.reserve(view.faces.size());
+  for (const void* const face : view.faces) {
+    faces.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
+  }
+  return faces;
+}
+
 std::size_t texels_of(const CubemapView& view) {
   return static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
 }
@@ -31,12 +42,13 @@ struct Container {
   std::uint64_t (*write_picture)(const PictureJob&);  ///< none: cubemaps alone
   bool packed_formats;                                ///< b10g11r11 and e5b9g9r9
   bool supercompression;
-  bool blocks;  ///< bc6h
+  bool bc6h;
+  bool astc;
 };
 
-constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true},
-                                 Container{".dds", write_dds, write_dds, true, false, true},
-                                 Container{".exr", write_exr_cube, nullptr, false, false, false}};
+constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true, true},
+                                 Container{".dds", write_dds, write_dds, true, false, true, false},
+                                 Container{".exr", write_exr_cube, nullptr, false, false, false, false}};
 
 const Container& container_of(const std::filesystem::path& path) {
   std::string extension = platform::utf8(path.extension());
@@ -59,16 +71,21 @@ void check_options(const std::filesystem::path& path, const Container& container
     throw platform::file_error(ErrorCode::invalid_argument, path, message);
   };
   // A number from elsewhere that was cast.
-  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::bc6h_sfloat ||
+  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::astc_6x6_hdr ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
     refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
   }
-  if (is_compressed(kind_of(options.format)) && !container.blocks) {
+  const TexelKind kind = kind_of(options.format);
+  if (is_astc(kind) && !container.astc) {
+    refuse("cannot hold blocks of ASTC; pass rgba16f or rgba32f, or write .ktx2");
+  }
+  if (is_compressed(kind) && !container.bc6h) {
     refuse("cannot hold blocks of BC6H; pass rgba16f or rgba32f, or write .ktx2 or .dds");
   }
+  if (is_astc(kind)) require_codec(Codec::astc, path, "pass bc6h_ufloat or another format");
   const bool packed = options.format == TexelFormat::b10g11r11 || options.format == TexelFormat::e5b9g9r9;
   if (packed && !container.packed_formats) {
-    refuse(std::string("cannot hold ") + name(kind_of(options.format)) + "; pass rgba16f or rgba32f, or write .ktx2");
+    refuse(std::string("cannot hold ") + name(kind) + "; pass rgba16f or rgba32f, or write .ktx2");
   }
   if (options.supercompression != Supercompression::none && !container.supercompression) {
     refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
@@ -91,10 +108,30 @@ void check_texture_options(const std::filesystem::path& path, const TextureOptio
   check_options(path, container_of(path), options);
 }
 
-std::optional<Bc6hCubemap> compressed(const TextureJob& job) {
-  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
-  return encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat},
-                     jobs::part_of(job.control, 0.0, 0.9));
+std::optional<BlockLevels> compressed(const TextureJob& job) {
+  const TexelKind kind = kind_of(job.options.format);
+  if (!is_compressed(kind)) return std::nullopt;
+  const Control control = jobs::part_of(job.control, 0.0, 0.9);
+  if (is_astc(kind)) {
+    std::vector<std::vector<LatLongView>> levels;
+    levels.reserve(job.mips.size());
+    for (const CubemapView& view : job.mips) levels.push_back(faces_of(view));
+    return encode_astc(levels, kind, job.options.astc_effort, control);
+  }
+  Bc6hCubemap cubemap =
+      encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat}, control);
+  BlockLevels blocks{{}, cubemap.values_clamped};
+  blocks.levels.reserve(cubemap.levels.size());
+  for (Bc6hLevel& level : cubemap.levels) blocks.levels.push_back(std::move(level.blocks));
+  return blocks;
+}
+
+std::optional<BlockLevels> compressed(const PictureJob& job) {
+  const TexelKind kind = kind_of(job.options.format);
+  if (!is_compressed(kind)) return std::nullopt;
+  std::vector<std::vector<LatLongView>> levels{{job.picture}};
+  for (const LatLongView& level : job.smaller) levels.push_back({level});
+  return encode_astc(levels, kind, job.options.astc_effort, jobs::part_of(job.control, 0.0, 0.9));
 }
 
 void report_share(const Control& control, double done) {
@@ -186,7 +223,7 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   files::check_options(output.path(), container, options);
-  if (files::is_compressed(files::kind_of(options.format))) {
+  if (options.format == TexelFormat::bc6h_ufloat || options.format == TexelFormat::bc6h_sfloat) {
     throw platform::file_error(ErrorCode::invalid_argument, output.path(),
                                "is no cubemap, and BC6H is for cubemaps; pass another format");
   }
