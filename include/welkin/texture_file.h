@@ -61,7 +61,7 @@ struct TextureOptions {
 ///   and infinities. OpenEXR's chain goes on to 1 x 1: levels that were not given are means of the last one, and the
 ///   attribute welkinLevels says how many were.
 ///
-/// BC6H is for radiance, and cubemaps alone; `encode_bc6h` gives its errors. ASTC is for radiance too, and is encoded
+/// BC6H is for radiance; `encode_bc6h` gives its errors. ASTC is for radiance too, and is encoded
 /// by the library astcenc, whose version decides what the bytes are (WELKIN_ASTC=OFF builds without it).
 ///
 /// Memory: a block of rows; with BC6H and ASTC the whole chain in blocks, and with ASTC 3 MB a thread; in OpenEXR also

@@ -167,6 +167,10 @@ std::uint64_t write_dds(const TextureJob& job) {
 std::uint64_t write_dds(const PictureJob& job) {
   const auto header = header_bytes({job.picture.width, job.picture.height, 1, false}, kind_of(job.options.format));
   job.file.write(header.data(), header.size());
+  if (const std::optional<BlockLevels> blocks = compressed(job)) {
+    job.file.write(blocks->levels.front().data(), blocks->levels.front().size());
+    return blocks->values_clamped;
+  }
   TexelEncoder encoder(job.options.format);
   write_picture(job, encoder);
   return encoder.clamped();

@@ -9,6 +9,7 @@
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
+#include "image/bc6h_encoder.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
@@ -21,16 +22,6 @@ namespace files {
 namespace {
 
 constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
-
-/// Each as a picture of its own.
-std::vector<LatLongView> faces_of(const CubemapView& view) {
-  std::vector<LatLongView> faces;
-  faces.reserve(view.faces.size());
-  for (const void* const face : view.faces) {
-    faces.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
-  }
-  return faces;
-}
 
 std::size_t texels_of(const CubemapView& view) {
   return static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
@@ -108,30 +99,36 @@ void check_texture_options(const std::filesystem::path& path, const TextureOptio
   check_options(path, container_of(path), options);
 }
 
-std::optional<BlockLevels> compressed(const TextureJob& job) {
-  const TexelKind kind = kind_of(job.options.format);
-  if (!is_compressed(kind)) return std::nullopt;
-  const Control control = jobs::part_of(job.control, 0.0, 0.9);
-  if (is_astc(kind)) {
-    std::vector<std::vector<LatLongView>> levels;
-    levels.reserve(job.mips.size());
-    for (const CubemapView& view : job.mips) levels.push_back(faces_of(view));
-    return encode_astc(levels, kind, job.options.astc_effort, control);
-  }
-  Bc6hCubemap cubemap =
-      encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat}, control);
-  BlockLevels blocks{{}, cubemap.values_clamped};
-  blocks.levels.reserve(cubemap.levels.size());
-  for (Bc6hLevel& level : cubemap.levels) blocks.levels.push_back(std::move(level.blocks));
+namespace {
+
+BlockLevels in_blocks(std::span<const std::vector<LatLongView>> levels, const TextureOptions& options,
+                      const Control& whole) {
+  const Control control = jobs::part_of(whole, 0.0, 0.9);
+  const TexelKind kind = kind_of(options.format);
+  if (is_astc(kind)) return encode_astc(levels, kind, options.astc_effort, control);
+  image::Bc6hPictureLevels encoded =
+      image::encode_bc6h_pictures(levels, {options.bc6h_effort, kind == TexelKind::bc6h_sfloat}, control);
+  BlockLevels blocks{{}, encoded.values_clamped};
+  blocks.levels.reserve(encoded.levels.size());
+  for (image::Bc6hPictures& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
   return blocks;
 }
 
+}  // namespace
+
+std::optional<BlockLevels> compressed(const TextureJob& job) {
+  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
+  std::vector<std::vector<LatLongView>> levels;
+  levels.reserve(job.mips.size());
+  for (const CubemapView& view : job.mips) levels.push_back(image::pictures_of(view));
+  return in_blocks(levels, job.options, job.control);
+}
+
 std::optional<BlockLevels> compressed(const PictureJob& job) {
-  const TexelKind kind = kind_of(job.options.format);
-  if (!is_compressed(kind)) return std::nullopt;
+  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
   std::vector<std::vector<LatLongView>> levels{{job.picture}};
   for (const LatLongView& level : job.smaller) levels.push_back({level});
-  return encode_astc(levels, kind, job.options.astc_effort, jobs::part_of(job.control, 0.0, 0.9));
+  return in_blocks(levels, job.options, job.control);
 }
 
 void report_share(const Control& control, double done) {
@@ -223,10 +220,6 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   files::check_options(output.path(), container, options);
-  if (options.format == TexelFormat::bc6h_ufloat || options.format == TexelFormat::bc6h_sfloat) {
-    throw platform::file_error(ErrorCode::invalid_argument, output.path(),
-                               "is no cubemap, and BC6H is for cubemaps; pass another format");
-  }
   platform::WholeFile file(output.path(), output.bytes());
   const std::uint64_t values_clamped = container.write_picture({file, picture, options, control});
   file.finish();

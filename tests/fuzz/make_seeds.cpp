@@ -184,6 +184,9 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
         if (count % 2 == 1) options.metadata = {{"roughness", "0 1"}, {"note", "seed"}};
         const CubemapChain chain = test::noisy_chain(size, count % 3 == 0 ? 1 : full_chain_levels(size));
         write_texture(directory / ("seed" + std::to_string(count++) + extension), chain.views(), options);
+        if (size < 4) continue;
+        write_texture_2d(directory / ("seed" + std::to_string(count++) + extension), 2 * size, size, chain.face(0, 0),
+                         options);
       }
     }
   }
