@@ -19,7 +19,7 @@ struct alignas(64) BlockGroup {
 using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
 
 /// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
-/// and weights to what a texel's light makes them: w (1 + 2 L / mean of L). What the halves cannot hold is clamped, NaN
+/// and weights to what a texel's light makes them: w (1 + 2.5 L / mean of L). What the halves cannot hold is clamped, NaN
 /// is 0: clamped[block] says how many values of a block that were.
 using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped);
 
