@@ -55,8 +55,13 @@ std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubema
   return text.data();
 }
 
-std::vector<BlockWay> all_ways() {
+bool is_astc(const BlockWay& way) {
+  return way.options.format == TexelFormat::astc_4x4_hdr || way.options.format == TexelFormat::astc_6x6_hdr;
+}
+
+std::vector<BlockWay> ways_of(const Scale& scale) {
   std::vector<BlockWay> all = block_ways();
+  if (!scale.peers) std::erase_if(all, is_astc);
   all.push_back({"E5B9G9R9", "as it is", {.format = TexelFormat::e5b9g9r9}});
   all.push_back({"B10G11R11", "as it is", {.format = TexelFormat::b10g11r11}});
   return all;
@@ -70,7 +75,7 @@ std::vector<Measurement> measure(const PassContext& context) {
   PrefilterOptions options;
   options.size = context.scale.chain_size;
   const CubemapChain chain = prefilter_specular(context.environment.image.view(), options).cubemap;
-  const std::vector<BlockWay> ways = all_ways();
+  const std::vector<BlockWay> ways = ways_of(context.scale);
   std::vector<Measurement> all;
   for (std::size_t number = 0; number < ways.size(); ++number) {
     progress(context, number, ways.size());

@@ -37,8 +37,8 @@ struct Scale {
   int sky_zeniths = 0;                   ///< of the truth's quadrature, on either side of the horizon
   int sky_azimuths = 0;                  ///< over half the circle
   std::vector<SkyTableOptions>
-      sky_tables{};  ///< from coarse to fine; the last one is the view whose harmonics are taken
-  bool peers = true;
+      sky_tables{};   ///< from coarse to fine; the last one is the view whose harmonics are taken
+  bool peers = true;  ///< other programs, and encoders of other libraries
 };
 
 /// tiny: seconds, for tests. quick: under a minute on two cores. full: minutes.
