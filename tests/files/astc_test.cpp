@@ -1,4 +1,6 @@
 // KTX2 textures in blocks of ASTC.
+#include "files/astc.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "files/textures.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
@@ -174,6 +177,27 @@ TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[co
       const Environment environment = read_environment(path, options);
       CHECK(same_bytes<float>({environment.pixels.get(), level_values(read.cubemap, options.level).size()},
                               level_values(read.cubemap, options.level)));
+    }
+  }
+}
+
+TEST_CASE("rows are decoded from anywhere in a row of blocks", "[codec][textures][astc]") {
+  for (const files::TexelKind kind : {files::TexelKind::astc_4x4_hdr, files::TexelKind::astc_6x6_hdr}) {
+    constexpr int size = 13;  // three or four rows of blocks
+    const CubemapChain chain = noisy_chain(size, 1, 2);
+    const std::vector<std::vector<LatLongView>> face{{{chain.face(0, 0), size, size, 0, PixelFormat::rgb32f}}};
+    const files::BlockLevels blocks = files::encode_astc(face, kind, AstcEffort::fastest, {});
+    const auto decoder = files::make_astc_decoder(kind, "face");
+    constexpr std::size_t row_values = std::size_t{3} * size;
+    std::vector<float> whole(size * row_values);
+    decoder->decode_rows(blocks.levels[0].data(), size, 0, size, whole.data());
+    for (int first = 0; first < size; ++first) {
+      for (int rows = 1; first + rows <= size; ++rows) {
+        const std::uint64_t at = files::place_of_rows(kind, size, first, rows).first_byte;
+        std::vector<float> some(static_cast<std::size_t>(rows) * row_values);
+        decoder->decode_rows(blocks.levels[0].data() + at, size, first, rows, some.data());
+        CHECK(std::equal(some.begin(), some.end(), whole.begin() + first * static_cast<std::ptrdiff_t>(row_values)));
+      }
     }
   }
 }
