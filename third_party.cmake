@@ -36,7 +36,7 @@ option(WELKIN_ZLIB "Pack and unpack levels of KTX2 textures with zlib" ON)
 option(WELKIN_ZSTD "Pack and unpack levels of KTX2 textures with Zstandard" ON)
 set(welkin_codec_packages)   # that find_package knows
 set(welkin_codec_libraries)  # that CMake links
-set(welkin_codec_modules)    # that pkg-config knows
+set(welkin_codec_modules)    # that pkg-config knows, or "-lname"
 set(welkin_all_codecs ON)    # whether none is switched off
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR}/cmake)
 
@@ -69,6 +69,22 @@ welkin_codec(WELKIN_ZSTD ZSTD ZSTD::ZSTD libzstd)
 
 # Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
 welkin_codec(WELKIN_WEBP WebP WebP::WebP libwebp)
+
+# Blocks of ASTC in KTX2 textures. (libastcenc-dev) cmake/FindASTCENC.cmake finds it. Many systems do not package it: unless
+# told otherwise Welkin is built without it where it is not found. It has no pkg-config file: the linker's word stands for
+# it.
+if(WELKIN_FILES)
+  if(NOT DEFINED WELKIN_ASTC)
+    find_package(ASTCENC QUIET)
+  endif()
+  option(WELKIN_ASTC "Pack and unpack blocks of ASTC in KTX2 textures with astcenc" ${ASTCENC_FOUND})
+  if(WELKIN_ASTC)
+    find_package(ASTCENC REQUIRED)
+    list(APPEND welkin_codec_packages ASTCENC)
+    list(APPEND welkin_codec_libraries ASTCENC::ASTCENC)
+    list(APPEND welkin_codec_modules -lastcenc)
+  endif()
+endif()
 
 if(WELKIN_FILES)
   # Hashes of contents, by which results are found again, and checksums of stored results. Header only, inlined.

@@ -3,40 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <span>
 
+#include "perf/report/error_norms.h"
+#include "perf/report/passes.h"
+#include "sky_picture.h"
 #include "subjects.h"
 #include "welkin/bc6h.h"
 #include "welkin/environment_file.h"
 #include "welkin/reflections.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::perf {
 namespace {
-
-/// A sky over ground with clouds, grain and a sun of 500, 1024 x 512.
-LatLongImage sky_with_sun() {
-  constexpr int kWidth = 1024;
-  constexpr int kHeight = 512;
-  LatLongImage image{kWidth, kHeight, {}};
-  std::uint32_t state = 1;
-  for (int row = 0; row < kHeight; ++row) {
-    for (int column = 0; column < kWidth; ++column) {
-      state = state * 1664525U + 1013904223U;
-      const double grain = 0.3 * static_cast<double>(state >> 8U) / (1U << 24U);
-      const double clouds = 0.3 * std::sin(0.03 * column) * std::sin(0.02 * row);
-      const bool sun = std::hypot(column - 300, row - 150) < 4.0;
-      const double tint = 0.5 + 0.4 * std::sin(0.011 * column + 0.017 * row);
-      for (const double share : {1.0, tint, 1.0 - 0.5 * tint}) {
-        const double value = (row < kHeight / 2 ? 1.0 : 0.3) * share + clouds * share + grain;
-        image.pixels.push_back(static_cast<float>(sun ? 500.0 * share : value));
-      }
-    }
-  }
-  return image;
-}
 
 struct NamedEffort {
   const char* name;
@@ -70,29 +52,35 @@ double mean_of(const CubemapChain& chain, int level, bool held) {
   return sum;
 }
 
-std::string row_of(const std::string& name, const CubemapChain& chain, const NamedEffort& effort) {
-  const Bc6hCubemap blocks = encode_bc6h(chain.views(), {effort.effort});
-  const std::vector<double> errors = bc6h_errors(blocks, chain.views());
-  const CubemapChain decoded = decode_bc6h(blocks);
+std::string row_of(const std::string& name, const CubemapChain& chain, const report::BlockWay& way) {
+  const auto bytes = report::texture_bytes(chain, way.options);
+  if (!bytes) return "";
+  const CubemapChain decoded = read_texture({*bytes, "chain.ktx2"}).cubemap;
+  const auto values = [](const CubemapChain& of, int level) {
+    const auto edge = static_cast<std::size_t>(of.level_size(level));
+    return std::span<const float>(of.face(level, 0), 18 * edge * edge);
+  };
   std::string mips;
   double squares = 0.0;
   double bias = 0.0;
   for (int level = 0; level < chain.levels(); ++level) {
-    const double error = errors[static_cast<std::size_t>(level)];
+    const double error = report::relative_errors(values(decoded, level), values(chain, level)).rms;
     mips += (level == 0 ? "" : ", ") + percent(error);
     squares += error * error * std::pow(chain.level_size(level), 2);
     if (chain.level_size(level) < 16) continue;
     bias = std::max(bias, std::abs(mean_of(decoded, level, false) / mean_of(chain, level, true) - 1.0));
   }
   const double all = std::sqrt(squares / (texels_of(chain) / 6.0));
-  return "| " + name + " | " + effort.name + " | " + percent(all) + " | " + mips + " | " + percent(bias) + " |\n";
+  return "| " + name + " | " + way.format + " " + way.effort + " | " + percent(all) + " | " + mips + " | " +
+         percent(bias) + " |\n";
 }
 
 }  // namespace
 
 void add_bc6h(const std::vector<int>& thread_counts) {
   const auto chain = [](int size) {
-    return std::make_shared<const CubemapChain>(whole_chain(sky_with_sun().view(), size));
+    return std::make_shared<const CubemapChain>(
+        whole_chain(sky_picture({.grain = 0.3, .ripples = 0.0, .tinted = true, .sun = 500.0}).view(), size));
   };
   for (const int threads : thread_counts) {
     for (const int size : {256, 512}) {
@@ -113,10 +101,10 @@ void add_bc6h(const std::vector<int>& thread_counts) {
   }
 }
 
-std::string bc6h_error_table(const std::vector<std::filesystem::path>& arguments) {
+std::string block_error_table(const std::vector<std::filesystem::path>& arguments) {
   int size = 256;
   std::string table =
-      "| environment | effort | rms error, % | by mip | largest bias of a mip's mean from 16 texels on, % |\n"
+      "| environment | format, effort | rms error, % | by mip | largest bias of a mip's mean from 16 texels on, % |\n"
       "|---|---|---|---|---|\n";
   for (const std::filesystem::path& argument : arguments) {
     const std::string text = argument.string();
@@ -127,7 +115,7 @@ std::string bc6h_error_table(const std::vector<std::filesystem::path>& arguments
     const Environment environment = read_environment(argument);
     if (environment.info.layout != Layout::lat_long) continue;
     const CubemapChain chain = whole_chain(environment.lat_long(), size);
-    for (const NamedEffort& effort : kEfforts) table += row_of(argument.stem().string(), chain, effort);
+    for (const report::BlockWay& way : report::block_ways()) table += row_of(argument.stem().string(), chain, way);
   }
   return table;
 }

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "previews.h"
 #include "scratch_files.h"
+#include "sky_picture.h"
 #include "subjects.h"
 #include "welkin/environment_file.h"
 
@@ -36,7 +36,7 @@ void add_command(const std::vector<int>& thread_counts) {
         add_benchmark(
             "Command", again ? "bake-again" : "bake", size, threads, kTexels, 0.0, [=]() -> std::function<void()> {
               const std::filesystem::path picture = scratch_file(
-                  "command.hdr", [](const auto& path) { (void)write_environment(path, picture_of_previews().view()); });
+                  "command.hdr", [](const auto& path) { (void)write_environment(path, sky_picture().view()); });
               std::string arguments = "bake " + quoted(picture) + " --quiet --size " + size + " --threads " +
                                       std::to_string(threads) + " -o " + quoted(folder("command"));
               if (again) {

@@ -2,7 +2,7 @@
 //   welkin_perf [Google Benchmark options]
 //   welkin_perf --target-sizes LATLONG...            the table of error and time in docs/projection.md
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/irradiance.md
-//   welkin_perf --bc6h-errors [--size=N] ENVIRONMENT...   the table of docs/textures.md
+//   welkin_perf --block-errors [--size=N] ENVIRONMENT...   the table of docs/textures.md
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--orders] [--methods] [--directions=N] [--paths=N] [--altitude=M]  docs
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   if (first == "--prefilter-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::prefilter_error_tables);
   }
-  if (first == "--bc6h-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::bc6h_error_table);
+  if (first == "--block-errors") return perf::print_tables(1, {argv + 2, argv + argc}, perf::block_error_table);
   if (argc > 1 && std::string(argv[1]) == "--sky-errors") {
     return perf::print_tables(0, {argv + 2, argv + argc}, perf::sky_error_tables);
   }

@@ -117,10 +117,12 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                            {"b10g11r11", TexelFormat::b10g11r11},
                            {"e5b9g9r9", TexelFormat::e5b9g9r9},
                            {"bc6h", TexelFormat::bc6h_ufloat},
-                           {"bc6h-signed", TexelFormat::bc6h_sfloat}},
-                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes, or 1 byte in blocks of "
-                          "BC6H. DDS and OpenEXR hold halves, or floats with rgba32f; DDS also bc6h; KTX all of them. "
-                          "Irradiance is never in blocks");
+                           {"bc6h-signed", TexelFormat::bc6h_sfloat},
+                           {"astc4x4", TexelFormat::astc_4x4_hdr},
+                           {"astc6x6", TexelFormat::astc_6x6_hdr}},
+                          "The texel format of .ktx2 files, of 8 (default), 16, 4 or 4 bytes; or in blocks of BC6H or "
+                          "ASTC with 1 byte a texel, or 4/9 (astc6x6). DDS and OpenEXR hold halves, or floats with "
+                          "rgba32f; DDS also bc6h; KTX all but ASTC. Irradiance is never in blocks");
   formats.target =
       On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
         store(word);
@@ -131,6 +133,12 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
       choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
                          {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
                          "How long to search for the best blocks of BC6H; default normal"));
+  table.push_back(choice<AstcEffort>("--astc-effort", options.texture.astc_effort,
+                                     {{"fastest", AstcEffort::fastest},
+                                      {"fast", AstcEffort::fast},
+                                      {"medium", AstcEffort::medium},
+                                      {"thorough", AstcEffort::thorough}},
+                                     "How long to search for the best blocks of ASTC; default medium"));
   table.push_back(choice<Supercompression>(
       "--supercompression", options.texture.supercompression,
       {{"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}},

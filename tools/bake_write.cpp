@@ -60,6 +60,8 @@ std::string range_of(TexelFormat format) {
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
     case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: return "below 0 or above 65504 clamped: ASTC ends there";
     case TexelFormat::e5b9g9r9: break;
   }
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
@@ -96,8 +98,9 @@ std::string caution_of(TexelFormat format, const Cubemap& cubemap, const BakeCom
   const int last = cubemap.mips.back().size;
   if (is_engine_folder(options) && !options.specular.mips) return "";
   if (!is_in_blocks(format) || cubemap.roughness.empty() || last >= kEnough) return "";
-  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") +
-         " along an edge; below 32 BC6H is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
+  return "its last mip has " + counted(static_cast<std::uint64_t>(last), "texel") + " along an edge; below 32 " +
+         (is_bc6h(format) ? "BC6H" : "ASTC") +
+         " is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
 
 /// For a person: "KTX2 rgba16f zstd".

@@ -9,14 +9,15 @@
 namespace welkin::tool {
 namespace {
 
-/// What the container has room for: OpenEXR halves or floats, DDS also blocks. Irradiance is not compressed: where it
-/// nears 0 the errors of blocks are large beside it. Blocks are for cubemaps, and a table is of halves or floats.
+/// What the container has room for: OpenEXR halves or floats, DDS also blocks of BC6H, KTX all but ASTC. Irradiance is
+/// not compressed: where it nears 0 the errors of blocks are large beside it. A table is of halves or floats.
 TexelFormat stored_format(Content content, Container container, TexelFormat wanted) {
   if (wanted == TexelFormat::rgba32f) return wanted;
-  const bool plain = content == Content::irradiance || content == Content::lambert || content == Content::octahedral;
-  if (is_in_blocks(wanted) && plain) return TexelFormat::rgba16f;
+  const bool is_smooth = content == Content::irradiance || content == Content::lambert;
+  if (is_in_blocks(wanted) && is_smooth) return TexelFormat::rgba16f;
+  if (is_in_blocks(wanted) && !is_bc6h(wanted) && container != Container::ktx2) return TexelFormat::rgba16f;
   if (content == Content::brdf || container == Container::exr) return TexelFormat::rgba16f;
-  if (container == Container::dds && !is_in_blocks(wanted)) return TexelFormat::rgba16f;
+  if (container == Container::dds && !is_bc6h(wanted)) return TexelFormat::rgba16f;
   return wanted;
 }
 
@@ -62,13 +63,19 @@ const char* name(TexelFormat format) noexcept {
     case TexelFormat::b10g11r11: return "b10g11r11";
     case TexelFormat::bc6h_ufloat: return "bc6h";
     case TexelFormat::bc6h_sfloat: return "bc6h-signed";
+    case TexelFormat::astc_4x4_hdr: return "astc4x4";
+    case TexelFormat::astc_6x6_hdr: return "astc6x6";
     case TexelFormat::e5b9g9r9: break;
   }
   return "e5b9g9r9";
 }
 
-bool is_in_blocks(TexelFormat format) noexcept {
+bool is_bc6h(TexelFormat format) noexcept {
   return format == TexelFormat::bc6h_ufloat || format == TexelFormat::bc6h_sfloat;
+}
+
+bool is_in_blocks(TexelFormat format) noexcept {
+  return is_bc6h(format) || format == TexelFormat::astc_4x4_hdr || format == TexelFormat::astc_6x6_hdr;
 }
 
 const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }

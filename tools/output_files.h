@@ -28,6 +28,8 @@ enum class Container {
 /// "rgba16f", "bc6h", ...: as --ktx2-format has them.
 [[nodiscard]] const char* name(TexelFormat format) noexcept;
 
+[[nodiscard]] bool is_bc6h(TexelFormat format) noexcept;
+/// BC6H or ASTC.
 [[nodiscard]] bool is_in_blocks(TexelFormat format) noexcept;
 
 /// Lobes beside GGX.

@@ -12,16 +12,14 @@
 #include <tuple>
 #include <utility>
 
-#include "image/pixels.h"
 #include "jobs/control.h"
 #include "math/elementary.h"
 #include "tools/bake_lobes.h"
 #include "tools/output_files.h"
 #include "tools/preview_light.h"
 #include "tools/text.h"
-#include "welkin/bc6h.h"
 #include "welkin/reflections.h"
-#include "welkin/resampling.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::tool {
 namespace {
@@ -37,15 +35,18 @@ constexpr double kJudgedFrom = 0.3;  ///< of the progress: where the truth is kn
 // ---- Bytes of a folder
 
 std::uint64_t texel_bytes(std::uint64_t width, std::uint64_t height, TexelFormat format) {
+  std::uint64_t edge = 4;  // of a block, which has 16 bytes
   switch (format) {
     case TexelFormat::rgba16f: return 8 * width * height;
     case TexelFormat::rgba32f: return 16 * width * height;
     case TexelFormat::b10g11r11:
     case TexelFormat::e5b9g9r9: return 4 * width * height;
+    case TexelFormat::astc_6x6_hdr: edge = 6; break;
     case TexelFormat::bc6h_ufloat:
-    case TexelFormat::bc6h_sfloat: break;
+    case TexelFormat::bc6h_sfloat:
+    case TexelFormat::astc_4x4_hdr: break;
   }
-  return 16 * ((width + 3) / 4) * ((height + 3) / 4);
+  return 16 * ((width + edge - 1) / edge) * ((height + edge - 1) / edge);
 }
 
 /// Of a picture in a file: before it is packed, where the container packs.
@@ -181,40 +182,15 @@ class Truth {
   std::vector<TrueReflections> roughnesses_;
 };
 
-std::array<float, 3> rounded_to(TexelFormat format, const std::array<float, 3>& rgb) {
-  const auto within = [&](float most) {
-    return std::array<float, 3>{std::clamp(rgb[0], 0.0F, most), std::clamp(rgb[1], 0.0F, most),
-                                std::clamp(rgb[2], 0.0F, most)};
-  };
-  switch (format) {
-    case TexelFormat::rgba16f: {
-      std::array<float, 3> halves{};
-      for (std::size_t c = 0; c < 3; ++c) halves[c] = image::float_from_half(image::half_from_float(rgb[c]));
-      return halves;
-    }
-    case TexelFormat::b10g11r11: return image::unpack_b10g11r11(image::pack_b10g11r11(within(image::kLargestFloat10)));
-    case TexelFormat::e5b9g9r9: return image::unpack_e5b9g9r9(image::pack_e5b9g9r9(within(image::kLargestSharedFloat)));
-    default: return rgb;
-  }
-}
-
 /// The chain as a file of that format gives it back.
-CubemapChain stored_as(TexelFormat format, const CubemapChain& chain, Bc6hEffort effort, const Control& control) {
-  if (is_in_blocks(format)) {
-    const Bc6hOptions options{effort, format == TexelFormat::bc6h_sfloat};
-    return decode_bc6h(encode_bc6h(chain.views(), options, control), control);
-  }
-  CubemapChain stored(chain.size(), chain.levels());
-  for (int level = 0; level < chain.levels(); ++level) {
-    const auto edge = static_cast<std::size_t>(chain.level_size(level));
-    const float* from = chain.face(level, 0);
-    float* to = stored.face(level, 0);
-    for (std::size_t texel = 0; texel < 6 * edge * edge; ++texel, from += 3, to += 3) {
-      const std::array<float, 3> rgb = rounded_to(format, {from[0], from[1], from[2]});
-      std::copy(rgb.begin(), rgb.end(), to);
-    }
-  }
-  return stored;
+CubemapChain stored_as(TexelFormat format, const CubemapChain& chain, const TextureOptions& texture,
+                       const Control& control) {
+  TextureOptions options = texture;
+  options.format = format;
+  options.supercompression = Supercompression::none;
+  std::vector<std::byte> bytes;
+  write_texture(FileOutput(bytes, "reflections.ktx2"), chain.views(), options, control);
+  return read_texture(FileInput(bytes, "reflections.ktx2"), ~std::uint64_t{0}, control).cubemap;
 }
 
 // ---- The choice
@@ -328,7 +304,7 @@ class Judge {
     // What RGBD rounds is not looked at.
     if (contains(candidate.options.files, Content::env)) formats.insert(TexelFormat::rgba32f);
     for (const TexelFormat format : formats) {
-      const auto [error, roughness] = error_of(specular, format, candidate.options.texture.bc6h_effort);
+      const auto [error, roughness] = error_of(specular, format, candidate.options.texture);
       if (error < candidate.tried.error) continue;
       candidate.tried.error = error;
       candidate.tried.roughness = roughness;
@@ -338,11 +314,12 @@ class Judge {
  private:
   using Key = std::tuple<int, int, TexelFormat>;
 
-  std::pair<double, double> error_of(const PrefilterOptions& specular, TexelFormat format, Bc6hEffort effort) {
+  std::pair<double, double> error_of(const PrefilterOptions& specular, TexelFormat format,
+                                     const TextureOptions& texture) {
     const Key key{specular.size, *specular.mips, format};
     if (const auto known = errors_.find(key); known != errors_.end()) return known->second;
     const auto error =
-        truth_->error_of(stored_as(format, chain_of(specular), effort, {control_.stop, {}}), specular.roughness);
+        truth_->error_of(stored_as(format, chain_of(specular), texture, {control_.stop, {}}), specular.roughness);
     errors_.emplace(key, error);
     return error;
   }

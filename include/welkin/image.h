@@ -196,6 +196,10 @@ enum class TexelFormat {
   /// `encode_bc6h`.
   bc6h_ufloat,
   bc6h_sfloat,  ///< the same with negatives
+  /// ASTC with high dynamic range in blocks of 4 x 4 (1 byte a texel) or 6 x 6 (4/9 of one), up to 65504. KTX2 files
+  /// hold it (texture_file.h).
+  astc_4x4_hdr,
+  astc_6x6_hdr,  ///< the same in larger blocks
 };
 
 /// One level of a cubemap in memory that is written to. Rows of a face lie `row_stride_bytes` apart, row 0 first; what

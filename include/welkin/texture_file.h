@@ -30,6 +30,15 @@ enum class Supercompression {
   zstd,  ///< Zstandard
 };
 
+/// How long is searched for a block's best numbers in ASTC. The names are astcenc's; docs/textures.md has errors and
+/// times.
+enum class AstcEffort {
+  fastest,   ///< some 1 Mtexel/s a thread (4 x 4, AMD EPYC Zen 4)
+  fast,      ///< 0.7
+  medium,    ///< 0.5
+  thorough,  ///< 0.25
+};
+
 /// How texels are stored.
 struct TextureOptions {
   TexelFormat format = TexelFormat::rgba16f;                   ///< OpenEXR holds rgba16f and rgba32f alone
@@ -40,6 +49,7 @@ struct TextureOptions {
   std::map<std::string, std::string> metadata{};
 
   Bc6hEffort bc6h_effort = Bc6hEffort::normal;  ///< with the BC6H formats, which KTX2, KTX and DDS hold
+  AstcEffort astc_effort = AstcEffort::medium;  ///< with the ASTC formats, which KTX2 holds
 };
 
 /// Writes a cubemap with its mips, largest first, each half the one before (rounded down), in the format that the
@@ -54,13 +64,14 @@ struct TextureOptions {
 ///   and infinities. OpenEXR's chain goes on to 1 x 1: levels that were not given are means of the last one, and the
 ///   attribute welkinLevels says how many were.
 ///
-/// BC6H is for radiance, and cubemaps alone; `encode_bc6h` gives its errors.
+/// BC6H is for radiance; `encode_bc6h` gives its errors. ASTC is for radiance too, and is encoded
+/// by the library astcenc, whose version decides what the bytes are (WELKIN_ASTC=OFF builds without it).
 ///
-/// Memory: a block of rows; with BC6H the whole chain in blocks; in OpenEXR also two levels that were not given; with
-/// supercompression the packed chain, and the levels that are being packed, side by side. The same bytes on any number
-/// of threads (with the same zlib and Zstandard). A file is complete or not there. Throws `Error`: invalid_argument (an
-/// uneven chain, a format or option that the file cannot hold), unsupported_file (the extension), file_access,
-/// cancelled.
+/// Memory: a block of rows; with BC6H and ASTC the whole chain in blocks, and with ASTC 3 MB a thread; in OpenEXR also
+/// two levels that were not given; with supercompression the packed chain, and the levels that are being packed, side
+/// by side. The same bytes on any number of threads (with the same zlib, Zstandard and astcenc). A file is complete or
+/// not there. Throws `Error`: invalid_argument (an uneven chain, a format or option that the file cannot hold),
+/// unsupported_file (the extension), file_access, cancelled.
 WriteReport write_texture(const FileOutput& output, std::span<const CubemapView> mips,
                           const TextureOptions& options = {}, const Control& control = {});
 
@@ -83,9 +94,10 @@ struct CubemapTexture {
 };
 
 /// Reads .ktx2, .ktx and .dds cubemaps with all their mips, told by their first bytes: the four formats above, BC6H
-/// (unsigned and signed), and r8g8b8a8 unorm and srgb; KTX2 also supercompressed by ZLIB and Zstandard; DDS with a DX10
-/// header. Alpha is passed over. The header is checked whole before anything is allocated, and what would take more
-/// than the limit is refused. Throws `Error`: file_access, corrupt_file, unsupported_file, limit_exceeded, cancelled.
+/// (unsigned and signed), ASTC in blocks of 4 x 4 and 6 x 6 (KTX2), and r8g8b8a8 unorm and srgb; KTX2 also
+/// supercompressed by ZLIB and Zstandard; DDS with a DX10 header. Alpha is passed over. The header is checked whole
+/// before anything is allocated, and what would take more than the limit is refused. Throws `Error`: file_access,
+/// corrupt_file, unsupported_file, limit_exceeded, cancelled.
 [[nodiscard]] CubemapTexture read_texture(const FileInput& input,
                                           std::uint64_t memory_limit_bytes = std::uint64_t{8} << 30U,
                                           const Control& control = {});

@@ -1347,7 +1347,29 @@ enum {
   WELKIN_TEXEL_RGBA16F = 0,
   WELKIN_TEXEL_RGBA32F = 1,
   WELKIN_TEXEL_B10G11R11 = 2, /* not in OpenEXR */
-  WELKIN_TEXEL_E5B9G9R9 = 3   /* not in OpenEXR */
+  WELKIN_TEXEL_E5B9G9R9 = 3,  /* not in OpenEXR */
+  /* Blocks, for radiance. */
+  WELKIN_TEXEL_BC6H_UFLOAT = 4,  /* KTX2, DDS */
+  WELKIN_TEXEL_BC6H_SFLOAT = 5,  /* likewise, with negatives */
+  WELKIN_TEXEL_ASTC_4X4_HDR = 6, /* KTX2; WELKIN_UNSUPPORTED_FILE in a build without astcenc */
+  WELKIN_TEXEL_ASTC_6X6_HDR = 7  /* likewise */
+};
+
+/* How long is searched for a block's best numbers; texture_file.h and bc6h.h say more. */
+typedef int32_t welkin_bc6h_effort;
+enum {
+  WELKIN_BC6H_DEFAULT = 0, /* normal */
+  WELKIN_BC6H_FAST = 1,
+  WELKIN_BC6H_NORMAL = 2,
+  WELKIN_BC6H_SLOW = 3
+};
+typedef int32_t welkin_astc_effort;
+enum {
+  WELKIN_ASTC_DEFAULT = 0, /* medium */
+  WELKIN_ASTC_FASTEST = 1,
+  WELKIN_ASTC_FAST = 2,
+  WELKIN_ASTC_MEDIUM = 3,
+  WELKIN_ASTC_THOROUGH = 4
 };
 
 /* How KTX2's levels are packed. */
@@ -1359,6 +1381,8 @@ typedef struct welkin_texture_options {
   uint32_t struct_size;
   welkin_texel_format format;               /* of all texels */
   welkin_supercompression supercompression; /* KTX2 only */
+  welkin_bc6h_effort bc6h_effort;           /* with the BC6H formats */
+  welkin_astc_effort astc_effort;           /* with the ASTC formats */
 } welkin_texture_options;
 
 /* Writes a cubemap with its mips in the format that the extension names: .ktx2, .ktx, .dds or .exr. `mips` is as

@@ -1,4 +1,5 @@
 // The C interface to files.
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
@@ -110,14 +111,33 @@ namespace {
 static_assert(WELKIN_TEXEL_RGBA32F == static_cast<int>(TexelFormat::rgba32f));
 static_assert(WELKIN_TEXEL_B10G11R11 == static_cast<int>(TexelFormat::b10g11r11));
 static_assert(WELKIN_TEXEL_E5B9G9R9 == static_cast<int>(TexelFormat::e5b9g9r9));
+static_assert(WELKIN_TEXEL_BC6H_UFLOAT == static_cast<int>(TexelFormat::bc6h_ufloat));
+static_assert(WELKIN_TEXEL_BC6H_SFLOAT == static_cast<int>(TexelFormat::bc6h_sfloat));
+static_assert(WELKIN_TEXEL_ASTC_4X4_HDR == static_cast<int>(TexelFormat::astc_4x4_hdr));
+static_assert(WELKIN_TEXEL_ASTC_6X6_HDR == static_cast<int>(TexelFormat::astc_6x6_hdr));
 static_assert(WELKIN_SUPERCOMPRESSION_ZLIB == static_cast<int>(Supercompression::zlib));
 static_assert(WELKIN_SUPERCOMPRESSION_ZSTD == static_cast<int>(Supercompression::zstd));
+
+Bc6hEffort bc6h_effort(welkin_bc6h_effort effort) {
+  require_enumerator("bc6h_effort", effort, WELKIN_BC6H_SLOW);
+  constexpr std::array efforts{Bc6hEffort::normal, Bc6hEffort::fast, Bc6hEffort::normal, Bc6hEffort::slow};
+  return efforts[static_cast<std::size_t>(effort)];
+}
+
+AstcEffort astc_effort(welkin_astc_effort effort) {
+  require_enumerator("astc_effort", effort, WELKIN_ASTC_THOROUGH);
+  constexpr std::array efforts{AstcEffort::medium, AstcEffort::fastest, AstcEffort::fast, AstcEffort::medium,
+                               AstcEffort::thorough};
+  return efforts[static_cast<std::size_t>(effort)];
+}
 
 TextureOptions texture_options(const welkin_texture_options* options) {
   const auto given = read_options(options, "options");
   TextureOptions wanted;
-  wanted.format = enumerator("format", given.format, TexelFormat::e5b9g9r9);
+  wanted.format = enumerator("format", given.format, TexelFormat::astc_6x6_hdr);
   wanted.supercompression = enumerator("supercompression", given.supercompression, Supercompression::zstd);
+  wanted.bc6h_effort = bc6h_effort(given.bc6h_effort);
+  wanted.astc_effort = astc_effort(given.astc_effort);
   return wanted;
 }
 

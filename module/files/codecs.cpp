@@ -1,9 +1,10 @@
 // What this build can read and write, and what stands in for a codec that it was built without.
-// WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB and WELKIN_ZSTD are 1 or 0; no other source knows them.
+// WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB, WELKIN_ZSTD and WELKIN_ASTC are 1 or 0; no other source knows them.
 #include "files/codecs.h"
 
 #include <array>
 
+#include "files/astc.h"
 #include "files/env.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
@@ -24,6 +25,7 @@ constexpr std::array kCodecs{
     Description{WELKIN_WEBP != 0, "libwebp (WebP)", "WELKIN_WEBP"},
     Description{WELKIN_ZLIB != 0, "zlib", "WELKIN_ZLIB"},
     Description{WELKIN_ZSTD != 0, "Zstandard", "WELKIN_ZSTD"},
+    Description{WELKIN_ASTC != 0, "astcenc (ASTC)", "WELKIN_ASTC"},
 };
 
 }  // namespace
@@ -107,6 +109,18 @@ std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, 
 void unpack_zstd(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& /*bytes*/) {
   require_codec(Codec::zstd, path, "save it without supercompression");
+}
+#endif
+
+#if !WELKIN_ASTC
+std::unique_ptr<AstcDecoder> make_astc_decoder(TexelKind /*kind*/, const std::filesystem::path& path) {
+  require_codec(Codec::astc, path, "save it in another format");
+  return nullptr;
+}
+BlockLevels encode_astc(std::span<const std::vector<LatLongView>> /*levels*/, TexelKind /*kind*/, AstcEffort /*effort*/,
+                        const Control& /*control*/) {
+  require_codec(Codec::astc, "a KTX2", "pass bc6h_ufloat or another format");
+  return {};
 }
 #endif
 

@@ -12,7 +12,7 @@
 
 namespace welkin::files {
 
-enum class Codec { exr, png, webp, zlib, zstd };
+enum class Codec { exr, png, webp, zlib, zstd, astc };
 
 /// Throws `Error` (unsupported_file) if Welkin was built without the codec: names its library, the option that brings
 /// it, and what would do instead, `remedy` ("write a Radiance .hdr"). Called where a request names the kind of file,

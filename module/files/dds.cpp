@@ -145,11 +145,11 @@ std::uint64_t write_dds(const TextureJob& job) {
   const int size = job.mips.front().size;
   const auto header = header_bytes({size, size, job.mips.size(), true}, kind_of(job.options.format));
   job.file.write(header.data(), header.size());
-  if (const std::optional<Bc6hCubemap> blocks = compressed(job)) {
+  if (const std::optional<BlockLevels> blocks = compressed(job)) {
     for (std::size_t face = 0; face < 6; ++face) {
-      for (const Bc6hLevel& level : blocks->levels) {
-        const std::size_t bytes = level.blocks.size() / 6;
-        job.file.write(level.blocks.data() + face * bytes, bytes);
+      for (const std::vector<std::uint8_t>& level : blocks->levels) {
+        const std::size_t bytes = level.size() / 6;
+        job.file.write(level.data() + face * bytes, bytes);
       }
     }
     return blocks->values_clamped;
@@ -167,6 +167,10 @@ std::uint64_t write_dds(const TextureJob& job) {
 std::uint64_t write_dds(const PictureJob& job) {
   const auto header = header_bytes({job.picture.width, job.picture.height, 1, false}, kind_of(job.options.format));
   job.file.write(header.data(), header.size());
+  if (const std::optional<BlockLevels> blocks = compressed(job)) {
+    job.file.write(blocks->levels.front().data(), blocks->levels.front().size());
+    return blocks->values_clamped;
+  }
   TexelEncoder encoder(job.options.format);
   write_picture(job, encoder);
   return encoder.clamped();

@@ -145,7 +145,9 @@ GlFormat gl_format(TexelFormat format) {
     case TexelFormat::b10g11r11: return {kR11G11B10, 1, kRgb, kR11G11B10, kR11G11B10};
     case TexelFormat::e5b9g9r9: return {kSharedExponent, 4, kRgb, kRgb9E5, kRgb};
     case TexelFormat::bc6h_ufloat: return {0, 1, 0, kBc6hUnsigned, kRgb};
-    case TexelFormat::bc6h_sfloat: break;
+    case TexelFormat::bc6h_sfloat:
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: break;  // ASTC is refused before
   }
   return {0, 1, 0, kBc6hSigned, kRgb};
 }
@@ -169,7 +171,7 @@ std::vector<std::uint8_t> header_bytes(const TextureJob& job) {
 }  // namespace
 
 std::uint64_t write_ktx1(const TextureJob& job) {
-  const std::optional<Bc6hCubemap> blocks = compressed(job);
+  const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<std::uint8_t> header = header_bytes(job);
   job.file.write(header.data(), header.size());
   TexelEncoder encoder(job.options.format);
@@ -180,7 +182,7 @@ std::uint64_t write_ktx1(const TextureJob& job) {
         face_bytes, static_cast<std::uint32_t>(level_bytes(kind_of(job.options.format), job.mips[level].size) / 6));
     job.file.write(face_bytes.data(), face_bytes.size());
     if (blocks) {
-      job.file.write(blocks->levels[level].blocks.data(), blocks->levels[level].blocks.size());
+      job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
       continue;
     }
     for (int face = 0; face < 6; ++face) {

@@ -21,18 +21,20 @@ struct VulkanFormat {
 };
 
 constexpr std::array kVulkanFormats{
-    VulkanFormat{TexelKind::rgba16f, 97},       // VK_FORMAT_R16G16B16A16_SFLOAT
-    VulkanFormat{TexelKind::rgba32f, 109},      // VK_FORMAT_R32G32B32A32_SFLOAT
-    VulkanFormat{TexelKind::b10g11r11, 122},    // VK_FORMAT_B10G11R11_UFLOAT_PACK32
-    VulkanFormat{TexelKind::e5b9g9r9, 123},     // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
-    VulkanFormat{TexelKind::rgba8, 37},         // VK_FORMAT_R8G8B8A8_UNORM
-    VulkanFormat{TexelKind::rgba8_srgb, 43},    // VK_FORMAT_R8G8B8A8_SRGB
-    VulkanFormat{TexelKind::rgb8, 23},          // VK_FORMAT_R8G8B8_UNORM
-    VulkanFormat{TexelKind::rgb8_srgb, 29},     // VK_FORMAT_R8G8B8_SRGB
-    VulkanFormat{TexelKind::rgb16f, 90},        // VK_FORMAT_R16G16B16_SFLOAT
-    VulkanFormat{TexelKind::rgb32f, 106},       // VK_FORMAT_R32G32B32_SFLOAT
-    VulkanFormat{TexelKind::bc6h_ufloat, 143},  // VK_FORMAT_BC6H_UFLOAT_BLOCK
-    VulkanFormat{TexelKind::bc6h_sfloat, 144},  // VK_FORMAT_BC6H_SFLOAT_BLOCK
+    VulkanFormat{TexelKind::rgba16f, 97},               // VK_FORMAT_R16G16B16A16_SFLOAT
+    VulkanFormat{TexelKind::rgba32f, 109},              // VK_FORMAT_R32G32B32A32_SFLOAT
+    VulkanFormat{TexelKind::b10g11r11, 122},            // VK_FORMAT_B10G11R11_UFLOAT_PACK32
+    VulkanFormat{TexelKind::e5b9g9r9, 123},             // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+    VulkanFormat{TexelKind::rgba8, 37},                 // VK_FORMAT_R8G8B8A8_UNORM
+    VulkanFormat{TexelKind::rgba8_srgb, 43},            // VK_FORMAT_R8G8B8A8_SRGB
+    VulkanFormat{TexelKind::rgb8, 23},                  // VK_FORMAT_R8G8B8_UNORM
+    VulkanFormat{TexelKind::rgb8_srgb, 29},             // VK_FORMAT_R8G8B8_SRGB
+    VulkanFormat{TexelKind::rgb16f, 90},                // VK_FORMAT_R16G16B16_SFLOAT
+    VulkanFormat{TexelKind::rgb32f, 106},               // VK_FORMAT_R32G32B32_SFLOAT
+    VulkanFormat{TexelKind::bc6h_ufloat, 143},          // VK_FORMAT_BC6H_UFLOAT_BLOCK
+    VulkanFormat{TexelKind::bc6h_sfloat, 144},          // VK_FORMAT_BC6H_SFLOAT_BLOCK
+    VulkanFormat{TexelKind::astc_4x4_hdr, 1000066000},  // VK_FORMAT_ASTC_4x4_SFLOAT_BLOCK
+    VulkanFormat{TexelKind::astc_6x6_hdr, 1000066004},  // VK_FORMAT_ASTC_6x6_SFLOAT_BLOCK
 };
 
 // Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
@@ -88,7 +90,9 @@ std::vector<Sample> samples_of(TexelFormat format) {
     case TexelFormat::b10g11r11: return packed_float_samples();
     case TexelFormat::e5b9g9r9: return shared_exponent_samples();
     case TexelFormat::bc6h_ufloat: return block_samples(false);
-    case TexelFormat::bc6h_sfloat: return block_samples(true);
+    case TexelFormat::bc6h_sfloat:
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: return block_samples(true);
   }
   return {};
 }
@@ -121,7 +125,9 @@ std::uint32_t ktx2_type_size(TexelKind kind) noexcept {
     case TexelKind::rgba8:
     case TexelKind::rgba8_srgb:
     case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat: return 1;
+    case TexelKind::bc6h_sfloat:
+    case TexelKind::astc_4x4_hdr:
+    case TexelKind::astc_6x6_hdr: return 1;
   }
   return 1;
 }
@@ -146,6 +152,7 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression s
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
   constexpr std::uint32_t model_bc6h = 133;
+  constexpr std::uint32_t model_astc = 162;
   constexpr std::uint32_t primaries_srgb = 1;  // Rec. 709's
   constexpr std::uint32_t transfer_linear = 1;
   const std::vector<Sample> samples = samples_of(format);
@@ -157,11 +164,12 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format, Supercompression s
   platform::append_little_endian(bytes, block_bytes + 4);
   platform::append_little_endian(bytes, std::uint32_t{0});  // Khronos, basic format
   platform::append_little_endian(bytes, version | block_bytes << 16U);
-  const bool blocks = is_compressed(kind_of(format));
-  const std::uint32_t model = blocks ? model_bc6h : model_rgbsda;
+  const TexelKind kind = kind_of(format);
+  const std::uint32_t model = is_astc(kind) ? model_astc : is_compressed(kind) ? model_bc6h : model_rgbsda;
   platform::append_little_endian(bytes, model | primaries_srgb << 8U | transfer_linear << 16U);
-  // Blocks of 1 x 1 x 1 x 1 texels, or 4 x 4 x 1 x 1, each less one.
-  platform::append_little_endian(bytes, std::uint32_t{blocks ? 0x0303U : 0U});
+  // Texels along the edges of a block, each less one: edge x edge x 1 x 1.
+  const auto last = static_cast<std::uint32_t>(block_edge(kind) - 1);
+  platform::append_little_endian(bytes, last | last << 8U);
   platform::append_little_endian(bytes, static_cast<std::uint64_t>(plane_bytes));  // of the first plane of eight
   for (const Sample& sample : samples) {
     platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
@@ -205,9 +213,11 @@ void check_kind(const platform::ByteFile& file, const Header& header) {
   if (!kind_of_vulkan_format(header.format)) {
     refuse(file, ErrorCode::unsupported_file,
            "its VkFormat " + std::to_string(header.format) +
-               " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, rgba8 and rgb8 (unorm, "
-               "srgb) are");
+               " is not read; rgba16f, rgba32f, rgb16f, rgb32f, b10g11r11, e5b9g9r9, bc6h, astc 4x4 and 6x6 (sfloat), "
+               "rgba8 and rgb8 (unorm, srgb) are");
   }
+  if (is_astc(*kind_of_vulkan_format(header.format)))
+    require_codec(Codec::astc, file.path(), "save it in another format");
   if (!supercompression_of_ktx2(header.scheme)) {
     refuse(file, ErrorCode::unsupported_file,
            "its supercompression scheme " + std::to_string(header.scheme) +
@@ -417,14 +427,11 @@ struct PackedLevel {
   std::uint64_t clamped = 0;
 };
 
-PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const std::uint8_t* blocks) {
+PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const Bytes* blocks) {
+  if (blocks != nullptr) return {pack(job.options.supercompression, *blocks, job.control.stop), 0};
   TexelEncoder encoder(job.options.format);
   const TexelKind kind = kind_of(job.options.format);
   Bytes texels(level_bytes(kind, view.size));
-  if (blocks != nullptr) {
-    std::copy_n(blocks, texels.size(), texels.begin());
-    return {pack(job.options.supercompression, texels, job.control.stop), 0};
-  }
   const std::size_t row_bytes = texels.size() / (std::size_t{6} * static_cast<std::size_t>(view.size));
   std::uint8_t* to = texels.data();
   for (int row = 0; row < 6 * view.size; ++row, to += row_bytes) {
@@ -435,14 +442,13 @@ PackedLevel pack_level(const TextureJob& job, const CubemapView& view, const std
 }
 
 /// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
-std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<Bc6hCubemap>& blocks) {
+std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<BlockLevels>& blocks) {
   std::vector<PackedLevel> levels(job.mips.size());
   const auto size = std::int64_t{job.mips.front().size};
   const jobs::Placement placement = jobs::placement_for(6 * size * size);
   jobs::run_tiles(levels.size(), placement, jobs::worker_count(placement), jobs::part_of(job.control, 0.0, 0.9),
                   [&](std::size_t tile, std::size_t) {
-                    levels[tile] =
-                        pack_level(job, job.mips[tile], blocks ? blocks->levels[tile].blocks.data() : nullptr);
+                    levels[tile] = pack_level(job, job.mips[tile], blocks ? &blocks->levels[tile] : nullptr);
                   });
   return levels;
 }
@@ -453,7 +459,7 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   const TextureOptions& options = job.options;
   const TexelKind kind = kind_of(options.format);
   const bool packed = options.supercompression != Supercompression::none;
-  const std::optional<Bc6hCubemap> blocks = compressed(job);
+  const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
   std::vector<Place> places;
@@ -473,7 +479,7 @@ std::uint64_t write_ktx2(const TextureJob& job) {
       job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
       clamped += levels[level].clamped;
     } else if (blocks) {
-      job.file.write(blocks->levels[level].blocks.data(), blocks->levels[level].blocks.size());
+      job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
     } else {
       for (int face = 0; face < 6; ++face) {
         write_face(job.file, job.mips[level], face, options.format, encoder, progress);
@@ -503,25 +509,29 @@ std::uint64_t write_ktx2(const PictureJob& job) {
   std::vector<LatLongView> levels{job.picture};
   levels.insert(levels.end(), job.smaller.begin(), job.smaller.end());
   TexelEncoder encoder(options.format);
-  std::vector<Bytes> packed;
+  std::optional<BlockLevels> blocks = compressed(job);
+  std::vector<Bytes> ready;  // levels that are packed or in blocks
+  if (blocks) ready = std::move(blocks->levels);
   std::vector<Place> places;
-  for (const LatLongView& level : levels) {
-    const std::uint64_t unpacked = static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height) *
-                                   texel_bytes(kind_of(options.format));
-    if (options.supercompression != Supercompression::none)
-      packed.push_back(pack(options.supercompression, texels_of(level, job, encoder), job.control.stop));
-    places.push_back({0, packed.empty() ? unpacked : packed.back().size(), unpacked});
+  for (std::size_t number = 0; number < levels.size(); ++number) {
+    const LatLongView& level = levels[number];
+    const std::uint64_t unpacked = place_of_rows(kind_of(options.format), level.width, 0, level.height).bytes;
+    if (options.supercompression != Supercompression::none) {
+      if (!blocks) ready.push_back(texels_of(level, job, encoder));
+      ready[number] = pack(options.supercompression, ready[number], job.control.stop);
+    }
+    places.push_back({0, ready.empty() ? unpacked : ready[number].size(), unpacked});
   }
   write_header(job.file, {job.picture.width, job.picture.height, 1}, options, places);
   for (std::size_t level = levels.size(); level-- > 0;) {
     write_padding(job.file, places[level].offset);
-    if (packed.empty()) {
+    if (ready.empty()) {
       write_picture({job.file, levels[level], options, job.control}, encoder);
     } else {
-      job.file.write(packed[level].data(), packed[level].size());
+      job.file.write(ready[level].data(), ready[level].size());
     }
   }
-  return encoder.clamped();
+  return encoder.clamped() + (blocks ? blocks->values_clamped : 0);
 }
 
 }  // namespace welkin::files

@@ -77,11 +77,9 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
   files::check_texture_options(output.path(), options);
   const std::string extension = platform::utf8(output.path().extension());
   if (extension == ".exr" || extension == ".EXR") return write_pictures(output, map, options, control);
-  const bool blocks = files::is_compressed(files::kind_of(options.format));
-  if (blocks || extension == ".dds" || extension == ".DDS") {
+  if (extension == ".dds" || extension == ".DDS") {
     throw platform::file_error(ErrorCode::invalid_argument, output.path(),
-                               blocks ? "is no cubemap, and BC6H is for cubemaps; pass another format"
-                                      : "is not written as an octahedral map; use .ktx2 or .exr");
+                               "is not written as an octahedral map; use .ktx2 or .exr");
   }
   std::vector<LatLongView> levels;
   levels.reserve(map.levels.size());

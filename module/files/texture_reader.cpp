@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "files/astc.h"
 #include "files/layout.h"
 #include "files/textures.h"
 #include "image/bc6h.h"
@@ -34,6 +35,8 @@ TexelKind kind_of(TexelFormat format) noexcept {
     case TexelFormat::e5b9g9r9: return TexelKind::e5b9g9r9;
     case TexelFormat::bc6h_ufloat: return TexelKind::bc6h_ufloat;
     case TexelFormat::bc6h_sfloat: return TexelKind::bc6h_sfloat;
+    case TexelFormat::astc_4x4_hdr: return TexelKind::astc_4x4_hdr;
+    case TexelFormat::astc_6x6_hdr: return TexelKind::astc_6x6_hdr;
   }
   return TexelKind::rgba16f;
 }
@@ -52,11 +55,19 @@ const char* name(TexelKind kind) noexcept {
     case TexelKind::rgb32f: return "rgb32f";
     case TexelKind::rgb8: return "rgb8";
     case TexelKind::rgb8_srgb: return "rgb8 srgb";
+    case TexelKind::astc_4x4_hdr: return "astc 4x4 hdr";
+    case TexelKind::astc_6x6_hdr: return "astc 6x6 hdr";
   }
   return "unknown";
 }
 
-bool is_compressed(TexelKind kind) noexcept { return kind == TexelKind::bc6h_ufloat || kind == TexelKind::bc6h_sfloat; }
+int block_edge(TexelKind kind) noexcept {
+  if (kind == TexelKind::astc_6x6_hdr) return 6;
+  if (kind == TexelKind::astc_4x4_hdr) return 4;
+  return kind == TexelKind::bc6h_ufloat || kind == TexelKind::bc6h_sfloat ? image::kBlockEdge : 1;
+}
+
+bool is_astc(TexelKind kind) noexcept { return kind == TexelKind::astc_4x4_hdr || kind == TexelKind::astc_6x6_hdr; }
 
 std::size_t texel_bytes(TexelKind kind) noexcept {
   if (kind == TexelKind::rgba16f) return 8;
@@ -67,7 +78,7 @@ std::size_t texel_bytes(TexelKind kind) noexcept {
 }
 
 RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept {
-  const int edge = is_compressed(kind) ? image::kBlockEdge : 1;
+  const int edge = block_edge(kind);
   const std::uint64_t row = static_cast<std::uint64_t>((size + edge - 1) / edge) * texel_bytes(kind);
   const auto first = static_cast<std::uint64_t>(first_row / edge);
   const auto end = static_cast<std::uint64_t>((first_row + rows + edge - 1) / edge);
@@ -99,7 +110,9 @@ void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count
     case TexelKind::b10g11r11: return decode_packed(texels, count, rgb, image::unpack_b10g11r11);
     case TexelKind::e5b9g9r9: return decode_packed(texels, count, rgb, image::unpack_e5b9g9r9);
     case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat: return;  // texels that lie in no row
+    case TexelKind::bc6h_sfloat:
+    case TexelKind::astc_4x4_hdr:
+    case TexelKind::astc_6x6_hdr: return;  // texels that lie in no row
   }
 }
 
@@ -267,12 +280,16 @@ std::string words_for(const TextureLayout& layout) {
   return words;
 }
 
-void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, const stop_token& stop) {
+/// At once, whole blocks of them.
+int whole_rows(TexelKind kind, int rows) { return rows / block_edge(kind) * block_edge(kind); }
+
+void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, int rows_at_once,
+               const stop_token& stop) {
   const int size = chain.level_size(level);
-  for (int row = 0; row < size; row += kRowsAtOnce) {
+  for (int row = 0; row < size; row += rows_at_once) {
     jobs::throw_if_cancelled(stop);
     const std::ptrdiff_t offset = std::ptrdiff_t{3} * size * row;
-    reader.read(level, face, row, std::min(kRowsAtOnce, size - row), chain.face(level, face) + offset);
+    reader.read(level, face, row, std::min(rows_at_once, size - row), chain.face(level, face) + offset);
   }
 }
 
@@ -281,9 +298,25 @@ void read_face(TextureReader& reader, CubemapChain& chain, int level, int face, 
 std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
   const int size = layout.level_size(level);
   const auto& place = layout.levels[static_cast<std::size_t>(level)];
-  if (layout.supercompression != Supercompression::none) return layout.whole_bytes(level) + place.packed_bytes;
   // Rows of blocks reach beyond the rows that are read, at either end.
-  return place_of_rows(layout.kind, size, 0, rows + (is_compressed(layout.kind) ? image::kBlockEdge : 0)).bytes;
+  const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
+  std::uint64_t bytes = place_of_rows(layout.kind, size, 0, most_rows).bytes;
+  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
+  if (!is_astc(layout.kind)) return bytes;
+  constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
+  const auto texels = static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(most_rows);
+  return sum(bytes, decoder + texels * 4 * sizeof(float));
+}
+
+TextureReader::TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop)
+    : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
+
+TextureReader::~TextureReader() = default;
+
+void TextureReader::decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) {
+  if (!is_astc(layout_.kind)) return decode_rows(layout_.kind, bytes, size, first_row, rows, rgb);
+  if (!astc_) astc_ = make_astc_decoder(layout_.kind, file_.path());
+  astc_->decode_rows(bytes, size, first_row, rows, rgb);
 }
 
 void TextureReader::unpack_level(int level) {
@@ -303,13 +336,13 @@ void TextureReader::read(int level, int face, int first_row, int rows, float* rg
   if (layout_.supercompression != Supercompression::none) {
     if (unpacked_level_ != level) unpack_level(level);
     const std::uint64_t first_byte = layout_.first_byte_of(level, face);
-    decode_rows(layout_.kind, texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
+    decode(texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
     return;
   }
   texels_.resize(place.bytes);
   file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] + place.first_byte);
   file_.read(texels_.data(), texels_.size());
-  decode_rows(layout_.kind, texels_.data(), size, first_row, rows, rgb);
+  decode(texels_.data(), size, first_row, rows, rgb);
 }
 
 }  // namespace files
@@ -332,13 +365,15 @@ CubemapTexture read_texture(const FileInput& input, std::uint64_t memory_limit_b
 
   CubemapTexture texture{CubemapChain(layout.size, static_cast<int>(layout.levels.size()), control.memory),
                          files::words_for(layout), layout.metadata};
+  const int rows_at_once = files::whole_rows(layout.kind, files::kRowsAtOnce);
   std::vector<std::unique_ptr<files::TextureReader>> readers(workers);
   jobs::run_tiles(tiles.count, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     auto& reader = readers[worker];
     if (!reader) reader = std::make_unique<files::TextureReader>(input, layout, control.stop);
     const std::size_t first = tile * tiles.faces;
     for (std::size_t face = first; face < first + tiles.faces; ++face) {
-      files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), control.stop);
+      files::read_face(*reader, texture.cubemap, static_cast<int>(face / 6), static_cast<int>(face % 6), rows_at_once,
+                       control.stop);
     }
   });
   return texture;
@@ -354,13 +389,17 @@ constexpr int kStreamedRows = 16;
 class TextureRowReader final : public RowReader {
  public:
   TextureRowReader(const FileInput& input, const TextureLayout& layout, int level)
-      : reader_(input, layout), level_(level), width_(layout.level_size(level)), rows_(layout.level_rows(level)) {}
+      : reader_(input, layout),
+        level_(level),
+        width_(layout.level_size(level)),
+        rows_(layout.level_rows(level)),
+        streamed_rows_(whole_rows(layout.kind, kStreamedRows)) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     const int end = first_row + row_count;
     for (int row = first_row; row < end;) {
       const int face = row / rows_;
-      const int rows = std::min({end - row, (face + 1) * rows_ - row, kStreamedRows});
+      const int rows = std::min({end - row, (face + 1) * rows_ - row, streamed_rows_});
       reader_.read(level_, face, row % rows_, rows, rgb);
       rgb += rgb_bytes(width_, rows) / sizeof(float);
       row += rows;
@@ -371,7 +410,8 @@ class TextureRowReader final : public RowReader {
   TextureReader reader_;
   int level_;
   int width_;
-  int rows_;  ///< of a face
+  int rows_;           ///< of a face
+  int streamed_rows_;  ///< at once
 };
 
 class TextureSource final : public RowSource {
@@ -381,7 +421,7 @@ class TextureSource final : public RowSource {
 
   [[nodiscard]] int natural_rows() const override {
     if (is_packed()) return info().height;
-    return is_compressed(layout_.kind) ? std::min(image::kBlockEdge, layout_.level_rows(level_)) : 1;
+    return std::min(block_edge(layout_.kind), layout_.level_rows(level_));
   }
   [[nodiscard]] bool has_prefiltered_levels() const override {
     if (layout_.faces() != 6) return false;
@@ -413,7 +453,9 @@ ChannelType channel_type(TexelKind kind, std::size_t channel) {
     case TexelKind::rgba16f:
     case TexelKind::rgb16f:
     case TexelKind::bc6h_ufloat:
-    case TexelKind::bc6h_sfloat: return ChannelType::half;
+    case TexelKind::bc6h_sfloat:
+    case TexelKind::astc_4x4_hdr:
+    case TexelKind::astc_6x6_hdr: return ChannelType::half;
     case TexelKind::rgb32f:
     case TexelKind::rgba32f: return ChannelType::float32;
     case TexelKind::b10g11r11: return channel == 2 ? ChannelType::ufloat10 : ChannelType::ufloat11;

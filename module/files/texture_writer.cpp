@@ -5,9 +5,11 @@
 #include <string>
 #include <system_error>
 
+#include "files/astc.h"
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
+#include "image/bc6h_encoder.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
@@ -31,13 +33,14 @@ struct Container {
   std::uint64_t (*write_picture)(const PictureJob&);  ///< none: cubemaps alone
   bool packed_formats;                                ///< b10g11r11 and e5b9g9r9
   bool supercompression;
-  bool blocks;  ///< bc6h
+  bool bc6h;
+  bool astc;
 };
 
-constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true},
-                                 Container{".ktx", write_ktx1, nullptr, true, false, true},
-                                 Container{".dds", write_dds, write_dds, true, false, true},
-                                 Container{".exr", write_exr_cube, nullptr, false, false, false}};
+constexpr std::array kContainers{Container{".ktx2", write_ktx2, write_ktx2, true, true, true, true},
+                                 Container{".ktx", write_ktx1, nullptr, true, false, true, false},
+                                 Container{".dds", write_dds, write_dds, true, false, true, false},
+                                 Container{".exr", write_exr_cube, nullptr, false, false, false, false}};
 
 const Container& container_of(const std::filesystem::path& path) {
   std::string extension = platform::utf8(path.extension());
@@ -60,16 +63,21 @@ void check_options(const std::filesystem::path& path, const Container& container
     throw platform::file_error(ErrorCode::invalid_argument, path, message);
   };
   // A number from elsewhere that was cast.
-  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::bc6h_sfloat ||
+  if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::astc_6x6_hdr ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
     refuse("was asked for in a format or supercompression that there is not; pass one of the enumerators");
   }
-  if (is_compressed(kind_of(options.format)) && !container.blocks) {
+  const TexelKind kind = kind_of(options.format);
+  if (is_astc(kind) && !container.astc) {
+    refuse("cannot hold blocks of ASTC; pass rgba16f or rgba32f, or write .ktx2");
+  }
+  if (is_compressed(kind) && !container.bc6h) {
     refuse("cannot hold blocks of BC6H; pass rgba16f or rgba32f, or write .ktx2, .ktx or .dds");
   }
+  if (is_astc(kind)) require_codec(Codec::astc, path, "pass bc6h_ufloat or another format");
   const bool packed = options.format == TexelFormat::b10g11r11 || options.format == TexelFormat::e5b9g9r9;
   if (packed && !container.packed_formats) {
-    refuse(std::string("cannot hold ") + name(kind_of(options.format)) + "; pass rgba16f or rgba32f, or write .ktx2");
+    refuse(std::string("cannot hold ") + name(kind) + "; pass rgba16f or rgba32f, or write .ktx2");
   }
   if (options.supercompression != Supercompression::none && !container.supercompression) {
     refuse("cannot be supercompressed; that is KTX2's: leave it out, or write .ktx2");
@@ -92,10 +100,36 @@ void check_texture_options(const std::filesystem::path& path, const TextureOptio
   check_options(path, container_of(path), options);
 }
 
-std::optional<Bc6hCubemap> compressed(const TextureJob& job) {
+namespace {
+
+BlockLevels in_blocks(std::span<const std::vector<LatLongView>> levels, const TextureOptions& options,
+                      const Control& whole) {
+  const Control control = jobs::part_of(whole, 0.0, 0.9);
+  const TexelKind kind = kind_of(options.format);
+  if (is_astc(kind)) return encode_astc(levels, kind, options.astc_effort, control);
+  image::Bc6hPictureLevels encoded =
+      image::encode_bc6h_pictures(levels, {options.bc6h_effort, kind == TexelKind::bc6h_sfloat}, control);
+  BlockLevels blocks{{}, encoded.values_clamped};
+  blocks.levels.reserve(encoded.levels.size());
+  for (image::Bc6hPictures& level : encoded.levels) blocks.levels.push_back(std::move(level.blocks));
+  return blocks;
+}
+
+}  // namespace
+
+std::optional<BlockLevels> compressed(const TextureJob& job) {
   if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
-  return encode_bc6h(job.mips, {job.options.bc6h_effort, job.options.format == TexelFormat::bc6h_sfloat},
-                     jobs::part_of(job.control, 0.0, 0.9));
+  std::vector<std::vector<LatLongView>> levels;
+  levels.reserve(job.mips.size());
+  for (const CubemapView& view : job.mips) levels.push_back(image::pictures_of(view));
+  return in_blocks(levels, job.options, job.control);
+}
+
+std::optional<BlockLevels> compressed(const PictureJob& job) {
+  if (!is_compressed(kind_of(job.options.format))) return std::nullopt;
+  std::vector<std::vector<LatLongView>> levels{{job.picture}};
+  for (const LatLongView& level : job.smaller) levels.push_back({level});
+  return in_blocks(levels, job.options, job.control);
 }
 
 void report_share(const Control& control, double done) {
@@ -187,10 +221,6 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
                                "is written as a cubemap alone; use .ktx2 or .dds, or write_environment");
   }
   files::check_options(output.path(), container, options);
-  if (files::is_compressed(files::kind_of(options.format))) {
-    throw platform::file_error(ErrorCode::invalid_argument, output.path(),
-                               "is no cubemap, and BC6H is for cubemaps; pass another format");
-  }
   platform::WholeFile file(output.path(), output.bytes());
   const std::uint64_t values_clamped = container.write_picture({file, picture, options, control});
   file.finish();

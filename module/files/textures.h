@@ -72,6 +72,8 @@ enum class TexelKind {
   rgb32f,
   rgb8,
   rgb8_srgb,
+  astc_4x4_hdr,
+  astc_6x6_hdr,
 };
 
 [[nodiscard]] TexelKind kind_of(TexelFormat format) noexcept;
@@ -79,8 +81,10 @@ enum class TexelKind {
 /// "rgba16f", ..., "rgba8", "rgba8 srgb", "bc6h ufloat", ...
 [[nodiscard]] const char* name(TexelKind kind) noexcept;
 
-/// Whether texels lie in blocks of 4 x 4, of 16 bytes each.
-[[nodiscard]] bool is_compressed(TexelKind kind) noexcept;
+/// Texels along an edge of the blocks that they lie in, of 16 bytes each; 1: not in blocks.
+[[nodiscard]] int block_edge(TexelKind kind) noexcept;
+[[nodiscard]] inline bool is_compressed(TexelKind kind) noexcept { return block_edge(kind) > 1; }
+[[nodiscard]] bool is_astc(TexelKind kind) noexcept;
 
 /// 3 to 16; of a block 16.
 [[nodiscard]] std::size_t texel_bytes(TexelKind kind) noexcept;
@@ -93,7 +97,7 @@ struct RowPlace {
 [[nodiscard]] RowPlace place_of_rows(TexelKind kind, int size, int first_row, int rows) noexcept;
 
 /// Packed RGB floats from what is at `place_of_rows`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8:
-/// any).
+/// any). Not for ASTC: `AstcDecoder` (astc.h) needs tables.
 void decode_rows(TexelKind kind, const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) noexcept;
 
 /// Bytes of a level of six faces; `size` up to 16384.
@@ -226,22 +230,28 @@ void check_cubemap_sizes(const platform::ByteFile& file, std::uint64_t width, st
 
 // Texels out of a KTX2 or DDS file.
 
+class AstcDecoder;
+
 /// Each thread has its own. Holds an unpacked level, if the file's are packed, until another is asked for.
 class TextureReader {
  public:
   /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
-  TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {})
-      : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
+  TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {});
+  ~TextureReader();
+  TextureReader(const TextureReader&) = delete;
+  TextureReader& operator=(const TextureReader&) = delete;
 
   /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
   void read(int level, int face, int first_row, int rows, float* rgb);
 
  private:
   void unpack_level(int level);
+  void decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb);
 
   platform::ByteFile file_;
   const TextureLayout& layout_;
   stop_token stop_;
+  std::unique_ptr<AstcDecoder> astc_;  ///< once it was needed
   std::vector<std::uint8_t> texels_;
   int unpacked_level_ = -1;
 };
@@ -286,8 +296,16 @@ struct PictureJob {
   std::span<const LatLongView> smaller{};  ///< levels below it, each half the one before: of KTX2 alone
 };
 
-/// The job's levels as BC6H, if that is its format: nine tenths of the work, which is said to the job's control.
-[[nodiscard]] std::optional<Bc6hCubemap> compressed(const TextureJob& job);
+/// Levels in blocks.
+struct BlockLevels {
+  std::vector<std::vector<std::uint8_t>> levels;  ///< of each the blocks of its faces, or of its picture
+  std::uint64_t values_clamped = 0;
+};
+
+/// The job's levels in blocks, if its format has such: nine tenths of the work, which is said to the job's control.
+/// Throw `Error`: invalid_argument (the effort), cancelled.
+[[nodiscard]] std::optional<BlockLevels> compressed(const TextureJob& job);
+[[nodiscard]] std::optional<BlockLevels> compressed(const PictureJob& job);
 
 /// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
 /// `write_texture` does.

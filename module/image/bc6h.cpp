@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "image/bc6h_partitions.h"
 #include "image/pixels.h"
 
 namespace welkin::image {
@@ -120,15 +121,6 @@ constexpr bool all_covered() {
 }
 static_assert(all_covered());
 
-/// Texel k's line is bit k. These are the first 32 of BC7's partitions, too.
-constexpr std::array<std::uint16_t, kBlockPartitions> kSecondLines = {
-    0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80, 0xC800, 0xFFEC, 0xFE80,
-    0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000, 0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310,
-    0x3100, 0x8CCE, 0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
-
-constexpr std::array<std::uint8_t, kBlockPartitions> kAnchors = {
-    15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2};
-
 constexpr int kPartitionBits = 5;
 
 /// The 128 bits of a block, from the lowest on.
@@ -239,9 +231,9 @@ constexpr std::int32_t weight_of(std::int32_t index, bool two_lines) noexcept {
 
 const Bc6hMode& bc6h_mode(int mode) noexcept { return kModes[static_cast<std::size_t>(mode - 1)]; }
 
-std::uint16_t bc6h_second_line(int partition) noexcept { return kSecondLines[static_cast<std::size_t>(partition)]; }
+std::uint16_t bc6h_second_line(int partition) noexcept { return kBc6hSecondLines[static_cast<std::size_t>(partition)]; }
 
-int bc6h_anchor(int partition) noexcept { return kAnchors[static_cast<std::size_t>(partition)]; }
+int bc6h_anchor(int partition) noexcept { return kBc6hAnchors[static_cast<std::size_t>(partition)]; }
 
 Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept {
   Bc6hFields fields;

@@ -12,10 +12,9 @@
 
 namespace welkin::image {
 
-inline constexpr int kBlockEdge = 4;                 ///< texels along an edge of a block
-inline constexpr std::size_t kBlockTexels = 16;      ///< of a block
-inline constexpr std::size_t kBlockBytes = 16;       ///< of a block
-inline constexpr std::size_t kBlockPartitions = 32;  ///< of a block with two lines
+inline constexpr int kBlockEdge = 4;             ///< texels along an edge of a block
+inline constexpr std::size_t kBlockTexels = 16;  ///< of a block
+inline constexpr std::size_t kBlockBytes = 16;   ///< of a block
 
 /// Whether the halves of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
 enum class Bc6hRange { positive, signed_values };

@@ -1,9 +1,12 @@
-// Cubemaps to BC6H and back: which blocks are encoded together, and where they go.
+// Cubemaps and pictures to BC6H and back: which blocks are encoded together, and where they go.
+#include "image/bc6h_encoder.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
@@ -34,12 +37,12 @@ constexpr double kMeanSquareOfUnits = 0.51;
 /// Blocks of one level that are encoded together.
 struct Tile {
   std::size_t level;
-  int first_block;  ///< counted over all faces
+  int first_block;  ///< counted over all pictures
   int blocks;
 };
 
 struct Place {
-  int face, row, column;  ///< the first texel's
+  int picture, row, column;  ///< the first texel's
 };
 
 /// What one worker needs.
@@ -62,14 +65,16 @@ struct TileResult {
 /// One tile's work.
 class TileEncoder {
  public:
-  TileEncoder(const CubemapView& view, const Tile& tile, const Bc6hOptions& options, Scratch& scratch,
+  /// `blocks`: of the level.
+  TileEncoder(const std::vector<LatLongView>& pictures, const Tile& tile, const Bc6hOptions& options, Scratch& scratch,
               std::uint8_t* blocks)
-      : view_(view),
+      : pictures_(pictures),
         tile_(tile),
         options_(options),
         scratch_(scratch),
         kernels_(image::bc6h_kernels()),
-        across_(image::blocks_across(view.size)),
+        width_(pictures.front().width),
+        height_(pictures.front().height),
         blocks_(blocks) {}
 
   TileResult encode() {
@@ -84,11 +89,13 @@ class TileEncoder {
  private:
   [[nodiscard]] Place place_of(int block) const {
     const int number = tile_.first_block + block;
-    return {number / (across_ * across_), number / across_ % across_ * kBlockEdge, number % across_ * kBlockEdge};
+    const int across = image::blocks_across(width_);
+    const int down = image::blocks_across(height_);
+    return {number / (across * down), number / across % down * kBlockEdge, number % across * kBlockEdge};
   }
 
   [[nodiscard]] bool reaches_beyond(const Place& place) const {
-    return place.row + kBlockEdge > view_.size || place.column + kBlockEdge > view_.size;
+    return place.row + kBlockEdge > height_ || place.column + kBlockEdge > width_;
   }
 
   [[nodiscard]] std::uint8_t* bytes_of(int block) const {
@@ -97,20 +104,20 @@ class TileEncoder {
 
   /// Rows of a lane's block: in the picture where it has floats, else copied.
   void set_rows(const Place& place, std::size_t lane) {
-    const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view_.format));
+    const LatLongView& view = pictures_[static_cast<std::size_t>(place.picture)];
+    const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view.format));
     const bool beyond = reaches_beyond(place);
     for (int row = 0; row < kBlockEdge; ++row) {
-      const int line = std::min(place.row + row, view_.size - 1);
-      const auto* const from =
-          static_cast<const std::byte*>(image::row_of(view_, place.face, line)) + place.column * texel;
+      const int line = std::min(place.row + row, height_ - 1);
+      const auto* const from = static_cast<const std::byte*>(image::row_of(view, line)) + place.column * texel;
       const float*& to = scratch_.rows[4 * lane + static_cast<std::size_t>(row)];
-      if (!beyond && view_.format == PixelFormat::rgb32f) {
+      if (!beyond && view.format == PixelFormat::rgb32f) {
         to = reinterpret_cast<const float*>(from);
         continue;
       }
       float* const copy = scratch_.texels[lane].data() + std::ptrdiff_t{12} * row;
-      const int columns = std::min(kBlockEdge, view_.size - place.column);
-      image::decode_texels(view_.format, from, columns, copy);
+      const int columns = std::min(kBlockEdge, width_ - place.column);
+      image::decode_texels(view.format, from, columns, copy);
       for (int column = columns; column < kBlockEdge; ++column) {
         std::copy_n(copy + std::ptrdiff_t{3} * (columns - 1), 3, copy + std::ptrdiff_t{3} * column);
       }
@@ -121,8 +128,8 @@ class TileEncoder {
   /// Texels of a block that lie in the picture.
   template <class Visit>
   void for_each_inner(const Place& place, const Visit& visit) const {
-    for (int row = 0; row < std::min(kBlockEdge, view_.size - place.row); ++row) {
-      for (int column = 0; column < std::min(kBlockEdge, view_.size - place.column); ++column) {
+    for (int row = 0; row < std::min(kBlockEdge, height_ - place.row); ++row) {
+      for (int column = 0; column < std::min(kBlockEdge, width_ - place.column); ++column) {
         visit(static_cast<std::size_t>(kBlockEdge * row + column));
       }
     }
@@ -216,25 +223,34 @@ class TileEncoder {
     image::pack_bc6h(fields, bytes_of(block));
   }
 
-  const CubemapView& view_;
+  const std::vector<LatLongView>& pictures_;
   const Tile& tile_;
   const Bc6hOptions& options_;
   Scratch& scratch_;
   const image::Bc6hKernels& kernels_;
-  int across_;
+  int width_;
+  int height_;
   std::uint8_t* blocks_;
   TileResult result_;
 };
 
-std::size_t block_bytes(int size) {
-  const auto across = static_cast<std::size_t>(image::blocks_across(size));
-  return 6 * across * across * kBlockBytes;
+/// Of one picture.
+std::size_t block_bytes(int width, int height) {
+  return kBlockBytes * static_cast<std::size_t>(image::blocks_across(width)) *
+         static_cast<std::size_t>(image::blocks_across(height));
 }
 
-std::vector<Tile> tiles_of(std::span<const CubemapView> mips) {
+/// Of six faces.
+std::size_t block_bytes(int size) { return 6 * block_bytes(size, size); }
+
+std::size_t block_bytes(const std::vector<LatLongView>& pictures) {
+  return pictures.size() * block_bytes(pictures.front().width, pictures.front().height);
+}
+
+std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels) {
   std::vector<Tile> tiles;
-  for (std::size_t level = 0; level < mips.size(); ++level) {
-    const auto blocks = static_cast<int>(block_bytes(mips[level].size) / kBlockBytes);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    const auto blocks = static_cast<int>(block_bytes(levels[level]) / kBlockBytes);
     for (int first = 0; first < blocks; first += kTileBlocks) {
       tiles.push_back({level, first, std::min(kTileBlocks, blocks - first)});
     }
@@ -243,6 +259,10 @@ std::vector<Tile> tiles_of(std::span<const CubemapView> mips) {
 }
 
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
+
+std::int64_t texels_of(const std::vector<LatLongView>& pictures) {
+  return static_cast<std::int64_t>(pictures.size()) * pictures.front().width * pictures.front().height;
+}
 
 /// Sizes and bytes of what may come from elsewhere.
 void check(const Bc6hCubemap& cubemap) {
@@ -289,35 +309,64 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
 
 }  // namespace
 
-Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  image::check_chain(mips);
+namespace image {
+
+std::vector<LatLongView> pictures_of(const CubemapView& view) {
+  std::vector<LatLongView> pictures;
+  pictures.reserve(view.faces.size());
+  for (const void* const face : view.faces) {
+    pictures.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
+  }
+  return pictures;
+}
+
+Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
+                                       const Control& control) {
   if (options.effort < Bc6hEffort::fast || options.effort > Bc6hEffort::slow) {
     throw Error(ErrorCode::invalid_argument, "the effort for BC6H is not one of the enumerators; pass one of them");
   }
-  Bc6hCubemap cubemap;
-  cubemap.is_signed = options.is_signed;
-  for (const CubemapView& view : mips) {
-    cubemap.levels.push_back({view.size, std::vector<std::uint8_t>(block_bytes(view.size)), 0.0});
+  Bc6hPictureLevels encoded;
+  for (const std::vector<LatLongView>& pictures : levels) {
+    encoded.levels.push_back({std::vector<std::uint8_t>(block_bytes(pictures)), 0.0});
   }
-  const std::vector<Tile> tiles = tiles_of(mips);
+  const std::vector<Tile> tiles = tiles_of(levels);
   std::vector<TileResult> results(tiles.size());
-  const jobs::Placement placement = jobs::placement_for(texels_of(mips.front().size));
+  const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
   const std::size_t workers = jobs::worker_count(placement);
   const auto scratch = platform::make_unique_for_overwrite<Scratch[]>(workers);
   jobs::run_tiles(tiles.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
     const std::size_t level = tiles[tile].level;
     results[tile] =
-        TileEncoder(mips[level], tiles[tile], options, scratch[worker], cubemap.levels[level].blocks.data()).encode();
+        TileEncoder(levels[level], tiles[tile], options, scratch[worker], encoded.levels[level].blocks.data()).encode();
   });
-  std::vector<double> squares(mips.size());
+  std::vector<double> squares(levels.size());
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     squares[tiles[tile].level] += results[tile].squares;
-    cubemap.values_clamped += results[tile].clamped;
+    encoded.values_clamped += results[tile].clamped;
   }
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    const double values = 3.0 * static_cast<double>(texels_of(levels[level]));
+    encoded.levels[level].estimated_error = std::sqrt(squares[level] * kMeanSquareOfUnits / values) / 1024.0;
+  }
+  return encoded;
+}
+
+}  // namespace image
+
+Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_chain(mips);
+  std::vector<std::vector<LatLongView>> levels;
+  levels.reserve(mips.size());
+  for (const CubemapView& view : mips) levels.push_back(image::pictures_of(view));
+  image::Bc6hPictureLevels encoded = image::encode_bc6h_pictures(levels, options, control);
+  Bc6hCubemap cubemap;
+  cubemap.is_signed = options.is_signed;
+  cubemap.values_clamped = encoded.values_clamped;
+  cubemap.levels.reserve(mips.size());
   for (std::size_t level = 0; level < mips.size(); ++level) {
-    const double values = 3.0 * static_cast<double>(texels_of(mips[level].size));
-    cubemap.levels[level].estimated_error = std::sqrt(squares[level] * kMeanSquareOfUnits / values) / 1024.0;
+    image::Bc6hPictures& here = encoded.levels[level];
+    cubemap.levels.push_back({mips[level].size, std::move(here.blocks), here.estimated_error});
   }
   return cubemap;
 }

@@ -19,8 +19,8 @@ struct alignas(64) BlockGroup {
 using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
 
 /// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
-/// and weights to what a texel's light makes them: w (1 + 2 L / mean of L). What the halves cannot hold is clamped, NaN
-/// is 0: clamped[block] says how many values of a block that were.
+/// and weights to what a texel's light makes them: w (1 + 2.5 L / mean of L). What the halves cannot hold is clamped,
+/// NaN is 0: clamped[block] says how many values of a block that were.
 using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped);
 
 /// Finished blocks with one line, modes 11 to 14.

@@ -4,17 +4,9 @@
 
 #include "image/bc6h_kernels.h"
 #include "image/bc6h_lines.h"
+#include "image/bc6h_partitions.h"
 
 namespace welkin::image::WELKIN_ISA {
-
-/// Texel k of the second line is bit k. (bc6h.cpp has the same ones: a kernel calls nothing outside.)
-inline constexpr int kPartitions = 32;
-inline constexpr std::uint32_t kSecondLineOf[kPartitions] = {
-    0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80, 0xC800, 0xFFEC, 0xFE80,
-    0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000, 0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310,
-    0x3100, 0x8CCE, 0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
-inline constexpr std::int32_t kAnchorOf[kPartitions] = {15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15,
-                                                        15, 2,  8,  2,  2,  8,  8,  15, 2,  8,  2,  2,  8,  8,  2,  2};
 
 // ---- Which partition
 
@@ -101,12 +93,12 @@ WELKIN_INLINE void rank_partitions(const BlockLanes& block, int places, Ranking&
     for (int m = 0; m < kMoments; ++m) all[m] = all[m] + moments[k][m];
   }
   for (int k = 0; k < places; ++k) ranking.scores[k] = ranking.partitions[k] = Lanes(kBig);
-  for (int partition = 0; partition < kPartitions; ++partition) {
+  for (int partition = 0; partition < kBc6hPartitions; ++partition) {
     Lanes side[kMoments];
     Lanes other[kMoments];
     for (int m = 0; m < kMoments; ++m) side[m] = Lanes(0.0F);
     for (int k = 0; k < kTexels; ++k) {
-      if ((kSecondLineOf[partition] >> k & 1U) == 0) continue;
+      if ((unsigned{kBc6hSecondLines[partition]} >> k & 1U) == 0) continue;
       for (int m = 0; m < kMoments; ++m) side[m] = side[m] + moments[k][m];
     }
     for (int m = 0; m < kMoments; ++m) other[m] = all[m] - side[m];
@@ -128,8 +120,8 @@ struct Sides {
     partition.store_aligned(numbers);
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto number = static_cast<int>(numbers[lane]);
-      masks[lane] = static_cast<std::int32_t>(kSecondLineOf[number]);
-      anchors[lane] = static_cast<float>(kAnchorOf[number]);
+      masks[lane] = std::int32_t{kBc6hSecondLines[number]};
+      anchors[lane] = static_cast<float>(kBc6hAnchors[number]);
     }
     const Integers mask = Integers::load_aligned(masks);
     for (int k = 0; k < kTexels; ++k) second[k] = xsimd::to_float((mask >> k) & Integers(1));

@@ -49,7 +49,9 @@ std::uint64_t encode_texels(TexelFormat format, const float* rgb, std::size_t co
       return encode_packed(rgb, count, texels, {kLargestSharedFloat, kLargestSharedFloat, kLargestSharedFloat},
                            pack_e5b9g9r9);
     case TexelFormat::bc6h_ufloat:
-    case TexelFormat::bc6h_sfloat: break;  // texels that lie in no row
+    case TexelFormat::bc6h_sfloat:
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: break;  // texels that lie in no row
   }
   return 0;
 }
@@ -130,7 +132,9 @@ std::uint64_t bytes_of_texel(TexelFormat format) noexcept {
     case TexelFormat::b10g11r11:
     case TexelFormat::e5b9g9r9: return 4;
     case TexelFormat::bc6h_ufloat:
-    case TexelFormat::bc6h_sfloat: break;
+    case TexelFormat::bc6h_sfloat:
+    case TexelFormat::astc_4x4_hdr:
+    case TexelFormat::astc_6x6_hdr: break;
   }
   return 0;
 }

@@ -68,6 +68,7 @@ class WelkinConan(ConanFile):
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["WELKIN_FILES"] = bool(self.options.with_files)
         toolchain.cache_variables["WELKIN_TOOLS"] = bool(self.options.with_command)
+        toolchain.cache_variables["WELKIN_ASTC"] = False  # takes astcenc as a library, of which we know no package
         for part in ("TESTS", "PERF", "EXAMPLES"):
             toolchain.cache_variables[f"WELKIN_{part}"] = False
         toolchain.generate()

@@ -71,6 +71,20 @@ double rms_of_irradiance(const SphericalHarmonics& radiance) {
   return std::sqrt(squares / (4.0 * std::numbers::pi));
 }
 
+ErrorNorms relative_errors(std::span<const float> found, std::span<const float> given) {
+  constexpr double floor = 1.0 / 16384.0;
+  constexpr double largest_half = 65504.0;
+  double squares = 0.0;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const double value = std::clamp(static_cast<double>(given[k]), 0.0, largest_half);
+    const double error = std::abs(static_cast<double>(found[k]) - value) / std::max(value, floor);
+    squares += error * error;
+    largest = std::max(largest, error);
+  }
+  return {std::sqrt(squares / static_cast<double>(given.size())), largest};
+}
+
 ErrorNorms together(std::span<const ErrorNorms> cases) {
   ErrorNorms all;
   for (const ErrorNorms& one : cases) {

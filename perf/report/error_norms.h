@@ -31,6 +31,10 @@ struct ErrorNorms {
 /// Root mean square over all normals of the irradiance, as the length over three channels, that this radiance gives.
 [[nodiscard]] double rms_of_irradiance(const SphericalHarmonics& radiance);
 
+/// Of each value the difference over the given one, as far as halves hold that, or over 2^-14 where it is less: root
+/// mean square and largest. Both have the same length.
+[[nodiscard]] ErrorNorms relative_errors(std::span<const float> found, std::span<const float> given);
+
 /// Several cases as one: the root mean square of their rms errors, and the largest maximum.
 [[nodiscard]] ErrorNorms together(std::span<const ErrorNorms> cases);
 

@@ -1,8 +1,10 @@
 // The passes that a report measures, how much of each, and with what.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/sky.h"
+#include "welkin/texture_file.h"
 
 namespace welkin::report {
 
@@ -34,8 +37,8 @@ struct Scale {
   int sky_zeniths = 0;                   ///< of the truth's quadrature, on either side of the horizon
   int sky_azimuths = 0;                  ///< over half the circle
   std::vector<SkyTableOptions>
-      sky_tables{};  ///< from coarse to fine; the last one is the view whose harmonics are taken
-  bool peers = true;
+      sky_tables{};   ///< from coarse to fine; the last one is the view whose harmonics are taken
+  bool peers = true;  ///< other programs, and encoders of other libraries
 };
 
 /// tiny: seconds, for tests. quick: under a minute on two cores. full: minutes.
@@ -87,6 +90,22 @@ struct ProjectionWay {
 [[nodiscard]] std::vector<PassRunner> prefilter_passes();
 
 [[nodiscard]] std::vector<PassRunner> brdf_passes();
+
+/// One way to a cubemap in blocks.
+struct BlockWay {
+  const char* format;
+  const char* effort;
+  TextureOptions options;
+};
+
+/// BC6H and ASTC with each effort.
+[[nodiscard]] std::vector<BlockWay> block_ways();
+
+/// A KTX2 in memory; nothing in a build without the codec.
+[[nodiscard]] std::optional<std::vector<std::byte>> texture_bytes(const CubemapChain& chain,
+                                                                  const TextureOptions& options);
+
+[[nodiscard]] std::vector<PassRunner> block_passes();
 
 /// A quadrature at some size.
 struct SkySetting {

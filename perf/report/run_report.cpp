@@ -13,7 +13,8 @@ namespace {
 
 std::vector<PassRunner> all_passes() {
   std::vector<PassRunner> all;
-  for (const auto& make : {projection_passes, prefilter_passes, irradiance_passes, brdf_passes, sky_passes}) {
+  for (const auto& make :
+       {projection_passes, prefilter_passes, irradiance_passes, brdf_passes, block_passes, sky_passes}) {
     for (PassRunner& runner : make()) all.push_back(std::move(runner));
   }
   return all;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c/c_calls.h"
@@ -128,6 +129,54 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
           WELKIN_INVALID_ARGUMENT);
   REQUIRE(welkin_write_texture(directory.file("no/folder.ktx2").string().c_str(), mips.data(), 5, nullptr, nullptr,
                                nullptr) == WELKIN_FILE_ACCESS);
+}
+
+TEST_CASE("C: textures in blocks are the bytes that the C++ calls write, with each effort", "[c_interface]") {
+  const TemporaryDirectory directory;
+  const Reflections reflections;
+  const std::string in_c = directory.file("c.ktx2").string();
+  const auto in_cpp = directory.file("cpp.ktx2");
+  const auto same = [&](const welkin_texture_options& options, const TextureOptions& expected) {
+    if (welkin_write_chain(in_c.c_str(), reflections.chain, &options, nullptr, nullptr) != WELKIN_OK) return false;
+    TextureOptions with_roughness = expected;
+    with_roughness.metadata = read_texture(directory.file("c.ktx2")).metadata;
+    std::erase_if(with_roughness.metadata, [](const auto& entry) { return entry.first.starts_with("KTX"); });
+    write_texture(in_cpp, reflections.expected.cubemap.views(), with_roughness);
+    return bytes_of(in_c) == bytes_of(in_cpp.string());
+  };
+  auto options = c_struct<welkin_texture_options>();
+  const std::pair<welkin_bc6h_effort, Bc6hEffort> efforts[] = {{WELKIN_BC6H_DEFAULT, Bc6hEffort::normal},
+                                                               {WELKIN_BC6H_FAST, Bc6hEffort::fast},
+                                                               {WELKIN_BC6H_NORMAL, Bc6hEffort::normal},
+                                                               {WELKIN_BC6H_SLOW, Bc6hEffort::slow}};
+  for (const auto& [effort, expected] : efforts) {
+    CAPTURE(effort);
+    options.bc6h_effort = effort;
+    options.format = WELKIN_TEXEL_BC6H_UFLOAT;
+    CHECK(same(options, {.format = TexelFormat::bc6h_ufloat, .bc6h_effort = expected}));
+    options.format = WELKIN_TEXEL_BC6H_SFLOAT;
+    CHECK(same(options, {.format = TexelFormat::bc6h_sfloat, .bc6h_effort = expected}));
+  }
+  // A program that was built before there were efforts.
+  options.bc6h_effort = WELKIN_BC6H_FAST;
+  options.struct_size = offsetof(welkin_texture_options, bc6h_effort);
+  CHECK(same(options, {.format = TexelFormat::bc6h_sfloat}));
+
+  options = c_struct<welkin_texture_options>();
+  options.format = WELKIN_TEXEL_ASTC_4X4_HDR;
+  if (welkin_write_chain(in_c.c_str(), reflections.chain, &options, nullptr, nullptr) == WELKIN_UNSUPPORTED_FILE)
+    return;
+  const std::pair<welkin_astc_effort, AstcEffort> astc_efforts[] = {{WELKIN_ASTC_DEFAULT, AstcEffort::medium},
+                                                                    {WELKIN_ASTC_FASTEST, AstcEffort::fastest},
+                                                                    {WELKIN_ASTC_FAST, AstcEffort::fast},
+                                                                    {WELKIN_ASTC_MEDIUM, AstcEffort::medium},
+                                                                    {WELKIN_ASTC_THOROUGH, AstcEffort::thorough}};
+  for (const auto& [effort, expected] : astc_efforts) {
+    CAPTURE(effort);
+    options.astc_effort = effort;
+    options.format = WELKIN_TEXEL_ASTC_6X6_HDR;
+    CHECK(same(options, {.format = TexelFormat::astc_6x6_hdr, .astc_effort = expected}));
+  }
 }
 
 TEST_CASE("C: Babylon.js's environments are the bytes that the C++ call writes", "[c_interface]") {

@@ -155,6 +155,24 @@ void make_png_seeds(const std::filesystem::path& directory) {
   }
 }
 
+/// Blocks of ASTC, cubemaps and pictures: none in a build without astcenc.
+void make_astc_seeds(const std::filesystem::path& directory) {
+  int count = 0;
+  for (const TexelFormat format : {TexelFormat::astc_4x4_hdr, TexelFormat::astc_6x6_hdr}) {
+    for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
+      const TextureOptions options{.format = format, .supercompression = packing};
+      const CubemapChain chain = test::noisy_chain(7, full_chain_levels(7), 2);
+      const auto path = [&] { return directory / ("astc" + std::to_string(count++) + ".ktx2"); };
+      try {
+        write_texture(path(), chain.views(), options);
+        write_texture_2d(path(), 14, 7, chain.face(0, 0), options);
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::unsupported_file) throw;
+      }
+    }
+  }
+}
+
 void make_texture_seeds(const std::filesystem::path& directory, const std::string& extension) {
   int count = 0;
   for (const TexelFormat format : {TexelFormat::rgba16f, TexelFormat::rgba32f, TexelFormat::b10g11r11,
@@ -166,6 +184,9 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
         if (count % 2 == 1) options.metadata = {{"roughness", "0 1"}, {"note", "seed"}};
         const CubemapChain chain = test::noisy_chain(size, count % 3 == 0 ? 1 : full_chain_levels(size));
         write_texture(directory / ("seed" + std::to_string(count++) + extension), chain.views(), options);
+        if (size < 4) continue;
+        write_texture_2d(directory / ("seed" + std::to_string(count++) + extension), 2 * size, size, chain.face(0, 0),
+                         options);
       }
     }
   }
@@ -278,6 +299,7 @@ int main(int argument_count, char** arguments) {
     make_ktx1_seeds(arguments[2]);
   } else if (format == "ktx2" || format == "dds") {
     make_texture_seeds(arguments[2], "." + format);
+    if (format == "ktx2") make_astc_seeds(arguments[2]);
   } else if (format == "env") {
     make_env_seeds(arguments[2]);
   } else if (format == "sky") {

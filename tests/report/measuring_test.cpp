@@ -243,6 +243,7 @@ TEST_CASE("report: recommended projections stay on the front", "[report]") { che
 TEST_CASE("report: recommended prefilters stay on the front", "[report]") { check_pass("prefilter"); }
 TEST_CASE("report: recommended bands stay on the front", "[report]") { check_pass("irradiance"); }
 TEST_CASE("report: recommended BRDF tables stay on the front", "[report]") { check_pass("brdf"); }
+TEST_CASE("report: recommended blocks stay on the front", "[report]") { check_pass("blocks"); }
 TEST_CASE("report: recommended sky quadratures stay on the front", "[report]") { check_pass("sky-harmonics"); }
 TEST_CASE("report: recommended sky tables stay on the front", "[report]") { check_pass("sky-tables"); }
 

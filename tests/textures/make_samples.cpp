@@ -27,6 +27,25 @@ void write_floats(const std::filesystem::path& path, const float* values, std::s
   stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(float)));
 }
 
+/// Blocks of ASTC, and texels of each level as our own reader decodes them. In a build without astcenc there are none.
+void write_astc(const std::filesystem::path& directory, const CubemapChain& chain) {
+  const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::astc_4x4_hdr, "astc4x4"},
+                                                         {TexelFormat::astc_6x6_hdr, "astc6x6"}};
+  for (const auto& [format, name] : formats) {
+    const std::filesystem::path path = directory / (std::string(name) + ".ktx2");
+    try {
+      write_texture(path, chain.views(), {.format = format});
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::unsupported_file) throw;
+      return;
+    }
+    const CubemapChain decoded = read_texture(path).cubemap;
+    write_floats(directory / (std::string(name) + ".f32"), decoded.face(0, 0), decoded.bytes() / sizeof(float));
+    write_texture(directory / (std::string(name) + "_zstd.ktx2"), chain.views(),
+                  {.format = format, .supercompression = Supercompression::zstd});
+  }
+}
+
 void write_textures(const std::filesystem::path& directory, const CubemapChain& chain) {
   const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::rgba16f, "rgba16f"},
                                                          {TexelFormat::rgba32f, "rgba32f"},
@@ -47,6 +66,7 @@ void write_textures(const std::filesystem::path& directory, const CubemapChain& 
   for (const char* name : {"bc6h.dds", "bc6h.ktx", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
   const CubemapChain decoded = read_texture(directory / "bc6h.dds").cubemap;
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
+  write_astc(directory, chain);
   for (const char* name : {"picture.ktx2", "picture.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
   }

@@ -5,7 +5,7 @@
 // Readers: ktx-parse and three.js's KTX2Loader, EXRLoader, HDRLoader; Filament's Ktx1Bundle; Babylon.js's DDSTools and its .env parser. (three's
 // DDSLoader knows no float formats but BC6H.) What is written here beside them: the unpacking of two 32-bit texels, by the
 // formulas of the Vulkan specification, and Babylon.js's fromRGBD, which it has for the GPU alone.
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
@@ -162,6 +162,38 @@ for (const [file, format] of [["picture.ktx2", FORMATS.rgba16f], ["picture_zstd.
     }
   }
 }
+// Blocks of ASTC with high dynamic range: a compressed cube in three.js, each face and level with the blocks that the file
+// has there.
+for (const [name, number, edge, format] of [
+  ["astc4x4", 1000066000, 4, three.RGBA_ASTC_4x4_Format], ["astc6x6", 1000066004, 6, three.RGBA_ASTC_6x6_Format]]) {
+  if (!existsSync(`${samples}/${name}.ktx2`)) continue; // Welkin was built without astcenc
+  const container = ktx.read(bytesOf(`${name}.ktx2`));
+  check(container.vkFormat === number && container.typeSize === 1 && container.faceCount === 6, `${name}: format`);
+  const [descriptor] = container.dataFormatDescriptor;
+  check(descriptor.colorModel === 162 && descriptor.colorPrimaries === 1 && descriptor.transferFunction === 1, `${name}: colours`);
+  check([...descriptor.texelBlockDimension].join() === `${edge - 1},${edge - 1},0,0`, `${name}: block ${descriptor.texelBlockDimension}`);
+  check(descriptor.bytesPlane[0] === 16 && descriptor.samples.length === 1, `${name}: bytes of a block`);
+  const [{ bitOffset, bitLength, channelType }] = descriptor.samples;
+  check(bitOffset === 0 && bitLength === 127 && channelType === 0xc0, `${name}: sample`); // signed float
+  for (const packing of ["", "_zstd"]) {
+    const texture = await new Promise((done, no) => loader.parse(bytesOf(`${name}${packing}.ktx2`).buffer, done, no));
+    check(texture.isCompressedCubeTexture && texture.format === format, `${name}${packing}: a compressed cube in three.js`);
+    // (three.js r187 has no type for 6 x 6 and leaves it to the format.)
+    check(texture.type === (edge === 4 ? three.HalfFloatType : texture.type), `${name}${packing}: type in three.js`);
+    check(texture.colorSpace === three.LinearSRGBColorSpace, `${name}${packing}: linear in three.js`);
+    check(texture.image.length === 6, `${name}${packing}: ${texture.image.length} faces in three.js`);
+    texture.image.forEach(({ mipmaps, width }, face) => {
+      check(width === SIZE && mipmaps.length === levels.length, `${name}${packing}: levels in three.js`);
+      mipmaps.forEach(({ data }, level) => {
+        const length = 16 * Math.ceil(levels[level].size / edge) ** 2;
+        const wanted = container.levels[level].levelData.subarray(face * length, (face + 1) * length);
+        const found = new Uint8Array(data.buffer, data.byteOffset, data.byteLength); // of 4 x 4 it makes 16-bit words
+        check(Buffer.compare(found, wanted) === 0, `${name}${packing} level ${level}, face ${face} in three.js`);
+      });
+    });
+  }
+}
+
 const { DDSTools } = await load("@babylonjs/core/Misc/dds.pure.js");
 for (const name of ["rgba16f", "rgba32f"]) {
   const data = bytesOf(`${name}.dds`);

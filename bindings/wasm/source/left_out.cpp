@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "files/row_source.h"
-#include "welkin/bc6h.h"
+#include "image/bc6h_encoder.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 
@@ -20,10 +20,16 @@ namespace {
 
 }  // namespace
 
-Bc6hCubemap encode_bc6h(std::span<const CubemapView> /*mips*/, const Bc6hOptions& /*options*/,
-                        const Control& /*control*/) {
+namespace image {
+
+std::vector<LatLongView> pictures_of(const CubemapView& /*view*/) { refuse("an encoder of BC6H"); }
+
+Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/,
+                                       const Bc6hOptions& /*options*/, const Control& /*control*/) {
   refuse("an encoder of BC6H");
 }
+
+}  // namespace image
 
 namespace files {
 

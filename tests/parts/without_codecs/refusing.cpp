@@ -135,6 +135,23 @@ void textures(const Path& folder) {
   }
 }
 
+/// Blocks of ASTC, in a file whose header says so.
+void blocks(const Path& folder) {
+  const welkin::CubemapImage cube{4, std::vector<float>(std::size_t{6} * 4 * 4 * 3, 0.5F)};
+  const std::vector<welkin::CubemapView> mips{cube.view()};
+  const Path path = folder / "astc.ktx2";
+  const welkin::TextureOptions options{.format = welkin::TexelFormat::astc_4x4_hdr};
+  refused(path, "WELKIN_ASTC", [&] { welkin::write_texture(path, mips, options); });
+  if (std::filesystem::exists(path)) fail("astc.ktx2 was begun");
+  works("BC6H", [&] { welkin::write_texture(path, mips, {.format = welkin::TexelFormat::bc6h_ufloat}); });
+  constexpr std::size_t place_of_format = 12;
+  std::string bytes = bytes_of(path);
+  bytes.replace(place_of_format, 4, "\xd0\xcb\x9b\x3b");  // 1000066000
+  put(path, bytes);
+  refused(path, "WELKIN_ASTC", [&] { (void)welkin::read_texture(path); });
+  refused(path, "WELKIN_ASTC", [&] { (void)welkin::read_environment(path); });
+}
+
 void babylon(const Path& folder) {
   const Path written = folder / "written.env";
   welkin::BabylonEnvironment environment;
@@ -160,6 +177,7 @@ int main(int count, char** arguments) {
   std::filesystem::create_directories(folder);
   pictures(folder);
   textures(folder);
+  blocks(folder);
   babylon(folder);
   return failures == 0 ? 0 : 1;
 }

@@ -1,0 +1,105 @@
+// Cubemaps in blocks, as graphics cards read them: what each format and effort costs and loses.
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "perf/report/error_norms.h"
+#include "perf/report/passes.h"
+#include "welkin/reflections.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::report {
+
+std::vector<BlockWay> block_ways() {
+  std::vector<BlockWay> all;
+  for (const auto& [effort, name] : {std::pair{Bc6hEffort::fast, "fast"}, std::pair{Bc6hEffort::normal, "normal"},
+                                     std::pair{Bc6hEffort::slow, "slow"}}) {
+    all.push_back({"BC6H", name, {.format = TexelFormat::bc6h_ufloat, .bc6h_effort = effort}});
+  }
+  for (const auto& [format, words] :
+       {std::pair{TexelFormat::astc_4x4_hdr, "ASTC 4x4"}, std::pair{TexelFormat::astc_6x6_hdr, "ASTC 6x6"}}) {
+    for (const auto& [effort, name] :
+         {std::pair{AstcEffort::fastest, "fastest"}, std::pair{AstcEffort::fast, "fast"},
+          std::pair{AstcEffort::medium, "medium"}, std::pair{AstcEffort::thorough, "thorough"}}) {
+      all.push_back({words, name, {.format = format, .astc_effort = effort}});
+    }
+  }
+  return all;
+}
+
+std::optional<std::vector<std::byte>> texture_bytes(const CubemapChain& chain, const TextureOptions& options) {
+  std::vector<std::byte> bytes;
+  try {
+    write_texture({bytes, "chain.ktx2"}, chain.views(), options);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::unsupported_file) throw;
+    return std::nullopt;
+  }
+  return bytes;
+}
+
+namespace {
+
+double texels_of(const CubemapChain& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
+
+/// "normal, 1.00 bytes a texel"
+std::string setting_of(const BlockWay& way, std::size_t file_bytes, const CubemapChain& chain) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%s, %.2f bytes a texel", way.effort,
+                static_cast<double>(file_bytes) / texels_of(chain));
+  return text.data();
+}
+
+bool is_astc(const BlockWay& way) {
+  return way.options.format == TexelFormat::astc_4x4_hdr || way.options.format == TexelFormat::astc_6x6_hdr;
+}
+
+std::vector<BlockWay> ways_of(const Scale& scale) {
+  std::vector<BlockWay> all = block_ways();
+  if (!scale.peers) std::erase_if(all, is_astc);
+  all.push_back({"E5B9G9R9", "as it is", {.format = TexelFormat::e5b9g9r9}});
+  all.push_back({"B10G11R11", "as it is", {.format = TexelFormat::b10g11r11}});
+  return all;
+}
+
+std::span<const float> values_of(const CubemapChain& chain) {
+  return {chain.face(0, 0), chain.bytes() / sizeof(float)};
+}
+
+std::vector<Measurement> measure(const PassContext& context) {
+  PrefilterOptions options;
+  options.size = context.scale.chain_size;
+  const CubemapChain chain = prefilter_specular(context.environment.image.view(), options).cubemap;
+  const std::vector<BlockWay> ways = ways_of(context.scale);
+  std::vector<Measurement> all;
+  for (std::size_t number = 0; number < ways.size(); ++number) {
+    progress(context, number, ways.size());
+    const BlockWay& way = ways[number];
+    const std::optional<std::vector<std::byte>> bytes = texture_bytes(chain, way.options);
+    if (!bytes) continue;
+    const CubemapTexture decoded = read_texture({*bytes, "chain.ktx2"});
+    const ErrorNorms errors = relative_errors(values_of(decoded.cubemap), values_of(chain));
+    const double seconds = context.stopwatch.seconds([&] { (void)texture_bytes(chain, way.options); });
+    all.push_back({"", way.format, setting_of(way, bytes->size(), chain), errors.rms, errors.maximum, seconds,
+                   "the floats that were encoded"});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<PassRunner> block_passes() {
+  return {{{"blocks", "A chain of reflections in few bytes",
+            "A prefiltered chain is written to a KTX2 in memory, by formats of 4 bytes a texel, 1, and 4/9 (ASTC 6x6).",
+            "Of each channel value the difference over the value, over 2^-14 where that is more. rms and the largest, "
+            "over all levels."},
+           2.0,
+           measure}};
+}
+
+}  // namespace welkin::report

@@ -1,0 +1,329 @@
+// KTX2 textures in blocks of ASTC.
+#include "files/astc.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "files/textures.h"
+#include "image/pixels.h"
+#include "support/catch.h"
+#include "support/chains.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+
+// Promises: KTX2 cubemaps and pictures are written in ASTC as KTX 2.0 and the data format specification have it, the
+// same on any number of threads; they are read with every level, face and size, and are environments like others. What
+// the encoder itself loses is measured in docs/textures.md; here it is only bounded.
+
+namespace {
+
+constexpr std::pair<TexelFormat, int> kFormats[] = {{TexelFormat::astc_4x4_hdr, 4}, {TexelFormat::astc_6x6_hdr, 6}};
+
+TextureOptions in_astc(TexelFormat format, AstcEffort effort = AstcEffort::fastest) {
+  TextureOptions options;
+  options.format = format;
+  options.astc_effort = effort;
+  return options;
+}
+
+/// Smooth, and other at each level and face.
+CubemapChain smooth_chain(int size, int levels) {
+  CubemapChain chain(size, levels);
+  for (int level = 0; level < levels; ++level) {
+    const int edge = chain.level_size(level);
+    for (int face = 0; face < 6; ++face) {
+      float* to = chain.face(level, face);
+      for (int row = 0; row < edge; ++row) {
+        for (int column = 0; column < edge; ++column) {
+          const double x = (column + 0.5) / edge;
+          const double y = (row + 0.5) / edge;
+          const double value = (1.0 + face + 0.3 * level) * (1.0 + 0.5 * std::sin(3.0 * x + face) * std::cos(2.0 * y));
+          for (const double share : {1.0, 0.7 + 0.2 * x, 0.5}) *to++ = static_cast<float>(value * share);
+        }
+      }
+    }
+  }
+  return chain;
+}
+
+std::uint32_t field(const std::vector<char>& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+std::size_t place(const std::vector<char>& bytes, int level) {
+  return field(bytes, 80 + 24 * static_cast<std::size_t>(level));
+}
+
+/// A block of one colour, as the specification has it: "void extent" with halves and without coordinates.
+std::array<char, 16> block_of(const std::array<std::uint16_t, 4>& halves) {
+  std::array<char, 16> block{};
+  block.fill(static_cast<char>(0xFF));
+  block[0] = static_cast<char>(0xFC);
+  std::memcpy(block.data() + 8, halves.data(), sizeof halves);
+  return block;
+}
+
+/// For each block of a level a colour of its own.
+std::array<std::uint16_t, 4> colour_of(int level, std::size_t block) {
+  const auto number = static_cast<std::uint16_t>(977 * static_cast<std::size_t>(level) + 31 * block);
+  return {static_cast<std::uint16_t>(0x3000 + number), static_cast<std::uint16_t>(0x7BFF - number), number, 0x3C00};
+}
+
+}  // namespace
+
+TEST_CASE("headers of ASTC textures are as their specifications have them", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = smooth_chain(16, 5);
+  for (const auto& [format, edge] : kFormats) {
+    CAPTURE(edge);
+    write_texture(directory.file("sky.ktx2"), chain.views(), in_astc(format));
+    const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
+    CHECK(field(bytes, 12) == (edge == 4 ? 1000066000U : 1000066004U));
+    CHECK(field(bytes, 16) == 1);  // type size
+    CHECK(field(bytes, 36) == 6);  // faces
+    const std::size_t descriptor = field(bytes, 48);
+    CHECK(field(bytes, descriptor) == 44);
+    CHECK(field(bytes, descriptor + 12) == (162U | 1U << 8U | 1U << 16U));  // ASTC, Rec. 709, linear
+    CHECK(field(bytes, descriptor + 16) == (edge == 4 ? 0x0303U : 0x0505U));
+    CHECK(field(bytes, descriptor + 20) == 16);
+    CHECK(field(bytes, descriptor + 28) == (127U << 16U | 0xC0U << 24U));  // 128 bits, signed floats
+    CHECK(field(bytes, descriptor + 36) == 0xBF800000);                    // -1
+    CHECK(field(bytes, descriptor + 40) == 0x3F800000);
+    std::size_t end = bytes.size();
+    for (int level = 0; level < 5; ++level) {
+      const auto across = static_cast<std::size_t>((chain.level_size(level) + edge - 1) / edge);
+      CHECK(place(bytes, level) % 16 == 0);
+      CHECK(field(bytes, 88 + 24 * static_cast<std::size_t>(level)) == 6 * across * across * 16);
+      CHECK(place(bytes, level) + 6 * across * across * 16 == end);  // the largest level last, no gap
+      end = place(bytes, level);
+    }
+  }
+}
+
+TEST_CASE("cubemaps come back from ASTC, every level and face of every size", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  for (const auto& [format, edge] : kFormats) {
+    for (const int size : {1, 2, 5, 6, 7, 61, 70}) {
+      CAPTURE(edge, size);
+      const CubemapChain chain = smooth_chain(size, full_chain_levels(size));
+      const auto path = directory.file("sky.ktx2");
+      CHECK(write_texture(path, chain.views(), in_astc(format)).values_clamped == 0);
+      const CubemapTexture read = read_texture(path);
+      CHECK(read.format == (edge == 4 ? "KTX2 astc 4x4 hdr" : "KTX2 astc 6x6 hdr"));
+      // A small level in one block is off by so much; where blocks lie, the next test has exactly.
+      const float bound = edge == 4 ? 0.12F : 0.35F;
+      CHECK(all_values(read.cubemap, chain, [&](float a, float b) { return std::abs(a / b - 1.0F) < bound; }));
+      double squares = 0.0;
+      const std::span<const float> given = level_values(chain, 0);
+      const std::span<const float> found = level_values(read.cubemap, 0);
+      for (std::size_t k = 0; k < given.size(); ++k) squares += std::pow(found[k] / given[k] - 1.0F, 2);
+      if (size >= 61) CHECK(std::sqrt(squares / static_cast<double>(given.size())) < (edge == 4 ? 0.008 : 0.012));
+
+      TextureOptions packed = in_astc(format);
+      packed.supercompression = Supercompression::zstd;
+      write_texture(directory.file("packed.ktx2"), chain.views(), packed);
+      CHECK(same_bits(read_texture(directory.file("packed.ktx2")).cubemap, read.cubemap));
+    }
+  }
+}
+
+TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.ktx2");
+  for (const auto& [format, edge] : kFormats) {
+    const int size = 27;
+    const int levels = full_chain_levels(size);
+    write_texture(path, smooth_chain(size, levels).views(), in_astc(format));
+    std::vector<char> bytes = read_bytes(path);
+    for (int level = 0; level < levels; ++level) {
+      const std::size_t blocks = field(bytes, 88 + 24 * static_cast<std::size_t>(level)) / 16;
+      for (std::size_t k = 0; k < blocks; ++k) {
+        const auto block = block_of(colour_of(level, k));
+        std::copy(block.begin(), block.end(),
+                  bytes.begin() + static_cast<std::ptrdiff_t>(place(bytes, level) + 16 * k));
+      }
+    }
+    write_bytes(path, bytes);
+    const CubemapTexture read = read_texture(path);
+    bool exact = true;
+    for (int level = 0; level < levels; ++level) {
+      const int here = read.cubemap.level_size(level);
+      const int across = (here + edge - 1) / edge;
+      for (int texel = 0; texel < 6 * here * here; ++texel) {
+        const int row = texel / here % here;
+        const int block = (texel / (here * here) * across + row / edge) * across + texel % here / edge;
+        const auto halves = colour_of(level, static_cast<std::size_t>(block));
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float value = read.cubemap.face(level, 0)[3 * static_cast<std::size_t>(texel) + c];
+          exact = exact && value == image::float_from_half(halves[c]);
+        }
+      }
+    }
+    CHECK(exact);
+    ReadOptions options;  // row by row, as environments are read
+    for (options.level = 0; options.level < 2; ++options.level) {
+      const Environment environment = read_environment(path, options);
+      CHECK(same_bytes<float>({environment.pixels.get(), level_values(read.cubemap, options.level).size()},
+                              level_values(read.cubemap, options.level)));
+    }
+  }
+}
+
+TEST_CASE("rows are decoded from anywhere in a row of blocks", "[codec][textures][astc]") {
+  for (const files::TexelKind kind : {files::TexelKind::astc_4x4_hdr, files::TexelKind::astc_6x6_hdr}) {
+    constexpr int size = 13;  // three or four rows of blocks
+    const CubemapChain chain = noisy_chain(size, 1, 2);
+    const std::vector<std::vector<LatLongView>> face{{{chain.face(0, 0), size, size, 0, PixelFormat::rgb32f}}};
+    const files::BlockLevels blocks = files::encode_astc(face, kind, AstcEffort::fastest, {});
+    const auto decoder = files::make_astc_decoder(kind, "face");
+    constexpr std::size_t row_values = std::size_t{3} * size;
+    std::vector<float> whole(size * row_values);
+    decoder->decode_rows(blocks.levels[0].data(), size, 0, size, whole.data());
+    for (int first = 0; first < size; ++first) {
+      for (int rows = 1; first + rows <= size; ++rows) {
+        const std::uint64_t at = files::place_of_rows(kind, size, first, rows).first_byte;
+        std::vector<float> some(static_cast<std::size_t>(rows) * row_values);
+        decoder->decode_rows(blocks.levels[0].data() + at, size, first, rows, some.data());
+        CHECK(std::equal(some.begin(), some.end(), whole.begin() + first * static_cast<std::ptrdiff_t>(row_values)));
+      }
+    }
+  }
+}
+
+TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.ktx2");
+  write_texture(path, smooth_chain(8, 1).views(), in_astc(TexelFormat::astc_4x4_hdr));
+  std::vector<char> bytes = read_bytes(path);
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(place(bytes, 0)), 16, '\0');
+  write_bytes(path, bytes);
+  const CubemapTexture read = read_texture(path);
+  CHECK(std::isnan(read.cubemap.face(0, 0)[0]));
+  CHECK(read.cubemap.face(0, 0)[12] > 0.0F);
+  CHECK(measure_environment(path).nans == 3 * 16);
+}
+
+TEST_CASE("ASTC's bytes do not depend on the number of threads", "[codec][textures][astc]") {
+  const CubemapChain chain = noisy_chain(70, full_chain_levels(70), 3);
+  for (const auto& [format, edge] : kFormats) {
+    std::vector<std::vector<std::byte>> files;
+    for (const int threads : {1, 4}) {
+      run_with_threads(threads, [&, format = format] {
+        std::vector<std::byte> bytes;
+        write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(format));
+        files.push_back(std::move(bytes));
+      });
+    }
+    CHECK(files[0] == files[1]);
+  }
+}
+
+TEST_CASE("more effort for ASTC gives smaller errors", "[codec][textures][astc]") {
+  const CubemapChain chain = noisy_chain(24, 1, 2);
+  double before = std::numeric_limits<double>::max();
+  for (const AstcEffort effort : {AstcEffort::fastest, AstcEffort::medium, AstcEffort::thorough}) {
+    std::vector<std::byte> bytes;
+    write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(TexelFormat::astc_4x4_hdr, effort));
+    const CubemapTexture read = read_texture({std::as_const(bytes), "sky.ktx2"});
+    double squares = 0.0;
+    for (std::size_t k = 0; k < level_values(chain, 0).size(); ++k) {
+      squares += std::pow(std::log(level_values(read.cubemap, 0)[k] / level_values(chain, 0)[k]), 2);
+    }
+    CHECK(squares < before);
+    before = squares;
+  }
+}
+
+TEST_CASE("what ASTC cannot hold is clamped and counted", "[codec][textures][astc]") {
+  CubemapChain chain = changed(smooth_chain(4, 1), [](float) { return 1.0F; });
+  chain.face(0, 2)[0] = -1.0F;
+  chain.face(0, 2)[1] = std::numeric_limits<float>::quiet_NaN();
+  chain.face(0, 2)[2] = std::numeric_limits<float>::infinity();
+  for (const auto& [format, edge] : kFormats) {
+    std::vector<std::byte> bytes;
+    CHECK(write_texture({bytes, "sky.ktx2"}, chain.views(), in_astc(format)).values_clamped == 3);
+    const CubemapTexture read = read_texture({std::as_const(bytes), "sky.ktx2"});
+    CHECK(all_values(read.cubemap, read.cubemap, [](float a, float) { return a >= 0.0F && a <= 65504.0F; }));
+    const std::span<const float> untouched = level_values(read.cubemap, 0).subspan(0, 2 * 48);
+    CHECK(std::all_of(untouched.begin(), untouched.end(), [](float value) { return value == 1.0F; }));
+  }
+  const CubemapChain bright = changed(chain, [](float) { return 1e6F; });
+  std::vector<std::byte> bytes;
+  CHECK(write_texture({bytes, "sky.ktx2"}, bright.views(), in_astc(TexelFormat::astc_4x4_hdr)).values_clamped == 288);
+  CHECK(read_texture({std::as_const(bytes), "sky.ktx2"}).cubemap.face(0, 0)[0] == 65504.0F);
+}
+
+TEST_CASE("pictures are written in ASTC and are environments", "[codec][textures][astc]") {
+  const CubemapChain chain = smooth_chain(20, 1);
+  for (const auto& [format, edge] : kFormats) {
+    for (const Supercompression packing : {Supercompression::none, Supercompression::zlib}) {
+      TextureOptions options = in_astc(format);
+      options.supercompression = packing;
+      std::vector<std::byte> bytes;
+      write_texture_2d({bytes, "sky.ktx2"}, 50, 25, chain.face(0, 0), options);
+      const Environment read = read_environment({std::as_const(bytes), "sky.ktx2"});
+      CHECK(read.info.layout == Layout::lat_long);
+      CHECK(read.info.width == 50);
+      CHECK(read.info.height == 25);
+      bool near = true;
+      for (std::size_t k = 0; k < 3 * 50 * 25; ++k)
+        near = near && std::abs(read.pixels[k] / chain.face(0, 0)[k] - 1.0F) < 0.5F;
+      CHECK(near);
+    }
+  }
+}
+
+TEST_CASE("ASTC is refused where it cannot be", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  const CubemapChain chain = smooth_chain(8, 1);
+  const TextureOptions options = in_astc(TexelFormat::astc_6x6_hdr);
+  for (const char* const name : {"sky.dds", "sky.exr"}) {
+    const ThrownError error = thrown_by([&] { write_texture(directory.file(name), chain.views(), options); });
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.says("blocks of ASTC"));
+  }
+  for (const int number : {-1, 4, 99}) {
+    const TextureOptions wrong = in_astc(TexelFormat::astc_4x4_hdr, static_cast<AstcEffort>(number));
+    const auto write = [&] { write_texture(directory.file("sky.ktx2"), chain.views(), wrong); };
+    CHECK(thrown_by(write).code == ErrorCode::invalid_argument);
+  }
+  CubemapTarget target{{}, 4, 0, TexelFormat::astc_4x4_hdr};
+  CHECK(thrown_by([&] { store_texels(chain.view(0), target); }).code == ErrorCode::invalid_argument);
+  CHECK(std::filesystem::is_empty(directory.file("").parent_path()));
+}
+
+TEST_CASE("a cut ASTC file is refused, and a stopped write leaves none", "[codec][textures][astc]") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sky.ktx2");
+  write_texture(path, smooth_chain(8, 4).views(), in_astc(TexelFormat::astc_6x6_hdr));
+  std::vector<char> bytes = read_bytes(path);
+  bytes.pop_back();
+  write_bytes(path, bytes);
+  CHECK(thrown_by([&] { (void)read_texture(path); }).code == ErrorCode::corrupt_file);
+  std::filesystem::remove(path);
+  std::stop_source source;
+  double last = 0.0;
+  const Control control{source.get_token(), [&](double done) {
+                          last = done;
+                          if (done > 0.2) source.request_stop();
+                        }};
+  const CubemapChain chain = smooth_chain(64, 1);
+  const auto write = [&] { write_texture(path, chain.views(), in_astc(TexelFormat::astc_4x4_hdr), control); };
+  CHECK(thrown_by(write).code == ErrorCode::cancelled);
+  CHECK(last < 0.9);
+  CHECK(std::filesystem::is_empty(path.parent_path()));
+}
+
+}  // namespace welkin::test
