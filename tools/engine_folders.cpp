@@ -70,9 +70,9 @@ probe.sh.set(Object.values(three.terms).map((rgb) => new THREE.Vector3(...rgb)))
 )"}},
        "three.js uses the chain as it is: `isPMREMTexture` keeps its own prefilter from running. The last mip has "
        "roughness 1, whose lobe is the cosine's, so it is the diffuse light too.",
-       "the loaders of three.js r187 were run on the files in Node.js; the lines for specular.dds lit a ball in "
-       "Chromium, "
-       "without a prefilter pass."},
+       "both ways of loading light nine balls in Chromium in Welkin's tests, without a prefilter pass; their distance "
+       "from the "
+       "truth stands beside that of three.js's own prefilter (r187) in docs/bake_folder.md."},
 
       {Engine::babylon,
        {texture(Content::env, Container::env, kHalves, "environment.env"),

@@ -3,12 +3,13 @@
 import * as THREE from "three";
 import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
+import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { read } from "ktx-parse";
 import { BALLS, HALF, centre, figure } from "./balls.js";
 
 const bytesOf = async (url) => (await fetch(url)).arrayBuffer();
 
-/** A chain in BC6H: the lines of docs/bake_folder.md. */
+/** A chain in BC6H: the lines of the README that `--for three` writes. */
 async function blocks(url) {
   const { width, height, mipmaps, mipmapCount: n, format } = new DDSLoader().parse(await bytesOf(url), true);
   const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.slice(n * face, n * (face + 1)) }));
@@ -16,18 +17,25 @@ async function blocks(url) {
   return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
-/** A chain in halves: the lines of docs/bake_folder.md. In floats, too, for the truth. */
+/** A chain in halves: the lines of the README that `--for three` writes. */
+async function halves(url, renderer) {
+  const { image: { width, height }, mipmaps } = await new KTX2Loader().detectSupport(renderer).loadAsync(url);
+  const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.map(({ data, width, height }) =>
+    ({ width, height, data: data.subarray((data.length / 6) * face, (data.length / 6) * (face + 1)) })) }));
+  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, THREE.HalfFloatType);
+  return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
+}
+
+/** A chain in floats, for the truth. */
 async function texels(url) {
   const { pixelWidth, levels, vkFormat } = read(new Uint8Array(await bytesOf(url)));
-  const floats = vkFormat === 109; // VK_FORMAT_R32G32B32A32_SFLOAT; else 97, R16G16B16A16
-  if (!floats && vkFormat !== 97) throw new Error(`${url} has Vulkan's format ${vkFormat}`);
-  const [Values, type] = floats ? [Float32Array, THREE.FloatType] : [Uint16Array, THREE.HalfFloatType];
+  if (vkFormat !== 109) throw new Error(`${url} has Vulkan's format ${vkFormat}, not R32G32B32A32_SFLOAT`);
   const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width: pixelWidth, height: pixelWidth, mipmaps:
     levels.map(({ levelData }, mip) => {
-      const [size, values] = [pixelWidth >> mip, new Values(levelData.slice().buffer)];
+      const [size, values] = [pixelWidth >> mip, new Float32Array(levelData.slice().buffer)];
       return { width: size, height: size, data: values.subarray(4 * size * size * face, 4 * size * size * (face + 1)) };
     }) }));
-  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, type);
+  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, THREE.FloatType);
   return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
@@ -38,7 +46,7 @@ async function panorama(url) {
   return texture;
 }
 
-const OPEN = { dds: blocks, ktx2: texels, picture: panorama };
+const OPEN = { dds: blocks, ktx2: halves, picture: panorama };
 
 /**
  * Takes out of the shader that a ball's roughness grows with its curvature from pixel to pixel, so that a ball has one
@@ -77,12 +85,12 @@ function view() {
   return camera;
 }
 
-async function light(scene, balls, source) {
+async function light(scene, balls, source, renderer) {
   if (source.kind === "truth") {
     const textures = await Promise.all(source.urls.map(texels));
     balls.forEach((ball, index) => (ball.material.envMap = textures[index]));
   } else {
-    scene.environment = await OPEN[source.kind](source.url);
+    scene.environment = await OPEN[source.kind](source.url, renderer);
   }
 }
 
@@ -105,7 +113,7 @@ async function measure(source, pixels) {
   const renderer = new THREE.WebGLRenderer();
   const scene = new THREE.Scene();
   const balls = row(scene, source.kind === "truth");
-  await light(scene, balls, source);
+  await light(scene, balls, source, renderer);
   const size = { width: BALLS.length * pixels, height: pixels };
   const target = new THREE.WebGLRenderTarget(size.width, size.height, { type: THREE.FloatType });
   renderer.setClearColor(0, 0);
