@@ -323,6 +323,16 @@ bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
 }
 
+/// Lat-longs that stand alone in an engine's folder are as large as the picture, for nothing else shows it.
+void settle_lat_longs(const BakeSource& source, BakeCommandOptions& options) {
+  constexpr int kLargest = 2048;  // 8192 x 4096 pixels
+  const bool alone = is_engine_folder(options) && contains(options.files, Content::lat_long) &&
+                     !contains(options.files, Content::background);
+  if (!alone || options.background_size > 0 || options.byte_budget > 0) return;
+  const int face = source.visit([](const auto& view) { return resolution_of(view); });
+  if (face > options.specular.size) options.background_size = std::min(face, kLargest);
+}
+
 /// Chooses textures if there is a budget for them, and says so if that is to be explained.
 std::optional<ChosenTextures> settle_textures(const BakeSource& source, BakeCommandOptions& options,
                                               const Control& control) {
@@ -444,11 +454,12 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
+  settle_lat_longs(source, options);
   if (chooses_textures(options)) {
     baked.textures = timed(baked.passes, "textures", "as the budget asks",
                            [&] { return settle_textures(source, options, part_of(control, kRead, kChosen)); });
-    baked.whole = library_options(options);
   }
+  baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
   note_blur(options, baked);
@@ -494,6 +505,7 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
+  settle_lat_longs(source, options);
   settle_textures(source, options, part_of(control, kRead, kChosen));
   const SceneNeeds needs = needs_of(options);
   const BakeOptions whole = library_options(options);

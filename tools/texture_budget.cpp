@@ -338,14 +338,6 @@ class Judge {
   std::map<Key, std::pair<double, double>> errors_;
 };
 
-/// The largest face that shows what the source has.
-int resolution_of(const LatLongView& source) {
-  return static_cast<int>(std::bit_ceil(static_cast<unsigned>((source.width + 3) / 4)));
-}
-int resolution_of(const CubemapView& source) {
-  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(source.size)));
-}
-
 void enlarge_background(Candidate& candidate, int most, std::uint64_t budget) {
   for (const int size : halved_sizes(most)) {
     if (size <= candidate.tried.background_size) return;
@@ -410,6 +402,13 @@ ChosenTextures choose(const View& source, BakeCommandOptions& options, const Con
 }
 
 }  // namespace
+
+int resolution_of(const LatLongView& source) noexcept {
+  return static_cast<int>(std::bit_ceil((static_cast<unsigned>(source.width) + 3) / 4));
+}
+int resolution_of(const CubemapView& source) noexcept {
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(source.size)));
+}
 
 bool chooses_textures(const BakeCommandOptions& options) noexcept {
   if (options.byte_budget > 0) return true;

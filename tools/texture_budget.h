@@ -36,6 +36,10 @@ struct ChosenTextures {
   std::vector<TriedTextures> tried;  ///< by bytes
 };
 
+/// Texels along an edge of the smallest faces that show all of the source, a power of two.
+[[nodiscard]] int resolution_of(const LatLongView& source) noexcept;
+[[nodiscard]] int resolution_of(const CubemapView& source) noexcept;
+
 /// Whether there is a budget and something that was not named and that it may choose.
 [[nodiscard]] bool chooses_textures(const BakeCommandOptions& options) noexcept;
 

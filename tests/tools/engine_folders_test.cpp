@@ -344,3 +344,17 @@ TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][eng
     }
   }
 }
+
+TEST_CASE("bake --for: a lat-long that stands alone is as large as the picture", "[tools][bake][engine_folders]") {
+  const TemporaryFolder folder;
+  const std::filesystem::path picture = folder.path() / "picture.pfm";
+  const std::vector<float> grey(std::size_t{3} * 96 * 48, 0.5F);
+  write_environment(picture, LatLongView{grey.data(), 96, 48, 0, PixelFormat::rgb32f});
+  const auto width = [&](const std::string& options) {
+    const std::filesystem::path out = folder.path() / "out";
+    bake_into(out, quoted(picture) + " --for usd --size 8 --no-previews " + options);
+    return inspect_environment(out / "environment.exr").width;
+  };
+  CHECK(width("") == 128);  // faces of 32, the power of two from 24 on
+  CHECK(width("--background-size 8") == 32);
+}
