@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -26,6 +27,8 @@ struct RoughnessChoice {
   std::vector<double> table;  ///< empty: the schedule's
 };
 
+inline constexpr std::uint64_t kNoByteBudget = std::numeric_limits<std::uint64_t>::max();
+
 struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes
@@ -43,7 +46,7 @@ struct BakeCommandOptions {
   int preview_size = 256;                ///< pixels across a ball
   std::optional<double> exposure_stops;  ///< of the previews; none: by the environment
 
-  std::uint64_t byte_budget = 0;  ///< of all textures; 0: none
+  std::uint64_t byte_budget = kNoByteBudget;  ///< of all textures
   PrefilterOptions specular;
   bool size_named = false;  ///< by --size
   bool all_mips = false;    ///< down to 1 texel

@@ -328,7 +328,7 @@ void settle_lat_longs(const BakeSource& source, BakeCommandOptions& options) {
   constexpr int kLargest = 2048;  // 8192 x 4096 pixels
   const bool alone = is_engine_folder(options) && contains(options.files, Content::lat_long) &&
                      !contains(options.files, Content::background);
-  if (!alone || options.background_size > 0 || options.byte_budget > 0) return;
+  if (!alone || options.background_size > 0 || options.byte_budget != kNoByteBudget) return;
   const int face = source.visit([](const auto& view) { return resolution_of(view); });
   if (face > options.specular.size) options.background_size = std::min(face, kLargest);
 }

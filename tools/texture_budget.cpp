@@ -374,7 +374,7 @@ void keep_likely(std::vector<Candidate>& candidates, std::uint64_t bytes, bool j
 template <class View>
 ChosenTextures choose(const View& source, BakeCommandOptions& options, const Control& control) {
   const int most = std::clamp(resolution_of(source), kLeastChoice, kLargestChoice);
-  const std::uint64_t bytes = options.byte_budget > 0 ? options.byte_budget : ~std::uint64_t{0};
+  const std::uint64_t bytes = options.byte_budget;
   const std::optional<double> budget = options.scene.error_budget;
   std::vector<Candidate> candidates = candidates_of(options, most);
   keep_likely(candidates, bytes, budget.has_value());
@@ -411,7 +411,7 @@ int resolution_of(const CubemapView& source) noexcept {
 }
 
 bool chooses_textures(const BakeCommandOptions& options) noexcept {
-  if (options.byte_budget > 0) return true;
+  if (options.byte_budget != kNoByteBudget) return true;
   if (!options.scene.error_budget || !options.scene.needs().glossy || !holds_reflections(options)) return false;
   return !options.size_named || may_choose_mips(options) || may_choose_format(options);
 }

@@ -152,6 +152,9 @@ TEST_CASE("What options name no budget changes, and one that is too small is ref
   CHECK(file_of(named, "specular.ktx2").at("format") == "KTX2 e5b9g9r9");
   const nlohmann::json engine = bake_into(folder.path() / "bevy", picture + "--for bevy --budget 1MiB");
   CHECK(file_of(engine, "specular.ktx2").at("format") == "KTX2 e5b9g9r9");
-  CHECK(contains(failure("bake " + picture + "--budget 100 -o " + quoted(folder.path() / "no"), 2), "too small"));
+  for (const std::string budget : {"0", "100"}) {
+    CHECK(contains(failure("bake " + picture + "--budget " + budget + " -o " + quoted(folder.path() / "no"), 2),
+                   "too small"));
+  }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "no"));
 }
