@@ -18,6 +18,6 @@ struct BakeCommandOptions;
 [[nodiscard]] Command importance_command();
 
 /// Bakes what the options name or compute into their folder. The manifest or, for a person, a table. Throws `Error`.
-[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& options);
+[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& asked);
 
 }  // namespace welkin::tool
