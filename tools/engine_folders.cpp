@@ -153,6 +153,7 @@ cp charlie.ktx2 city/charlie/sheen.ktx2
         {{"environment.glb"},
          R"(// Or the light alone, of EXT_lights_image_based, in Babylon.js with @babylonjs/loaders.
 await BABYLON.AppendSceneAsync("environment.glb", scene); // sets scene.environmentTexture
+scene.environmentTexture.gammaSpace = false; // linear light, which loader 9.28 does not say: reflections would be dark
 )",
          "js"}},
        "lambertian.ktx2 is irradiance over pi, ggx.ktx2 has roughness 0 to 1 in even steps, charlie.ktx2 the same from "

@@ -33,12 +33,18 @@ const panorama = (scene, url, size) =>
 /** Babylon.js has the centre of a picture at +z, where its camera stands. */
 const AHEAD = new Vector3(0, 0, 1);
 
-/** A light in a .glb. The picture's centre is at glTF's +x; the loader's own root says where that is in the scene. */
+/** A model of glTF: one node at (1, 0, 0), where glTF's pictures have their centre. */
+const MODEL = { asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }],
+                nodes: [{ name: "ahead", translation: [1, 0, 0] }] };
+
+/** A light in a .glb, and where the loader puts what a model has at glTF's +x. */
 async function gltfLight(scene, url) {
-  const roots = scene.rootNodes.length;
   await AppendSceneAsync(url, scene);
-  const toScene = scene.rootNodes[roots].computeWorldMatrix(true);
-  return { texture: scene.environmentTexture, ahead: Vector3.TransformNormal(new Vector3(1, 0, 0), toScene) };
+  scene.environmentTexture.gammaSpace = false; // its pixels are linear, which the loader does not say
+  await AppendSceneAsync(`data:${JSON.stringify(MODEL)}`, scene, { pluginExtension: ".gltf" });
+  const ahead = scene.getNodeByName("ahead");
+  ahead.computeWorldMatrix(true);
+  return { texture: scene.environmentTexture, ahead: ahead.getAbsolutePosition().clone() };
 }
 
 async function harmonicsOf(texture) {

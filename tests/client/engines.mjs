@@ -23,7 +23,7 @@ export const ENGINES = {
             { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
               wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] },
             // In glTF's axes, and seen from where these have the picture's centre.
-            { name: "gltf", kind: "gltf", of: "environment.glb", options: ["--for", "gltf"], wrong: TURNED }],
+            { name: "glb", kind: "gltf", of: "environment.glb", options: ["--for", "gltf"], wrong: TURNED }],
     truth: { of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"] },
     /** The roughness that the shader makes of a material's: it adds 0.0005 to alpha. */
     roughness: (given) => Math.min(1, Math.sqrt(given * given + 0.0005)),
