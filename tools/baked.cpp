@@ -150,7 +150,7 @@ struct BakeMemory {
   std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
   int env_size = 0;               ///< of that chain
   int env_mips = 0;
-  int levels = 1;                 ///< of the source's file
+  int levels = 1;  ///< of the source's file
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -193,8 +193,8 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
   return options;
 }
 
-/// Throws `Error` (limit_exceeded) if results, the .env's or .glb's chain, lat-longs or cubemaps that are turned on the way out
-/// would take more than the limit. Not counted: previews, and what an encoder holds of a file.
+/// Throws `Error` (limit_exceeded) if results, the .env's or .glb's chain, lat-longs or cubemaps that are turned on the
+/// way out would take more than the limit. Not counted: previews, and what an encoder holds of a file.
 void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   const int size = background_size(bake);
@@ -206,15 +206,15 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
   const bool has_lat_long = contains(options.files, Content::lat_long);
   const bool turns = turn_of_faces(options) != glm::dmat3(1.0);
-  const std::uint64_t env =
-      memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
+  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
 
   const bool is_large = options.input && memory.source > results;
   const char* const smaller = !is_large ? kSmallerResults : memory.levels > 1 ? kSmallerLevel : kSmallerSource;
   MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
   const bool has_glb = contains(options.files, Content::gltf_light);
-  const char* const without_env =
-      worst.bytes > limit || !is_large ? smaller : has_glb ? "name the --formats (environment.glb is of none)" : "leave env out of --formats";
+  const char* const without_env = worst.bytes > limit || !is_large ? smaller
+                                  : has_glb                        ? "name the --formats (environment.glb is of none)"
+                                                                   : "leave env out of --formats";
   const auto consider = [&worst](bool happens, const MemoryStep& step) {
     if (happens && step.bytes > worst.bytes) worst = step;
   };
@@ -223,10 +223,10 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
             has_glb ? "source, results and the .glb's specular chain, whose roughness is its own"
                     : "source, results and the .env's specular chain, whose roughness is its own",
             without_env});
-  consider(memory.second_bake > 0,
-           {results + 2 * env,
-            has_glb ? "results, the .glb's chain and its faces turned" : "results, the .env's chain and its faces turned",
-            kSmallerResults});
+  consider(memory.second_bake > 0, {results + 2 * env,
+                                    has_glb ? "results, the .glb's chain and its faces turned"
+                                            : "results, the .env's chain and its faces turned",
+                                    kSmallerResults});
   consider(has_lat_long, {results + lat_long, "results and the background as a lat-long", kSmallerResults});
   consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
                    kSmallerResults});

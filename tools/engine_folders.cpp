@@ -157,9 +157,11 @@ scene.environmentTexture.gammaSpace = false; // linear light, which loader 9.28 
 )",
          "js"}},
        "lambertian.ktx2 is irradiance over pi, ggx.ktx2 has roughness 0 to 1 in even steps, charlie.ktx2 the same from "
-       "0.11 on. environment.glb has roughness and axes as Babylon.js's loader takes them in its own, left-handed scenes "
+       "0.11 on. environment.glb has roughness and axes as Babylon.js's loader takes them in its own, left-handed "
+       "scenes "
        "beside models of glTF; in right-handed ones turn it by `scene.environmentTexture.rotationY = Math.PI`.",
-       "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run. environment.glb "
+       "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run. "
+       "environment.glb "
        "lights balls in Chromium in Welkin's tests, by Babylon.js 9.34 and its loader 9.28."},
 
       {Engine::unity,
@@ -275,7 +277,8 @@ std::string readme_text(Engine engine, const std::vector<std::string>& written) 
   std::string code;
   for (const LoaderLines& lines : folder.lines) {
     if (!std::ranges::all_of(lines.files, is_there)) continue;
-    code += "```" + std::string(lines.language != nullptr ? lines.language : folder.language) + '\n' + lines.text + "```\n\n";
+    code += "```" + std::string(lines.language != nullptr ? lines.language : folder.language) + '\n' + lines.text +
+            "```\n\n";
   }
   std::string text = kFirstWords + std::string(axes.title) + kLastWords + "\n\n";
   if (code.empty()) {

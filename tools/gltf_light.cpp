@@ -19,7 +19,7 @@ constexpr const char* kExtension = "EXT_lights_image_based";
 
 // GLB (glTF 2.0, section 4.4): a header of 12 bytes, then chunks of a length, a type, and bytes that end at a multiple
 // of four. All numbers are little-endian.
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
+constexpr std::uint32_t kMagic = 0x46546C67;  // "glTF"
 constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
@@ -80,12 +80,9 @@ Json mips_json(std::size_t pictures) {
 Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>& coefficients) {
   Json nine = Json::array();
   for (const glm::dvec3& rgb : coefficients) nine.push_back(json_triple(rgb));
-  Json light = {{"name", "environment"},
-                {"intensity", 1.0},
-                {"rotation", Json::array({0.0, 0.0, 0.0, 1.0})},
-                {"irradianceCoefficients", nine},
-                {"specularImageSize", size},
-                {"specularImages", mips_json(pictures)}};
+  Json light = {
+      {"name", "environment"},          {"intensity", 1.0},          {"rotation", Json::array({0.0, 0.0, 0.0, 1.0})},
+      {"irradianceCoefficients", nine}, {"specularImageSize", size}, {"specularImages", mips_json(pictures)}};
   Json lights = Json::object();
   lights["lights"] = Json::array({light});
   return lights;
