@@ -363,7 +363,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   }
   CHECK(k == 9);
 
-  // The same chain in glTF's faces, mirrored in x; RGBD is off by 1 % at most where it is not dark.
+  // The same chain in glTF's faces, mirrored in x. RGBD ends at 255, below the sun, and is off by 1 % at most.
   const std::string list = "0," + std::to_string(std::pow(32.0, -0.25)) + ",1";
   const auto chain = scratch.path() / "chain";
   bake_into(chain, "--sky --for gltf --formats ktx2 --ktx2-format rgba32f --roughness " + list + kSmall);
@@ -372,7 +372,10 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   REQUIRE(wanted.levels() == 3);
   for (int level = 0; level < 3; ++level) {
     INFO(level);
-    CHECK(difference(level_values(wanted, level), level_values(got, level)) < 0.01);
+    const std::span<const float> exact = level_values(wanted, level);
+    std::vector<float> held(exact.begin(), exact.end());
+    for (float& value : held) value = std::min(value, files::kLargestRgbd);
+    CHECK(difference(held, level_values(got, level)) < 0.01);
   }
 }
 
