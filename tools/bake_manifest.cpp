@@ -237,8 +237,10 @@ std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& fold
   }
   for (const std::string& note : folder.format_notes()) notes.push_back(note);
   for (const std::string& note : baked.notes) notes.push_back(note);
-  if (baked.env_left_out)
-    notes.emplace_back("no environment.env: it is a prefiltered cubemap, which no material of the scene reads");
+  if (baked.env_left_out) {
+    notes.push_back("no environment." + baked.env_container +
+                    ": it is a prefiltered cubemap, which no material of the scene reads");
+  }
   return notes;
 }
 
@@ -252,7 +254,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                {"options", options_json(baked, options)},
                {"files", files},
                {"specular", baked.light.specular ? mips_json(baked.light.specular->mips) : Json::array()}};
-  if (!baked.env_mips.empty()) json["environment_env"] = mips_json(baked.env_mips);
+  if (!baked.env_mips.empty()) json["environment_" + baked.env_container] = mips_json(baked.env_mips);
   if (baked.light.brdf) {
     const BrdfTableOptions& brdf = baked.light.brdf->options;
     json["brdf"] = {{"width", brdf.width},

@@ -364,9 +364,9 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   specular.pixels = bake.pixels;
   bake.specular = specular;
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
-  // The .env wants its polynomial, Filament's reflections their harmonics; the files of harmonics look at what was
-  // asked for.
-  if (bake.bands == 0 && (contains(options.files, Content::env) || stores_harmonics(options))) bake.bands = 3;
+  // The .env wants its polynomial, the .glb its coefficients, Filament's reflections their harmonics; the files of
+  // harmonics look at what was asked for.
+  if (bake.bands == 0 && (contains_rgbd(options.files) || stores_harmonics(options))) bake.bands = 3;
   bake.memory_limit_bytes = options.common.read.memory_limit_bytes;
   return bake;
 }

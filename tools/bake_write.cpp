@@ -10,6 +10,7 @@
 #include "jobs/tiles.h"
 #include "platform/text.h"
 #include "tools/engine_folders.h"
+#include "tools/gltf_light.h"
 #include "tools/sh_report.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -298,11 +299,22 @@ Json roughness_json(const std::vector<MipRecord>& mips) {
   return list;
 }
 
+constexpr const char* kRangeOfRgbd = "above 255 or below 0 clamped: RGBD ends there";
+
+/// The chain of what holds RGBD, in Welkin's axes.
+const PrefilteredSpecular& rgbd_chain(const Baked& baked) {
+  return baked.env_is_specular ? *baked.light.specular : *baked.env;
+}
+
+/// The source's own harmonics, or those that it stored: mip 0 of RGBD ends at 255.
+const SphericalHarmonics& rgbd_radiance(const Baked& baked) {
+  return baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
+}
+
 /// environment.env, in Babylon.js's axes.
 void write_env(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
-  const PrefilteredSpecular& specular = baked.env_is_specular ? *baked.light.specular : *baked.env;
-  // The polynomial from the source's own harmonics, or those that it stored: mip 0 ends at 255.
-  const SphericalHarmonics& radiance = baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
+  const PrefilteredSpecular& specular = rgbd_chain(baked);
+  const SphericalHarmonics& radiance = rgbd_radiance(baked);
   BabylonEnvironment environment = to_babylon(specular.cubemap, radiance);
   const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
   const Json details = {
@@ -313,8 +325,20 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
       {"lod_generation_scale", environment.lod_generation_scale},
       {"polynomial", baked.stored_light ? "the one that the input stores" : "of the source's harmonics"}};
   folder.add({file, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
-              "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, "above 255 or below 0 clamped: RGBD ends there",
-              details});
+              "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details});
+}
+
+/// environment.glb, a light of EXT_lights_image_based.
+void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
+  const PrefilteredSpecular& specular = rgbd_chain(baked);
+  const GltfLight light = gltf_light(specular.cubemap, rgbd_radiance(baked), control);
+  write_text_file(folder.place(file), light.bytes);
+  const Json details = {{"size", specular.cubemap.size()},
+                        {"mips", specular.cubemap.levels()},
+                        {"roughness", roughness_json(specular.mips)},
+                        {"axes", "gltf"}};
+  folder.add({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
+              "glTF 2.0 binary, RGBD in PNG", 0, light.values_clamped, kRangeOfRgbd, details});
 }
 
 ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
@@ -369,7 +393,7 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
   return files;
 }
 
-/// All files but .env and the previews.
+/// All files but .env, .glb and the previews.
 void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
   BakeResult& light = baked.light;
   const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
@@ -449,10 +473,12 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   std::vector<PassRecord> writing;
   const auto write = [&] {
     progress(kPreviews);
-    for (const OutputFile& file : files_with(Content::env, options.files)) {
+    for (const OutputFile& file : options.files) {
+      if (file.content != Content::env && file.content != Content::gltf_light) continue;
       if (!baked.env && !baked.env_is_specular) continue;
-      measured(writing, "write .env", file.name,
-               [&] { write_env(baked, file.name, folder, part_of(control, kPreviews, kEnv)); });
+      const auto write_one = file.content == Content::env ? write_env : write_gltf_light;
+      measured(writing, std::string("write .") + name(file.container), file.name,
+               [&] { write_one(baked, file.name, folder, part_of(control, kPreviews, kEnv)); });
       baked.env.reset();
     }
     progress(kEnv);

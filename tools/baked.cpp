@@ -6,6 +6,7 @@
 #include <iostream>
 #include <utility>
 
+#include "tools/gltf_light.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/bake_file.h"
@@ -146,9 +147,10 @@ struct BakeMemory {
   std::string path;               ///< of the source, for the message
   std::uint64_t source = 0;       ///< held until all is baked
   std::uint64_t bake = 0;         ///< `bake_bytes`
-  std::uint64_t second_bake = 0;  ///< the same of the .env's chain; 0 if there is none
+  std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
   int env_size = 0;               ///< of that chain
-  int levels = 1;                 ///< of the source's file
+  int env_mips = 0;
+  int levels = 1;  ///< of the source's file
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -179,7 +181,7 @@ constexpr const char* kSmallerSource = "make the picture smaller first ('welkin 
 constexpr const char* kSmallerLevel = "read a smaller one of its levels (--level)";
 constexpr const char* kSmallerResults = "make --size or --background-size less";
 
-/// What `bake` alone makes of the .env's chain.
+/// What `bake` alone makes of the .env's or .glb's chain.
 BakeOptions second_bake_options(const PrefilterOptions& env) {
   BakeOptions options;
   options.background.reset();
@@ -191,8 +193,8 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
   return options;
 }
 
-/// Throws `Error` (limit_exceeded) if results, the .env's chain, lat-longs or cubemaps that are turned on the way out
-/// would take more than the limit. Not counted: previews, and what an encoder holds of a file.
+/// Throws `Error` (limit_exceeded) if results, the .env's or .glb's chain, lat-longs or cubemaps that are turned on the
+/// way out would take more than the limit. Not counted: previews, and what an encoder holds of a file.
 void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   const int size = background_size(bake);
@@ -204,21 +206,27 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
   const bool has_lat_long = contains(options.files, Content::lat_long);
   const bool turns = turn_of_faces(options) != glm::dmat3(1.0);
-  const std::uint64_t env =
-      memory.second_bake > 0 ? chain_bytes(memory.env_size, full_chain_levels(memory.env_size)) : 0;
+  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
 
   const bool is_large = options.input && memory.source > results;
   const char* const smaller = !is_large ? kSmallerResults : memory.levels > 1 ? kSmallerLevel : kSmallerSource;
   MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
-  const char* const without_env = worst.bytes <= limit && is_large ? "leave env out of --formats" : smaller;
+  const bool has_glb = contains(options.files, Content::gltf_light);
+  const char* const without_env = worst.bytes > limit || !is_large ? smaller
+                                  : has_glb                        ? "name the --formats (environment.glb is of none)"
+                                                                   : "leave env out of --formats";
   const auto consider = [&worst](bool happens, const MemoryStep& step) {
     if (happens && step.bytes > worst.bytes) worst = step;
   };
   consider(memory.second_bake > 0,
            {memory.source + results + memory.second_bake,
-            "source, results and the .env's specular chain, whose roughness is its own", without_env});
-  consider(memory.second_bake > 0,
-           {results + 2 * env, "results, the .env's chain and its faces turned", kSmallerResults});
+            has_glb ? "source, results and the .glb's specular chain, whose roughness is its own"
+                    : "source, results and the .env's specular chain, whose roughness is its own",
+            without_env});
+  consider(memory.second_bake > 0, {results + 2 * env,
+                                    has_glb ? "results, the .glb's chain and its faces turned"
+                                            : "results, the .env's chain and its faces turned",
+                                    kSmallerResults});
   consider(has_lat_long, {results + lat_long, "results and the background as a lat-long", kSmallerResults});
   consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
                    kSmallerResults});
@@ -236,11 +244,25 @@ constexpr double kChosen = 0.35;  // textures, for a budget
 constexpr double kJudged = 0.45;  // the pixels, for an error budget
 constexpr double kBaked = 0.75;
 
-constexpr const char* kEnvPass = "specular for .env";
+/// Of the file that Babylon.js reads as RGBD: its chain may be another than that of all else.
+const char* env_container(const BakeCommandOptions& options) {
+  return name(contains(options.files, Content::gltf_light) ? Container::glb : Container::env);
+}
 
-/// What the .env needs: Babylon.js computes the mip from the roughness by a formula of its own, down to one texel.
-PrefilterOptions env_options(const PrefilterOptions& specular) {
+std::string env_pass(const BakeCommandOptions& options) {
+  return std::string("specular for .") + env_container(options);
+}
+
+/// What that file needs: Babylon.js computes the mip from the roughness by a formula of its own. That of an .env goes
+/// down to one texel.
+PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommandOptions& options) {
   PrefilterOptions env = specular;
+  if (contains(options.files, Content::gltf_light)) {
+    env.size = gltf_light_size(specular.size);
+    env.mips = gltf_light_mips(env.size);
+    env.roughness = gltf_light_roughness(env.size, *env.mips);
+    return env;
+  }
   env.size = env_size(specular.size);
   const int mips = full_chain_levels(env.size);
   env.mips = mips;
@@ -265,23 +287,24 @@ void use_stored_light(Baked& baked, const Control& control) {
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }
 
-/// The .env wants its polynomial, whatever else reads it.
+/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them.
 SceneNeeds needs_of(const BakeCommandOptions& options) {
   constexpr int kPolynomialBands = 3;
   SceneNeeds needs = options.scene.needs();
-  if (!contains(options.files, Content::env) || !needs.glossy) return needs;
+  if (!contains_rgbd(options.files) || !needs.glossy) return needs;
   // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
   const PrefilterOptions whole = *library_options(options).specular;
-  if (env_options(whole) == whole) needs.glossy = RoughnessRange{};
+  if (env_options(whole, options) == whole) needs.glossy = RoughnessRange{};
   if (needs.diffuse_bands <= 1) needs.irradiance_cubemap = false;
   needs.diffuse_bands = std::max(needs.diffuse_bands, kPolynomialBands);
   return needs;
 }
 
-/// The .env's chain beside the bake's own.
+/// The .env's or .glb's chain beside the bake's own.
 struct EnvChain {
   PrefilterOptions options;
-  bool wanted = false;       ///< an .env is asked for, and materials would read it
+  std::string pass;          ///< what its bake is called
+  bool wanted = false;       ///< such a file is asked for, and materials would read it
   bool is_specular = false;  ///< the bake's own chain would do
 
   [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
@@ -290,8 +313,8 @@ struct EnvChain {
 /// With the bounds that were picked for the bake's, if they were.
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
-  EnvChain chain{env_options(*whole.specular)};
-  if (!contains(options.files, Content::env) || !specular) return chain;
+  EnvChain chain{env_options(*whole.specular, options), env_pass(options)};
+  if (!contains_rgbd(options.files) || !specular) return chain;
   chain.wanted = true;
   chain.options.rms_error = specular->rms_error;
   chain.options.maximum_error = specular->maximum_error;
@@ -305,7 +328,7 @@ void plan_env(const Source& source, const EnvChain& chain, const CostModel& cost
   if (!chain.second()) return;
   const Plan env = plan(source, SceneNeeds(), second_bake_options(chain.options), costs);
   PlannedPass pass = env.pass("specular");
-  pass.name = kEnvPass;
+  pass.name = chain.pass;
   pass.reason = "Babylon.js has a roughness of its own for each mip: " + pass.reason;
   planned.result_bytes += env.result_bytes;
   planned.working_bytes = std::max(planned.working_bytes, env.working_bytes);
@@ -316,7 +339,7 @@ void plan_env(const Source& source, const EnvChain& chain, const CostModel& cost
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
     return false;
-  if (contains(options.files, Content::env) || !options.lobes.empty() || chooses_textures(options)) return false;
+  if (contains_rgbd(options.files) || !options.lobes.empty() || chooses_textures(options)) return false;
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
@@ -406,7 +429,7 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   const CostModel costs = options.scene.costs();
   PixelWork work;
   work.done = needs.error_budget ? kJudged : baked.textures ? kChosen : kRead;
-  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0};
+  BakeMemory memory{baked.source.path, source.bytes(), 0, 0, 0, 0};
   source.visit([&](const auto& view) {
     const double from = baked.textures ? kChosen : kRead;
     work.light = plan(view, needs, baked.whole, costs, part_of(control, from, std::max(from, work.done)));
@@ -417,10 +440,12 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
     memory.bake = work.light.result_bytes + work.light.working_bytes;
     if (work.env.second()) memory.second_bake = bake_bytes(view, second_bake_options(work.env.options));
   });
-  baked.env_left_out = contains(options.files, Content::env) && !work.env.wanted;
+  baked.env_container = env_container(options);
+  baked.env_left_out = contains_rgbd(options.files) && !work.env.wanted;
   baked.env_is_specular = work.env.is_specular;
   explain(options, baked.plan);
   memory.env_size = work.env.options.size;
+  memory.env_mips = work.env.options.mips.value();
   check_memory(memory, options, baked.options);  // which holds the library's limit too
   return work;
 }
@@ -437,6 +462,7 @@ void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, co
                     planned.result_bytes + planned.working_bytes,
                     0,
                     chain.options.size,
+                    chain.options.mips.value(),
                     file.levels};
   if (chain.second()) {
     const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
@@ -470,7 +496,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
     baked.light = timed(baked.passes, kBakePass, reason,
                         [&] { return bake_light(source, work.light, cache, part_of(control, work.done, end)); });
     if (!work.env.second()) return;
-    baked.env = timed(baked.passes, kEnvPass, "Babylon.js has a roughness of its own for each mip",
+    baked.env = timed(baked.passes, work.env.pass, "Babylon.js has a roughness of its own for each mip",
                       [&] { return prefilter_env(source, work.env.options, cache, part_of(control, kBaked, 1.0)); });
   });
   for (const Lobe lobe : options.lobes) {

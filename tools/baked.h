@@ -27,12 +27,13 @@ struct Baked {
   Plan plan;
   std::optional<ChosenTextures> textures;  ///< by a budget
   BakeResult light;
-  std::optional<PrefilteredSpecular> env;  ///< the .env's chain, if the specular one would not do
+  std::optional<PrefilteredSpecular> env;  ///< the .env's or .glb's chain, if the specular one would not do
   std::vector<LobeChain> lobes;            ///< of --lobe
   std::optional<Projection> stored_light;  ///< of an .env: three bands that its pixels, clipped, do not have
   bool env_is_specular = false;            ///< it would
   bool env_left_out = false;               ///< no material of the scene would read it
-  std::vector<MipRecord> env_mips;         ///< of the .env's chain; empty without an .env
+  std::vector<MipRecord> env_mips;         ///< of that chain; empty without an .env or .glb
+  std::string env_container;               ///< "env" or "glb"
   std::vector<PassRecord> passes;          ///< of the command itself: what lies around the library's
   std::vector<std::string> notes;          ///< of this run alone: what its cache could not do
 };

@@ -12,6 +12,7 @@ namespace {
 struct LoaderLines {
   std::vector<std::string> files;
   const char* text;
+  const char* language = nullptr;  ///< where it is another than the folder's
 };
 
 struct EngineFolder {
@@ -139,7 +140,8 @@ scene->setSkybox(filament::Skybox::Builder().environment(sky).build(*engine));
       {Engine::gltf,
        {texture(Content::lambert, Container::ktx2, kHalves, "lambertian.ktx2"),
         texture(Content::specular, Container::ktx2, kHalves, "ggx.ktx2"),
-        texture(Content::charlie, Container::ktx2, kHalves, "charlie.ktx2")},
+        texture(Content::charlie, Container::ktx2, kHalves, "charlie.ktx2"),
+        texture(Content::gltf_light, Container::glb, kHalves, "environment.glb")},
        "sh",
        {{{"lambertian.ktx2", "ggx.ktx2", "charlie.ktx2"},
          R"(# The names that Khronos' sample viewer looks for, in a folder of its assets/environments.
@@ -147,10 +149,20 @@ mkdir -p city/lambertian city/ggx city/charlie
 cp lambertian.ktx2 city/lambertian/diffuse.ktx2
 cp ggx.ktx2 city/ggx/specular.ktx2
 cp charlie.ktx2 city/charlie/sheen.ktx2
-)"}},
+)"},
+        {{"environment.glb"},
+         R"(// Or the light alone, of EXT_lights_image_based, in Babylon.js with @babylonjs/loaders.
+await BABYLON.AppendSceneAsync("environment.glb", scene); // sets scene.environmentTexture
+scene.environmentTexture.gammaSpace = false; // linear light, which loader 9.28 does not say: reflections would be dark
+)",
+         "js"}},
        "lambertian.ktx2 is irradiance over pi, ggx.ktx2 has roughness 0 to 1 in even steps, charlie.ktx2 the same from "
-       "0.11 on. sh.json has `irradianceCoefficients` of EXT_lights_image_based.",
-       "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run."},
+       "0.11 on. environment.glb has roughness and axes as Babylon.js's loader takes them in its own, left-handed "
+       "scenes "
+       "beside models of glTF; in right-handed ones turn it by `scene.environmentTexture.rotationY = Math.PI`.",
+       "names and folders are those of glTF-Sample-Environments; the viewer's shader was read, not run. "
+       "environment.glb "
+       "lights balls in Chromium in Welkin's tests, by Babylon.js 9.34 and its loader 9.28."},
 
       {Engine::unity,
        {lat_long(Container::exr)},
@@ -265,7 +277,8 @@ std::string readme_text(Engine engine, const std::vector<std::string>& written) 
   std::string code;
   for (const LoaderLines& lines : folder.lines) {
     if (!std::ranges::all_of(lines.files, is_there)) continue;
-    code += "```" + std::string(folder.language) + '\n' + lines.text + "```\n\n";
+    code += "```" + std::string(lines.language != nullptr ? lines.language : folder.language) + '\n' + lines.text +
+            "```\n\n";
   }
   std::string text = kFirstWords + std::string(axes.title) + kLastWords + "\n\n";
   if (code.empty()) {

@@ -51,6 +51,7 @@ const char* name(Container container) noexcept {
     case Container::pfm: return "pfm";
     case Container::env: return "env";
     case Container::ktx: return "ktx";
+    case Container::glb: return "glb";
     case Container::text: break;
   }
   return "text";
@@ -83,6 +84,7 @@ const char* name(Lobe lobe) noexcept { return name(content_of(lobe)); }
 const char* name(Content content) noexcept {
   switch (content) {
     case Content::env:
+    case Content::gltf_light:
     case Content::lat_long: return "environment";
     case Content::octahedral: return "specular_octahedral";
     case Content::background: return "background";
@@ -176,9 +178,13 @@ bool contains(const std::vector<OutputFile>& files, Content content) noexcept {
   return std::ranges::any_of(files, [content](const OutputFile& file) { return file.content == content; });
 }
 
+bool contains_rgbd(const std::vector<OutputFile>& files) noexcept {
+  return contains(files, Content::env) || contains(files, Content::gltf_light);
+}
+
 bool contains_cubemap(const std::vector<OutputFile>& files) noexcept {
-  constexpr std::array kOthers{Content::env,  Content::lat_long,  Content::octahedral,
-                               Content::brdf, Content::usd_stage, Content::readme};
+  constexpr std::array kOthers{Content::env,  Content::gltf_light, Content::lat_long, Content::octahedral,
+                               Content::brdf, Content::usd_stage,  Content::readme};
   return std::ranges::any_of(
       files, [&](const OutputFile& file) { return std::ranges::find(kOthers, file.content) == kOthers.end(); });
 }

@@ -20,6 +20,7 @@ enum class Container {
   pfm,
   env,
   ktx,
+  glb,
   text,  ///< none: what a file of letters holds
 };
 
@@ -41,6 +42,7 @@ enum class Lobe { charlie, lambert, phong };
 /// What a file holds.
 enum class Content {
   env,         ///< all that Babylon.js wants
+  gltf_light,  ///< reflections and harmonics as a light of EXT_lights_image_based
   lat_long,    ///< the background as a lat-long
   octahedral,  ///< the specular chain as an octahedral map
   background,
@@ -63,7 +65,7 @@ enum class Content {
 struct OutputFile {
   Content content;
   Container container;
-  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env and text
+  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env, .glb and text
   Supercompression supercompression = Supercompression::none;
   std::string name{};  ///< with its extension
   int levels = 0;      ///< the first ones of the content's; 0: all
@@ -84,6 +86,9 @@ struct OutputFile {
 [[nodiscard]] std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile>& files);
 
 [[nodiscard]] bool contains(const std::vector<OutputFile>& files, Content content) noexcept;
+
+/// Whether there is one that Babylon.js reads as RGBD: it has a specular chain of its own, and harmonics.
+[[nodiscard]] bool contains_rgbd(const std::vector<OutputFile>& files) noexcept;
 
 /// Whether there is one whose faces lie as the engine looks for them.
 [[nodiscard]] bool contains_cubemap(const std::vector<OutputFile>& files) noexcept;

@@ -15,6 +15,7 @@
 #include "jobs/control.h"
 #include "math/elementary.h"
 #include "tools/bake_lobes.h"
+#include "tools/gltf_light.h"
 #include "tools/output_files.h"
 #include "tools/preview_light.h"
 #include "tools/text.h"
@@ -54,7 +55,8 @@ std::uint64_t picture_bytes(std::uint64_t width, std::uint64_t height, const Out
   switch (file.container) {
     case Container::exr: return (file.format == TexelFormat::rgba32f ? 12 : 6) * width * height;
     case Container::hdr:
-    case Container::env: return 4 * width * height;
+    case Container::env:
+    case Container::glb: return 4 * width * height;
     case Container::pfm: return 12 * width * height;
     default: return texel_bytes(width, height, file.format);
   }
@@ -76,6 +78,10 @@ std::uint64_t file_bytes(const OutputFile& file, const BakeCommandOptions& optio
   const int background = bake.background->size.value_or(size);
   switch (file.content) {
     case Content::env: return chain_bytes(env_size(size), full_chain_levels(env_size(size)), file);
+    case Content::gltf_light: {
+      const int edge = gltf_light_size(size);
+      return chain_bytes(edge, gltf_light_mips(edge), file);
+    }
     case Content::lat_long: {
       const auto width = 4 * static_cast<std::uint64_t>(background);
       return picture_bytes(width, width / 2, file);
@@ -251,7 +257,7 @@ Candidate candidate_of(BakeCommandOptions options) {
 }
 
 bool holds_reflections(const BakeCommandOptions& options) {
-  return contains(options.files, Content::specular) || contains(options.files, Content::env);
+  return contains(options.files, Content::specular) || contains_rgbd(options.files);
 }
 
 /// All that may be chosen, by bytes.
@@ -302,7 +308,7 @@ class Judge {
     std::set<TexelFormat> formats;
     for (const OutputFile& file : files_with(Content::specular, candidate.options.files)) formats.insert(file.format);
     // What RGBD rounds is not looked at.
-    if (contains(candidate.options.files, Content::env)) formats.insert(TexelFormat::rgba32f);
+    if (contains_rgbd(candidate.options.files)) formats.insert(TexelFormat::rgba32f);
     for (const TexelFormat format : formats) {
       const auto [error, roughness] = error_of(specular, format, candidate.options.texture);
       if (error < candidate.tried.error) continue;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "welkin/bc6h.h"
 #include "welkin/core.h"
@@ -126,6 +127,17 @@ struct BabylonEnvironment {
 /// Welkin's axes and those of Babylon.js; no texel changes.
 [[nodiscard]] CubemapChain mirrored_x(const CubemapChain& chain);
 [[nodiscard]] CubemapImage mirrored_x(const CubemapImage& cubemap);
+
+/// The faces of a chain as PNG pictures of RGBD, as .env files and EXT_lights_image_based of glTF have them.
+struct RgbdPictures {
+  std::vector<std::vector<std::uint8_t>> png;  ///< level x 6 + face, +X -X +Y -Y +Z -Z
+  std::uint64_t values_clamped = 0;            ///< channel values below 0 or above 255, where RGBD ends (NaN becomes 0)
+};
+
+/// Packs them in parallel, as `write_babylon_environment` does: bottom row first, faces as they are in the chain (whose
+/// axes the caller has turned). The same bytes on any number of threads. `control` gets progress. Throws `Error`:
+/// unsupported_file in a build without libspng, cancelled.
+[[nodiscard]] RgbdPictures rgbd_pictures(const CubemapChain& chain, const Control& control = {});
 
 /// Reads an .env file: versions 1 and 2 (older ones are read as 1), PNG and WebP pictures, told by their first bytes.
 /// Faces in parallel; the same bits on any number of threads. The manifest may have 256 KiB; what the file's sizes take

@@ -413,14 +413,26 @@ void check(const BabylonEnvironment& environment) {
   check_irradiance(environment);
 }
 
-std::vector<Picture> pictures_of(const BabylonEnvironment& environment) {
+/// The six faces of each, encoded in parallel, in that order.
+std::vector<Picture> encoded(const std::vector<CubemapView>& levels, const Control& control) {
   std::vector<Picture> pictures;
-  const auto add = [&pictures](const CubemapView& view) {
+  std::int64_t texels = 0;
+  for (const CubemapView& view : levels) {
     for (int face = 0; face < 6; ++face) pictures.push_back({view, face});
-  };
-  for (const CubemapView& view : environment.specular.views()) add(view);
-  if (environment.irradiance.size != 0) add(environment.irradiance.view());
+    texels = std::max(texels, std::int64_t{6} * view.size * view.size);
+  }
+  const RgbdEncoder encoder;
+  constexpr std::int64_t as_texels = 16;  // packing one takes as long as doing other things with so many
+  const jobs::Placement placement = jobs::placement_for(as_texels * texels);
+  jobs::run_tiles(pictures.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t) { encode(pictures[tile], encoder, control.stop); });
   return pictures;
+}
+
+std::vector<CubemapView> levels_of(const BabylonEnvironment& environment) {
+  std::vector<CubemapView> levels = environment.specular.views();
+  if (environment.irradiance.size != 0) levels.push_back(environment.irradiance.view());
+  return levels;
 }
 
 EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vector<Picture>& pictures) {
@@ -449,14 +461,8 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   files::check(environment);
   files::require_codec(files::Codec::png, output.path(), "write a texture (.ktx2, .dds)");
   platform::WholeFile file(output.path(), output.bytes());
-  std::vector<files::Picture> pictures = files::pictures_of(environment);
-  const files::RgbdEncoder encoder;
-  const auto size = std::int64_t{environment.specular.size()};
-  constexpr std::int64_t as_texels = 16;  // packing one takes as long as doing other things with so many
-  const jobs::Placement placement = jobs::placement_for(as_texels * 6 * size * size);
-  const Control packing = jobs::part_of(control, 0.0, 0.95);
-  jobs::run_tiles(pictures.size(), placement, jobs::worker_count(placement), packing,
-                  [&](std::size_t tile, std::size_t) { files::encode(pictures[tile], encoder, control.stop); });
+  const std::vector<files::Picture> pictures =
+      files::encoded(files::levels_of(environment), jobs::part_of(control, 0.0, 0.95));
 
   std::uint64_t values_clamped = 0;
   const std::string manifest = files::env_manifest_bytes(files::manifest_for(environment, pictures));
@@ -467,6 +473,17 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   }
   file.finish();
   return files::commit_files({&file}, values_clamped, control);
+}
+
+RgbdPictures rgbd_pictures(const CubemapChain& chain, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  files::require_codec(files::Codec::png, "pictures of RGBD", "write a texture (.ktx2, .dds)");
+  RgbdPictures result;
+  for (files::Picture& picture : files::encoded(chain.views(), control)) {
+    result.png.push_back(std::move(picture.png));
+    result.values_clamped += picture.clamped;
+  }
+  return result;
 }
 
 }  // namespace welkin

@@ -1,9 +1,12 @@
 // What a user of our files writes for Babylon.js: load one, light some balls with it. Bundled by client.mjs, which drives
 // it through `window.client`.
 import {
-  ArcRotateCamera, Color3, Color4, Constants, CubeTexture, Engine, HDRCubeTexture, MeshBuilder, PBRMaterial,
-  RenderTargetTexture, Scene, Vector3,
+  AppendSceneAsync, ArcRotateCamera, Color3, Color4, Constants, CubeTexture, Engine, HDRCubeTexture, MeshBuilder,
+  PBRMaterial, RenderTargetTexture, Scene, Vector3,
 } from "@babylonjs/core";
+import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
+import "@babylonjs/loaders/glTF/glTFFileLoader.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/EXT_lights_image_based.js";
 import { BALLS, HALF, centre, figure } from "./balls.js";
 
 const canvas = document.getElementById("canvas");
@@ -27,6 +30,23 @@ const environment = (scene, url) =>
 const panorama = (scene, url, size) =>
   loaded((done, failed) => new HDRCubeTexture(url, scene, size, false, true, false, true, done, failed, true));
 
+/** Babylon.js has the centre of a picture at +z, where its camera stands. */
+const AHEAD = new Vector3(0, 0, 1);
+
+/** A model of glTF: one node at (1, 0, 0), where glTF's pictures have their centre. */
+const MODEL = { asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }],
+                nodes: [{ name: "ahead", translation: [1, 0, 0] }] };
+
+/** A light in a .glb, and where the loader puts what a model has at glTF's +x. */
+async function gltfLight(scene, url) {
+  await AppendSceneAsync(url, scene);
+  scene.environmentTexture.gammaSpace = false; // its pixels are linear, which the loader does not say
+  await AppendSceneAsync(`data:${JSON.stringify(MODEL)}`, scene, { pluginExtension: ".gltf" });
+  const ahead = scene.getNodeByName("ahead");
+  ahead.computeWorldMatrix(true);
+  return { texture: scene.environmentTexture, ahead: ahead.getAbsolutePosition().clone() };
+}
+
 async function harmonicsOf(texture) {
   for (let tries = 0; tries < 2000 && !texture.sphericalPolynomial; ++tries)
     await new Promise((resolve) => setTimeout(resolve, 5));
@@ -41,16 +61,20 @@ async function exact(scene, url, irradiance) {
   return texture;
 }
 
-/** The texture of each ball: the same for all of them, unless they are the truth. */
+/** The texture of each ball, the same for all of them unless they are the truth; and where the picture's centre lies. */
 async function open(scene, source) {
   if (source.kind === "truth") {
     const irradiance = await environment(scene, source.irradiance);
-    return Promise.all(source.urls.map((url) => exact(scene, url, irradiance)));
+    return { textures: await Promise.all(source.urls.map((url) => exact(scene, url, irradiance))), ahead: AHEAD };
+  }
+  if (source.kind === "gltf") {
+    const { texture, ahead } = await gltfLight(scene, source.url);
+    return { textures: BALLS.map(() => texture), ahead };
   }
   const texture = await (source.kind === "picture" ? panorama(scene, source.url, source.size)
                                                    : environment(scene, source.url));
   await harmonicsOf(texture);
-  return BALLS.map(() => texture);
+  return { textures: BALLS.map(() => texture), ahead: AHEAD };
 }
 
 function material(scene, texture, { roughness, metallic, albedo, matte }) {
@@ -66,20 +90,21 @@ function material(scene, texture, { roughness, metallic, albedo, matte }) {
 }
 
 /** The balls in a row, ball 0 on the viewer's left. */
-function row(scene, textures) {
+function row(scene, { textures, ahead }) {
   BALLS.forEach((look, index) => {
     const ball = MeshBuilder.CreateSphere("ball", { diameter: 2, segments: 64 }, scene);
-    ball.position = new Vector3(-centre(index), 0, 0); // seen from +z, +x is on the left
+    // Left-handed: seen from +z, +x is on the left.
+    ball.position = new Vector3(-ahead.z, 0, ahead.x).scale(centre(index));
     ball.material = material(scene, textures[index], look);
   });
 }
 
 /**
  * Orthographic, so that a pixel's normal does not depend on the ball. The shader takes the view from the camera's place
- * all the same, so that this is far away. From +z, because our sunny picture's sun is reflected there.
+ * all the same, so that this is far away. From the picture's centre, because our sunny picture's sun is reflected there.
  */
-function view(scene) {
-  const camera = new ArcRotateCamera("camera", Math.PI / 2, Math.PI / 2, 2000, Vector3.Zero(), scene);
+function view(scene, { ahead }) {
+  const camera = new ArcRotateCamera("camera", Math.atan2(ahead.z, ahead.x), Math.PI / 2, 2000, Vector3.Zero(), scene);
   camera.mode = ArcRotateCamera.ORTHOGRAPHIC_CAMERA;
   Object.assign(camera, { orthoLeft: -HALF.x, orthoRight: HALF.x, orthoTop: HALF.y, orthoBottom: -HALF.y });
   return camera;
@@ -93,19 +118,20 @@ async function measure(source, pixels) {
   const scene = new Scene(engine);
   scene.clearColor = new Color4(0, 0, 0, 0);
   scene.imageProcessingConfiguration.applyByPostProcess = true; // which there is none of: the balls' light as it is
-  row(scene, await open(scene, source));
+  const light = await open(scene, source);
+  row(scene, light);
   const size = { width: BALLS.length * pixels, height: pixels };
   const target = new RenderTargetTexture("target", size, scene, false, true, Constants.TEXTURETYPE_FLOAT);
   target.renderList = scene.meshes;
-  target.activeCamera = view(scene);
+  target.activeCamera = view(scene, light);
   target.clearColor = scene.clearColor;
   scene.customRenderTargets.push(target);
   await frame(scene);
   await new Promise((resolve) => target.isReadyForRendering() ? resolve() : setTimeout(resolve, 200));
   scene.render();
-  const light = Array.from(await target.readPixels());
+  const pixelsOfRow = Array.from(await target.readPixels());
   scene.dispose();
-  return { ...size, light };
+  return { ...size, light: pixelsOfRow };
 }
 
 window.client = {

@@ -21,7 +21,9 @@ export const ENGINES = {
     // The .env has the mips and the roughness that Babylon.js looks for whatever is asked for.
     files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: TURNED },
             { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
-              wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] }],
+              wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] },
+            // In glTF's axes, and seen from where these have the picture's centre.
+            { name: "glb", kind: "gltf", of: "environment.glb", options: ["--for", "gltf"], wrong: TURNED }],
     truth: { of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"] },
     /** The roughness that the shader makes of a material's: it adds 0.0005 to alpha. */
     roughness: (given) => Math.min(1, Math.sqrt(given * given + 0.0005)),

@@ -111,6 +111,7 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
     write_babylon_environment(env, environment);
     return read_bytes(env);
   });
+  calls.call("rgbd_pictures(", [&] { return rgbd_pictures(chain).png; });
   calls.call("read_babylon_environment(", [&] { return read_babylon_environment(env).specular; });
   calls.call("mirrored_x(CubemapChain", [&] { return mirrored_x(chain); });
   const CubemapImage cube = small_cubemap();

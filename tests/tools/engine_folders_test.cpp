@@ -5,6 +5,7 @@
 #include <regex>
 #include <sstream>
 
+#include "files/env.h"
 #include "support/chains.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -26,16 +27,17 @@ constexpr const char* kSmall = " --size 32 --irradiance 8 --brdf 8 ";
 
 /// What is there beside the files that all folders have.
 const std::map<std::string, Names>& folders() {
-  static const std::map<std::string, Names> all = {{"three", {"specular.dds", "specular.ktx2"}},
-                                                   {"babylon", {"environment.env", "specular.dds"}},
-                                                   {"filament", {"environment_ibl.ktx", "environment_skybox.ktx"}},
-                                                   {"bevy", {"diffuse.ktx2", "specular.ktx2", "specular_bc6h.ktx2"}},
-                                                   {"gltf", {"charlie.ktx2", "ggx.ktx2", "lambertian.ktx2"}},
-                                                   {"unity", {"environment.exr"}},
-                                                   {"unreal", {"environment.hdr"}},
-                                                   {"blender", {"environment.exr"}},
-                                                   {"godot", {"environment.exr"}},
-                                                   {"usd", {"environment.exr", "environment.usda"}}};
+  static const std::map<std::string, Names> all = {
+      {"three", {"specular.dds", "specular.ktx2"}},
+      {"babylon", {"environment.env", "specular.dds"}},
+      {"filament", {"environment_ibl.ktx", "environment_skybox.ktx"}},
+      {"bevy", {"diffuse.ktx2", "specular.ktx2", "specular_bc6h.ktx2"}},
+      {"gltf", {"charlie.ktx2", "environment.glb", "ggx.ktx2", "lambertian.ktx2"}},
+      {"unity", {"environment.exr"}},
+      {"unreal", {"environment.hdr"}},
+      {"blender", {"environment.exr"}},
+      {"godot", {"environment.exr"}},
+      {"usd", {"environment.exr", "environment.usda"}}};
   return all;
 }
 
@@ -51,7 +53,7 @@ Names with_common_files(Names names) {
 /// The files of a bake's folder that a text names; not those that it names with a folder of another place.
 Names files_named_in(const std::string& text) {
   static const std::regex pattern(
-      R"((^|[^A-Za-z0-9_/])(?:/|\./|//|res://|Assets/)?([a-z0-9_]+\.(?:ktx2|ktx|dds|exr|hdr|env|usda|json|h)\b))");
+      R"((^|[^A-Za-z0-9_/])(?:/|\./|//|res://|Assets/)?([a-z0-9_]+\.(?:ktx2|ktx|dds|exr|hdr|env|glb|usda|json|h)\b))");
   Names names;
   for (std::sregex_iterator at(text.begin(), text.end(), pattern); at != std::sregex_iterator(); ++at) {
     names.push_back((*at)[2]);
@@ -102,6 +104,61 @@ LatLongImage smooth_picture(int height) {
     }
   }
   return picture;
+}
+
+std::size_t number_at(const std::string& bytes, std::size_t at) {
+  std::size_t value = 0;
+  for (std::size_t k = 4; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes.at(at + k));
+  return value;
+}
+
+/// A .glb taken apart; requires that header, chunks and buffer views are as glTF 2.0 has them.
+struct Glb {
+  nlohmann::json document;
+  std::string binary;
+
+  explicit Glb(const std::string& bytes) {
+    REQUIRE(bytes.starts_with("glTF"));
+    REQUIRE(number_at(bytes, 4) == 2);
+    REQUIRE(number_at(bytes, 8) == bytes.size());
+    const std::size_t text = number_at(bytes, 12);
+    REQUIRE(text % 4 == 0);
+    REQUIRE(bytes.substr(16, 4) == "JSON");
+    document = nlohmann::json::parse(bytes.substr(20, text));
+    REQUIRE(bytes.substr(24 + text, 4) == std::string("BIN\0", 4));
+    binary = bytes.substr(28 + text);
+    REQUIRE(number_at(bytes, 20 + text) == binary.size());
+    REQUIRE(binary.size() % 4 == 0);
+    REQUIRE(document.at("buffers").at(0).at("byteLength").get<std::size_t>() == binary.size());
+  }
+
+  [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t number) const {
+    const nlohmann::json& image = document.at("images").at(number);
+    CHECK(image.at("mimeType") == "image/png");
+    const nlohmann::json& view = document.at("bufferViews").at(image.at("bufferView").get<std::size_t>());
+    const auto offset = view.at("byteOffset").get<std::size_t>();
+    const auto length = view.at("byteLength").get<std::size_t>();
+    REQUIRE(offset + length <= binary.size());
+    return {binary.begin() + static_cast<std::ptrdiff_t>(offset),
+            binary.begin() + static_cast<std::ptrdiff_t>(offset + length)};
+  }
+};
+
+/// The chain of such pictures, bottom row first.
+CubemapChain decoded(const Glb& glb, int size, int mips) {
+  CubemapChain chain(size, mips);
+  const files::RgbdDecoder decoder;
+  for (int picture = 0; picture < 6 * mips; ++picture) {
+    const int edge = size >> (picture / 6);
+    const std::vector<std::uint8_t> png = glb.picture(static_cast<std::size_t>(picture));
+    std::vector<std::uint8_t> rgbd(static_cast<std::size_t>(4 * edge * edge));
+    files::decode_rgba({png, edge, "environment.glb", "a picture"}, rgbd.data());
+    for (int row = 0; row < edge; ++row) {
+      decoder.decode(rgbd.data() + std::ptrdiff_t{4} * edge * (edge - 1 - row), static_cast<std::size_t>(edge),
+                     chain.face(picture / 6, picture % 6) + std::ptrdiff_t{3} * edge * row);
+    }
+  }
+  return chain;
 }
 
 /// Mean over all values, for what must be nearly the same.
@@ -263,6 +320,63 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
   CHECK_FALSE(same_bits(straight, mirrored));
   const double irradiance = mean(read_texture(plain / "irradiance.ktx2").cubemap, 0);
   CHECK(mean(read_texture(folder / "diffuse.ktx2").cubemap, 0) == Approx(irradiance / 3.14159265).epsilon(0.03));
+}
+
+TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and whose coefficients are sh.json's",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const nlohmann::json manifest = bake_into(folder, std::string("--sky --for gltf") + kSmall);
+  const Glb glb(file_text(folder / "environment.glb"));
+  const nlohmann::json& document = glb.document;
+  CHECK(document.at("asset").at("version") == "2.0");
+  CHECK(document.at("extensionsUsed") == nlohmann::json::array({"EXT_lights_image_based"}));
+  CHECK(document.at("scenes").at(0).at("extensions").at("EXT_lights_image_based").at("light") == 0);
+  const nlohmann::json& light = document.at("extensions").at("EXT_lights_image_based").at("lights").at(0);
+  CHECK(light.at("intensity") == 1.0);
+  CHECK(light.at("rotation") == nlohmann::json::array({0.0, 0.0, 0.0, 1.0}));
+  CHECK(light.at("specularImageSize") == 32);
+
+  // Six pictures a mip, in this order; alpha = 32^(mip / 2 - 1), where Babylon.js's loader looks.
+  CHECK(light.at("specularImages") ==
+        nlohmann::json::array({{0, 1, 2, 3, 4, 5}, {6, 7, 8, 9, 10, 11}, {12, 13, 14, 15, 16, 17}}));
+  CHECK(document.at("images").size() == 18);
+  const auto roughness = file_of(manifest, "environment.glb").at("roughness").get<std::vector<double>>();
+  REQUIRE(roughness.size() == 3);
+  CHECK(roughness[0] == 0.0);
+  CHECK(roughness[1] == Approx(std::pow(32.0, -0.25)).epsilon(1e-14));
+  CHECK(roughness[2] == 1.0);
+
+  // The loader evaluates the coefficients in its own axes: what is odd in x has the other sign.
+  const nlohmann::json engines = nlohmann::json::parse(file_text(folder / "sh.json")).at("engines");
+  const auto own =
+      std::find_if(engines.begin(), engines.end(), [](const auto& each) { return each.at("name") == "gltf"; });
+  REQUIRE(own != engines.end());
+  std::size_t k = 0;
+  for (const auto& [name, rgb] : own->at("terms").items()) {
+    const double sign = k == 3 || k == 4 || k == 7 ? -1.0 : 1.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      CHECK(light.at("irradianceCoefficients").at(k).at(c).get<double>() ==
+            Approx(sign * rgb.at(c).get<double>()).epsilon(1e-12));
+    }
+    ++k;
+  }
+  CHECK(k == 9);
+
+  // The same chain in glTF's faces, mirrored in x. RGBD ends at 255, below the sun, and is off by 1 % at most.
+  const std::string list = "0," + std::to_string(std::pow(32.0, -0.25)) + ",1";
+  const auto chain = scratch.path() / "chain";
+  bake_into(chain, "--sky --for gltf --formats ktx2 --ktx2-format rgba32f --roughness " + list + kSmall);
+  const CubemapChain wanted = mirrored_x(read_texture(chain / "specular.ktx2").cubemap);
+  const CubemapChain got = decoded(glb, 32, 3);
+  REQUIRE(wanted.levels() == 3);
+  for (int level = 0; level < 3; ++level) {
+    INFO(level);
+    const std::span<const float> exact = level_values(wanted, level);
+    std::vector<float> held(exact.begin(), exact.end());
+    for (float& value : held) value = std::min(value, files::kLargestRgbd);
+    CHECK(difference(held, level_values(got, level)) < 0.01);
+  }
 }
 
 TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
