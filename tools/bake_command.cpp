@@ -60,7 +60,7 @@ Examples:
   welkin bake city.hdr -o out --no-glossy --explain   no reflections; says why
   welkin bake city.hdr -o out --glossy 0.4,1          no mip sharper than 0.4
   welkin bake city.hdr -o out --needs scene.json --plan-only
-  welkin bake city.hdr -o out --budget 2MiB --explain  the best within 2 MiB
+  welkin bake city.hdr -o out --budget 2MiB           the best within 2 MiB
 
 What the scene needs: --needs, --glossy, --no-glossy, --no-background and
   --no-diffuse say what the scene uses. Passes that it does not need are left
