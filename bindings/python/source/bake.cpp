@@ -25,7 +25,7 @@ BackgroundOptions background_options(const py::dict& given) {
   BackgroundOptions how;
   options.read("size", how.size);
   options.read("mips", how.mips);
-  options.read("mip_filter", how.mip_filter, std::span(kMipFilters));
+  options.read("mip_filter", how.mip_filter, kMipFilters);
   options.finish();
   return how;
 }
@@ -34,7 +34,7 @@ IrradianceOptions irradiance_options(const py::dict& given) {
   Options options("bake(irradiance)", given);
   IrradianceOptions how;
   options.read("size", how.size);
-  options.read("method", how.method, std::span(kIrradiance));
+  options.read("method", how.method, kIrradiance);
   options.finish();
   return how;
 }

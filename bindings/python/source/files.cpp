@@ -177,8 +177,8 @@ Texture read_texture_file(const py::object& file, const py::kwargs& given) {
 
 TextureOptions texture_options(Options& options) {
   TextureOptions how;
-  options.read("format", how.format, std::span(kFormats));
-  options.read("supercompression", how.supercompression, std::span(kSupercompression));
+  options.read("format", how.format, kFormats);
+  options.read("supercompression", how.supercompression, kSupercompression);
   options.read("metadata", how.metadata);
   return how;
 }
@@ -245,13 +245,13 @@ FileInput input_of(const py::object& file) {
 
 ReadOptions read_options(Options& options) {
   ReadOptions how;
-  options.read("layout", how.layout, std::span(kLayouts));
+  options.read("layout", how.layout, kLayouts);
   options.read("part", how.part);
   options.read("layer", how.layer);
   options.read("level", how.level);
   options.read("element", how.element);
-  options.read("transfer", how.transfer, std::span(kTransfers));
-  options.read("primaries", how.primaries, std::span(kPrimaries));
+  options.read("transfer", how.transfer, kTransfers);
+  options.read("primaries", how.primaries, kPrimaries);
   options.read("memory_limit", how.memory_limit_bytes);
   return how;
 }

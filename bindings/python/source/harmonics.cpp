@@ -49,7 +49,7 @@ py::array values_at(const SphericalHarmonics& harmonics, const py::object& direc
     const dvec3 value = evaluate(harmonics, asked.at(index));
     std::copy_n(&value.x, 3, out + 3 * index);
   }
-  return std::move(values);
+  return values;
 }
 
 SphericalHarmonics scaled(const SphericalHarmonics& harmonics, const py::object& factor) {

@@ -30,7 +30,7 @@ py::array cubemap_from(const py::object& pixels, int size, const py::kwargs& giv
   const Source source = source_of(pixels, options);
   const dmat3 turn = read_turn(options);
   ResampleFilter filter = ResampleFilter::area;
-  options.read("filter", filter, std::span(kFilters));
+  options.read("filter", filter, kFilters);
   Call call("to_cubemap", options);
   options.finish();
   return array_of(call.run([&](const Control& control) {
@@ -44,7 +44,7 @@ py::array lat_long_from(const py::object& pixels, int height, const py::kwargs& 
   const Source source = source_of(pixels, options);
   const dmat3 turn = read_turn(options);
   ResampleFilter filter = ResampleFilter::area;
-  options.read("filter", filter, std::span(kFilters));
+  options.read("filter", filter, kFilters);
   Call call("to_lat_long", options);
   options.finish();
   return array_of(call.run([&](const Control& control) {

@@ -33,9 +33,9 @@ PixelPolicy policy_of(const py::kwargs& given) {
   options.read("preserve_colour", clamp.preserve_colour);
   if (clamps) policy.clamp = clamp;
   options.read("gamma", policy.gamma);
-  options.read("nan", policy.nan, std::span(kNonFinite));
-  options.read("infinity", policy.infinity, std::span(kNonFinite));
-  options.read("negative", policy.negative, std::span(kNegative));
+  options.read("nan", policy.nan, kNonFinite);
+  options.read("infinity", policy.infinity, kNonFinite);
+  options.read("negative", policy.negative, kNegative);
   options.finish();
   return policy;
 }
@@ -79,7 +79,7 @@ Irradiance irradiance_of(const py::object& light, const py::kwargs& given) {
   std::optional<int> size;
   Integral integral = Integral::harmonics;
   options.read("size", size);
-  options.read("method", integral, std::span(kIntegrals));
+  options.read("method", integral, kIntegrals);
   const bool has_pixels = !py::isinstance<SphericalHarmonics>(light);
   std::optional<Source> source;
   ProjectionOptions how;
@@ -171,7 +171,7 @@ void bind_diagnostics(py::module_& module) {
 ProjectionOptions projection_options(Options& options) {
   ProjectionOptions how;
   options.read("bands", how.bands);
-  options.read("quadrature", how.quadrature, std::span(kQuadratures));
+  options.read("quadrature", how.quadrature, kQuadratures);
   options.read("target_size", how.target_size);
   options.read("policy", how.pixels);
   return how;

@@ -104,7 +104,7 @@ Chain mips_of(const py::object& pixels, const py::kwargs& given) {
   const Source source = source_of(pixels, options);
   MipFilter filter = MipFilter::solid_angle;
   std::optional<int> levels;
-  options.read("filter", filter, std::span(kMipFilters));
+  options.read("filter", filter, kMipFilters);
   options.read("levels", levels);
   Call call("build_mips", options);
   options.finish();
@@ -170,7 +170,7 @@ PrefilterOptions prefilter_options(Options& options, bool policy) {
   options.read("size", how.size);
   options.read("mips", how.mips);
   read_roughness(options, how);
-  options.read("method", how.method, std::span(kMethods));
+  options.read("method", how.method, kMethods);
   options.read("rms_error", how.rms_error);
   options.read("maximum_error", how.maximum_error);
   options.read("samples", how.samples);
@@ -182,7 +182,7 @@ BrdfTableOptions brdf_options(Options& options) {
   BrdfTableOptions how;
   options.read("width", how.width);
   options.read("height", how.height);
-  options.read("model", how.model, std::span(kModels));
+  options.read("model", how.model, kModels);
   options.read("sheen", how.sheen);
   return how;
 }

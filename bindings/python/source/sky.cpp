@@ -53,7 +53,7 @@ Atmosphere read_atmosphere(const std::string& planet, Options& options) {
   std::optional<double> albedo;
   double night = 0.0;
   const bool has_aerosol = static_cast<bool>(options.take("aerosol"));
-  options.read("aerosol", aerosol, std::span(kAerosols));
+  options.read("aerosol", aerosol, kAerosols);
   options.read("wavelengths", wavelengths);
   options.read("ground_albedo", albedo);
   options.read("night_zenith_luminance", night);
@@ -80,8 +80,8 @@ Atmosphere read_atmosphere(const std::string& planet, Options& options) {
 SkyTableOptions read_tables(Options& options) {
   SkyTableOptions how;
   how.colour = SkyColour::linear_srgb;
-  options.read("colour", how.colour, std::span(kColours));
-  options.read("table_layout", how.layout, std::span(kLayouts));
+  options.read("colour", how.colour, kColours);
+  options.read("table_layout", how.layout, kLayouts);
   options.read("heights", how.heights);
   options.read("view_zeniths", how.view_zeniths);
   options.read("sun_zeniths", how.sun_zeniths);
@@ -139,7 +139,7 @@ py::array radiance_at(const Sky& sky, const py::object& directions, const py::ob
   const std::span<vec3> rgb(reinterpret_cast<vec3*>(values.mutable_data()), list.size());
   const py::gil_scoped_release released;
   sky.view.radiance(list, towards, rgb);
-  return std::move(values);
+  return values;
 }
 
 py::dict sun_of(const Sky& sky, const py::object& sun) {
@@ -154,7 +154,7 @@ py::dict sun_of(const Sky& sky, const py::object& sun) {
 }
 
 SkyHarmonicsOptions harmonics_options(Options& options, SkyHarmonicsOptions how) {
-  options.read("quadrature", how.quadrature, std::span(kQuadratures));
+  options.read("quadrature", how.quadrature, kQuadratures);
   options.read("zeniths", how.zeniths);
   options.read("azimuths", how.azimuths);
   return how;

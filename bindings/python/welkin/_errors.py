@@ -87,7 +87,7 @@ _BY_CODE = {
         Stopped,
     )
 }
-_NOT_THERE = "No such file or directory"
+_NOT_THERE = "there is no such"
 
 
 def error_of(code, message):
