@@ -236,7 +236,7 @@ void bind_curve(py::module_& module) {
           "sun_irradiance(sun)\n--\n\nOf the direct sun on a surface that faces it: (3,).")
       .def("__repr__", [](const SkyCurve& self) {
         return "<welkin.SkyCurve: " + counted(static_cast<std::size_t>(self.bands()), "band") + ", " +
-               counted(self.bytes() / 1024, "KiB") + ">";
+               std::to_string(self.bytes() / 1024) + " KiB" + ">";
       });
 }
 
@@ -283,7 +283,7 @@ void bind_sky_class(py::module_& module) {
       .def("__repr__", [](const Sky& self) {
         return "<welkin.Sky: " + self.tables().atmosphere.name + " at " +
                std::to_string(static_cast<long>(self.view.altitude_m())) + " m, " +
-               counted(self.tables().bytes() >> 20U, "MiB") + " of tables>";
+               std::to_string(self.tables().bytes() >> 20U) + " MiB of tables>";
       });
 }
 
