@@ -167,7 +167,7 @@ void bind_bake(py::module_& module) {
   module.def(
       "bake", &bake_source, py::arg("pixels"),
       "bake(pixels, *, background=True, specular=True, irradiance=True, brdf=True, bands=3, policy=None,\n"
-      "     memory_limit=8 << 30, plan=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "     memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
       "--\n\n"
       "All that a renderer loads, as a `Bake`. Pixels, or a file (a path or its bytes). Each part is True, False or\n"
       "a dictionary of options: background(size, mips, mip_filter), specular (as `prefilter`), irradiance(size,\n"

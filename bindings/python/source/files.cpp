@@ -287,14 +287,14 @@ void bind_files(py::module_& module) {
       });
   module.def("read", &read_file, py::arg("file"),
              "read(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "     primaries='rec709', memory_limit=8 << 30, progress=None, threads=None)\n--\n\n"
+             "     primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "OpenEXR, Radiance .hdr, PFM, PNG, KTX2, KTX, DDS and .env, by a path or as bytes, as an `Environment`.");
   module.def("inspect", &inspect_file, py::arg("file"),
              "inspect(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "        primaries='rec709', memory_limit=8 << 30)\n--\n\nThe header alone: a dictionary.");
+             "        primaries='rec709', memory_limit=8589934592)\n--\n\nThe header alone: a dictionary.");
   module.def("measure", &measure_file, py::arg("file"),
              "measure(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
-             "        primaries='rec709', memory_limit=8 << 30, progress=None, threads=None)\n--\n\n"
+             "        primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "Range, mean by solid angle, NaN and the brightest texel of a file, streaming: a dictionary.");
   module.def(
       "write", &write_file, py::arg("path"), py::arg("pixels"), py::arg("layout") = "automatic",
@@ -308,7 +308,7 @@ void bind_files(py::module_& module) {
       "encode(name, pixels, layout='automatic', type='automatic', *, encoding=None, progress=None, threads=None)\n"
       "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
   module.def("read_texture", &read_texture_file, py::arg("file"),
-             "read_texture(file, *, memory_limit=8 << 30, progress=None, threads=None)\n--\n\n"
+             "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "A .ktx2 or .dds cubemap with all its mips, as a `Texture`.");
   module.def(
       "write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
