@@ -86,7 +86,8 @@ struct PrefilteredSpecular {
 };
 
 /// Prefilters. Mip 0 of roughness 0 is the source resampled by area (`to_cubemap`; the very texels of a cubemap of the
-/// same size). Not negative where the source is not; uniform ones stay so to 1e-6, ranges to `maximum_error` of an end.
+/// same size). Not negative where the source is not; uniform ones stay so to 1e-6 (of cubemaps, in mips of roughness
+/// below 0.2, to 2e-4), ranges to `maximum_error` of an end.
 /// The same bits on any number of threads and instruction set.
 /// Throws `Error`: invalid_argument, rejected_pixel, limit_exceeded (error bounds that no method reaches), cancelled.
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const LatLongView& source, const PrefilterOptions& options = {},

@@ -1,0 +1,54 @@
+"""Builds the extension `welkin._welkin` with the tree's own CMake project, in build/python of the tree.
+
+The environment variables of CMake count (CMAKE_CXX_COMPILER_LAUNCHER, CMAKE_BUILD_PARALLEL_LEVEL, ...), and
+WELKIN_PYTHON_BUILD names another folder to build in. What was built before is not built again.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+HERE = pathlib.Path(__file__).resolve().parent
+TREE = HERE.parent.parent
+BUILD = pathlib.Path(os.environ.get("WELKIN_PYTHON_BUILD", TREE / "build" / "python"))
+LEFT_OUT = ("TESTS", "PERF", "TOOLS", "EXAMPLES", "INSTALL")
+
+
+def version():
+    """The version that the tree's CMakeLists.txt names."""
+    project = (TREE / "CMakeLists.txt").read_text(encoding="utf-8")
+    return re.search(r"project\(welkin VERSION ([0-9.]+)", project).group(1)
+
+
+class BuildByCMake(build_ext):
+    """Asks CMake for the extension, and puts it where setuptools wants it."""
+
+    def build_extension(self, ext):
+        options = [f"-DWELKIN_{part}=OFF" for part in LEFT_OUT]
+        options += ["-DWELKIN_PYTHON=ON", "-DCMAKE_BUILD_TYPE=Release", f"-DPython_EXECUTABLE={sys.executable}"]
+        if shutil.which("ninja"):
+            options += ["-G", "Ninja"]
+        subprocess.run(["cmake", "-S", TREE, "-B", BUILD, *options], check=True)
+        subprocess.run(["cmake", "--build", BUILD, "--target", "welkin_python", "--parallel"], check=True)
+        place = pathlib.Path(self.get_ext_fullpath(ext.name))
+        place.parent.mkdir(parents=True, exist_ok=True)
+        built = BUILD / "extension" / ("_welkin" + sysconfig.get_config_var("EXT_SUFFIX"))
+        shutil.copyfile(built, place)
+
+
+# What setuptools writes on the way stands beside it, and not among the sources.
+BUILD.mkdir(parents=True, exist_ok=True)
+setup(
+    version=version(),
+    packages=["welkin"],
+    package_data={"welkin": ["py.typed", "*.pyi"]},
+    ext_modules=[Extension("welkin._welkin", sources=[])],
+    cmdclass={"build_ext": BuildByCMake},
+    options={"build": {"build_base": str(BUILD / "setuptools")}, "egg_info": {"egg_base": str(BUILD)}},
+)

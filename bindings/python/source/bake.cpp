@@ -1,0 +1,177 @@
+// All of image-based lighting in one call.
+#include "bake.h"
+
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "files.h"
+#include "results.h"
+#include "source.h"
+
+namespace welkin::python {
+namespace {
+
+constexpr Named<IrradianceMethod> kIrradiance[] = {{"harmonics", IrradianceMethod::harmonics},
+                                                   {"direct", IrradianceMethod::direct}};
+constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
+
+BackgroundOptions background_options(const py::dict& given) {
+  Options options("bake(background)", given);
+  BackgroundOptions how;
+  options.read("size", how.size);
+  options.read("mips", how.mips);
+  options.read("mip_filter", how.mip_filter, kMipFilters);
+  options.finish();
+  return how;
+}
+
+IrradianceOptions irradiance_options(const py::dict& given) {
+  Options options("bake(irradiance)", given);
+  IrradianceOptions how;
+  options.read("size", how.size);
+  options.read("method", how.method, kIrradiance);
+  options.finish();
+  return how;
+}
+
+PrefilterOptions specular_options(const py::dict& given) {
+  Options options("bake(specular)", given);
+  const PrefilterOptions how = prefilter_options(options, false);
+  options.finish();
+  return how;
+}
+
+BrdfTableOptions table_options(const py::dict& given) {
+  Options options("bake(brdf)", given);
+  const BrdfTableOptions how = brdf_options(options);
+  options.finish();
+  return how;
+}
+
+/// A bake's result, taken apart into what Python holds.
+struct Baked {
+  std::optional<Chain> background;
+  std::optional<Reflections> specular;
+  py::object irradiance;
+  std::optional<SphericalHarmonics> radiance;
+  std::optional<SharedBrdf> brdf;
+  ProjectionDiagnostics diagnostics;
+  std::uint64_t peak_bytes;
+
+  explicit Baked(BakeResult made)
+      : radiance(std::move(made.radiance)), diagnostics(std::move(made.diagnostics)), peak_bytes(made.peak_bytes) {
+    if (made.background) background.emplace(std::move(*made.background));
+    if (made.specular) specular.emplace(std::move(*made.specular));
+    if (made.brdf) brdf = SharedBrdf{std::move(made.brdf)};
+    irradiance = made.irradiance ? py::object(array_of(std::move(*made.irradiance))) : py::none();
+  }
+};
+
+std::string words(const Baked& baked) {
+  std::string parts;
+  const auto part = [&](bool there, const std::string& what) {
+    if (there) parts += (parts.empty() ? "" : ", ") + what;
+  };
+  part(baked.background.has_value(), "background");
+  if (baked.background) parts += " of " + std::to_string(baked.background->cubemap->size());
+  part(baked.specular.has_value(), "specular");
+  if (baked.specular) {
+    parts += " of " + std::to_string(baked.specular->cubemap->size()) + " with " +
+             counted(baked.specular->mips.size(), "mip");
+  }
+  part(!baked.irradiance.is_none(), "irradiance");
+  if (baked.radiance) part(true, counted(static_cast<std::size_t>(baked.radiance->bands()), "band"));
+  part(baked.brdf.has_value(), "BRDF table");
+  return "<welkin.Bake: " + (parts.empty() ? std::string("nothing") : parts) + ">";
+}
+
+Baked bake_by_plan(const py::object& pixels, const PlanOfSource& plan, Options& options) {
+  std::optional<Source> source;
+  if (!plan.file) source = source_of(pixels, options);
+  Call call("bake", options);
+  options.finish();
+  return Baked(call.run([&](const Control& control) {
+    if (plan.file) return bake(*plan.file, plan.plan, control);
+    return source->visit([&](const auto& view) { return bake(view, plan.plan, control); });
+  }));
+}
+
+Baked bake_source(const py::object& pixels, const py::kwargs& given) {
+  Options options("bake", given);
+  if (const py::handle plan = options.take("plan"); plan) {
+    return bake_by_plan(pixels, plan.cast<const PlanOfSource&>(), options);
+  }
+  std::optional<Source> source;
+  std::optional<FileInput> input;
+  ReadOptions read;
+  if (is_file(pixels)) {
+    input = input_of(pixels);
+    read = read_group(options);
+  } else {
+    source = source_of(pixels, options);
+  }
+  const BakeOptions how = bake_options(options);
+  Call call("bake", options);
+  options.finish();
+  return Baked(call.run([&](const Control& control) {
+    if (input) return bake_file(*input, read, how, control);
+    return source->visit([&](const auto& view) { return bake(view, how, control); });
+  }));
+}
+
+}  // namespace
+
+BakeOptions bake_options(Options& options) {
+  BakeOptions how;
+  const auto read = [&](const char* name, auto& member, auto parse) {
+    const std::optional<py::dict> given = options.group(name, true);
+    if (given) {
+      member = parse(*given);
+    } else {
+      member.reset();
+    }
+  };
+  read("background", how.background, background_options);
+  read("specular", how.specular, specular_options);
+  read("irradiance", how.irradiance, irradiance_options);
+  read("brdf", how.brdf, table_options);
+  options.read("bands", how.bands);
+  options.read("policy", how.pixels);
+  options.read("memory_limit", how.memory_limit_bytes);
+  return how;
+}
+
+void bind_bake(py::module_& module) {
+  py::class_<Baked>(module, "Bake", "What a bake made; None what was not asked for.")
+      .def_readonly("background", &Baked::background, "Radiance, sharp, as a `Chain`.")
+      .def_readonly("specular", &Baked::specular, "`Reflections`.")
+      .def_readonly("irradiance", &Baked::irradiance, "(6, n, n, 3) float32: W/m2 where radiance is W/m2/sr.")
+      .def_readonly("radiance", &Baked::radiance, "`SphericalHarmonics` of radiance.")
+      .def_readonly("brdf", &Baked::brdf, "`BrdfTable`.")
+      .def_readonly("diagnostics", &Baked::diagnostics, "Counts, total radiance, and each pass with its time.")
+      .def_readonly("peak_bytes", &Baked::peak_bytes, "Bound on results and working memory together.")
+      .def_property_readonly(
+          "pixels",
+          [](const Baked& self) -> py::object {
+            if (self.background) return level_of(self.background->cubemap, 0);
+            if (self.specular) return level_of(self.specular->cubemap, 0);
+            return self.irradiance;
+          },
+          "The sharpest cubemap that there is.")
+      .def("__repr__", [](const Baked& self) { return words(self); });
+  module.def(
+      "bake", &bake_source, py::arg("pixels"),
+      "bake(pixels, *, background=True, specular=True, irradiance=True, brdf=True, bands=3, policy=None,\n"
+      "     memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
+      "--\n\n"
+      "All that a renderer loads, as a `Bake`. Pixels, or a file (a path or its bytes). Each part is True, False or\n"
+      "a dictionary of options: background(size, mips, mip_filter), specular (as `prefilter`), irradiance(size,\n"
+      "method), brdf (as `brdf_table`). `plan`: what `plan` made of the same pixels, in place of these.");
+}
+
+}  // namespace welkin::python

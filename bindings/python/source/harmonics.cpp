@@ -1,0 +1,194 @@
+// Coefficients of spherical harmonics: values, turns, products, windows.
+#include "harmonics.h"
+
+#include <pybind11/operators.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "options.h"
+#include "welkin/directional_light.h"
+
+namespace welkin::python {
+namespace {
+
+constexpr Named<Window> kWindows[] = {{"none", Window::none},
+                                      {"hanning", Window::hanning},
+                                      {"lanczos", Window::lanczos},
+                                      {"min-laplacian", Window::min_laplacian}};
+
+SphericalHarmonics from_array(const py::object& value) {
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+  if (!numbers) PyErr_Clear();
+  const py::ssize_t rows = numbers && numbers.ndim() == 2 && numbers.shape(1) == 3 ? numbers.shape(0) : 0;
+  const int bands = static_cast<int>(std::lround(std::sqrt(static_cast<double>(rows))));
+  if (rows == 0 || py::ssize_t{bands} * bands != rows) {
+    throw Error(ErrorCode::invalid_argument, "coefficients: takes numbers of shape (bands^2, 3)");
+  }
+  SphericalHarmonics made(bands);
+  std::copy_n(numbers.data(), 3 * rows, &made.coefficients()[0].x);
+  return made;
+}
+
+/// The coefficients themselves: who writes to them changes the object.
+py::array coefficients_of(const py::object& self) {
+  auto& harmonics = self.cast<SphericalHarmonics&>();
+  const auto count = static_cast<py::ssize_t>(harmonics.coefficients().size());
+  return shown<double>({count, 3}, &harmonics.coefficients()[0].x, self, true);
+}
+
+py::array values_at(const SphericalHarmonics& harmonics, const py::object& directions) {
+  const Directions asked = directions_of(directions, "directions");
+  py::array_t<double> values(asked.shape);
+  double* const out = values.mutable_data();
+  for (std::size_t index = 0; index < asked.count(); ++index) {
+    const dvec3 value = evaluate(harmonics, asked.at(index));
+    std::copy_n(&value.x, 3, out + 3 * index);
+  }
+  return values;
+}
+
+SphericalHarmonics scaled(const SphericalHarmonics& harmonics, const py::object& factor) {
+  if (py::isinstance<py::float_>(factor) || py::isinstance<py::int_>(factor)) {
+    return scale(harmonics, dvec3(factor.cast<double>()));
+  }
+  return scale(harmonics, vector_of(factor, "factor"));
+}
+
+py::tuple minimum_of(const SphericalHarmonics& harmonics) {
+  const HarmonicMinimum found = minimum(harmonics);
+  return py::make_tuple(array_of(found.value),
+                        array_of(std::vector<dvec3>(std::begin(found.direction), std::end(found.direction))));
+}
+
+py::object dominant_of(const SphericalHarmonics& harmonics) {
+  const std::optional<DominantLight> light = dominant_light(harmonics);
+  if (!light) return py::none();
+  return py::make_tuple(array_of(light->direction), array_of(light->irradiance));
+}
+
+std::string text(const dvec3& value) {
+  char words[96];
+  std::snprintf(words, sizeof(words), "(%.4g, %.4g, %.4g)", value.x, value.y, value.z);
+  return words;
+}
+
+void bind_windowed(py::module_& module) {
+  py::class_<Windowed>(module, "Windowed", "Windowed coefficients, and what the window did.")
+      .def_readonly("harmonics", &Windowed::radiance, "The windowed coefficients of radiance.")
+      .def_readonly("parameter", &Windowed::parameter, "Width in bands (hanning, lanczos), or lambda (min-laplacian).")
+      .def_property_readonly(
+          "minimum_before", [](const Windowed& self) { return array_of(self.minimum_before); },
+          "Least irradiance over all normals, by channel: (3,).")
+      .def_property_readonly(
+          "minimum_after", [](const Windowed& self) { return array_of(self.minimum_after); },
+          "The same of the windowed light.")
+      .def_readonly("factors", &Windowed::factors, "By what each band was multiplied.")
+      .def("__repr__", [](const Windowed& self) {
+        return "<welkin.Windowed: least irradiance " + text(self.minimum_before) + " -> " + text(self.minimum_after) +
+               ">";
+      });
+}
+
+}  // namespace
+
+SphericalHarmonics harmonics_of(const py::object& value) {
+  if (py::isinstance<SphericalHarmonics>(value)) return value.cast<const SphericalHarmonics&>();
+  return from_array(value);
+}
+
+void bind_harmonics(py::module_& module) {
+  bind_windowed(module);
+  py::class_<SphericalHarmonics>(
+      module, "SphericalHarmonics",
+      "Coefficients of red, green and blue over real, orthonormal spherical harmonics without Condon-Shortley phase:\n"
+      "(l, m) stands at l (l + 1) + m. Y(1, -1), Y(1, 0), Y(1, 1) are proportional to y, z, x.\n\n"
+      "SphericalHarmonics(bands) is dark; SphericalHarmonics(array) copies an array of shape (bands^2, 3).")
+      .def(py::init<int>())
+      .def(py::init(&from_array))
+      .def_property_readonly("bands", &SphericalHarmonics::bands, "How many bands: 1 to 16.")
+      .def_property_readonly("coefficients", &coefficients_of,
+                             "(bands^2, 3), float64, on the object's own memory: writing to it changes the object.")
+      .def("__array__",
+           [](const py::object& self, const py::args&, const py::kwargs&) { return coefficients_of(self); })
+      .def("__call__", &values_at,
+           "__call__(directions)\n--\n\nThe sum at unit directions (..., 3): radiance or irradiance, (..., 3).")
+      .def_property_readonly(
+          "mean", [](const SphericalHarmonics& self) { return array_of(mean_radiance(self)); },
+          "Mean over the sphere: (3,).")
+      .def("irradiance", &irradiance_from_radiance,
+           "irradiance()\n--\n\nOf radiance: irradiance, W/m2 where radiance is W/m2/sr (band l times the cosine\n"
+           "lobe's factor). A uniform radiance of 1 gives pi.")
+      .def("lambertian", &lambertian_from_irradiance, "lambertian()\n--\n\nOf irradiance: times 1/pi.")
+      .def(
+          "turned",
+          [](const SphericalHarmonics& self, const py::object& turn) { return turned(self, turn_of(turn, "turn")); },
+          "turned(turn)\n--\n\nThe light after a turn: what came from direction d comes from turn @ d. `turn`: an\n"
+          "orthogonal 3 x 3 matrix (mirrors too), or a quaternion (w, x, y, z). Microseconds for three bands.")
+      .def("with_bands", &with_bands, "with_bands(bands)\n--\n\nBands cut off, or added as zero.")
+      .def(
+          "lerp", [](const SphericalHarmonics& a, const SphericalHarmonics& b, double t) { return lerp(a, b, t); },
+          "lerp(other, t)\n--\n\n(1 - t) self + t other.")
+      .def(
+          "product",
+          [](const SphericalHarmonics& a, const SphericalHarmonics& b, int bands) { return product(a, b, bands); },
+          py::arg("other"), py::arg("bands") = 0,
+          "product(other, bands=0)\n--\n\nCoefficients of the pointwise product; 0 bands: all that it has, 16 at most.")
+      .def("minimum", &minimum_of,
+           "minimum()\n--\n\n(values (3,), directions (3, 3)): the least value of each channel, and where it is.")
+      .def(
+          "dominant_light", &dominant_of,
+          "dominant_light()\n--\n\nOf radiance: (direction (3,), irradiance (3,)) of the directional light that comes\n"
+          "closest, or None where no direction stands out.")
+      .def(
+          "window",
+          [](const SphericalHarmonics& self, const std::string& window, double width) {
+            return apply_window(self, value_of<Window>("window", window, kWindows), width);
+          },
+          py::arg("window") = "min-laplacian", py::arg("width") = 0.0,
+          "window(window='min-laplacian', width=0.0)\n--\n\n"
+          "Radiance against ringing, as a `Windowed`: \"none\", \"hanning\", \"lanczos\" (`width` in bands, 0: as "
+          "many\n"
+          "as there are) or \"min-laplacian\", the least that leaves no irradiance negative.")
+      .def(
+          "__add__", [](const SphericalHarmonics& a, const SphericalHarmonics& b) { return add(a, b); },
+          py::is_operator())
+      .def(
+          "__sub__",
+          [](const SphericalHarmonics& a, const SphericalHarmonics& b) { return add(a, scale(b, dvec3(-1.0))); },
+          py::is_operator())
+      .def("__mul__", &scaled, py::is_operator())
+      .def("__rmul__", &scaled, py::is_operator())
+      .def("__copy__", [](const SphericalHarmonics& self) { return SphericalHarmonics(self); })
+      .def("__deepcopy__", [](const SphericalHarmonics& self, const py::object&) { return SphericalHarmonics(self); })
+      .def(py::pickle([](const py::object& self) { return py::make_tuple(coefficients_of(self)); },
+                      [](const py::tuple& state) { return from_array(state[0]); }))
+      .def("__repr__", [](const SphericalHarmonics& self) {
+        return "<welkin.SphericalHarmonics: " + std::to_string(self.bands()) + " bands, mean " +
+               text(mean_radiance(self)) + ">";
+      });
+  module.def("cosine_lobe", &cosine_lobe,
+             "cosine_lobe(l)\n--\n\nThe cosine lobe's factor for band l: pi, 2 pi/3, pi/4, 0, -pi/24, ...");
+  module.def(
+      "basis",
+      [](const py::object& directions, int bands) {
+        const Directions asked = directions_of(directions, "directions");
+        std::vector<py::ssize_t> shape = asked.shape;
+        const std::size_t count = static_cast<std::size_t>(std::clamp(bands, 1, kMaximumBands)) *
+                                  static_cast<std::size_t>(std::clamp(bands, 1, kMaximumBands));
+        shape.back() = static_cast<py::ssize_t>(count);
+        py::array_t<double> values(shape);
+        for (std::size_t index = 0; index < asked.count(); ++index) {
+          evaluate_basis(asked.at(index), bands, {values.mutable_data() + index * count, count});
+        }
+        return values;
+      },
+      py::arg("directions"), py::arg("bands") = 3,
+      "basis(directions, bands=3)\n--\n\nY(l, m) at unit directions (..., 3): (..., bands^2).");
+}
+
+}  // namespace welkin::python

@@ -1,0 +1,54 @@
+#include "options.h"
+
+#include <algorithm>
+
+namespace welkin::python {
+
+void throw_unknown_name(const std::string& what, const std::string& found, const std::vector<const char*>& names) {
+  std::string list;
+  for (const char* const name : names) list += (list.empty() ? "\"" : ", \"") + std::string(name) + '"';
+  throw Error(ErrorCode::invalid_argument, what + ": \"" + found + "\" is none of " + list);
+}
+
+py::handle Options::take(const char* name) {
+  known_.push_back(name);
+  if (given_.empty()) return {};
+  const py::handle found = PyDict_GetItemString(given_.ptr(), name);
+  return found && !found.is_none() ? found : py::handle();
+}
+
+bool Options::has(const char* name) const {
+  return !given_.empty() && PyDict_GetItemString(given_.ptr(), name) != nullptr;
+}
+
+std::optional<py::dict> Options::group(const char* name, bool by_default) {
+  const bool given = has(name);
+  const py::handle value = take(name);
+  if (!given) return by_default ? std::optional<py::dict>(py::dict()) : std::nullopt;
+  if (!value || value.is(py::handle(Py_False))) return std::nullopt;
+  if (value.is(py::handle(Py_True))) return py::dict();
+  if (!py::isinstance<py::dict>(value)) throw_wrong_type(name, value);
+  return py::reinterpret_borrow<py::dict>(value);
+}
+
+std::string Options::called(const char* name) const { return std::string(function_) + '(' + name + "=...)"; }
+
+void Options::throw_wrong_type(const char* name, py::handle given) const {
+  throw py::type_error(called(name) + " does not take " + py::repr(given).cast<std::string>());
+}
+
+void Options::finish() const {
+  for (const auto& [key, value] : given_) {
+    const auto name = key.cast<std::string>();
+    const auto is_name = [&](const char* known) { return name == known; };
+    if (std::any_of(known_.begin(), known_.end(), is_name)) continue;
+    std::vector<const char*> sorted = known_;
+    std::sort(sorted.begin(), sorted.end(),
+              [](const char* a, const char* b) { return std::string_view(a) < std::string_view(b); });
+    std::string list;
+    for (const char* const known : sorted) list += (list.empty() ? "" : ", ") + std::string(known);
+    throw py::type_error(std::string(function_) + "() takes no argument \"" + name + "\"; it takes " + list);
+  }
+}
+
+}  // namespace welkin::python

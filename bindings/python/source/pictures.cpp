@@ -1,0 +1,129 @@
+// Pictures of another shape, and previews for people.
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "results.h"
+#include "source.h"
+#include "tools/preview_light.h"
+#include "welkin/directional_light.h"
+#include "welkin/environment_file.h"
+#include "welkin/resampling.h"
+
+namespace welkin::python {
+namespace {
+
+constexpr Named<ResampleFilter> kFilters[] = {{"area", ResampleFilter::area}, {"bilinear", ResampleFilter::bilinear}};
+
+dmat3 read_turn(Options& options) {
+  const py::handle given = options.take("turn");
+  return given ? turn_of(py::reinterpret_borrow<py::object>(given), "turn") : dmat3(1.0);
+}
+
+py::array cubemap_from(const py::object& pixels, int size, const py::kwargs& given) {
+  Options options("to_cubemap", given);
+  const Source source = source_of(pixels, options);
+  const dmat3 turn = read_turn(options);
+  ResampleFilter filter = ResampleFilter::area;
+  options.read("filter", filter, kFilters);
+  Call call("to_cubemap", options);
+  options.finish();
+  return array_of(call.run([&](const Control& control) {
+    if (source.is_cubemap()) return to_cubemap(std::get<CubemapView>(source.view), size, turn, control);
+    return to_cubemap(std::get<LatLongView>(source.view), size, turn, filter, control);
+  }));
+}
+
+py::array lat_long_from(const py::object& pixels, int height, const py::kwargs& given) {
+  Options options("to_lat_long", given);
+  const Source source = source_of(pixels, options);
+  const dmat3 turn = read_turn(options);
+  ResampleFilter filter = ResampleFilter::area;
+  options.read("filter", filter, kFilters);
+  Call call("to_lat_long", options);
+  options.finish();
+  return array_of(call.run([&](const Control& control) {
+    if (source.is_cubemap()) {
+      return to_lat_long(std::get<CubemapView>(source.view), 2 * height, height, turn, filter, control);
+    }
+    return to_lat_long(std::get<LatLongView>(source.view), 2 * height, height, turn, control);
+  }));
+}
+
+constexpr int kExposureSize = 32;  // texels of the faces by which an exposure is chosen
+
+/// What a preview shows: linear, in [0, 1], and the exposure that made it so.
+struct Shown {
+  LatLongImage picture;
+  double exposure;
+};
+
+Shown shown_as(const Source& source, int height, double exposure, const Control& control) {
+  Shown made{source.visit([&](const auto& view) { return to_lat_long(view, 2 * height, height, dmat3(1.0)); }),
+             exposure};
+  if (exposure <= 0.0) {
+    const CubemapImage small =
+        to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
+    made.exposure = tool::tone_map_of(small.view()).exposure;
+  }
+  const tool::ToneMap curve{made.exposure};
+  for (std::size_t texel = 0; texel + 2 < made.picture.pixels.size(); texel += 3) {
+    float* const rgb = made.picture.pixels.data() + texel;
+    const glm::vec3 light = curve(glm::vec3(rgb[0], rgb[1], rgb[2]));
+    std::copy_n(&light.x, 3, rgb);
+  }
+  return made;
+}
+
+py::bytes preview(const py::object& pixels, int height, double exposure, const py::kwargs& given) {
+  Options options("preview", given);
+  const Source source = source_of(pixels, options);
+  Call call("preview", options);
+  options.finish();
+  std::vector<std::byte> bytes;
+  call.run([&](const Control& control) {
+    const Shown made = shown_as(source, height, exposure, control);
+    write_environment({bytes, "preview.png"}, made.picture.view());
+  });
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+py::array tone_mapped(const py::object& pixels, int height, double exposure, const py::kwargs& given) {
+  Options options("tone_mapped", given);
+  const Source source = source_of(pixels, options);
+  Call call("tone_mapped", options);
+  options.finish();
+  return array_of(
+      call.run([&](const Control& control) { return shown_as(source, height, exposure, control).picture; }));
+}
+
+}  // namespace
+
+void bind_pictures(py::module_& module) {
+  module.def("to_cubemap", &cubemap_from, py::arg("pixels"), py::arg("size"),
+             "to_cubemap(pixels, size, *, turn=None, filter='area', layout=None, encoding=None, progress=None,\n"
+             "           threads=None)\n--\n\nAs six faces, (6, size, size, 3) float32, perhaps turned: what lies in\n"
+             "direction d of the pixels lies in turn @ d of the result.");
+  module.def("to_lat_long", &lat_long_from, py::arg("pixels"), py::arg("height"),
+             "to_lat_long(pixels, height, *, turn=None, filter='area', layout=None, encoding=None, progress=None,\n"
+             "            threads=None)\n--\n\nAs a lat-long, (height, 2 height, 3) float32, perhaps turned.");
+  module.def(
+      "turn_about_y", [](double degrees) { return array_of(turn_about_y(degrees)); }, py::arg("degrees"),
+      "turn_about_y(degrees)\n--\n\nA turn about y from +z towards +x: (3, 3).");
+  module.def(
+      "preview", &preview, py::arg("pixels"), py::arg("height") = 128, py::arg("exposure") = 0.0,
+      "preview(pixels, height=128, exposure=0.0, *, layout=None, encoding=None, progress=None, threads=None)\n"
+      "--\n\nA small lat-long for people, as the bytes of a PNG. `exposure`: radiance is multiplied by it; 0: one\n"
+      "that shows the lit surroundings.");
+  module.def(
+      "tone_mapped", &tone_mapped, py::arg("pixels"), py::arg("height") = 128, py::arg("exposure") = 0.0,
+      "tone_mapped(pixels, height=128, exposure=0.0, *, layout=None, encoding=None, progress=None, threads=None)\n"
+      "--\n\nThe same as an array (height, 2 height, 3) float32, linear in [0, 1].");
+}
+
+}  // namespace welkin::python

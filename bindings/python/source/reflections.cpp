@@ -1,0 +1,245 @@
+// Reflections: chains of mips, and the BRDF table.
+#include "welkin/reflections.h"
+
+#include <pybind11/stl.h>
+
+#include <cstdio>
+#include <string>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "results.h"
+#include "source.h"
+#include "welkin/resampling.h"
+
+namespace welkin::python {
+namespace {
+
+constexpr Named<PrefilterMethod> kMethods[] = {{"automatic", PrefilterMethod::automatic},
+                                               {"spectral", PrefilterMethod::spectral},
+                                               {"sampled", PrefilterMethod::sampled},
+                                               {"reference", PrefilterMethod::reference}};
+constexpr Named<RoughnessSchedule> kSchedules[] = {{"linear", RoughnessSchedule::linear},
+                                                   {"filament", RoughnessSchedule::filament},
+                                                   {"babylon", RoughnessSchedule::babylon},
+                                                   {"unity", RoughnessSchedule::unity},
+                                                   {"unreal", RoughnessSchedule::unreal}};
+constexpr Named<BrdfModel> kModels[] = {{"split-sum", BrdfModel::split_sum},
+                                        {"multiple-scattering", BrdfModel::multiple_scattering}};
+constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
+
+/// `roughness`: a list, or the name of a schedule.
+void read_roughness(Options& options, PrefilterOptions& how) {
+  const py::handle given = options.take("roughness");
+  if (!given) return;
+  if (!py::isinstance<py::str>(given)) {
+    options.read("roughness", how.roughness);
+    return;
+  }
+  const auto schedule = value_of<RoughnessSchedule>(options.called("roughness"), given.cast<std::string>(), kSchedules);
+  if (!how.mips) how.mips = mips_of_chain(schedule, how.size);
+  how.roughness = roughness_of_mips(schedule, *how.mips, how.size);
+}
+
+py::list levels_of(const Chain& chain) {
+  py::list levels;
+  for (int level = 0; level < chain.cubemap->levels(); ++level) levels.append(level_of(chain.cubemap, level));
+  return levels;
+}
+
+py::object pixels_of(const Chain& chain) {
+  return chain.cubemap->levels() > 0 ? py::object(level_of(chain.cubemap, 0)) : py::none();
+}
+
+std::string text(const MipRecord& mip) {
+  char error[32] = "unknown error";
+  if (mip.error_estimate) std::snprintf(error, sizeof(error), "error %.2g", *mip.error_estimate);
+  char words[160];
+  std::snprintf(words, sizeof(words), "<welkin.MipRecord: size %d, roughness %.3g, %s, %s, %.3g ms>", mip.size,
+                mip.roughness, name(mip.method), error, mip.milliseconds);
+  return words;
+}
+
+std::string words(const Chain& chain) {
+  return "cubemap of " + std::to_string(chain.cubemap->size()) + ", " +
+         counted(static_cast<std::size_t>(chain.cubemap->levels()), "level");
+}
+
+Reflections prefilter(const py::object& pixels, const py::kwargs& given) {
+  Options options("prefilter", given);
+  const Source source = source_of(pixels, options);
+  const PrefilterOptions how = prefilter_options(options, true);
+  Call call("prefilter", options);
+  options.finish();
+  return Reflections(call.run([&](const Control& control) {
+    return source.visit([&](const auto& view) { return prefilter_specular(view, how, control); });
+  }));
+}
+
+py::array reference(const py::object& pixels, double roughness, const py::object& directions, const py::kwargs& given) {
+  Options options("reference_specular", given);
+  const Source source = source_of(pixels, options);
+  Call call("reference_specular", options);
+  options.finish();
+  const Directions asked = directions_of(directions, "directions");
+  std::vector<dvec3> list(asked.count());
+  for (std::size_t index = 0; index < list.size(); ++index) list[index] = asked.at(index);
+  const std::vector<dvec3> values = call.run([&](const Control& control) {
+    return source.visit([&](const auto& view) { return reference_specular(view, roughness, list, control); });
+  });
+  return array_of(values).reshape(asked.shape);
+}
+
+SharedBrdf table_of(const py::kwargs& given) {
+  Options options("brdf_table", given);
+  const BrdfTableOptions how = brdf_options(options);
+  Call call("brdf_table", options);
+  options.finish();
+  return {call.run([&](const Control& control) { return brdf_table(how, control); })};
+}
+
+Chain mips_of(const py::object& pixels, const py::kwargs& given) {
+  Options options("build_mips", given);
+  const Source source = source_of(pixels, options);
+  MipFilter filter = MipFilter::solid_angle;
+  std::optional<int> levels;
+  options.read("filter", filter, kMipFilters);
+  options.read("levels", levels);
+  Call call("build_mips", options);
+  options.finish();
+  if (!source.is_cubemap()) throw Error(ErrorCode::invalid_argument, "build_mips: takes a cubemap, found a lat-long");
+  return Chain(call.run(
+      [&](const Control& control) { return build_mips(std::get<CubemapView>(source.view), filter, levels, control); }));
+}
+
+void bind_chains(py::module_& module) {
+  py::class_<MipRecord>(module, "MipRecord", "How one mip was made, and how good it is.")
+      .def_readonly("size", &MipRecord::size, "Texels along an edge.")
+      .def_readonly("roughness", &MipRecord::roughness, "Perceptual, 0 to 1; GGX's alpha is its square.")
+      .def_property_readonly(
+          "method", [](const MipRecord& self) { return name(self.method); },
+          "\"copy\", \"spectral\", \"sampled\", \"reference\", \"stored\", \"narrow\", \"summed\"")
+      .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
+      .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added beside the rest.")
+      .def_readonly("samples", &MipRecord::samples, "Taps a texel of the sampled method.")
+      .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")
+      .def_property_readonly(
+          "mean", [](const MipRecord& self) { return array_of(self.mean); },
+          "By solid angle, (3,): in truth the same on every mip.")
+      .def_readonly("milliseconds", &MipRecord::milliseconds, "Wall time.")
+      .def("__repr__", [](const MipRecord& self) { return text(self); });
+  py::class_<Chain>(module, "Chain", "A cubemap with its mips. Arrays lie on the chain's own memory.")
+      .def_property_readonly("levels", &levels_of, "Arrays (6, n, n, 3) float32, largest first, without copies.")
+      .def_property_readonly("pixels", &pixels_of, "The first level.")
+      .def_property_readonly(
+          "size", [](const Chain& self) { return self.cubemap->size(); }, "Texels along an edge of level 0.")
+      .def_property_readonly(
+          "nbytes", [](const Chain& self) { return self.cubemap->bytes(); }, "Bytes of all levels.")
+      .def("__len__", [](const Chain& self) { return self.cubemap->levels(); })
+      .def("__getitem__",
+           [](const Chain& self, int level) {
+             const int count = self.cubemap->levels();
+             if (level < 0) level += count;
+             if (level < 0 || level >= count) throw py::index_error("a chain of " + std::to_string(count) + " levels");
+             return level_of(self.cubemap, level);
+           })
+      .def("__repr__", [](const Chain& self) { return "<welkin.Chain: " + words(self) + ">"; });
+  py::class_<Reflections, Chain>(module, "Reflections", "A chain of reflections: a mip for each roughness.")
+      .def_readonly("mips", &Reflections::mips, "A `MipRecord` for each level.")
+      .def_readonly("diagnostics", &Reflections::diagnostics, "What was read, replaced and clamped.")
+      .def_readonly("peak_bytes", &Reflections::peak_bytes, "Working memory beside source and result.")
+      .def("__repr__", [](const Reflections& self) {
+        char range[64] = "";
+        if (!self.mips.empty()) {
+          std::snprintf(range, sizeof(range), ", roughness %.3g to %.3g", self.mips.front().roughness,
+                        self.mips.back().roughness);
+        }
+        return "<welkin.Reflections: " + words(self) + range + ">";
+      });
+}
+
+}  // namespace
+
+std::string counted(std::size_t count, const char* one) {
+  return std::to_string(count) + ' ' + one + (count == 1 ? "" : "s");
+}
+
+PrefilterOptions prefilter_options(Options& options, bool policy) {
+  PrefilterOptions how;
+  options.read("size", how.size);
+  options.read("mips", how.mips);
+  read_roughness(options, how);
+  options.read("method", how.method, kMethods);
+  options.read("rms_error", how.rms_error);
+  options.read("maximum_error", how.maximum_error);
+  options.read("samples", how.samples);
+  if (policy) options.read("policy", how.pixels);
+  return how;
+}
+
+BrdfTableOptions brdf_options(Options& options) {
+  BrdfTableOptions how;
+  options.read("width", how.width);
+  options.read("height", how.height);
+  options.read("model", how.model, kModels);
+  options.read("sheen", how.sheen);
+  return how;
+}
+
+py::array array_of(const SharedBrdf& brdf) {
+  const BrdfTable& table = *brdf.table;
+  return shown<float>({table.options.height, table.options.width, table.channels}, table.values.data(),
+                      keeper(brdf.table), false);
+}
+
+void bind_reflections(py::module_& module) {
+  bind_chains(module);
+  py::class_<SharedBrdf>(module, "BrdfTable", "Reflectance of a surface in even light, by cosine and roughness.")
+      .def_property_readonly(
+          "values", [](const SharedBrdf& self) { return array_of(self); },
+          "(height, width, channels) float32, read only: row j at roughness (j + 0.5) / height, column i\n"
+          "at N.V = (i + 0.5) / width; scale, bias and, with sheen, the sheen's albedo.")
+      .def("__array__", [](const SharedBrdf& self, const py::args&, const py::kwargs&) { return array_of(self); })
+      .def_property_readonly(
+          "model", [](const SharedBrdf& self) { return name_of<BrdfModel>(self.table->options.model, kModels); },
+          "\"split-sum\" or \"multiple-scattering\".")
+      .def("__repr__", [](const SharedBrdf& self) {
+        const BrdfTableOptions& how = self.table->options;
+        return "<welkin.BrdfTable: " + std::to_string(how.width) + " x " + std::to_string(how.height) + ", " +
+               name_of<BrdfModel>(how.model, kModels) + (how.sheen ? ", sheen>" : ">");
+      });
+  module.def(
+      "prefilter", &prefilter, py::arg("pixels"),
+      "prefilter(pixels, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
+      "          maximum_error=1e-2, samples=1024, policy=None, layout=None, encoding=None, progress=None,\n"
+      "          threads=None)\n--\n\n"
+      "Reflections by GGX lobes, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule:\n"
+      "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `method`: \"automatic\", "
+      "\"spectral\",\n"
+      "\"sampled\", \"reference\" (slow). The bounds are relative: rms over a mip, and at any texel.");
+  module.def("reference_specular", &reference, py::arg("pixels"), py::arg("roughness"), py::arg("directions"),
+             "reference_specular(pixels, roughness, directions, *, layout=None, encoding=None, progress=None,\n"
+             "                   threads=None)\n--\n\n"
+             "The truth of `prefilter` at directions (..., 3), in double over all texels: (..., 3).");
+  module.def(
+      "brdf_table", &table_of,
+      "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n--\n\n"
+      "The other half of the split sum, as a `BrdfTable`; absolute error below 1e-5. Tables that were used last\n"
+      "are kept and shared.");
+  module.def("build_mips", &mips_of, py::arg("pixels"),
+             "build_mips(pixels, *, filter='solid-angle', levels=None, layout=None, encoding=None, progress=None,\n"
+             "           threads=None)\n--\n\nA cubemap and its mips, as a `Chain`: \"solid-angle\" keeps the total\n"
+             "radiance, \"box\" is what graphics APIs do.");
+  module.def(
+      "roughness_of_mips",
+      [](const std::string& schedule, int mips, int size) {
+        return roughness_of_mips(value_of<RoughnessSchedule>("schedule", schedule, kSchedules), mips, size);
+      },
+      py::arg("schedule"), py::arg("mips"), py::arg("size"),
+      "roughness_of_mips(schedule, mips, size)\n--\n\nPerceptual roughness of each mip, by the name of a schedule.");
+  module.def("mip_of_roughness", &mip_of_roughness, py::arg("table"), py::arg("roughness"),
+             "mip_of_roughness(table, roughness)\n--\n\nThe mip, fractions too, at which a shader finds a roughness.");
+}
+
+}  // namespace welkin::python

@@ -1,0 +1,122 @@
+"""Reflections, bakes, plans and skies."""
+import numpy as np
+import pytest
+
+import truth
+import welkin
+
+
+def test_even_light_stays_even_on_every_mip():
+    chain = welkin.prefilter(np.full((6, 32, 32, 3), 2, np.float32), size=32)
+    assert [len(level[0]) for level in chain.levels] == [mip.size for mip in chain.mips]
+    for level in chain.levels:
+        # Rings of latitude, on the way of the sharpest mip, are as even as that.
+        np.testing.assert_allclose(level, 2, rtol=1e-4)
+
+
+def test_energy_is_the_same_on_every_mip(picture):
+    chain = welkin.prefilter(picture, size=64, roughness=[0, 0.4, 0.7, 1.0])
+    _, weights = truth.lat_long_directions(32)
+    mean = np.einsum("hwc,hw->c", picture.astype(float), weights) / (4 * np.pi)
+    for level, mip in zip(chain.levels, chain.mips):
+        np.testing.assert_allclose(mip.mean, mean, rtol=2e-3)
+        _, solid = truth.cubemap_directions(len(level[0]))
+        found = np.einsum("fvuc,fvu->c", level.astype(float), solid) / solid.sum()
+        np.testing.assert_allclose(found, mean, rtol=2e-2)
+
+
+def test_texels_are_the_reference(picture):
+    chain = welkin.prefilter(picture, size=16, roughness=[0.0, 0.5])
+    directions, _ = truth.cubemap_directions(8)
+    expected = welkin.reference_specular(picture, 0.5, directions[:, ::4, ::4])
+    assert truth.relative(chain[1][:, ::4, ::4], expected) < 2e-3
+
+
+def test_schedules_are_named():
+    roughness = welkin.roughness_of_mips("filament", 5, 256)
+    chain = welkin.prefilter(np.ones((8, 16, 3), np.float32), size=256, mips=5, roughness="filament")
+    np.testing.assert_allclose([mip.roughness for mip in chain.mips], roughness)
+    assert welkin.mip_of_roughness(roughness, roughness[2]) == pytest.approx(2)
+    with pytest.raises(welkin.InvalidArgument, match="unreal"):
+        welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="steep")
+
+
+def test_a_bake_is_its_parts(picture):
+    light = welkin.bake(picture, specular={"size": 32, "mips": 3}, background={"size": 16}, irradiance={"size": 8})
+    assert (light.radiance.coefficients == welkin.project(picture).radiance.coefficients).all()
+    chain = welkin.prefilter(picture, size=32, mips=3)
+    assert all((a == b).all() for a, b in zip(light.specular.levels, chain.levels))
+    assert (light.irradiance == welkin.irradiance(picture, size=8).cubemap).all()
+    assert len(light.background) == 5 and light.brdf.values.shape == (64, 64, 3)
+    less = welkin.bake(picture, specular=False, background=False, irradiance=False, brdf=False)
+    assert less.specular is less.background is less.irradiance is less.brdf is None and less.radiance.bands == 3
+
+
+def test_threads_do_not_change_bits(picture):
+    one, two = (welkin.bake(picture, specular={"size": 32}, threads=n) for n in (1, 2))
+    assert all((a == b).all() for a, b in zip(one.specular.levels, two.specular.levels))
+
+
+def test_a_plan_says_what_its_bake_does(picture):
+    plan = welkin.plan(picture, needs={"glossy": False, "background": False}, specular={"size": 32})
+    assert {step.name: step.action for step in plan.passes}["specular"] == "skip" and "glossy" in str(plan)
+    light = welkin.bake(picture, plan=plan)
+    assert light.specular is None and light.irradiance is not None
+    assert plan.milliseconds() > 0 and plan.result_bytes > 0
+    assert welkin.plan((32, 64, 3)).source == plan.source == "lat-long 64 x 32"
+    assert welkin.plan((6, 32, 32, 3)).source == "cubemap of 32"
+    with pytest.raises(welkin.InvalidArgument):
+        welkin.bake(np.ones((6, 4, 4, 3), np.float32), plan=plan)
+    with pytest.raises(welkin.LimitExceeded) as caught:
+        welkin.bake(picture, memory_limit=1000)
+    assert isinstance(caught.value, MemoryError)
+
+
+def test_split_sum_of_a_mirror_is_all_of_the_light():
+    table = welkin.brdf_table(width=8, height=256, model="split-sum").values
+    np.testing.assert_allclose(table[0, -1, 0] + table[0, -1, 1], 1, atol=1e-3)
+
+
+def test_a_sky_is_seen_as_its_pictures(small_sky):
+    sun = welkin.sun_direction(35.0, 60.0)
+    np.testing.assert_allclose(np.linalg.norm(sun), 1)
+    picture = small_sky.lat_long(sun, 32)
+    directions, _ = truth.lat_long_directions(32)
+    np.testing.assert_allclose(small_sky.radiance(directions, sun), picture, rtol=1e-4)
+    projected = welkin.project(small_sky.cubemap(sun, 64)).radiance.coefficients
+    harmonics = small_sky.harmonics(sun)
+    assert truth.relative(harmonics.coefficients, projected) < 0.02
+    curve = small_sky.curve(nodes=64)
+    assert truth.relative(curve(sun).coefficients, harmonics.coefficients) < 0.02
+    np.testing.assert_allclose(curve.sun_irradiance(sun), small_sky.sun(sun)["irradiance"], rtol=0.02)
+    assert small_sky.tables["transmittance"].shape == (64, 256, 3)
+    assert not small_sky.tables["scattering"].flags.writeable
+    assert small_sky.at_altitude(5000.0).altitude == 5000
+    with pytest.raises(welkin.InvalidArgument, match="sun"):
+        small_sky.harmonics((0, 0))
+
+
+def test_a_saved_sky_is_the_same(small_sky, tmp_path):
+    small_sky.save(tmp_path / "sky.tables")
+    again = welkin.load_sky(tmp_path / "sky.tables")
+    assert (again.tables["scattering"] == small_sky.tables["scattering"]).all()
+
+
+def test_pictures_turn_and_change_shape(picture):
+    turned = welkin.to_lat_long(picture, 32, turn=welkin.turn_about_y(90))
+    np.testing.assert_array_equal(turned, np.roll(picture, -16, axis=1))
+    cube = welkin.to_cubemap(picture, 32)
+    assert truth.relative(welkin.project(cube).radiance.mean, welkin.project(picture).radiance.mean) < 1e-4
+    assert len(welkin.build_mips(cube)) == 6
+
+
+def test_objects_say_what_they_are(picture, small_sky):
+    light = welkin.bake(picture, specular={"size": 16})
+    objects = [light, light.specular, light.background, light.radiance, light.brdf, light.diagnostics, small_sky]
+    objects += [light.specular.mips[0], light.diagnostics.passes[0], welkin.plan(picture), welkin.PixelPolicy(clamp=2)]
+    objects += [welkin.engine_light(light.radiance, "three"), light.radiance.window(), welkin.irradiance(picture)]
+    for each in objects:
+        assert type(each).__name__ in repr(each) and len(repr(each)) < 300
+    for each in (light, light.specular, light.background):
+        assert each._repr_png_().startswith(b"\x89PNG")
+    assert welkin.irradiance(picture)._repr_png_() is None
