@@ -36,9 +36,10 @@ constexpr Named<SampleType> kTypes[] = {{"automatic", SampleType::automatic},
                                         {"uint8", SampleType::uint8},
                                         {"uint16", SampleType::uint16}};
 constexpr Named<TexelFormat> kFormats[] = {
-    {"rgba16f", TexelFormat::rgba16f},         {"rgba32f", TexelFormat::rgba32f},
-    {"b10g11r11", TexelFormat::b10g11r11},     {"e5b9g9r9", TexelFormat::e5b9g9r9},
-    {"bc6h_ufloat", TexelFormat::bc6h_ufloat}, {"bc6h_sfloat", TexelFormat::bc6h_sfloat}};
+    {"rgba16f", TexelFormat::rgba16f},           {"rgba32f", TexelFormat::rgba32f},
+    {"b10g11r11", TexelFormat::b10g11r11},       {"e5b9g9r9", TexelFormat::e5b9g9r9},
+    {"bc6h_ufloat", TexelFormat::bc6h_ufloat},   {"bc6h_sfloat", TexelFormat::bc6h_sfloat},
+    {"astc_4x4_hdr", TexelFormat::astc_4x4_hdr}, {"astc_6x6_hdr", TexelFormat::astc_6x6_hdr}};
 constexpr Named<Supercompression> kSupercompression[] = {
     {"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}};
 
@@ -315,7 +316,8 @@ void bind_files(py::module_& module) {
       "write_texture(path, texture, *, format='rgba16f', supercompression='none', metadata=None, progress=None,\n"
       "              threads=None)\n--\n\n"
       "A `Chain`, a list of levels (6, n, n, 3), or a `BrdfTable`, to .ktx2, .dds or .exr. `format`: \"rgba16f\",\n"
-      "\"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\"; `supercompression` of .ktx2:\n"
+      "\"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", \"astc_4x4_hdr\", \"astc_6x6_hdr\"; "
+      "`supercompression` of .ktx2:\n"
       "\"none\", \"zlib\", \"zstd\".");
   module.def("write_env", &write_env, py::arg("path"), py::arg("specular"), py::arg("radiance"),
              "write_env(path, specular, radiance)\n--\n\n"
