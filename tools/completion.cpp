@@ -183,7 +183,9 @@ std::string roff_option(const Option& option) {
   std::string text = ".TP\n\\fB" + roff(joined(names_of(option), "\\fR, \\fB")) + "\\fR";
   text = replaced(text, "\\efR", "\\fR");
   text = replaced(text, "\\efB", "\\fB");
-  if (takes_value(option) && !is_place(option)) text += " \\fI" + roff(option.type) + "\\fR";
+  // A line may be broken after each word: together they can be longer than one.
+  const std::string words = replaced(roff(option.type), "|", "|\\:");
+  if (takes_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
   return text + '\n' + roff(option.text) + ".\n";
 }
 

@@ -1363,6 +1363,7 @@ enum {
   WELKIN_BC6H_NORMAL = 2,
   WELKIN_BC6H_SLOW = 3
 };
+/* The same of ASTC. */
 typedef int32_t welkin_astc_effort;
 enum {
   WELKIN_ASTC_DEFAULT = 0, /* medium */
