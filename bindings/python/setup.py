@@ -47,7 +47,6 @@ BUILD.mkdir(parents=True, exist_ok=True)
 setup(
     version=version(),
     packages=["welkin"],
-    package_data={"welkin": ["py.typed", "*.pyi"]},
     ext_modules=[Extension("welkin._welkin", sources=[])],
     cmdclass={"build_ext": BuildByCMake},
     options={"build": {"build_base": str(BUILD / "setuptools")}, "egg_info": {"egg_base": str(BUILD)}},

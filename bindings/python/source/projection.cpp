@@ -3,7 +3,6 @@
 
 #include <pybind11/stl.h>
 
-#include <chrono>
 #include <cstdio>
 #include <string>
 
@@ -70,16 +69,6 @@ Projection project_source(const py::object& pixels, const py::kwargs& given) {
   return call.run([&](const Control& control) {
     return source.visit([&](const auto& view) { return project(view, how, control); });
   });
-}
-
-/// What `project` costs in C++ with the options that Python's call has by default: for tests/overhead.py.
-double nanoseconds_of_project(const py::object& pixels, int calls) {
-  const Source source = source_of(pixels);
-  const auto start = std::chrono::steady_clock::now();
-  for (int call = 0; call < calls; ++call) {
-    source.visit([&](const auto& view) { return project(view).diagnostics.texels; });
-  }
-  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / calls;
 }
 
 enum class Integral { harmonics, direct };
