@@ -111,8 +111,10 @@ TEST_CASE("An error budget that nothing meets takes the least error and says so"
   const TemporaryFolder folder;
   const std::string bake =
       quoted(picture_in(folder, make_cubemap(Content::random, 32, 3, 7).view())) + kFew + "--error-budget 0.0001";
-  const nlohmann::json textures = bake_into(folder.path() / "out", bake).at("textures");
+  const nlohmann::json manifest = bake_into(folder.path() / "out", bake);
+  const nlohmann::json textures = manifest.at("textures");
   CHECK(textures.at("met") == false);
+  CHECK(contains(manifest.at("notes").dump(), "no textures are within the error budget"));
   for (const auto& tried : textures.at("tried")) CHECK(tried.at("error") >= textures.at("chosen").at("error"));
   const CommandResult said = run_welkin("bake " + bake + " --explain --plan-only -o " + quoted(folder.path() / "no"));
   CHECK(contains(said.errors, "none is within the budget"));
