@@ -435,20 +435,24 @@ Bytes noise(std::size_t count) {
 /// Runs `work` and asks it to stop once it has begun, from another thread.
 template <typename Work>
 ThrownError stopped_while(const Work& work) {
-  std::stop_source source;
-  std::atomic<bool> begun{false};
-  std::thread other([&] {
-    while (!begun) std::this_thread::yield();
-    source.request_stop();
-  });
+  // On a busy machine the other thread may get a processor only after the work has ended: then both begin again.
+  constexpr int most_attempts = 50;
   ThrownError error;
-  try {
-    begun = true;
-    work(source.get_token());
-  } catch (const Error& thrown) {
-    error = {thrown.code(), thrown.what()};
+  for (int attempt = 0; attempt < most_attempts && !error.says("cancelled"); ++attempt) {
+    std::stop_source source;
+    std::atomic<bool> begun{false};
+    std::thread other([&] {
+      while (!begun) std::this_thread::yield();
+      source.request_stop();
+    });
+    try {
+      begun = true;
+      work(source.get_token());
+    } catch (const Error& thrown) {
+      error = {thrown.code(), thrown.what()};
+    }
+    other.join();
   }
-  other.join();
   return error;
 }
 
