@@ -310,11 +310,32 @@ bool is_engine_folder(const BakeCommandOptions& options) noexcept {
   return !options.containers_named && has_folder(options.turn.to);
 }
 
+namespace {
+
+/// An engine's folder holds what its README.md loads, and nothing else.
+void check_textures_of_engine(const BakeCommandOptions& options) {
+  const Engine engine = options.turn.to;
+  const std::string folder = std::string("--for ") + convention(engine).name;
+  const bool is_taken = takes_any_texture(engine) || options.octahedral_size > 0 || !options.lobes.empty();
+  if (options.format_named && !is_taken) {
+    throw Error(
+        ErrorCode::invalid_argument,
+        folder + " writes no file whose texel format may be chosen; leave --ktx2-format out, or name --formats");
+  }
+  if (engine == Engine::three && options.texture.supercompression == Supercompression::zlib) {
+    throw Error(ErrorCode::invalid_argument,
+                folder + ": three.js's KTX2Loader does not read zlib; take --supercompression zstd, or name --formats");
+  }
+}
+
+}  // namespace
+
 void settle_files(BakeCommandOptions& options) {
   if (!is_engine_folder(options)) {
     options.files = files_in(options.containers, options);
     return;
   }
+  check_textures_of_engine(options);
   options.files = files_of_engine(options);
   for (const Lobe lobe : {Lobe::charlie, Lobe::lambert}) {
     if (contains(options.files, content_of(lobe))) options.lobes.insert(lobe);

@@ -370,14 +370,22 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   return report;
 }
 
-/// sh.json and sh.h.
-void write_harmonics(const Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
+/// sh.json and, where floats hold the light, sh.h.
+void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
   if (options.bake.bands == 0 || !baked.light.radiance) return;
   const ShReport report = report_of(baked, options);
   const Json details = {{"bands", report.projection.radiance.bands()}};
   write_text_file(folder.place("sh.json"), sh_json(report));
   folder.add({"sh.json", "spherical harmonics: canonical, and as each engine wants them", "JSON", 0, 0, "", details});
-  write_text_file(folder.place("sh.h"), sh_c_header(report));
+  std::string header;
+  try {
+    header = sh_c_header(report);
+  } catch (const Error& error) {  // of light beyond all floats, which JSON holds
+    if (error.code() != ErrorCode::limit_exceeded) throw;
+    baked.notes.push_back(std::string("sh.h is left out: ") + error.what());
+    return;
+  }
+  write_text_file(folder.place("sh.h"), header);
   folder.add({"sh.h", "the same", "C header", 0, 0, "", details});
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include "tools/text.h"
 
@@ -15,6 +16,9 @@ struct LoaderLines {
   const char* language = nullptr;  ///< where it is another than the folder's
 };
 
+/// Whether the lines also load .ktx2 files of other texel formats than the folder's.
+enum class Textures : std::uint8_t { fixed, any };
+
 struct EngineFolder {
   Engine engine;
   std::vector<OutputFile> files;
@@ -22,6 +26,7 @@ struct EngineFolder {
   std::vector<LoaderLines> lines;
   const char* remarks;  ///< what a person should know beside
   const char* known;    ///< how it is known that the engine takes the files so
+  Textures textures = Textures::fixed;
 };
 
 constexpr TexelFormat kHalves = TexelFormat::rgba16f;
@@ -129,13 +134,14 @@ scene->setSkybox(filament::Skybox::Builder().environment(sky).build(*engine));
 }));
 )"},
         {{"specular_bc6h.ktx2"},
-         R"(// specular_bc6h.ktx2 instead has a quarter of the bytes, for cards with BC6H (CompressedImageFormats::BC).
+         R"(// specular_bc6h.ktx2 instead has a quarter of the bytes.
 )"}},
        "diffuse.ktx2 is irradiance over pi, of one mip; the specular mips have roughness 0 to 1 in even steps. Bevy "
        "looks "
        "cubemaps up at (x, y, -z), and the faces lie so. It needs Bevy's features ktx2 and, with --supercompression, "
-       "zlib or zstd.",
-       "environment_map.wgsl was read (direction, mip, and that nothing is divided by pi); Bevy was not run."},
+       "zlib or zstd. Blocks of BC6H are for cards that have them (CompressedImageFormats::BC).",
+       "environment_map.wgsl was read (direction, mip, and that nothing is divided by pi); Bevy was not run.",
+       Textures::any},
 
       {Engine::gltf,
        {texture(Content::lambert, Container::ktx2, kHalves, "lambertian.ktx2"),
@@ -205,7 +211,8 @@ sky_light.light_component.set_cubemap(unreal.load_asset("/Game/Light/environment
        {lat_long(Container::exr)},
        "python",
        {{{"environment.exr"},
-         R"(world = bpy.context.scene.world
+         R"(# "//" is the folder of the .blend, once that is saved: here, or write the whole path.
+world = bpy.context.scene.world
 world.use_nodes = True
 node = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
 node.image = bpy.data.images.load("//environment.exr")
@@ -263,6 +270,8 @@ std::vector<OutputFile> files_for(Engine engine) {
   files.push_back(text_file(Content::readme, kReadmeName));
   return files;
 }
+
+bool takes_any_texture(Engine engine) noexcept { return folder_of(engine)->textures == Textures::any; }
 
 bool is_own_readme(const std::string& first_line) noexcept {
   return first_line.starts_with(kFirstWords) && first_line.ends_with(kLastWords);

@@ -17,6 +17,9 @@ inline constexpr const char* kReadmeName = "README.md";
 /// Those files, without what else the options ask for. Of an engine that `has_folder`.
 [[nodiscard]] std::vector<OutputFile> files_for(Engine engine);
 
+/// Whether what loads those files takes .ktx2 files of every texel format. Of an engine that `has_folder`.
+[[nodiscard]] bool takes_any_texture(Engine engine) noexcept;
+
 /// The text of README.md: for each file that was written how the engine loads it, and how that is known. `written`: the
 /// names in the folder; lines that would name another file are left out.
 [[nodiscard]] std::string readme_text(Engine engine, const std::vector<std::string>& written);

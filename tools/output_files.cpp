@@ -155,7 +155,8 @@ std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
   };
   for (OutputFile file : files_for(options.turn.to)) {
     if (file.container == Container::ktx2) {
-      if (options.format_named) file.format = stored_format(file.content, file.container, options.texture.format);
+      if (options.format_named && takes_any_texture(options.turn.to))
+        file.format = stored_format(file.content, file.container, options.texture.format);
       file.supercompression = options.texture.supercompression;
     }
     add(std::move(file));

@@ -440,7 +440,7 @@ std::string float_constant(double value) {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
     throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
                                                ", which no float of a C header holds; lower the exposure of the "
-                                               "picture, cut it off with --clamp, or ask for --format json");
+                                               "picture, cut it off with --clamp, or take the JSON, which holds it");
   }
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;

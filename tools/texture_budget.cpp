@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -30,7 +31,8 @@ constexpr int kLeastChoice = 16;
 constexpr double kSharpest = 0.1;  ///< roughness of what is judged
 constexpr int kRoughnesses = 10;
 constexpr int kDirections = 1024;
-constexpr int kKeptSize = 256;       ///< larger chains take much memory, and few are looked at twice
+constexpr int kKeptSize = 256;  ///< larger chains take much memory, and few are looked at twice
+constexpr int kTruthSize = 512;
 constexpr double kJudgedFrom = 0.3;  ///< of the progress: where the truth is known
 
 // ---- Bytes of a folder
@@ -151,10 +153,7 @@ class Truth {
     const double most = std::max(least, glossy.maximum);
     for (int k = 0; k < kRoughnesses; ++k) {
       const double roughness = least + (most - least) * k / (kRoughnesses - 1);
-      PrefilterOptions one = options;
-      one.size = roughness < 0.3 ? 512 : 128;  // texels of a fourth of the lobe's width and less
-      one.mips = 1;
-      one.roughness = {roughness};
+      const PrefilterOptions one = one_mip(options, roughness);
       const PrefilteredSpecular chain = prefilter_specular(source, one, {control.stop, {}});
       const CubeLookup look(chain.cubemap);
       TrueReflections reflections{roughness, {}};
@@ -168,6 +167,13 @@ class Truth {
     }
   }
 
+  static PrefilterOptions one_mip(PrefilterOptions options, double roughness) {
+    options.size = roughness < 0.3 ? kTruthSize : 128;  // texels of a fourth of the lobe's width and less
+    options.mips = 1;
+    options.roughness = {roughness};
+    return options;
+  }
+
   /// The worst error of the chain, whose mips have this roughness, and where it is.
   [[nodiscard]] std::pair<double, double> error_of(const CubemapChain& chain, const std::vector<double>& table) const {
     const CubeLookup look(chain);
@@ -177,7 +183,8 @@ class Truth {
       double square = 0.0;
       for (std::size_t k = 0; k < directions_.size(); ++k)
         square += square_of(glm::dvec3(look.at(directions_[k], level)) - glm::dvec3(truth.radiance[k]));
-      const double error = truth.square > 0.0 ? std::sqrt(square / truth.square) : 0.0;
+      double error = truth.square > 0.0 ? std::sqrt(square / truth.square) : 0.0;
+      if (std::isnan(error)) error = std::numeric_limits<double>::infinity();
       if (error > worst.first) worst = {error, truth.roughness};
     }
     return worst;
@@ -377,9 +384,54 @@ void keep_likely(std::vector<Candidate>& candidates, std::uint64_t bytes, bool j
   std::erase_if(candidates, [most](const Candidate& candidate) { return candidate.tried.bytes < most / kFarSmaller; });
 }
 
+// ---- Memory
+
+std::uint64_t source_bytes(const LatLongView& source) {
+  return 3 * sizeof(float) * static_cast<std::uint64_t>(source.width) * static_cast<std::uint64_t>(source.height);
+}
+std::uint64_t source_bytes(const CubemapView& source) {
+  return 18 * sizeof(float) * static_cast<std::uint64_t>(source.size) * static_cast<std::uint64_t>(source.size);
+}
+
+/// What the source and a chain take, and the chain read back from a file with the bytes of that.
+template <class View>
+std::uint64_t judging_bytes(const View& source, const PrefilterOptions& specular) {
+  BakeOptions bake;
+  bake.background.reset();
+  bake.irradiance.reset();
+  bake.brdf = std::nullopt;
+  bake.bands = 0;
+  bake.specular = specular;
+  bake.pixels = specular.pixels;
+  const OutputFile floats{Content::specular, Container::ktx2, TexelFormat::rgba32f};
+  const std::uint64_t chain = chain_bytes(specular.size, *specular.mips, floats);
+  return source_bytes(source) + bake_bytes(source, bake) + 2 * chain;
+}
+
+/// Leaves out what cannot be judged in the memory that there may be.
+template <class View>
+void keep_within_memory(const View& source, std::vector<Candidate>& candidates, const BakeCommandOptions& options) {
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  const PrefilterOptions truth = Truth::one_mip(*library_options(options).specular, kSharpest);
+  std::uint64_t least = judging_bytes(source, truth);
+  const auto bytes_of = [&](const Candidate& candidate) {
+    return judging_bytes(source, *library_options(candidate.options).specular);
+  };
+  if (least <= limit) {
+    least = bytes_of(candidates.front());
+    std::erase_if(candidates, [&](const Candidate& candidate) { return bytes_of(candidate) > limit; });
+    if (!candidates.empty()) return;
+  }
+  throw Error(ErrorCode::limit_exceeded, "choosing textures within a budget takes at least " + grouped(least) +
+                                             " bytes, above the limit of " + grouped(limit) +
+                                             "; raise --memory-limit, or name --size, --mips and the format");
+}
+
 template <class View>
 ChosenTextures choose(const View& source, BakeCommandOptions& options, const Control& control) {
-  const int most = std::clamp(resolution_of(source), kLeastChoice, kLargestChoice);
+  const int resolution = std::clamp(resolution_of(source), kLeastChoice, kLargestChoice);
+  // Between the texels of a small picture there are reflections, too, which larger faces show better.
+  const int most = std::max(resolution, options.specular.size);
   const std::uint64_t bytes = options.byte_budget;
   const std::optional<double> budget = options.scene.error_budget;
   std::vector<Candidate> candidates = candidates_of(options, most);
@@ -387,6 +439,8 @@ ChosenTextures choose(const View& source, BakeCommandOptions& options, const Con
   ChosenTextures choice;
   const Candidate* best = &candidates.front();
   if (holds_reflections(options)) {
+    keep_within_memory(source, candidates, options);
+    best = &candidates.front();
     Judge<View> judge(source, options, control);
     for (std::size_t k = 0; k < candidates.size() && !(budget && choice.met); ++k) {
       Candidate& candidate = candidates[k];
@@ -401,7 +455,7 @@ ChosenTextures choose(const View& source, BakeCommandOptions& options, const Con
     choice.met = true;
   }
   Candidate chosen = *best;
-  if (!budget && options.background_size == 0) enlarge_background(chosen, most, bytes);
+  if (!budget && options.background_size == 0) enlarge_background(chosen, resolution, bytes);
   choice.chosen = chosen.tried;
   options = std::move(chosen.options);
   return choice;

@@ -44,10 +44,12 @@ struct ChosenTextures {
 [[nodiscard]] bool chooses_textures(const BakeCommandOptions& options) noexcept;
 
 /// Chooses, and sets the options accordingly. Under an error budget: the fewest bytes with an error below it, or the
-/// least error where none is. Under a budget of bytes alone: the least error, and of the background the largest size
-/// that is left room for. Sizes are those of --size, or else of the source up to 1024, halved down to 16. Costs a bake
-/// of each size and number of mips that is looked at. Throws `Error`: invalid_argument where a budget of bytes is too
-/// small for anything; as `prefilter_specular`.
+/// least error where none is. Under a budget of bytes alone: the least error among what takes at least a sixteenth of
+/// the bytes, and of the background the largest size that is left room for. A texel format is that of all .ktx2 files,
+/// as --ktx2-format has it; the error is that of the reflections. Sizes are --size, or else the larger of its default
+/// and of the source's resolution up to 1024, halved down to 16. Costs a bake of each size and number of mips that is
+/// looked at, in what memory --memory-limit leaves. Throws `Error`: invalid_argument where a budget of bytes is too
+/// small for anything; limit_exceeded; as `prefilter_specular`.
 [[nodiscard]] ChosenTextures choose_textures(const LatLongView& source, BakeCommandOptions& options,
                                              const Control& control);
 [[nodiscard]] ChosenTextures choose_textures(const CubemapView& source, BakeCommandOptions& options,

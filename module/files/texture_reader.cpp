@@ -156,7 +156,7 @@ TextureLayout read_texture_layout(platform::ByteFile& file, int element) {
   if (is_ktx(start)) return read_ktx2_layout(file, element);
   if (is_dds(start)) return read_dds_layout(file, element);
   throw platform::file_error(ErrorCode::unsupported_file, file.path(),
-                             "is neither a KTX2 nor a DDS texture by its first bytes");
+                             "is no KTX2, KTX or DDS texture by its first bytes");
 }
 
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,

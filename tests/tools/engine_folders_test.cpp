@@ -404,12 +404,34 @@ TEST_CASE("bake --for: what is asked for beside comes too, and formats are as th
   const auto folder = scratch.path() / "out";
   const auto manifest =
       bake_into(folder, std::string("--sky --for three --lobe charlie --octahedral 32 --ktx2-format e5b9g9r9 "
-                                    "--supercompression zlib --no-previews --bands 0") +
+                                    "--supercompression zstd --no-previews --bands 0") +
                             kSmall);
   CHECK(names_in(folder) == Names{"README.md", "charlie.ktx2", "manifest.json", "specular.dds", "specular.ktx2",
                                   "specular_octahedral.ktx2"});
-  CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 e5b9g9r9 zlib");
+  CHECK(file_of(manifest, "specular_octahedral.ktx2").at("format") == "KTX2 e5b9g9r9 zstd");
+  CHECK(file_of(manifest, "charlie.ktx2").at("format") == "KTX2 e5b9g9r9 zstd");
+  CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 rgba16f zstd");  // of which the README's lines are
   CHECK(file_of(manifest, "specular.dds").at("format") == "DDS bc6h");
+}
+
+TEST_CASE("bake --for: what the engine's loader does not take is refused", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const std::string folder = " -o " + quoted(scratch.path() / "out") + kSmall;
+  const auto refused = [&](const std::string& options, const char* words) {
+    const CommandResult result = run_welkin("bake --sky " + options + folder);
+    CAPTURE(options, result.errors);
+    CHECK(result.exit_code != 0);
+    CHECK(contains(result.errors, words));
+    CHECK_FALSE(std::filesystem::exists(scratch.path() / "out"));
+  };
+  refused("--for three --supercompression zlib", "--supercompression zstd");
+  for (const char* engine : {"three", "gltf", "babylon", "usd"})
+    refused(std::string("--ktx2-format bc6h --for ") + engine, "leave --ktx2-format out");
+  const auto bevy = scratch.path() / "bevy";
+  const auto manifest =
+      bake_into(bevy, std::string("--sky --for bevy --ktx2-format bc6h --supercompression zlib") + kSmall);
+  CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 bc6h zlib");
+  CHECK(contains(file_text(bevy / "README.md"), "cards that have them"));
 }
 
 TEST_CASE("bake --for: the README names no file that the scene made needless", "[tools][bake][engine_folders]") {

@@ -160,3 +160,18 @@ TEST_CASE("What options name no budget changes, and one that is too small is ref
   }
   CHECK_FALSE(std::filesystem::exists(folder.path() / "no"));
 }
+
+TEST_CASE("A small picture may have larger faces than its own, and its choice keeps to the memory limit",
+          "[command][budget]") {
+  const TemporaryFolder folder;
+  const std::string picture = quoted(picture_in(folder, make_cubemap(Content::blocks, 8, 3, 7).view())) + kFew;
+  const auto out = [&](const char* name) { return " -o " + quoted(folder.path() / name); };
+  const nlohmann::json free = bake_into(folder.path() / "free", picture + "--error-budget 0.0001");
+  int largest = 0;
+  for (const auto& tried : free.at("textures").at("tried")) largest = std::max(largest, tried.at("size").get<int>());
+  CHECK(largest == 256);
+  // The chain of 512 texels that all are compared with takes 18 MiB by itself.
+  CHECK(contains(failure("bake " + picture + "--error-budget 0.0001 --memory-limit 10MiB" + out("none"), 1),
+                 "raise --memory-limit"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "none"));
+}

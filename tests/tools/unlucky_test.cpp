@@ -356,6 +356,11 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   CHECK(header.output.empty());
   CHECK(contains(header.errors, "bright.pfm: a number of the light is"));
   CHECK(contains(header.errors, "no float of a C header holds"));
+  // A bake has the same light as JSON, and all its other files.
+  const nlohmann::json bake = bake_into(folder.path() / "bright", quoted(bright) + " --size 16 --no-previews");
+  CHECK(contains(bake.at("notes").dump(), "sh.h is left out"));
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "bright" / "sh.h"));
+  CHECK(file_of(bake, "sh.json").at("bands") == 3);
 
   const std::filesystem::path out = folder.path() / "out";
   REQUIRE(run_welkin("bake --sky --size 16 --irradiance 4 --brdf 8 --formats env --no-previews -o " + quoted(out))
