@@ -50,7 +50,7 @@ double error_of(const BakedProbes& probes, const std::vector<Surface>& places, c
 TEST_CASE("probes in a room: each weight brings the light nearer to that of paths", "[probes]") {
   const Room room;
   const ProbeGrid grid = Room::grid();
-  const Captures captures = room.capture(grid, 12, 4, false);
+  const Captures captures = room.capture(grid, 12, 4, Followed::reflected);
   const BakedProbes raw = bake_probes(grid, captures.cubes, captures.depths, {.dilation_passes = 0});
   const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
 
@@ -70,7 +70,8 @@ TEST_CASE("probes in a room: each weight brings the light nearer to that of path
   const std::vector<Surface> places = surfaces();
   std::vector<dvec3> wanted;
   for (std::size_t k = 0; k < places.size(); ++k) {
-    wanted.push_back(room.irradiance(places[k].place, places[k].normal, 256, static_cast<std::uint32_t>(k), false));
+    wanted.push_back(
+        room.irradiance(places[k].place, places[k].normal, 256, static_cast<std::uint32_t>(k), Followed::reflected));
   }
   const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.0};
   const double dark = error_of(raw, places, wanted, plain);

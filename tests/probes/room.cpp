@@ -108,7 +108,7 @@ dvec3 Room::direct(const dvec3& place, const dvec3& normal, std::uint32_t& state
   return kLightRadiance * (cosine * at_light * area / square);
 }
 
-dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, bool with_light) const {
+dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, Followed followed) const {
   std::uint32_t state = mixed(seed);
   dvec3 sum(0.0);
   dvec3 share(1.0);
@@ -117,10 +117,10 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   for (int bounce = 0; bounce < kMostBounces; ++bounce) {
     const Hit hit = trace(place, way);
     if (hit.is_light) {
-      if (bounce == 0 && with_light) sum += kLightRadiance;  // later it is looked for from each surface
+      if (bounce == 0 && followed != Followed::reflected) sum += kLightRadiance;  // later each surface looks for it
       break;
     }
-    if (hit.is_back || hit.distance == kInfinity) break;
+    if (hit.is_back || hit.distance == kInfinity || followed == Followed::sent) break;
     place = hit.place + kAway * hit.normal;
     share *= hit.albedo;
     sum += share * direct(place, hit.normal, state) / kPi;
@@ -129,20 +129,21 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   return sum;
 }
 
-dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed, bool with_light) const {
+dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
+                       Followed followed) const {
   dvec3 sum(0.0);
   std::uint32_t state = mixed(seed);
   const dvec3 above = place + kAway * normal;
   for (int path = 0; path < paths; ++path) {
     const dvec3 way = cosine_direction(normal, state);
     state = mixed(state);
-    sum += radiance(above, way, state, false);
-    if (with_light) sum += direct(above, normal, state) / kPi;
+    if (followed != Followed::sent) sum += radiance(above, way, state, Followed::reflected);
+    if (followed != Followed::reflected) sum += direct(above, normal, state) / kPi;
   }
   return sum * (kPi / paths);
 }
 
-Captures Room::capture(const ProbeGrid& grid, int size, int paths, bool with_light) const {
+Captures Room::capture(const ProbeGrid& grid, int size, int paths, Followed followed) const {
   // Texels in the order in which `Captures` asks for them; each probe alone, so that threads can share them.
   std::vector<std::vector<dvec3>> colours(grid.size());
   std::atomic<std::size_t> next{0};
@@ -151,7 +152,7 @@ Captures Room::capture(const ProbeGrid& grid, int size, int paths, bool with_lig
       std::uint32_t seed = mixed(static_cast<std::uint32_t>(k) + 77U);
       Captures::for_each_texel(size, [&](const dvec3& direction) {
         dvec3 sum(0.0);
-        for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++, with_light);
+        for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++, followed);
         colours[k].push_back(sum / static_cast<double>(paths));
       });
     }

@@ -12,6 +12,13 @@
 
 namespace welkin::test {
 
+/// Which light is followed.
+enum class Followed {
+  reflected,  ///< what surfaces reflect
+  sent,       ///< what the light sends itself
+  all,        ///< both
+};
+
 /// x from -2 to 2, y from 0 to 2, z from -1 to 1. A red wall on the left, a green one on the right, the others white. A
 /// light in the ceiling of the left half; a thin wall at x = 0 keeps it from the right half, but for a door at the
 /// front, z > 0.35. A block stands in the left half. Walls are a metre thick, as a probe in one sees.
@@ -30,15 +37,15 @@ class Room {
 
   [[nodiscard]] Hit trace(const dvec3& from, const dvec3& direction) const;
 
-  /// What comes back along a ray after at least one reflection; with `with_light` what the light itself sends, too.
-  [[nodiscard]] dvec3 radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, bool with_light) const;
+  /// What comes back along a ray.
+  [[nodiscard]] dvec3 radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, Followed followed) const;
 
-  /// Irradiance on a surface by that radiance, from so many paths.
+  /// Irradiance on a surface, from so many paths.
   [[nodiscard]] dvec3 irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
-                                 bool with_light) const;
+                                 Followed followed) const;
 
   /// Cubemaps and depths of all probes of a grid; each texel from so many paths through its middle.
-  [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths, bool with_light) const;
+  [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths, Followed followed) const;
 
   /// 6 x 6 x 6 probes whose outermost ones stand in the walls.
   [[nodiscard]] static ProbeGrid grid() {

@@ -3,7 +3,7 @@
 //
 //   paths                    | plain trilinear, no dilation      | plain trilinear, dilated
 //   all weights, three bands | all weights, two bands            | difference to paths, four times
-//   paths, light directly    | that light in the probes, 3 bands | the same, windowed (min-laplacian)
+//   the light alone, paths    | the light alone, three bands      | the same, windowed (min-laplacian)
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -25,8 +25,9 @@ namespace {
 constexpr int kWidth = 380;
 constexpr int kHeight = 192;
 constexpr int kGap = 6;
+constexpr double kSpan = 3.94;  // metres of the front, from left to right
 constexpr int kPaths = 400;
-constexpr double kExposure = 3.2;
+constexpr double kExposure = 1.5;
 constexpr double kPi = 3.14159265358979323846;
 
 struct Pixel {
@@ -42,8 +43,8 @@ std::vector<Pixel> pixels_of(const Room& room) {
   const dvec3 eye{0.25, 1.05, 5.2};
   for (int row = 0; row < kHeight; ++row) {
     for (int column = 0; column < kWidth; ++column) {
-      const double x = ((column + 0.5) / kWidth - 0.5) * 4.06 * (kWidth / 380.0);
-      const double y = (0.5 - (row + 0.5) / kHeight) * 4.06 * kHeight / kWidth;
+      const double x = ((column + 0.5) / kWidth - 0.5) * kSpan;
+      const double y = (0.5 - (row + 0.5) / kHeight) * kSpan * kHeight / kWidth;
       const dvec3 through{x, 1.0 + y, 0.9999};
       const dvec3 way = glm::normalize(through - eye);
       pixels.push_back({room.trace(through, way), static_cast<std::uint32_t>(pixels.size()) * 2654435761U});
@@ -70,9 +71,9 @@ Picture draw(const std::vector<Pixel>& pixels, const std::function<dvec3(const P
   return picture;
 }
 
-Picture of_paths(const Room& room, const std::vector<Pixel>& pixels, bool with_light) {
+Picture of_paths(const Room& room, const std::vector<Pixel>& pixels, Followed followed) {
   return draw(pixels, [&](const Pixel& pixel) {
-    return room.irradiance(pixel.hit.place, pixel.hit.normal, kPaths, pixel.seed, with_light);
+    return room.irradiance(pixel.hit.place, pixel.hit.normal, kPaths, pixel.seed, followed);
   });
 }
 
@@ -111,19 +112,19 @@ void draw_all(const char* path) {
   const Room room;
   const ProbeGrid grid = Room::grid();
   const std::vector<Pixel> pixels = pixels_of(room);
-  const Captures captures = room.capture(grid, 32, 32, false);
-  const Captures lit = room.capture(grid, 32, 32, true);
+  const Captures captures = room.capture(grid, 32, 32, Followed::reflected);
+  const Captures lit = room.capture(grid, 32, 1, Followed::sent);
   const BakedProbes raw = bake_probes(grid, captures.cubes, captures.depths, {.dilation_passes = 0});
   const BakedProbes three = bake_probes(grid, captures.cubes, captures.depths);
   const BakedProbes two = bake_probes(grid, captures.cubes, captures.depths, {.projection = {.bands = 2}});
   const BakedProbes ringing = bake_probes(grid, lit.cubes, lit.depths);
   const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.0};
 
-  const Picture paths = of_paths(room, pixels, false);
+  const Picture paths = of_paths(room, pixels, Followed::reflected);
   const Picture all = of_probes(three, pixels, {});
   Picture difference;
   for (std::size_t k = 0; k < all.size(); ++k) difference.push_back(4.0 * glm::abs(all[k] - paths[k]));
-  const Picture lit_paths = of_paths(room, pixels, true);
+  const Picture lit_paths = of_paths(room, pixels, Followed::sent);
   const std::vector<Picture> pictures{
       paths,     of_probes(raw, pixels, plain),  of_probes(three, pixels, plain),
       all,       of_probes(two, pixels, {}),     difference,
@@ -133,7 +134,7 @@ void draw_all(const char* path) {
   std::vector<float> sheet(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 1.0F);
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     const auto place = static_cast<int>(k);
-    put(sheet, width, pictures[k], place % 3, place / 3, place < 6 ? kExposure : 0.4 * kExposure);
+    put(sheet, width, pictures[k], place % 3, place / 3, place < 6 ? kExposure : 0.6 * kExposure);
     if (place != 5)
       std::printf("%d: relative error %.3f\n", place + 1, error_of(pictures[k], place < 6 ? paths : lit_paths));
   }
