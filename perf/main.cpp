@@ -28,6 +28,7 @@
 #include "prefilter.h"
 #include "prefilter_errors.h"
 #include "previews.h"
+#include "probes.h"
 #include "project_cubemap.h"
 #include "project_file.h"
 #include "project_lat_long.h"
@@ -99,6 +100,7 @@ int main(int argc, char** argv) {
   const std::vector<int> thread_counts{1, 2};
   perf::add_read_bandwidth(sizes, thread_counts);
   perf::add_project_cubemap(sizes, thread_counts);
+  perf::add_probes(thread_counts);
   perf::add_project_lat_long(thread_counts);
   perf::add_project_file(thread_counts);
   perf::add_resampling(thread_counts);

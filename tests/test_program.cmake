@@ -2,7 +2,7 @@
 include(Catch)
 
 file(GLOB_RECURSE sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)
-list(FILTER sources EXCLUDE REGEX "^(exit|float_environment|headers|install|fuzz|parts|portability|reference|textures)/")
+list(FILTER sources EXCLUDE REGEX "^(exit|float_environment|headers|install|fuzz|parts|portability|reference|textures|probes/programs)/")
 if(WELKIN_TEST_FOLDERS)
   list(JOIN WELKIN_TEST_FOLDERS "|" folders)
   list(FILTER sources INCLUDE REGEX "^(support|${folders})/")

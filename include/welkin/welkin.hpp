@@ -16,6 +16,8 @@
 #include "welkin/job.h"
 #include "welkin/octahedral.h"
 #include "welkin/plan.h"
+#include "welkin/probe_file.h"
+#include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/requests.h"

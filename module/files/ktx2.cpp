@@ -353,9 +353,9 @@ Bytes key_value_bytes(const platform::WholeFile& file, const std::map<std::strin
 
 namespace {
 
-Bytes key_values(const platform::WholeFile& file, const TextureOptions& options) {
+Bytes key_values(const platform::WholeFile& file, const TextureOptions& options, bool is_volume) {
   std::map<std::string, std::string> all = options.metadata;
-  all["KTXorientation"] = "rd";  // columns run right, rows down
+  all["KTXorientation"] = is_volume ? "rdi" : "rd";  // columns run right, rows down, slices in
   all["KTXwriter"] = "Welkin";
   return key_value_bytes(file, all);
 }
@@ -371,6 +371,7 @@ struct Shape {
   int width;
   int height;
   std::uint32_t faces;
+  std::uint32_t depth = 0;  ///< slices of a volume; 0: it is none
 };
 
 Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
@@ -380,12 +381,12 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
   const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * places.size());
   const auto descriptor_size = static_cast<std::uint32_t>(descriptor.size());
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
-  constexpr std::uint32_t depth = 0, layers = 0;
+  constexpr std::uint32_t layers = 0;
   for (const std::uint32_t field :
        {vulkan_format(kind), ktx2_type_size(kind), static_cast<std::uint32_t>(shape.width),
-        static_cast<std::uint32_t>(shape.height), depth, layers, shape.faces, static_cast<std::uint32_t>(places.size()),
-        ktx2_scheme(options.supercompression), descriptor_offset, descriptor_size, descriptor_offset + descriptor_size,
-        static_cast<std::uint32_t>(metadata.size())}) {
+        static_cast<std::uint32_t>(shape.height), shape.depth, layers, shape.faces,
+        static_cast<std::uint32_t>(places.size()), ktx2_scheme(options.supercompression), descriptor_offset,
+        descriptor_size, descriptor_offset + descriptor_size, static_cast<std::uint32_t>(metadata.size())}) {
     platform::append_little_endian(bytes, field);
   }
   platform::append_little_endian(bytes, std::uint64_t{0});  // no supercompression global data: offset and bytes
@@ -405,7 +406,7 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
 /// with 4).
 void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
                   std::vector<Place>& places) {
-  const Bytes metadata = key_values(file, options);
+  const Bytes metadata = key_values(file, options, shape.depth > 0);
   const std::uint64_t alignment =
       options.supercompression == Supercompression::none ? texel_bytes(kind_of(options.format)) : 1;
   std::uint64_t end = header_bytes(shape, options, metadata, places).size();
@@ -532,6 +533,14 @@ std::uint64_t write_ktx2(const PictureJob& job) {
     }
   }
   return encoder.clamped() + (blocks ? blocks->values_clamped : 0);
+}
+
+void write_ktx2_volume(platform::WholeFile& file, const std::array<int, 3>& size, std::span<const std::uint16_t> halves,
+                       const std::map<std::string, std::string>& metadata) {
+  std::vector<Place> places{{0, halves.size_bytes(), halves.size_bytes()}};
+  write_header(file, {size[0], size[1], 1, static_cast<std::uint32_t>(size[2])}, {.metadata = metadata}, places);
+  write_padding(file, places[0].offset);
+  file.write(halves.data(), halves.size_bytes());
 }
 
 }  // namespace welkin::files

@@ -316,6 +316,10 @@ std::uint64_t write_exr_cube(const TextureJob& job);
 std::uint64_t write_ktx2(const PictureJob& job);
 std::uint64_t write_dds(const PictureJob& job);
 
+/// Writes a three-dimensional texture of halves, four a texel, x first, then y, then z, as it is.
+void write_ktx2_volume(platform::WholeFile& file, const std::array<int, 3>& size, std::span<const std::uint16_t> halves,
+                       const std::map<std::string, std::string>& metadata);
+
 /// Throws `Error` (cancelled), and tells the share that is done.
 void report_share(const Control& control, double done);
 

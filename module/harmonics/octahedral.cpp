@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "harmonics/octahedral_border.h"
 #include "image/pixels.h"
 #include "image/resampling.h"
 #include "jobs/tiles.h"
@@ -90,19 +91,11 @@ std::vector<float> make_level(const Square& square, const Control& control, cons
                       for (int c = 0; c < 3; ++c) at(column, static_cast<int>(row))[c] = static_cast<float>(rgb[c]);
                     }
                   });
-  // Over an edge at its own distance, and mirrored along it; a border may be wider than the map inside.
-  const auto mirrored = [inner](int& across, int& along) {
-    if (across >= 0 && across < inner) return false;
-    across = across < 0 ? -1 - across : 2 * inner - 1 - across;
-    along = inner - 1 - along;
-    return true;
-  };
   for (int row = -square.border; row < inner + square.border; ++row) {
     for (int column = -square.border; column < inner + square.border; ++column) {
       int from_column = column;
       int from_row = row;
-      while (mirrored(from_column, from_row) || mirrored(from_row, from_column)) {
-      }
+      octahedral::move_inside(inner, from_column, from_row);
       if (from_column != column || from_row != row) std::copy_n(at(from_column, from_row), 3, at(column, row));
     }
   }

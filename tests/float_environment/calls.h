@@ -19,6 +19,7 @@
 #include "welkin/error_budget.h"
 #include "welkin/irradiance.h"
 #include "welkin/plan.h"
+#include "welkin/probes.h"
 #include "welkin/sky_plan.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -86,6 +87,19 @@ inline void add_bits(BitHash& hash, const SkyBake& baked) {
   add_bits(hash, baked.specular);
   add_bits(hash, baked.background);
   if (baked.curve) add_bits(hash, baked.curve->at(glm::dvec3(0.6, 0.8, 0.0)));
+}
+inline void add_bits(BitHash& hash, const BakedProbes& probes) {
+  for (const glm::dvec3& value : probes.coefficients) add_bits(hash, value);
+  for (const float value : probes.validity) add_bits(hash, value);
+  for (const std::uint8_t pass : probes.passes) add_bits(hash, int{pass});
+  for (const float value : probes.distances) add_bits(hash, value);
+  for (const double value : probes.sky) add_bits(hash, value);
+  add_bits(hash, probes.distance_limit);
+}
+inline void add_bits(BitHash& hash, const PackedProbes& packed) {
+  for (const ProbeTexture& texture : packed.textures) {
+    for (const std::uint16_t half : texture.halves) add_bits(hash, int{half});
+  }
 }
 /// Of what a call changed in place.
 inline void add_bits(BitHash& hash, const Bc6hCubemap& cubemap) {

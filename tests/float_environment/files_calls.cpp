@@ -10,6 +10,7 @@
 #include "support/temporary_directory.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
+#include "welkin/probe_file.h"
 #include "welkin/result_cache.h"
 #include "welkin/texture_file.h"
 
@@ -101,6 +102,19 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
   calls.call("write_texture_2d(", [&] {
     write_texture_2d(table, 4, 3, rgb.data());
     return read_bytes(table);
+  });
+
+  const std::filesystem::path captured = folder.file("captured.ktx2");
+  write_texture(captured, views);
+  const std::vector<FileInput> captures(2, FileInput(captured));
+  const ProbeGrid grid{.counts = {2, 1, 1}};
+  const BakedProbes probes = calls.call("bake_probe_files(", [&] { return bake_probe_files(grid, captures); });
+  const std::filesystem::path description = folder.file("probes.json");
+  const std::filesystem::path texture = folder.file("probes_three.ktx2");
+  const std::vector<ProbeLayout> layouts{ProbeLayout::three};
+  calls.call("write_probes(", [&] {
+    write_probes(description, probes, layouts);
+    return read_bytes(texture);
   });
 
   const SphericalHarmonics radiance = project(chain.view(0)).radiance;

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
+#include <limits>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"
 #include "welkin/octahedral.h"
+#include "welkin/probes.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 #include "welkin/resampling.h"
@@ -90,6 +93,42 @@ void call_projection(Calls& calls, const LatLongImage& wide, const CubemapImage&
     return total(kept);
   });
   calls.call("total(", [&] { return total(kept); });
+}
+
+void call_probes(Calls& calls, const CubemapImage& cube) {
+  const ProbeGrid grid{.counts = {2, 2, 1}, .origin = {0.1, 0.2, 0.3}, .spacing = {1.1, 0.7, 0.9}};
+  std::vector<float> distances(6 * 9);
+  for (std::size_t k = 0; k < distances.size(); ++k) distances[k] = 0.3F + 0.1F * static_cast<float>(k % 7);
+  std::vector<float> backs(distances.size(), -0.7F);
+  distances[5] = std::numeric_limits<float>::infinity();
+  const auto view = [](const std::vector<float>& depths) {
+    DepthView one{{}, 3, 0};
+    for (std::size_t face = 0; face < 6; ++face) one.faces[face] = depths.data() + 9 * face;
+    return one;
+  };
+  const std::vector<CubemapView> cubes(4, cube.view());
+  const std::vector<DepthView> depths{view(distances), view(backs), view(distances), view(distances)};
+  const ProbeOptions options{.distance_size = 3, .environment_bands = 2};
+  BakedProbes probes = calls.call("bake_probes(", [&] { return bake_probes(grid, cubes, depths, options); });
+  const std::vector<std::size_t> changed{2};
+  calls.call("update_probes(", [&] {
+    BakedProbes updated = probes;
+    update_probes(updated, changed, std::span(cubes).first(1), std::span(depths).first(1), options);
+    return updated;
+  });
+  calls.call("dilate(", [&] {
+    BakedProbes dilated = probes;
+    dilate(dilated, 2);
+    return dilated;
+  });
+  calls.call("windowed(", [&] { return windowed(probes, Window::min_laplacian); });
+  calls.call("relight(", [&] {
+    BakedProbes relit = probes;
+    relight(relit, project(cube.view()).radiance, constant_radiance(dvec3(0.1, 0.2, 0.3)));
+    return relit;
+  });
+  calls.call("probe_irradiance(", [&] { return probe_irradiance(probes, {0.3, 0.3, 0.3}, {0.0, 0.6, 0.8}); });
+  calls.call("pack_probes(", [&] { return pack_probes(probes, ProbeLayout::unity_l2); });
 }
 
 void call_importance(Calls& calls, const LatLongImage& wide) {
@@ -242,6 +281,7 @@ void call_pictures(Calls& calls) {
   call_projection(calls, wide, cube);
   call_projection(calls, faint(wide), faint(cube));
   call_importance(calls, wide);
+  call_probes(calls, cube);
   call_irradiance(calls, wide, cube);
   call_irradiance(calls, faint(wide), faint(cube));
   call_reflections(calls, wide, cube);

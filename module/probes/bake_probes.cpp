@@ -1,0 +1,263 @@
+// A grid of captured cubemaps and depths to light, validity, distances and visibility of the sky.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "image/pixels.h"
+#include "jobs/control.h"
+#include "jobs/many.h"
+#include "jobs/tiles.h"
+#include "platform/float_environment.h"
+#include "probes/depth_maps.h"
+#include "probes/probe_arrays.h"
+#include "projection/sanitizer.h"
+#include "welkin/core.h"
+#include "welkin/probes.h"
+
+namespace welkin {
+namespace {
+
+using probes::DepthMaps;
+using probes::DepthRules;
+
+constexpr int kLargestDepth = 1024;
+
+/// Probes whose visibility is projected together: as masks of 64 x 64 they take 37 MB.
+constexpr std::size_t kMasksTogether = 128;
+
+constexpr std::size_t kDepthsPerTile = 8;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
+
+void require_between(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  refuse("ProbeOptions: " + std::string(name) + " is " + std::to_string(value) + "; it must be from " +
+         std::to_string(low) + " to " + std::to_string(high));
+}
+
+void check_options(const ProbeOptions& options, bool with_depths) {
+  projection::check_options(options.projection);
+  image::require_range("bands of probes", options.projection.bands, 1, probes::kMostBands);
+  require_between("near_share", options.near_share, 0.0, 1e6);
+  require_between("valid_share", options.valid_share, 0.0, 1.0);
+  require_between("distance_limit", options.distance_limit, 0.0, 1e30);
+  image::require_range("distance_size of probes", options.distance_size, 0, 64);
+  image::require_range("distance_power of probes", options.distance_power, 1, 1024);
+  image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);
+  image::require_range("environment_bands of probes", options.environment_bands, 0,
+                       kMaximumBands + 1 - probes::kMostBands);
+  if (options.environment_bands > 0 && !with_depths) {
+    refuse("ProbeOptions: environment_bands is " + std::to_string(options.environment_bands) +
+           ", but there are no depths to tell where a probe sees the environment; pass them, or 0");
+  }
+}
+
+void check_depths(std::span<const DepthView> depths) {
+  for (std::size_t k = 0; k < depths.size(); ++k) {
+    jobs::naming_probe(k, [&] {
+      image::require_range("size of a depth cubemap", depths[k].size, 1, kLargestDepth);
+      if (depths[k].size != depths[0].size) {
+        refuse("its depths have " + std::to_string(depths[k].size) + " texels along an edge, those of probe 0 have " +
+               std::to_string(depths[0].size) + "; all must have as many");
+      }
+      for (std::size_t face = 0; face < 6; ++face) {
+        if (depths[k].faces[face] == nullptr) refuse("face " + std::to_string(face) + " of its depths is null");
+      }
+    });
+  }
+}
+
+void require_count(const char* name, std::size_t is, std::size_t must_be) {
+  if (is == must_be) return;
+  refuse(std::string(name) + ": there are " + std::to_string(is) + " for " + std::to_string(must_be) + " probes");
+}
+
+double smallest_spacing(const ProbeGrid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
+
+double limit_of(const ProbeGrid& grid, const ProbeOptions& options) {
+  if (options.distance_limit > 0.0) return options.distance_limit;
+  const dvec3& s = grid.spacing;
+  return 1.5 * std::sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
+}
+
+/// Everything but the dilation, of some probes one after the other.
+class Capture {
+ public:
+  Capture(std::span<const CubemapView> cubes, std::span<const DepthView> depths, const ProbeOptions& options,
+          BakedProbes& into)
+      : cubes_(cubes), depths_(depths), options_(options), into_(into) {
+    const std::size_t count = cubes.size();
+    into.coefficients.resize(count * probes::squared(into.bands));
+    into.validity.assign(count, 1.0F);
+    into.passes.assign(count, 0);
+    into.distances.resize(count * probes::distance_floats(into));
+    into.sky.resize(count * probes::squared(into.sky_bands));
+  }
+
+  void run(const Control& control) {
+    const double lit = depths_.empty() ? 1.0 : into_.sky_bands > 0 ? 0.5 : 0.7;
+    const double measured = into_.sky_bands > 0 ? 0.7 : 1.0;
+    into_.diagnostics = project_many(cubes_, into_.coefficients, options_.projection, jobs::part_of(control, 0.0, lit));
+    if (depths_.empty()) return;
+    timed("distances", [&] { read_depths(jobs::part_of(control, lit, measured)); });
+    if (into_.sky_bands > 0) timed("sky", [&] { project_sky(jobs::part_of(control, measured, 1.0)); });
+  }
+
+ private:
+  template <class Work>
+  void timed(const char* name, const Work& work) {
+    const auto began = std::chrono::steady_clock::now();
+    work();
+    into_.diagnostics.passes.push_back(
+        {name, PassAction::run, std::to_string(depths_.size()) + " depths",
+         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count()});
+  }
+
+  void read_depths(const Control& control) {
+    const int size = depths_[0].size;
+    const DepthMaps maps(size, {options_.near_share * smallest_spacing(into_.grid), into_.distance_limit,
+                                into_.distance_size, options_.distance_power});
+    const auto placement = jobs::placement_for(static_cast<std::int64_t>(6 * probes::squared(size) * depths_.size()));
+    const std::size_t workers = jobs::worker_count(placement);
+    std::vector<DepthMaps::Room> rooms(workers, DepthMaps::Room(maps));
+    const std::size_t floats = probes::distance_floats(into_);
+    jobs::run_tiles((depths_.size() + kDepthsPerTile - 1) / kDepthsPerTile, placement, workers, control,
+                    [&](std::size_t tile, std::size_t worker) {
+                      const std::size_t end = std::min(depths_.size(), (tile + 1) * kDepthsPerTile);
+                      for (std::size_t k = tile * kDepthsPerTile; k < end; ++k) {
+                        into_.validity[k] = maps.read(depths_[k], rooms[worker],
+                                                      std::span(into_.distances).subspan(k * floats, floats));
+                      }
+                    });
+    for (std::size_t k = 0; k < depths_.size(); ++k) {
+      if (into_.validity[k] < 0.0F) {
+        throw Error(ErrorCode::rejected_pixel, "probe " + std::to_string(k) + ": a depth is NaN");
+      }
+      into_.passes[k] = static_cast<double>(into_.validity[k]) < options_.valid_share ? probes::kUnfilled : 0;
+    }
+  }
+
+  /// The function that is 1 where nothing is, projected as a grey picture.
+  void project_sky(const Control& control) {
+    const int size = depths_[0].size;
+    const std::size_t face = probes::squared(size);
+    const std::size_t together = std::min(kMasksTogether, depths_.size());
+    std::vector<std::uint8_t> masks(together * 6 * face * 3);
+    const std::size_t functions = probes::squared(into_.sky_bands);
+    std::vector<dvec3> grey(together * functions);
+    std::vector<CubemapView> views(together);
+    const ProjectionOptions projection{.bands = into_.sky_bands};
+    for (std::size_t first = 0; first < depths_.size(); first += together) {
+      const std::size_t count = std::min(together, depths_.size() - first);
+      const auto share = [&](std::size_t done) {
+        return static_cast<double>(done) / static_cast<double>(depths_.size());
+      };
+      for (std::size_t k = 0; k < count; ++k) {
+        std::uint8_t* texels = masks.data() + k * 6 * face * 3;
+        views[k] = CubemapView{{}, size, 0, PixelFormat::rgb8};
+        for (std::size_t f = 0; f < 6; ++f) views[k].faces[f] = texels + f * face * 3;
+      }
+      jobs::run_tiles(count, jobs::placement_for(static_cast<std::int64_t>(count * 6 * face)),
+                      jobs::worker_count(jobs::placement_for(static_cast<std::int64_t>(count * 6 * face))),
+                      {control.stop}, [&](std::size_t k, std::size_t /*worker*/) {
+                        write_mask(depths_[first + k], masks.data() + k * 6 * face * 3);
+                      });
+      project_many(std::span(views).first(count), grey, projection,
+                   jobs::part_of(control, share(first), share(first + count)));
+      for (std::size_t k = 0; k < count * functions; ++k) into_.sky[first * functions + k] = grey[k].x;
+    }
+  }
+
+  static void write_mask(const DepthView& depths, std::uint8_t* texels) noexcept {
+    for (int face = 0; face < 6; ++face) {
+      for (int row = 0; row < depths.size; ++row) {
+        const float* depth = probes::row_of(depths, face, row);
+        for (int column = 0; column < depths.size; ++column, texels += 3) {
+          const bool open = depth[column] == std::numeric_limits<float>::infinity();
+          texels[0] = texels[1] = texels[2] = open ? 255 : 0;
+        }
+      }
+    }
+  }
+
+  std::span<const CubemapView> cubes_;
+  std::span<const DepthView> depths_;
+  const ProbeOptions& options_;
+  BakedProbes& into_;
+};
+
+/// An empty grid of the sizes that the options ask for.
+BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions& options) {
+  BakedProbes probes;
+  probes.grid = grid;
+  probes.bands = options.projection.bands;
+  probes.distance_size = with_depths ? options.distance_size : 0;
+  probes.distance_limit = limit_of(grid, options);
+  probes.sky_bands = options.environment_bands > 0 ? options.projection.bands + options.environment_bands - 1 : 0;
+  return probes;
+}
+
+/// `from`'s values of a probe to `to`'s place for it.
+template <class Value>
+void copy_probe(const std::vector<Value>& from, std::size_t of, std::vector<Value>& to, std::size_t at,
+                std::size_t values) {
+  std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(of * values), values,
+              to.begin() + static_cast<std::ptrdiff_t>(at * values));
+}
+
+}  // namespace
+
+BakedProbes bake_probes(const ProbeGrid& grid, std::span<const CubemapView> cubes, std::span<const DepthView> depths,
+                        const ProbeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_grid(grid);
+  check_options(options, !depths.empty());
+  require_count("cubes", cubes.size(), grid.size());
+  if (!depths.empty()) require_count("depths", depths.size(), grid.size());
+  check_depths(depths);
+  BakedProbes probes = sizes_of(grid, !depths.empty(), options);
+  Capture(cubes, depths, options, probes).run(jobs::part_of(control, 0.0, 0.98));
+  dilate(probes, options.dilation_passes, jobs::part_of(control, 0.98, 1.0));
+  return probes;
+}
+
+void update_probes(BakedProbes& probes, std::span<const std::size_t> changed, std::span<const CubemapView> cubes,
+                   std::span<const DepthView> depths, const ProbeOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_arrays(probes);
+  check_options(options, !depths.empty());
+  require_count("cubes", cubes.size(), changed.size());
+  if (!depths.empty()) require_count("depths", depths.size(), changed.size());
+  check_depths(depths);
+  BakedProbes part = sizes_of(probes.grid, !depths.empty(), options);
+  if (part.bands != probes.bands || part.distance_size != probes.distance_size || part.sky_bands != probes.sky_bands ||
+      part.distance_limit != probes.distance_limit) {
+    refuse("the probes were baked with other options, or with depths where there are none now; pass the same");
+  }
+  std::vector<std::uint8_t> named(probes.grid.size());
+  for (const std::size_t probe : changed) {
+    if (probe >= named.size() || named[probe]++ != 0) {
+      refuse("probe " + std::to_string(probe) + " is named as changed; the grid has " + std::to_string(named.size()) +
+             " probes, and each can be named once");
+    }
+  }
+  Capture(cubes, depths, options, part).run(jobs::part_of(control, 0.0, 0.98));
+  BakedProbes all = probes;
+  all.diagnostics = part.diagnostics;
+  for (std::size_t k = 0; k < changed.size(); ++k) {
+    copy_probe(part.coefficients, k, all.coefficients, changed[k], probes::squared(all.bands));
+    copy_probe(part.validity, k, all.validity, changed[k], 1);
+    copy_probe(part.passes, k, all.passes, changed[k], 1);
+    copy_probe(part.distances, k, all.distances, changed[k], probes::distance_floats(all));
+    copy_probe(part.sky, k, all.sky, changed[k], probes::squared(all.sky_bands));
+  }
+  dilate(all, options.dilation_passes, jobs::part_of(control, 0.98, 1.0));
+  probes = std::move(all);
+}
+
+}  // namespace welkin

@@ -1,0 +1,176 @@
+#include "probes/depth_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "harmonics/octahedral_border.h"
+#include "image/geometry.h"
+#include "probes/probe_arrays.h"
+#include "welkin/octahedral.h"
+
+namespace welkin::probes {
+namespace {
+
+/// Blocks along an edge of a face: 5.6 degrees each, a third of the width of a lobe of power 50.
+constexpr int kMostBlocks = 16;
+
+/// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
+constexpr double kLeastWeight = 1e-9;
+
+double power_of(double base, int power) noexcept {
+  double result = 1.0;
+  for (; power > 0; power /= 2) {
+    if (power % 2 == 1) result *= base;
+    base *= base;
+  }
+  return result;
+}
+
+}  // namespace
+
+const float* row_of(const DepthView& view, int face, int row) noexcept {
+  const float* first = view.faces[static_cast<std::size_t>(face)];
+  const std::ptrdiff_t stride = view.row_stride_bytes != 0
+                                    ? view.row_stride_bytes
+                                    : static_cast<std::ptrdiff_t>(sizeof(float)) * std::ptrdiff_t{view.size};
+  return reinterpret_cast<const float*>(reinterpret_cast<const char*>(first) + stride * row);
+}
+
+DepthMaps::DepthMaps(int size, const DepthRules& rules)
+    : size_(size), edge_(std::min(size, kMostBlocks)), rules_(rules), solid_angles_(squared(size)) {
+  const auto columns = static_cast<std::size_t>(size);
+  for (int row = 0; row < size; ++row) {
+    image::cubemap_row_solid_angles(row,
+                                    std::span(solid_angles_).subspan(static_cast<std::size_t>(row) * columns, columns));
+  }
+  if (rules.distance_size == 0) return;
+  block_angles_.resize(squared(edge_));
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const auto block = static_cast<std::size_t>(row * edge_ / size * edge_ + column * edge_ / size);
+      block_angles_[block] += solid_angles_[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
+    }
+  }
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < edge_; ++row) {
+      for (int column = 0; column < edge_; ++column) {
+        directions_.push_back(image::face_direction(size, face, 0.5 * (first_of(column) + first_of(column + 1)),
+                                                    0.5 * (first_of(row) + first_of(row + 1))));
+      }
+    }
+  }
+  for (int row = 0; row < rules.distance_size; ++row) {
+    for (int column = 0; column < rules.distance_size; ++column) gather_shares(column, row);
+  }
+  first_share_.push_back(shares_.size());
+}
+
+void DepthMaps::gather_shares(int column, int row) {
+  first_share_.push_back(shares_.size());
+  const dvec3 axis = octahedral_direction((column + 0.5) / rules_.distance_size, (row + 0.5) / rules_.distance_size);
+  // Cosines are taken beside the largest, so that some weight is near 1 whatever the power.
+  double nearest = 0.0;
+  for (const dvec3& direction : directions_) nearest = std::max(nearest, glm::dot(axis, direction));
+  double sum = 0.0;
+  const std::size_t first = shares_.size();
+  for (std::size_t block = 0; block < directions_.size(); ++block) {
+    const double cosine = glm::dot(axis, directions_[block]);
+    const double weight = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
+    if (weight < kLeastWeight) continue;
+    shares_.push_back({static_cast<std::uint32_t>(block), weight * block_angles_[block % block_angles_.size()]});
+    sum += shares_.back().weight;
+  }
+  for (std::size_t k = first; k < shares_.size(); ++k) shares_[k].weight /= sum;
+}
+
+DepthMaps::Room::Room(const DepthMaps& maps)
+    : columns_(3 * static_cast<std::size_t>(maps.size_)), blocks_(2 * maps.directions_.size()) {}
+
+void DepthMaps::add_row(const float* depths, int row, Room& room, bool& is_number) const noexcept {
+  const auto size = static_cast<std::size_t>(size_);
+  const double* angles = solid_angles_.data() + static_cast<std::size_t>(row) * size;
+  double* means = room.columns_.data();
+  double* squares = means + size;
+  double* bad = squares + size;
+  const double near_distance = rules_.near_distance;
+  const double limit = rules_.distance_limit;
+  int numbers = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double depth = static_cast<double>(depths[k]);
+    const double length = std::abs(depth);
+    const double counted = length < limit ? length : limit;
+    means[k] += angles[k] * counted;
+    squares[k] += angles[k] * (counted * counted);
+    // (A back is nearer than nothing.) NaN is never counted: the call that meets one has no result.
+    bad[k] += (depth < near_distance) ? angles[k] : 0.0;
+    numbers += length >= 0.0 ? 1 : 0;
+  }
+  is_number = is_number && numbers == size_;
+}
+
+float DepthMaps::read(const DepthView& depths, Room& room, std::span<float> distances) const noexcept {
+  const auto size = static_cast<std::size_t>(size_);
+  const auto edge = static_cast<std::size_t>(edge_);
+  double bad = 0.0;
+  double whole = 0.0;
+  bool is_number = true;
+  double* mean = room.blocks_.data();
+  for (int face = 0; face < 6; ++face) {
+    for (int block_row = 0; block_row < edge_; ++block_row) {
+      std::fill(room.columns_.begin(), room.columns_.end(), 0.0);
+      for (int row = first_of(block_row); row < first_of(block_row + 1); ++row) {
+        add_row(row_of(depths, face, row), row, room, is_number);
+      }
+      for (std::size_t k = 0; k < size; ++k) bad += room.columns_[2 * size + k];
+      if (rules_.distance_size == 0) continue;
+      for (std::size_t column = 0; column < edge; ++column, mean += 2) {
+        mean[0] = mean[1] = 0.0;
+        const auto end = static_cast<std::size_t>(first_of(static_cast<int>(column) + 1));
+        for (auto k = static_cast<std::size_t>(first_of(static_cast<int>(column))); k < end; ++k) {
+          mean[0] += room.columns_[k];
+          mean[1] += room.columns_[size + k];
+        }
+        const double angle = block_angles_[static_cast<std::size_t>(block_row) * edge + column];
+        mean[0] /= angle;
+        mean[1] /= angle;
+      }
+    }
+  }
+  if (!is_number) return -1.0F;
+  if (rules_.distance_size > 0) write_map(room, distances);
+  for (const double angle : solid_angles_) whole += 6.0 * angle;
+  return bad > 0.0 ? static_cast<float>(std::max(0.0, 1.0 - bad / whole)) : 1.0F;
+}
+
+void DepthMaps::write_map(const Room& room, std::span<float> distances) const noexcept {
+  const int inner = rules_.distance_size;
+  const auto at = [&](int column, int row) {
+    return distances.data() + 2 * (static_cast<std::size_t>(row + 1) * static_cast<std::size_t>(inner + 2) +
+                                   static_cast<std::size_t>(column + 1));
+  };
+  for (int row = 0; row < inner; ++row) {
+    for (int column = 0; column < inner; ++column) {
+      const auto texel = static_cast<std::size_t>(row * inner + column);
+      double mean = 0.0;
+      double square = 0.0;
+      for (std::size_t k = first_share_[texel]; k < first_share_[texel + 1]; ++k) {
+        const double* block = room.blocks_.data() + 2 * std::size_t{shares_[k].block};
+        mean += shares_[k].weight * block[0];
+        square += shares_[k].weight * block[1];
+      }
+      at(column, row)[0] = static_cast<float>(mean);
+      at(column, row)[1] = static_cast<float>(square);
+    }
+  }
+  for (int row = -1; row <= inner; ++row) {
+    for (int column = -1; column <= inner; ++column) {
+      int from_column = column;
+      int from_row = row;
+      octahedral::move_inside(inner, from_column, from_row);
+      if (from_column != column || from_row != row) std::copy_n(at(from_column, from_row), 2, at(column, row));
+    }
+  }
+}
+
+}  // namespace welkin::probes

@@ -1,0 +1,67 @@
+// What the distances around a probe tell: how much of what it sees is near or a back, and the means by direction.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "welkin/core.h"
+#include "welkin/probes.h"
+
+namespace welkin::probes {
+
+/// A row of texels.
+[[nodiscard]] const float* row_of(const DepthView& view, int face, int row) noexcept;
+
+/// What counts, and as what.
+struct DepthRules {
+  double near_distance;   ///< what is seen nearer counts against the probe
+  double distance_limit;  ///< larger distances count as it
+  int distance_size;      ///< of the map, without its border; 0: none
+  int distance_power;     ///< of the cosine
+};
+
+/// Reads depths of one size. Tables are made once; then any number of threads may read, each with its own room.
+class DepthMaps {
+ public:
+  DepthMaps(int size, const DepthRules& rules);
+
+  /// What a thread needs.
+  class Room {
+   public:
+    explicit Room(const DepthMaps& maps);
+
+   private:
+    friend class DepthMaps;
+    std::vector<double> columns_;  ///< of a row of blocks, [3][size]: sums of distance, of its square, of what is bad
+    std::vector<double> blocks_;   ///< [blocks][2]: means
+  };
+
+  /// Writes (distance_size + 2)^2 x 2 floats, and returns the share of the sphere that is neither near nor a back;
+  /// below 0 if a depth is NaN. Allocates nothing.
+  [[nodiscard]] float read(const DepthView& depths, Room& room, std::span<float> distances) const noexcept;
+
+ private:
+  /// What a block adds to a texel of the map.
+  struct Share {
+    std::uint32_t block;
+    double weight;
+  };
+
+  [[nodiscard]] int first_of(int block) const noexcept { return (block * size_ + edge_ - 1) / edge_; }
+  void add_row(const float* depths, int row, Room& room, bool& is_number) const noexcept;
+  void gather_shares(int column, int row);
+  void write_map(const Room& room, std::span<float> distances) const noexcept;
+
+  int size_;
+  int edge_;  ///< blocks along an edge of a face
+  DepthRules rules_;
+  std::vector<double> solid_angles_;      ///< [size][size] of texels, alike on all faces
+  std::vector<double> block_angles_;      ///< [edge][edge] of blocks, likewise
+  std::vector<dvec3> directions_;         ///< of the middles of all blocks
+  std::vector<Share> shares_;             ///< of all texels of the map
+  std::vector<std::size_t> first_share_;  ///< of each texel, and where the last one's end
+};
+
+}  // namespace welkin::probes

@@ -1,0 +1,246 @@
+// Probes as three-dimensional textures of halves, as engines lay them out.
+//
+// Where the layouts stand:
+//   three.js r187   examples/jsm/lighting/LightProbeGridWebGL.js, _ensureRepackResources, and
+//                   src/renderers/shaders/ShaderChunk/lightprobes_pars_fragment.glsl.js
+//   Unity           com.unity.render-pipelines.core Runtime/Lighting/ProbeVolume: ProbeBrickPool.cs (bricks),
+//                   DecodeSH.hlsl (EncodeSH, EncodeSH_L2), ProbeVolume.hlsl (SampleAPV: what lies in which texture)
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "platform/float_environment.h"
+#include "probes/probe_arrays.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
+#include "welkin/probes.h"
+
+namespace welkin {
+namespace {
+
+using Texel = std::array<float, 4>;
+
+constexpr int kBrickEdge = 4;          // probes: three cells and one more
+constexpr int kMostBricksInRow = 512;  // 2048 texels
+constexpr int kMostTexels = 2048;      // along an edge of a texture
+
+/// A texture that is being filled.
+class Filling {
+ public:
+  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size) : size_(size) {
+    for (const int edge : size)
+      image::require_range("texels along an edge of a texture of probes", edge, 1, kMostTexels);
+    packed.textures.push_back(
+        {name, size,
+         std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
+                                    static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]))});
+    index_ = packed.textures.size() - 1;
+  }
+
+  /// Returns how many values did not fit.
+  std::uint64_t set(PackedProbes& packed, int x, int y, int z, const Texel& texel) const {
+    const std::size_t place =
+        (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
+            static_cast<std::size_t>(size_[0]) +
+        static_cast<std::size_t>(x);
+    auto* halves = reinterpret_cast<std::uint8_t*>(packed.textures[index_].halves.data() + 4 * place);
+    return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
+  }
+
+ private:
+  std::array<int, 3> size_;
+  std::size_t index_ = 0;
+};
+
+/// Calls work(slice) for each slice of a texture; returns the sum of what it returns.
+template <class Work>
+std::uint64_t for_each_slice(int slices, std::int64_t texels, const Control& control, const Work& work) {
+  std::vector<std::uint64_t> clamped(static_cast<std::size_t>(slices));
+  const auto placement = jobs::placement_for(texels);
+  jobs::run_tiles(clamped.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t slice, std::size_t /*worker*/) { clamped[slice] = work(static_cast<int>(slice)); });
+  std::uint64_t sum = 0;
+  for (const std::uint64_t each : clamped) sum += each;
+  return sum;
+}
+
+dvec3 coefficient(const BakedProbes& probes, std::size_t probe, std::size_t index) {
+  const std::size_t functions = probes::squared(probes.bands);
+  return index < functions ? probes.coefficients[probe * functions + index] : dvec3(0.0);
+}
+
+std::size_t number_of(const ProbeGrid& grid, int x, int y, int z) {
+  return static_cast<std::size_t>(x) +
+         static_cast<std::size_t>(grid.counts[0]) *
+             (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.counts[1]) * static_cast<std::size_t>(z));
+}
+
+PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
+  constexpr int volumes = 7;
+  PackedProbes packed{ProbeLayout::three, {}, {}, 0};
+  const int columns = probes.grid.counts[0];
+  const int rows = probes.grid.counts[1];
+  const int slices = probes.grid.counts[2];
+  const int padded = slices + 2;
+  const Filling texture(packed, "texture", {columns, rows, volumes * padded});
+  packed.values_clamped =
+      for_each_slice(volumes * padded, std::int64_t{64} * columns * rows * padded, control, [&](int slice) {
+        const int volume = slice / padded;
+        const int z = std::clamp(slice % padded - 1, 0, slices - 1);
+        std::uint64_t clamped = 0;
+        for (int y = 0; y < rows; ++y) {
+          for (int x = 0; x < columns; ++x) {
+            // Nine colours in a row, four numbers of them a volume; the last number is 0.
+            Texel texel{};
+            for (std::size_t c = 0; c < 4; ++c) {
+              const std::size_t number = static_cast<std::size_t>(volume) * 4 + c;
+              if (number >= 27) continue;
+              texel[c] = static_cast<float>(
+                  coefficient(probes, number_of(probes.grid, x, y, z), number / 3)[static_cast<int>(number % 3)]);
+            }
+            clamped += texture.set(packed, x, y, slice, texel);
+          }
+        }
+        return clamped;
+      });
+  return packed;
+}
+
+PackedProbes pack_plain(const BakedProbes& probes, const Control& control) {
+  PackedProbes packed{ProbeLayout::plain, {}, {}, 0};
+  const int columns = probes.grid.counts[0];
+  const int rows = probes.grid.counts[1];
+  const int slices = probes.grid.counts[2];
+  const int volumes = probes.bands * probes.bands;
+  const Filling texture(packed, "coefficients", {columns, rows, volumes * slices});
+  packed.values_clamped =
+      for_each_slice(volumes * slices, std::int64_t{64} * columns * rows * slices, control, [&](int slice) {
+        std::uint64_t clamped = 0;
+        for (int y = 0; y < rows; ++y) {
+          for (int x = 0; x < columns; ++x) {
+            const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
+            const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
+            clamped += texture.set(packed, x, y, slice,
+                                   {static_cast<float>(rgb.x), static_cast<float>(rgb.y), static_cast<float>(rgb.z),
+                                    probes.validity[probe]});
+          }
+        }
+        return clamped;
+      });
+  return packed;
+}
+
+// ---- Unity
+
+// APV_L1_ENCODING_SCALE, twice, and APV_L2_ENCODING_SCALE.
+constexpr double kFirstScale = 4.0;
+constexpr double kSecondScale = 3.5777088;
+
+/// A probe in Unity's seven textures.
+using UnityTexels = std::array<Texel, 7>;
+
+/// Beside the mean; 1/2 stands for nothing.
+float beside(double value, double mean, double scale) noexcept {
+  return static_cast<float>(mean == 0.0 ? 0.5 : value / mean / scale + 0.5);
+}
+
+UnityTexels unity_texels(const BakedProbes& probes, std::size_t probe, int bands) {
+  SphericalHarmonics radiance(bands);
+  for (std::size_t k = 0; k < radiance.coefficients().size(); ++k) {
+    radiance.coefficients()[k] = coefficient(probes, probe, k);
+  }
+  // unity_SHAr, SHAg, SHAb, SHBr, SHBg, SHBb, SHC. The mean is w of the first three without what z^2 of the next adds.
+  const EngineLight light = engine_light_in_place(radiance, Engine::unity);
+  UnityTexels texels{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const dvec4& first = light.vectors[c].value;
+    const dvec4& second = light.vectors[c + 3].value;
+    const double mean = first.w + second.z / 3.0;
+    texels[0][c] = static_cast<float>(mean);
+    // A texture's w holds one axis of red; its x, y and z all axes of green or of blue.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float value = beside(first[static_cast<int>(axis)], mean, kFirstScale);
+      if (c == 0) {
+        texels[axis][3] = value;
+      } else {
+        texels[c][axis] = value;
+      }
+    }
+    texels[3 + c] = {beside(second.x, mean, kSecondScale), beside(second.y, mean, kSecondScale),
+                     beside(second.z / 3.0, mean, kSecondScale), beside(second.w, mean, kSecondScale)};
+    texels[6][c] = beside(light.vectors[6].value[static_cast<int>(c)], mean, kSecondScale);
+  }
+  return texels;
+}
+
+PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Control& control) {
+  constexpr std::array<const char*, 7> names{"L0_L1Rx", "L1G_L1Ry", "L1B_L1Rz", "L2_0", "L2_1", "L2_2", "L2_3"};
+  PackedProbes packed{layout, {}, {}, 0};
+  for (std::size_t axis = 0; axis < 3; ++axis) packed.bricks[axis] = std::max(1, (probes.grid.counts[axis] + 1) / 3);
+  const std::int64_t bricks = std::int64_t{packed.bricks[0]} * packed.bricks[1] * packed.bricks[2];
+  const int in_row = static_cast<int>(std::min<std::int64_t>(bricks, kMostBricksInRow));
+  const auto row_count = (bricks + in_row - 1) / in_row;
+  const int rows = static_cast<int>(std::min<std::int64_t>(row_count, kMostBricksInRow));
+  const int layers = static_cast<int>((row_count + rows - 1) / rows);
+  std::vector<Filling> textures;
+  const std::size_t count = layout == ProbeLayout::unity_l2 ? 7 : 3;
+  for (std::size_t k = 0; k < count; ++k) {
+    textures.emplace_back(packed, names[k], std::array{in_row * kBrickEdge, rows * kBrickEdge, layers * kBrickEdge});
+  }
+  const auto pack_brick = [&](int brick) {
+    std::uint64_t clamped = 0;
+    const std::array<int, 3> first{3 * (brick % packed.bricks[0]), 3 * (brick / packed.bricks[0] % packed.bricks[1]),
+                                   3 * (brick / packed.bricks[0] / packed.bricks[1])};
+    const std::array<int, 3> place{brick % in_row * kBrickEdge, brick / in_row % rows * kBrickEdge,
+                                   brick / in_row / rows * kBrickEdge};
+    const auto at = [&](std::size_t axis, int step) {
+      return std::min(first[axis] + step, probes.grid.counts[axis] - 1);
+    };
+    for (int z = 0; z < kBrickEdge; ++z) {
+      for (int y = 0; y < kBrickEdge; ++y) {
+        for (int x = 0; x < kBrickEdge; ++x) {
+          const UnityTexels texels = unity_texels(probes, number_of(probes.grid, at(0, x), at(1, y), at(2, z)),
+                                                  layout == ProbeLayout::unity_l2 ? 3 : 2);
+          for (std::size_t k = 0; k < textures.size(); ++k) {
+            clamped += textures[k].set(packed, place[0] + x, place[1] + y, place[2] + z, texels[k]);
+          }
+        }
+      }
+    }
+    return clamped;
+  };
+  packed.values_clamped = for_each_slice(static_cast<int>(bricks), bricks * 100'000, control, pack_brick);
+  return packed;
+}
+
+}  // namespace
+
+const char* name(ProbeLayout layout) noexcept {
+  switch (layout) {
+    case ProbeLayout::three: return "three";
+    case ProbeLayout::unity_l2: return "unity-l2";
+    case ProbeLayout::unity_l1: return "unity-l1";
+    case ProbeLayout::plain: return "plain";
+  }
+  return "";
+}
+
+PackedProbes pack_probes(const BakedProbes& probes, ProbeLayout layout, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_arrays(probes);
+  switch (layout) {
+    case ProbeLayout::three: return pack_three(probes, control);
+    case ProbeLayout::unity_l2:
+    case ProbeLayout::unity_l1: return pack_unity(probes, layout, control);
+    case ProbeLayout::plain: return pack_plain(probes, control);
+  }
+  throw Error(ErrorCode::invalid_argument, "ProbeLayout: no known value; pass three, unity_l2, unity_l1 or plain");
+}
+
+}  // namespace welkin

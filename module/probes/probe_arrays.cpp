@@ -1,0 +1,55 @@
+#include "probes/probe_arrays.h"
+
+#include <cmath>
+#include <string>
+
+#include "image/pixels.h"
+#include "welkin/core.h"
+
+namespace welkin::probes {
+namespace {
+
+constexpr int kMostAlong = 2048;  // texels of a three-dimensional texture that every graphics API takes
+constexpr std::size_t kMostProbes = std::size_t{1} << 24U;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
+
+void require_length(const char* name, std::size_t is, std::size_t must_be) {
+  if (is == must_be) return;
+  refuse("BakedProbes: " + std::string(name) + " has " + std::to_string(is) + " values; it must have " +
+         std::to_string(must_be));
+}
+
+}  // namespace
+
+void check_grid(const ProbeGrid& grid) {
+  constexpr const char* axes[] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string along = std::string(" along ") + axes[axis];
+    image::require_range(("probes of a grid" + along).c_str(), grid.counts[static_cast<std::size_t>(axis)], 1,
+                         kMostAlong);
+    if (!(grid.spacing[axis] > 0.0) || !std::isfinite(grid.spacing[axis])) {
+      refuse("ProbeGrid: spacing" + along + " is " + std::to_string(grid.spacing[axis]) + "; it must be above 0");
+    }
+    if (!std::isfinite(grid.origin[axis])) refuse("ProbeGrid: origin" + along + " is not finite");
+  }
+  if (grid.size() > kMostProbes) {
+    refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMostProbes) +
+           " are baked together");
+  }
+}
+
+void check_arrays(const BakedProbes& probes) {
+  check_grid(probes.grid);
+  image::require_range("bands of probes", probes.bands, 1, kMostBands);
+  image::require_range("distance_size of probes", probes.distance_size, 0, 64);
+  image::require_range("sky_bands of probes", probes.sky_bands, 0, kMaximumBands);
+  const std::size_t count = probes.grid.size();
+  require_length("coefficients", probes.coefficients.size(), count * squared(probes.bands));
+  require_length("validity", probes.validity.size(), count);
+  require_length("passes", probes.passes.size(), count);
+  require_length("distances", probes.distances.size(), count * distance_floats(probes));
+  require_length("sky", probes.sky.size(), count * squared(probes.sky_bands));
+}
+
+}  // namespace welkin::probes

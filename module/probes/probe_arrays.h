@@ -1,0 +1,33 @@
+// What the calls about grids of probes ask of their arguments.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "welkin/probes.h"
+
+namespace welkin::probes {
+
+inline constexpr int kMostBands = 4;
+inline constexpr std::uint8_t kUnfilled = 255;  ///< in `BakedProbes::passes`
+inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and all later ones
+
+[[nodiscard]] inline std::size_t squared(int edge) noexcept {
+  return static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge);
+}
+
+/// Floats of a probe's map of distances.
+[[nodiscard]] inline std::size_t distance_floats(const BakedProbes& probes) noexcept {
+  return 2 * squared(probes.distance_edge());
+}
+
+/// Throws `Error` (invalid_argument) unless the grid is one.
+void check_grid(const ProbeGrid& grid);
+
+/// Throws `Error` (invalid_argument) unless each array has the length that grid, bands and sizes give it.
+void check_arrays(const BakedProbes& probes);
+
+/// How many probes a tile of a loop over cheap work takes.
+inline constexpr std::size_t kProbesPerTile = 256;
+
+}  // namespace welkin::probes

@@ -1,0 +1,90 @@
+// Another environment for probes that were captured, and windows over what they hold.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "jobs/many.h"
+#include "jobs/tiles.h"
+#include "platform/float_environment.h"
+#include "platform/standard_library.h"
+#include "probes/probe_arrays.h"
+#include "welkin/core.h"
+#include "welkin/probes.h"
+
+namespace welkin {
+namespace {
+
+using probes::kProbesPerTile;
+
+/// Calls work(probe) for all, in tiles.
+template <class Work>
+void for_each_probe(std::size_t count, std::int64_t cost_in_texels, const Control& control, const Work& work) {
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(count) * cost_in_texels);
+  jobs::run_tiles((count + kProbesPerTile - 1) / kProbesPerTile, placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t /*worker*/) {
+                    const std::size_t end = std::min(count, (tile + 1) * kProbesPerTile);
+                    for (std::size_t k = tile * kProbesPerTile; k < end; ++k) work(k);
+                  });
+}
+
+/// What a coefficient of the visibility adds to those of the radiance: [sky_bands^2][bands^2], the products of the
+/// environment with each basis function.
+std::vector<dvec3> transfer_of(const SphericalHarmonics& environment, int sky_bands, int bands) {
+  std::vector<dvec3> transfer;
+  for (std::size_t k = 0; k < probes::squared(sky_bands); ++k) {
+    SphericalHarmonics one(sky_bands);
+    one.coefficients()[k] = dvec3(1.0);
+    const SphericalHarmonics seen = with_bands(product(one, environment, bands), bands);
+    transfer.insert(transfer.end(), seen.coefficients().begin(), seen.coefficients().end());
+  }
+  return transfer;
+}
+
+}  // namespace
+
+void relight(BakedProbes& probes, const SphericalHarmonics& from, const SphericalHarmonics& to, int dilation_passes,
+             const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_arrays(probes);
+  if (probes.sky_bands < probes.bands) {
+    throw Error(ErrorCode::invalid_argument,
+                "the probes do not know where they see the environment; bake them with depths and environment_bands "
+                "of ProbeOptions");
+  }
+  const int environment_bands = probes.sky_bands - probes.bands + 1;
+  const SphericalHarmonics change = with_bands(add(to, scale(from, dvec3(-1.0))), environment_bands);
+  const std::size_t functions = probes::squared(probes.bands);
+  const std::size_t sky = probes::squared(probes.sky_bands);
+  const std::vector<dvec3> transfer = transfer_of(change, probes.sky_bands, probes.bands);
+  BakedProbes relit = probes;
+  for_each_probe(probes.grid.size(), static_cast<std::int64_t>(functions * sky), jobs::part_of(control, 0.0, 0.95),
+                 [&](std::size_t probe) {
+                   const double* seen = probes.sky.data() + probe * sky;
+                   dvec3* light = relit.coefficients.data() + probe * functions;
+                   for (std::size_t k = 0; k < sky; ++k) {
+                     for (std::size_t f = 0; f < functions; ++f) light[f] += seen[k] * transfer[k * functions + f];
+                   }
+                 });
+  dilate(relit, dilation_passes, jobs::part_of(control, 0.95, 1.0));
+  probes = std::move(relit);
+}
+
+BakedProbes windowed(const BakedProbes& probes, Window window, double width, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_arrays(probes);
+  BakedProbes result = probes;
+  const std::size_t functions = probes::squared(probes.bands);
+  for_each_probe(probes.grid.size(), 100'000, control, [&](std::size_t probe) {
+    SphericalHarmonics radiance(probes.bands);
+    std::copy_n(probes.coefficients.data() + probe * functions, functions, radiance.coefficients().begin());
+    const Windowed done = jobs::naming_probe(probe, [&] { return apply_window(radiance, window, width); });
+    platform::ranges::copy(done.radiance.coefficients(),
+                           result.coefficients.begin() + static_cast<std::ptrdiff_t>(probe * functions));
+  });
+  return result;
+}
+
+}  // namespace welkin

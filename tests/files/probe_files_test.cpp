@@ -1,0 +1,186 @@
+// Grids of probes from files of captures, and to files with a description.
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "probes/probe_captures.h"
+#include "support/catch.h"
+#include "support/same_bits.h"
+#include "support/temporary_directory.h"
+#include "support/thrown_error.h"
+#include "welkin/probe_file.h"
+#include "welkin/texture_file.h"
+
+namespace welkin::test {
+namespace {
+
+std::vector<std::uint8_t> bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  REQUIRE(file);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+template <class Number>
+Number number_at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+  Number number{};
+  REQUIRE(place + sizeof number <= bytes.size());
+  std::memcpy(&number, bytes.data() + place, sizeof number);
+  return number;
+}
+
+float distance(std::size_t probe, const dvec3& d) {
+  if (d.y > 0.6) return kNothing;
+  return static_cast<float>((probe % 4 == 1 ? -1.0 : 1.0) * (1.0 + 0.1 * static_cast<double>(probe) + d.x * d.x));
+}
+
+Captures made_up(std::size_t count) {
+  return {count, 4,
+          [](std::size_t probe, const dvec3& d) {
+            return dvec3(2.0 + d.y, 1.0 + 0.01 * static_cast<double>(probe), 1.0 - d.x);
+          },
+          6, distance};
+}
+
+}  // namespace
+
+TEST_CASE("probe files: captures in files give the bits of captures in memory", "[probes][files]") {
+  const TemporaryDirectory folder;
+  const ProbeGrid grid{.counts = {13, 5, 3}};  // more than are read at once
+  const Captures captures = made_up(grid.size());
+  std::vector<FileInput> cubes;
+  std::vector<FileInput> depths;
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const std::filesystem::path cube = folder.path() / ("cube" + std::to_string(k) + (k % 2 == 0 ? ".ktx2" : ".dds"));
+    write_texture(cube, {&captures.cubes[k], 1}, {.format = TexelFormat::rgba32f});
+    CubemapImage grey{6, {}};
+    for (const float each : captures.distances[k]) grey.pixels.insert(grey.pixels.end(), 3, each);
+    const std::filesystem::path depth = folder.path() / ("depth" + std::to_string(k) + ".ktx2");
+    const CubemapView view = grey.view();
+    write_texture(depth, {&view, 1}, {.format = TexelFormat::rgba32f});
+    cubes.emplace_back(cube);
+    depths.emplace_back(depth);
+  }
+  const ProbeOptions options{.projection = {.bands = 4}, .environment_bands = 2};
+  const BakedProbes wanted = bake_probes(grid, captures.cubes, captures.depths, options);
+  for (const int threads : {1, 3}) {
+    BakedProbes found;
+    run_with_threads(threads, [&] { found = bake_probe_files(grid, cubes, depths, options); });
+    CHECK(found.grid == grid);
+    CHECK(same_bytes<dvec3>(wanted.coefficients, found.coefficients));
+    CHECK(same_bytes<float>(wanted.validity, found.validity));
+    CHECK(same_bytes<float>(wanted.distances, found.distances));
+    CHECK(same_bytes<double>(wanted.sky, found.sky));
+    CHECK(wanted.passes == found.passes);
+    CHECK(wanted.invalid == found.invalid);
+    CHECK(found.diagnostics.texels == wanted.diagnostics.texels);
+  }
+
+  // Halves hold distances to three digits: they are refused.
+  const std::filesystem::path half = folder.path() / "half.ktx2";
+  write_texture(half, {&captures.cubes[0], 1});
+  depths[140] = FileInput(half);
+  const ThrownError refused = thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes, depths)); });
+  CHECK(refused.code == ErrorCode::unsupported_file);
+  CHECK(refused.says("half.ktx2"));
+  cubes.pop_back();
+  CHECK(thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes)); }).says("for 195 probes"));
+}
+
+TEST_CASE("probe files: the description says where every number lies", "[probes][files]") {
+  const TemporaryDirectory folder;
+  const ProbeGrid grid{.counts = {4, 2, 5}, .origin = {0.1, -2, 3}, .spacing = {1, 2, 0.7}};
+  const Captures captures = made_up(grid.size());
+  const BakedProbes probes =
+      bake_probes(grid, captures.cubes, captures.depths, {.distance_size = 3, .environment_bands = 2});
+  const std::vector<ProbeLayout> layouts{ProbeLayout::three, ProbeLayout::unity_l2, ProbeLayout::unity_l1,
+                                         ProbeLayout::plain};
+  const WriteReport report = write_probes(folder.path() / "level.json", probes, layouts);
+  CHECK(report.files.size() == 1 + 1 + 1 + 7 + 3 + 1);
+  CHECK(report.values_clamped == 0);
+  const std::vector<std::uint8_t> text = bytes_of(folder.path() / "level.json");
+  const nlohmann::json description = nlohmann::json::parse(text.begin(), text.end());
+  CHECK(description["format"] == "welkin probes");
+  CHECK(description["grid"]["counts"] == nlohmann::json({4, 2, 5}));
+  CHECK(description["grid"]["origin"][0].get<double>() == 0.1);
+  CHECK(description["grid"]["spacing"][2].get<double>() == 0.7);
+  CHECK(description["bands"] == 3);
+  CHECK(description["sky_bands"] == 4);
+  CHECK(description["distance_size"] == 3);
+  CHECK(description["distance_limit"].get<double>() == probes.distance_limit);
+  CHECK(description["invalid"].get<std::size_t>() == probes.invalid);
+
+  const std::vector<std::uint8_t> arrays = bytes_of(folder.path() / description["arrays"]["file"].get<std::string>());
+  const auto require_array = [&](std::size_t index, const char* name, const nlohmann::json& shape, const void* values,
+                                 std::size_t bytes) {
+    const nlohmann::json& entry = description["arrays"]["entries"][index];
+    CAPTURE(name);
+    CHECK(entry["name"] == name);
+    CHECK(entry["shape"] == shape);
+    REQUIRE(entry["bytes"] == bytes);
+    const auto offset = entry["offset"].get<std::size_t>();
+    CHECK(offset % 8 == 0);
+    REQUIRE(offset + bytes <= arrays.size());
+    CHECK(std::memcmp(arrays.data() + offset, values, bytes) == 0);
+  };
+  require_array(0, "coefficients", {40, 9, 3}, probes.coefficients.data(), 40 * 27 * 8);
+  require_array(1, "validity", {40}, probes.validity.data(), 160);
+  require_array(2, "passes", {40}, probes.passes.data(), 40);
+  require_array(3, "distances", {40, 5, 5, 2}, probes.distances.data(), 40 * 50 * 4);
+  require_array(4, "sky", {40, 16}, probes.sky.data(), 40 * 16 * 8);
+
+  REQUIRE(description["layouts"].size() == 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const nlohmann::json& layout = description["layouts"][k];
+    const PackedProbes packed = pack_probes(probes, layouts[k]);
+    CHECK(layout["layout"] == name(layouts[k]));
+    CHECK(layout.contains("bricks") == (k == 1 || k == 2));
+    REQUIRE(layout["textures"].size() == packed.textures.size());
+    for (std::size_t t = 0; t < packed.textures.size(); ++t) {
+      const nlohmann::json& texture = layout["textures"][t];
+      CAPTURE(k, t);
+      CHECK(texture["name"] == packed.textures[t].name);
+      CHECK(texture["size"] == packed.textures[t].size);
+      CHECK(texture["format"] == "rgba16f");
+      const std::vector<std::uint8_t> file = bytes_of(folder.path() / texture["file"].get<std::string>());
+      // KTX 2.0: VK_FORMAT_R16G16B16A16_SFLOAT, width, height, depth, no layers, one face, one level.
+      CHECK(number_at<std::uint32_t>(file, 12) == 97);
+      for (std::size_t a = 0; a < 3; ++a) {
+        CHECK(number_at<std::uint32_t>(file, 20 + 4 * a) == static_cast<std::uint32_t>(packed.textures[t].size[a]));
+      }
+      CHECK(number_at<std::uint32_t>(file, 32) == 0);
+      CHECK(number_at<std::uint32_t>(file, 36) == 1);
+      CHECK(number_at<std::uint32_t>(file, 40) == 1);
+      const auto offset = number_at<std::uint64_t>(file, 80);
+      const auto bytes = packed.textures[t].halves.size() * 2;
+      CHECK(number_at<std::uint64_t>(file, 88) == bytes);
+      CHECK(offset % 8 == 0);
+      REQUIRE(file.size() == offset + bytes);
+      CHECK(std::memcmp(file.data() + offset, packed.textures[t].halves.data(), bytes) == 0);
+      const std::string all(file.begin(), file.end());
+      CHECK(all.find(std::string("KTXorientation\0rdi", 18)) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("probe files: nothing is written if something cannot be", "[probes][files]") {
+  const TemporaryDirectory folder;
+  const Captures captures = made_up(1);
+  BakedProbes probes = bake_probes({}, captures.cubes);
+  CHECK(thrown_by([&] { write_probes(folder.path() / "level.txt", probes); }).code == ErrorCode::unsupported_file);
+  CHECK(thrown_by([&] { write_probes(folder.path() / "nowhere" / "level.json", probes); }).code ==
+        ErrorCode::file_access);
+  probes.coefficients.pop_back();
+  CHECK(thrown_by([&] { write_probes(folder.path() / "level.json", probes); }).says("coefficients has 8"));
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace welkin::test

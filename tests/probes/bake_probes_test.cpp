@@ -1,0 +1,370 @@
+// Captured cubemaps and depths to light, validity and distances.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "probes/probe_captures.h"
+#include "support/catch.h"
+#include "support/heap.h"
+#include "support/same_bits.h"
+#include "support/test_environments.h"
+#include "support/thrown_error.h"
+#include "welkin/core.h"
+#include "welkin/octahedral.h"
+#include "welkin/probes.h"
+#include "welkin/projection.h"
+
+namespace welkin::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+dvec3 grey(std::size_t probe, const dvec3& direction) {
+  return dvec3(1.0 + 0.25 * static_cast<double>(probe % 7) + 0.5 * direction.y, 1.0, 1.0 + 0.5 * direction.x);
+}
+
+bool same_bits(const BakedProbes& a, const BakedProbes& b) {
+  return same_bytes<dvec3>(a.coefficients, b.coefficients) && same_bytes<float>(a.validity, b.validity) &&
+         a.passes == b.passes && same_bytes<float>(a.distances, b.distances) && same_bytes<double>(a.sky, b.sky) &&
+         a.invalid == b.invalid && a.unfilled == b.unfilled;
+}
+
+/// Mean and mean square by the definition: every texel of the depths, not blocks of them.
+glm::dvec2 moments_of(const std::vector<float>& depths, int size, const dvec3& axis, int power, double limit) {
+  glm::dvec2 sums(0.0);
+  double whole = 0.0;
+  std::size_t texel = 0;
+  Captures::for_each_texel(size, [&](const dvec3& direction) {
+    const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+    const double weight = largest * largest * largest *
+                          std::pow(std::max(0.0, glm::dot(axis, direction)), power);  // area as a small square
+    const double distance = std::min(limit, static_cast<double>(std::abs(depths[texel++])));
+    sums += weight * glm::dvec2(distance, distance * distance);
+    whole += weight;
+  });
+  return sums / whole;
+}
+
+/// A map's texel by column and row counted inside the border.
+const float* texel_of(const BakedProbes& probes, std::size_t probe, int column, int row) {
+  const auto edge = static_cast<std::size_t>(probes.distance_edge());
+  return probes.distances.data() +
+         2 * (probe * edge * edge + static_cast<std::size_t>(row + 1) * edge + static_cast<std::size_t>(column + 1));
+}
+
+}  // namespace
+
+TEST_CASE("probes: light has the bits of project_many, for every number of bands and sizes down to a texel",
+          "[probes]") {
+  const ProbeGrid grid{.counts = {2, 1, 2}};
+  for (const int size : {1, 2, 3, 7, 64}) {
+    const Captures captures(grid.size(), size, grey);
+    for (int bands = 1; bands <= 4; ++bands) {
+      CAPTURE(size, bands);
+      const ProjectionOptions options{.bands = bands};
+      std::vector<dvec3> wanted(grid.size() * static_cast<std::size_t>(bands * bands));
+      project_many(captures.cubes, wanted, options);
+      const BakedProbes probes = bake_probes(grid, captures.cubes, {}, {.projection = options});
+      CHECK(same_bytes<dvec3>(wanted, probes.coefficients));
+      CHECK(probes.validity == std::vector<float>(grid.size(), 1.0F));
+      CHECK(probes.distances.empty());
+      CHECK(probes.invalid == 0);
+      CHECK(probes.diagnostics.texels == grid.size() * 6 * static_cast<std::size_t>(size * size));
+    }
+  }
+}
+
+TEST_CASE("probes: numbers run along x first, then y, then z", "[probes]") {
+  const ProbeGrid grid{.counts = {3, 4, 5}, .origin = {1, 2, 3}, .spacing = {0.5, 2, 4}};
+  CHECK(grid.size() == 60);
+  CHECK(grid.position(0) == dvec3(1, 2, 3));
+  CHECK(grid.position(2 + 3 * (3 + 4 * 4)) == dvec3(2, 8, 19));
+}
+
+TEST_CASE("probes: validity is the share of the sphere that is neither near nor a back", "[probes]") {
+  const ProbeGrid grid{.counts = {4, 1, 1}, .spacing = {2, 3, 4}};
+  for (const int size : {1, 2, 3, 7, 16, 64}) {
+    const Captures captures(grid.size(), 2, grey, size, [](std::size_t probe, const dvec3& d) {
+      const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+      const bool on_right = d.x == largest;
+      const bool on_top = d.y == largest;
+      switch (probe) {
+        case 0: return 5.0F;                                          // all in front
+        case 1: return on_right ? -7.0F : 5.0F;                       // one face in six is backs
+        case 2: return on_right ? 0.19F : on_top ? -0.1F : kNothing;  // near is below a tenth of the smallest spacing
+        default: return on_right ? 0.21F : on_top ? -kNothing : 1.0F;
+      }
+    });
+    CAPTURE(size);
+    const BakedProbes probes =
+        bake_probes(grid, captures.cubes, captures.depths, {.valid_share = 0.8, .dilation_passes = 0});
+    CHECK(probes.validity[0] == 1.0F);
+    CHECK(probes.validity[1] == Approx(5.0 / 6.0).margin(1e-6));
+    CHECK(probes.validity[2] == Approx(4.0 / 6.0).margin(1e-6));
+    CHECK(probes.validity[3] == Approx(5.0 / 6.0).margin(1e-6));
+    CHECK(probes.passes == std::vector<std::uint8_t>{0, 0, 255, 0});
+    CHECK(probes.invalid == 1);
+  }
+}
+
+TEST_CASE("probes: inside a sphere every mean is the radius, and its square the mean square", "[probes]") {
+  const ProbeGrid grid{.spacing = {3, 3, 3}};
+  for (const int size : {1, 2, 3, 7, 33}) {
+    const Captures captures(1, 1, grey, size, [](std::size_t, const dvec3&) { return 2.5F; });
+    for (const int map : {1, 2, 3, 7, 8}) {
+      for (const int power : {1, 50, 1024}) {
+        CAPTURE(size, map, power);
+        const BakedProbes probes =
+            bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map, .distance_power = power});
+        REQUIRE(probes.distances.size() == 2 * static_cast<std::size_t>((map + 2) * (map + 2)));
+        for (std::size_t k = 0; k < probes.distances.size(); k += 2) {
+          REQUIRE(probes.distances[k] == Approx(2.5).margin(1e-6));
+          REQUIRE(probes.distances[k + 1] == Approx(6.25).margin(1e-6));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("probes: in a box, moments are those of its walls' distances, backs and what is far included", "[probes]") {
+  const ProbeGrid grid{.counts = {2, 1, 1}, .origin = {-0.5, 0.2, 0.1}, .spacing = {1, 1, 1}};
+  constexpr int size = 48;
+  const Captures captures(2, 1, grey, size, [&](std::size_t probe, const dvec3& d) {
+    const double distance = distance_to_walls(grid.position(probe), d, {-1, -1, -1}, {2, 1, 1});
+    if (d.y > 0.8) return kNothing;
+    return static_cast<float>(d.z > 0.7 ? -distance : distance);
+  });
+  for (const int power : {3, 50}) {
+    const BakedProbes probes =
+        bake_probes(grid, captures.cubes, captures.depths,
+                    {.distance_size = 7, .distance_power = power, .distance_limit = 1.7, .dilation_passes = 0});
+    for (std::size_t probe = 0; probe < 2; ++probe) {
+      for (int row = 0; row < 7; ++row) {
+        for (int column = 0; column < 7; ++column) {
+          CAPTURE(power, probe, row, column);
+          const glm::dvec2 wanted = moments_of(captures.distances[probe], size,
+                                               octahedral_direction((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
+          const float* found = texel_of(probes, probe, column, row);
+          // Blocks of 3 x 3 texels stand for their middles: an eighth of a lobe's width for power 50.
+          CHECK(found[0] == Approx(wanted.x).epsilon(0.004));
+          CHECK(found[1] == Approx(wanted.y).epsilon(0.008));
+          CHECK(found[1] >= found[0] * found[0] * (1 - 1e-6F));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("probes: the border of a map has what lies beyond its edges on the sphere", "[probes]") {
+  const ProbeGrid grid{};
+  const Captures captures(1, 1, grey, 9, [](std::size_t, const dvec3& d) {
+    return static_cast<float>(1.0 + 0.3 * d.x - 0.2 * d.y + 0.1 * d.z);
+  });
+  for (const int map : {1, 2, 3, 8}) {
+    const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths, {.distance_size = map});
+    for (int k = 0; k < map; ++k) {
+      CAPTURE(map, k);
+      // Place (-a, b) of the square is (a, 1 - b).
+      CHECK(texel_of(probes, 0, -1, k)[0] == texel_of(probes, 0, 0, map - 1 - k)[0]);
+      CHECK(texel_of(probes, 0, map, k)[1] == texel_of(probes, 0, map - 1, map - 1 - k)[1]);
+      CHECK(texel_of(probes, 0, k, -1)[0] == texel_of(probes, 0, map - 1 - k, 0)[0]);
+      CHECK(texel_of(probes, 0, k, map)[1] == texel_of(probes, 0, map - 1 - k, map - 1)[1]);
+    }
+    CHECK(texel_of(probes, 0, -1, -1)[0] == texel_of(probes, 0, map - 1, map - 1)[0]);
+    CHECK(texel_of(probes, 0, map, -1)[0] == texel_of(probes, 0, 0, map - 1)[0]);
+  }
+}
+
+TEST_CASE("probes: an invalid probe becomes the mean of its neighbours by 1 / distance^2, pass by pass", "[probes]") {
+  const ProbeGrid grid{.counts = {3, 2, 1}, .spacing = {1, 2, 1}};
+  //  0 1 2      (y = 0)    0 and 5 are valid
+  //  3 4 5
+  BakedProbes probes;
+  probes.grid = grid;
+  probes.bands = 1;
+  probes.coefficients = {dvec3(6), dvec3(-1), dvec3(-1), dvec3(-1), dvec3(-1), dvec3(1, 2, 3)};
+  probes.validity.assign(6, 1.0F);
+  probes.passes = {0, 3, 255, 17, 255, 0};
+  dilate(probes, 8);
+  CHECK(probes.passes == std::vector<std::uint8_t>{0, 1, 1, 1, 1, 0});
+  CHECK(probes.invalid == 4);
+  CHECK(probes.unfilled == 0);
+  // Of 1: probe 0 at distance 1, probe 5 at sqrt(5).
+  CHECK(probes.coefficients[1].x == Approx((6.0 + 1.0 / 5) / (1 + 1.0 / 5)));
+  CHECK(probes.coefficients[1].z == Approx((6.0 + 3.0 / 5) / (1 + 1.0 / 5)));
+  // Of 2: probe 5 alone, 2 away; what was filled in the same pass does not count.
+  CHECK(probes.coefficients[2] == dvec3(1, 2, 3));
+  CHECK(probes.coefficients[3] == dvec3(6));
+
+  // In a row, one pass reaches one further.
+  BakedProbes row;
+  row.grid.counts = {6, 1, 1};
+  row.bands = 1;
+  row.coefficients = {dvec3(4), dvec3(9), dvec3(9), dvec3(9), dvec3(9), dvec3(9)};
+  row.validity.assign(6, 1.0F);
+  row.passes = {0, 255, 255, 255, 255, 255};
+  BakedProbes untouched = row;
+  dilate(untouched, 0);
+  CHECK(untouched.coefficients[1] == dvec3(9));
+  CHECK(untouched.unfilled == 5);
+  dilate(row, 3);
+  CHECK(row.passes == std::vector<std::uint8_t>{0, 1, 2, 3, 255, 255});
+  CHECK(row.coefficients[3] == dvec3(4));
+  CHECK(row.coefficients[4] == dvec3(0));
+  CHECK(row.unfilled == 2);
+
+  // Where nobody is valid there is no light.
+  row.passes.assign(6, 255);
+  dilate(row, 3);
+  CHECK(row.unfilled == 6);
+  CHECK(row.coefficients[0] == dvec3(0));
+}
+
+TEST_CASE("probes: the same bits on any number of threads and instruction set, and changed ones baked alone",
+          "[probes]") {
+  const ProbeGrid grid{.counts = {7, 5, 3}, .spacing = {1, 1.5, 2}};
+  const auto depth = [](std::size_t probe, const dvec3& d) {
+    const auto seed = static_cast<double>(probe * 37 % 19);
+    if (d.y > 0.5) return kNothing;
+    return static_cast<float>((probe % 5 == 3 && d.x > -0.2 ? -1.0 : 1.0) * (0.3 + 0.1 * seed + d.z * d.z));
+  };
+  const Captures captures(grid.size(), 16, grey, 24, depth);
+  const ProbeOptions options{.projection = {.bands = 4}, .environment_bands = 3};
+  const BakedProbes wanted = bake_probes(grid, captures.cubes, captures.depths, options);
+  CHECK(wanted.invalid > 10);
+  CHECK(wanted.sky_bands == 6);
+  const InstructionSet before = active_instruction_set();
+  for (const InstructionSet set : available_instruction_sets()) {
+    force_instruction_set(set);
+    for (const int threads : {1, 2, 5}) {
+      CAPTURE(name(set), threads);
+      BakedProbes found;
+      run_with_threads(threads, [&] { found = bake_probes(grid, captures.cubes, captures.depths, options); });
+      CHECK(same_bits(wanted, found));
+    }
+  }
+  force_instruction_set(before);
+
+  // Three probes change: one becomes valid, one invalid.
+  const std::vector<std::size_t> changed{3, 50, 51};
+  const Captures others(
+      changed.size(), 16, [](std::size_t probe, const dvec3& d) { return grey(probe + 3, d) * 2.0; }, 24,
+      [&](std::size_t k, const dvec3& d) {
+        return depth(k == 0 ? 0 : k == 1 ? 8 : 51, d);
+      });
+  std::vector<CubemapView> cubes = captures.cubes;
+  std::vector<DepthView> depths = captures.depths;
+  for (std::size_t k = 0; k < changed.size(); ++k) {
+    cubes[changed[k]] = others.cubes[k];
+    depths[changed[k]] = others.depths[k];
+  }
+  BakedProbes updated = wanted;
+  update_probes(updated, changed, others.cubes, others.depths, options);
+  CHECK_FALSE(same_bits(wanted, updated));
+  CHECK(updated.passes[3] == 0);
+  CHECK(updated.passes[50] != 0);
+  CHECK(same_bits(bake_probes(grid, cubes, depths, options), updated));
+}
+
+TEST_CASE("probes: nothing is taken from the heap for a probe", "[probes]") {
+  const ProbeGrid grid{.counts = {400, 1, 1}};
+  const Captures captures(1, 16, grey, 16,
+                          [](std::size_t, const dvec3& d) { return static_cast<float>(1.0 + d.x * d.x); });
+  const std::vector<CubemapView> cubes(grid.size(), captures.cubes[0]);
+  const std::vector<DepthView> depths(grid.size(), captures.depths[0]);
+  static_cast<void>(bake_probes(grid, cubes, depths));  // tables
+  forget_allocations_in_tiles();
+  static_cast<void>(bake_probes(grid, cubes, depths));
+  CHECK(allocations_in_tiles() == 0);
+}
+
+TEST_CASE("probes: what cannot be baked is refused, and the message says what", "[probes]") {
+  const ProbeGrid grid{.counts = {2, 1, 1}};
+  const Captures captures(2, 4, grey, 4, [](std::size_t, const dvec3&) { return 1.0F; });
+  const auto bake = [&](const ProbeGrid& g, const ProbeOptions& options) {
+    return thrown_by([&] { static_cast<void>(bake_probes(g, captures.cubes, captures.depths, options)); });
+  };
+  CHECK(bake({.counts = {2, 0, 1}}, {}).says("along y"));
+  CHECK(bake({.counts = {2, 1, 1}, .spacing = {1, 1, 0}}, {}).says("spacing along z"));
+  CHECK(bake({.counts = {3, 1, 1}}, {}).says("there are 2 for 3 probes"));
+  CHECK(bake(grid, {.projection = {.bands = 5}}).says("bands"));
+  CHECK(bake(grid, {.near_share = -1}).says("near_share"));
+  CHECK(bake(grid, {.valid_share = std::nan("")}).says("valid_share"));
+  CHECK(bake(grid, {.distance_size = 65}).says("distance_size"));
+  CHECK(bake(grid, {.distance_power = 0}).says("distance_power"));
+  CHECK(bake(grid, {.environment_bands = 14}).says("environment_bands"));
+  CHECK(thrown_by([&] {
+          static_cast<void>(bake_probes(grid, captures.cubes, {}, {.environment_bands = 2}));
+        }).says("no depths"));
+  std::vector<DepthView> depths = captures.depths;
+  depths[1].size = 2;
+  CHECK(thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); }).says("probe 1"));
+  depths = captures.depths;
+  depths[1].faces[4] = nullptr;
+  CHECK(thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); }).says("face 4"));
+  std::vector<float> bad = captures.distances[1];
+  bad[95] = std::numeric_limits<float>::quiet_NaN();
+  depths = captures.depths;
+  depths[1] = Captures::depth_view(bad, 4);
+  const ThrownError rejected = thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); });
+  CHECK(rejected.code == ErrorCode::rejected_pixel);
+  CHECK(rejected.says("probe 1"));
+
+  BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  const BakedProbes before = probes;
+  const std::vector<std::size_t> twice{1, 1};
+  CHECK(thrown_by([&] { update_probes(probes, twice, captures.cubes, captures.depths); }).says("probe 1"));
+  const std::vector<std::size_t> beyond{0, 2};
+  CHECK(thrown_by([&] { update_probes(probes, beyond, captures.cubes, captures.depths); }).says("probe 2"));
+  const std::vector<std::size_t> both{0, 1};
+  CHECK(thrown_by([&] { update_probes(probes, both, captures.cubes); }).says("other options"));
+  CHECK(same_bits(before, probes));
+  probes.validity.pop_back();
+  CHECK(thrown_by([&] { dilate(probes); }).says("validity has 1 values"));
+
+  stop_source stop;
+  stop.request_stop();
+  CHECK(thrown_by([&] {
+          static_cast<void>(bake_probes(grid, captures.cubes, captures.depths, {}, {.stop = stop.get_token()}));
+        }).code == ErrorCode::cancelled);
+  double last = -1.0;
+  static_cast<void>(
+      bake_probes(grid, captures.cubes, captures.depths, {.environment_bands = 1}, {{}, [&](double share) {
+                                                                                      CHECK(share >= last);
+                                                                                      last = share;
+                                                                                    }}));
+  CHECK(last == 1.0);
+}
+
+TEST_CASE("probes: a window takes ringing away, and takes each probe alone", "[probes]") {
+  const ProbeGrid grid{.counts = {2, 1, 1}};
+  const Captures captures(2, 16, [](std::size_t probe, const dvec3& d) {
+    return probe == 0 ? dvec3(1.0) : dvec3(d.y > 0.9 ? 100.0 : 0.001);
+  });
+  const BakedProbes probes = bake_probes(grid, captures.cubes);
+  const BakedProbes calm = windowed(probes, Window::min_laplacian);
+  CHECK(same_bytes<dvec3>(std::span(probes.coefficients).first(9), std::span(calm.coefficients).first(9)));
+  SphericalHarmonics sun(3);
+  std::copy_n(probes.coefficients.begin() + 9, 9, sun.coefficients().begin());
+  const Windowed wanted = apply_window(sun, Window::min_laplacian);
+  CHECK(wanted.minimum_before.x < -1.0);
+  CHECK(same_bytes<dvec3>(wanted.radiance.coefficients(), std::span(calm.coefficients).subspan(9, 9)));
+  CHECK(thrown_by([&] { static_cast<void>(windowed(probes, Window::hanning, -1.0)); }).says("probe 0"));
+}
+
+TEST_CASE("probes: a uniform environment has one coefficient, and pi times itself as irradiance", "[probes]") {
+  const ProbeGrid grid{.counts = {2, 2, 2}};
+  const Captures captures(8, 3, [](std::size_t, const dvec3&) { return dvec3(0.5, 1.0, 2.0); });
+  const BakedProbes probes = bake_probes(grid, captures.cubes);
+  CHECK(probes.coefficients[0].z == Approx(2.0 * std::sqrt(4.0 * kPi)));
+  const dvec3 light = probe_irradiance(probes, {0.3, 0.4, 0.9}, glm::normalize(dvec3(1, -2, 0.5)));
+  CHECK(light.x == Approx(0.5 * kPi).epsilon(1e-6));
+  CHECK(light.z == Approx(2.0 * kPi).epsilon(1e-6));
+}
+
+}  // namespace welkin::test

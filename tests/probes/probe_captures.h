@@ -1,0 +1,76 @@
+// Made-up captures of a grid of probes.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <vector>
+
+#include "image/geometry.h"
+#include "welkin/image.h"
+#include "welkin/probes.h"
+
+namespace welkin::test {
+
+inline constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// What a probe sees: by the direction of each texel's centre.
+using Light = std::function<dvec3(std::size_t probe, const dvec3& direction)>;
+using Depth = std::function<float(std::size_t probe, const dvec3& direction)>;
+
+/// Cubemaps and depths that stay where they are.
+struct Captures {
+  std::vector<CubemapImage> images;
+  std::vector<std::vector<float>> distances;
+  std::vector<CubemapView> cubes;
+  std::vector<DepthView> depths;
+
+  Captures() = default;
+
+  Captures(std::size_t count, int size, const Light& light, int depth_size = 0, const Depth& depth = {}) {
+    for (std::size_t k = 0; k < count; ++k) {
+      images.push_back({size, {}});
+      for_each_texel(size, [&](const dvec3& direction) {
+        const dvec3 rgb = light(k, direction);
+        for (int c = 0; c < 3; ++c) images.back().pixels.push_back(static_cast<float>(rgb[c]));
+      });
+      if (depth_size == 0) continue;
+      distances.emplace_back();
+      for_each_texel(depth_size, [&](const dvec3& direction) { distances.back().push_back(depth(k, direction)); });
+    }
+    for (const CubemapImage& image : images) cubes.push_back(image.view());
+    for (const std::vector<float>& each : distances) depths.push_back(depth_view(each, depth_size));
+  }
+
+  static DepthView depth_view(const std::vector<float>& distances, int size) {
+    DepthView view{{}, size, 0};
+    const auto face = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    for (std::size_t f = 0; f < 6; ++f) view.faces[f] = distances.data() + f * face;
+    return view;
+  }
+
+  template <class Visit>
+  static void for_each_texel(int size, const Visit& visit) {
+    for (int face = 0; face < 6; ++face) {
+      for (int row = 0; row < size; ++row) {
+        for (int column = 0; column < size; ++column) {
+          visit(image::face_direction(size, face, column + 0.5, row + 0.5));
+        }
+      }
+    }
+  }
+};
+
+/// From a place inside a box with corners `low` and `high` to its walls.
+inline double distance_to_walls(const dvec3& place, const dvec3& direction, const dvec3& low, const dvec3& high) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) continue;
+    const double wall = direction[axis] > 0.0 ? high[axis] : low[axis];
+    nearest = std::min(nearest, (wall - place[axis]) / direction[axis]);
+  }
+  return nearest;
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,182 @@
+// Probes as textures, read back as the engines read them.
+#include <Imath/half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/thrown_error.h"
+#include "welkin/engines.h"
+#include "welkin/probes.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+namespace {
+
+/// Coefficients that halves hold exactly, all different; band 0 is large.
+BakedProbes made_up(std::array<int, 3> counts, int bands) {
+  BakedProbes probes;
+  probes.grid.counts = counts;
+  probes.bands = bands;
+  const auto functions = static_cast<std::size_t>(bands * bands);
+  for (std::size_t k = 0; k < probes.grid.size(); ++k) {
+    for (std::size_t f = 0; f < functions; ++f) {
+      const double number =
+          static_cast<double>(f == 0 ? 32 : 0) + static_cast<double>(k) + static_cast<double>(f) / 16.0;
+      probes.coefficients.emplace_back(number, number + 0.25, f % 2 == 0 ? number : -number);
+    }
+    probes.validity.push_back(static_cast<float>(k % 8) / 8.0F);
+    probes.passes.push_back(0);
+  }
+  return probes;
+}
+
+double value(const ProbeTexture& texture, int x, int y, int z, int channel) {
+  const auto place =
+      (static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.size[1]) + static_cast<std::size_t>(y)) *
+          static_cast<std::size_t>(texture.size[0]) +
+      static_cast<std::size_t>(x);
+  Imath::half half;
+  half.setBits(texture.halves[4 * place + static_cast<std::size_t>(channel)]);
+  return static_cast<double>(static_cast<float>(half));
+}
+
+dvec3 coefficient(const BakedProbes& probes, std::size_t probe, int index) {
+  return probes
+      .coefficients[probe * static_cast<std::size_t>(probes.bands * probes.bands) + static_cast<std::size_t>(index)];
+}
+
+template <class Visit>
+void for_each_probe(const ProbeGrid& grid, const Visit& visit) {
+  std::size_t probe = 0;
+  for (int z = 0; z < grid.counts[2]; ++z) {
+    for (int y = 0; y < grid.counts[1]; ++y) {
+      for (int x = 0; x < grid.counts[0]; ++x) visit(x, y, z, probe++);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("pack: three.js's atlas has seven volumes, each between copies of its ends", "[probes]") {
+  for (const std::array<int, 3> counts : {std::array{1, 1, 1}, std::array{2, 3, 7}, std::array{3, 1, 2}}) {
+    for (const int bands : {1, 2, 3, 4}) {
+      CAPTURE(counts, bands);
+      const BakedProbes probes = made_up(counts, bands);
+      const PackedProbes packed = pack_probes(probes, ProbeLayout::three);
+      REQUIRE(packed.textures.size() == 1);
+      const ProbeTexture& texture = packed.textures[0];
+      CHECK(texture.name == "texture");
+      CHECK(texture.size == std::array{counts[0], counts[1], 7 * (counts[2] + 2)});
+      CHECK(packed.values_clamped == 0);
+      for_each_probe(probes.grid, [&](int x, int y, int z, std::size_t probe) {
+        for (int number = 0; number < 28; ++number) {
+          const int slice = number / 4 * (counts[2] + 2);
+          const double wanted =
+              number < 27 && number / 3 < bands * bands ? coefficient(probes, probe, number / 3)[number % 3] : 0.0;
+          REQUIRE(value(texture, x, y, slice + 1 + z, number % 4) == wanted);
+          if (z == 0) REQUIRE(value(texture, x, y, slice, number % 4) == wanted);
+          if (z == counts[2] - 1) REQUIRE(value(texture, x, y, slice + 1 + counts[2], number % 4) == wanted);
+        }
+      });
+    }
+  }
+}
+
+TEST_CASE("pack: the plain layout has a volume a coefficient, and validity beside each", "[probes]") {
+  for (const int bands : {1, 4}) {
+    const BakedProbes probes = made_up({3, 2, 7}, bands);
+    const PackedProbes packed = pack_probes(probes, ProbeLayout::plain);
+    const ProbeTexture& texture = packed.textures.at(0);
+    CHECK(texture.size == std::array{3, 2, 7 * bands * bands});
+    for_each_probe(probes.grid, [&](int x, int y, int z, std::size_t probe) {
+      for (int f = 0; f < bands * bands; ++f) {
+        for (int c = 0; c < 3; ++c) REQUIRE(value(texture, x, y, f * 7 + z, c) == coefficient(probes, probe, f)[c]);
+        REQUIRE(value(texture, x, y, f * 7 + z, 3) == static_cast<double>(probes.validity[probe]));
+      }
+    });
+  }
+}
+
+TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its bricks", "[probes]") {
+  for (const std::array<int, 3> counts : {std::array{1, 1, 1}, std::array{2, 3, 7}, std::array{4, 5, 8}}) {
+    BakedProbes probes = made_up(counts, 3);
+    for (std::size_t k = 0; k < probes.coefficients.size(); ++k) {
+      if (k % 9 != 0) probes.coefficients[k] /= 32.0;  // near what light has beside its mean
+    }
+    for (const ProbeLayout layout : {ProbeLayout::unity_l2, ProbeLayout::unity_l1}) {
+      const bool second = layout == ProbeLayout::unity_l2;
+      CAPTURE(counts, second);
+      const PackedProbes packed = pack_probes(probes, layout);
+      REQUIRE(packed.textures.size() == (second ? 7 : 3));
+      const auto bricks_of = [](int count) { return std::max(1, (count + 1) / 3); };
+      CHECK(packed.bricks == std::array{bricks_of(counts[0]), bricks_of(counts[1]), bricks_of(counts[2])});
+      const int whole = packed.bricks[0] * packed.bricks[1] * packed.bricks[2];
+      CHECK(packed.textures[0].size == std::array{4 * whole, 4, 4});
+      CHECK(packed.values_clamped == 0);
+      for (int brick = 0; brick < whole; ++brick) {
+        const std::array first{3 * (brick % packed.bricks[0]), 3 * (brick / packed.bricks[0] % packed.bricks[1]),
+                               3 * (brick / packed.bricks[0] / packed.bricks[1])};
+        for (int k = 0; k < 64; ++k) {
+          const std::array step{k % 4, k / 4 % 4, k / 16};
+          std::array<int, 3> at{};
+          for (std::size_t a = 0; a < 3; ++a) at[a] = std::min(first[a] + step[a], counts[a] - 1);
+          const auto probe = static_cast<std::size_t>(at[0] + counts[0] * (at[1] + counts[1] * at[2]));
+          const auto read = [&](std::size_t texture, int channel) {
+            return value(packed.textures[texture], 4 * brick + step[0], step[1], step[2], channel);
+          };
+          SphericalHarmonics radiance(second ? 3 : 2);
+          for (std::size_t f = 0; f < radiance.coefficients().size(); ++f) {
+            radiance.coefficients()[f] = coefficient(probes, probe, static_cast<int>(f));
+          }
+          const SphericalHarmonics lambertian = lambertian_from_irradiance(irradiance_from_radiance(radiance));
+          for (const dvec3 raw : {dvec3(0, 1, 0), dvec3(1, -2, 0.5), dvec3(-1, 0.3, -0.7)}) {
+            const dvec3 n = glm::normalize(raw);
+            const dvec3 wanted = evaluate(lambertian, n);
+            for (int c = 0; c < 3; ++c) {
+              const auto channel = static_cast<std::size_t>(c);
+              // DecodeSH: first bands are taken beside the mean, around 1/2, times 4; second ones times 3.5777088.
+              const double mean = read(0, c);
+              const auto axis_value = [&](int axis) {
+                return c == 0 ? read(static_cast<std::size_t>(axis), 3) : read(channel, axis);
+              };
+              double found = mean;
+              for (int axis = 0; axis < 3; ++axis) found += (axis_value(axis) - 0.5) * 4.0 * mean * n[axis];
+              if (second) {
+                const auto part = [&](std::size_t texture, int place) {
+                  return (read(texture, place) - 0.5) * 3.5777088 * mean;
+                };
+                const double zz = part(3 + channel, 2);
+                found += -zz + part(3 + channel, 0) * n.x * n.y + part(3 + channel, 1) * n.y * n.z +
+                         3.0 * zz * n.z * n.z + part(3 + channel, 3) * n.z * n.x + part(6, c) * (n.x * n.x - n.y * n.y);
+              }
+              REQUIRE(found == Approx(wanted[c]).epsilon(0.005));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("pack: what halves cannot hold is counted; black stays black", "[probes]") {
+  BakedProbes probes = made_up({2, 1, 1}, 1);
+  probes.coefficients = {dvec3(1e6, -1e6, std::numeric_limits<double>::quiet_NaN()), dvec3(0.0)};
+  const PackedProbes plain = pack_probes(probes, ProbeLayout::plain);
+  CHECK(plain.values_clamped == 3);
+  CHECK(value(plain.textures[0], 0, 0, 0, 0) == 65504.0);
+  CHECK(value(plain.textures[0], 0, 0, 0, 1) == -65504.0);
+  CHECK(value(plain.textures[0], 0, 0, 0, 2) == 0.0);
+  const PackedProbes unity = pack_probes(probes, ProbeLayout::unity_l2);
+  CHECK(value(unity.textures[0], 1, 0, 0, 0) == 0.0);
+  CHECK(value(unity.textures[5], 1, 0, 0, 3) == 0.5);
+  CHECK(thrown_by([&] { static_cast<void>(pack_probes(made_up({2, 1, 300}, 1), ProbeLayout::three)); }).says("2114"));
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,187 @@
+// A grid looked up: against the same sums written down another way, in double; and the code for shaders.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "probes/probe_captures.h"
+#include "support/catch.h"
+#include "welkin/octahedral.h"
+#include "welkin/probes.h"
+#include "welkin/spherical_harmonics.h"
+
+namespace welkin::test {
+namespace {
+
+const ProbeGrid kGrid{.counts = {4, 3, 2}, .origin = {-1, 0.5, 2}, .spacing = {1, 0.75, 1.25}};
+
+/// Two rooms beside each other, lit differently; some probes stand in the wall.
+BakedProbes two_rooms(int bands) {
+  const auto in_wall = [](std::size_t probe) { return probe % 5 == 2; };
+  const Captures captures(
+      kGrid.size(), 8,
+      [](std::size_t probe, const dvec3& d) {
+        return dvec3(1.0 + 0.8 * d.y, 0.2 + 0.1 * static_cast<double>(probe), 2.0 - d.x + 0.5 * d.z * d.z);
+      },
+      16,
+      [&](std::size_t probe, const dvec3& d) {
+        const double away = distance_to_walls(kGrid.position(probe), d, {-1.5, 0, 1}, {2.6, 2.5, 4});
+        return static_cast<float>(in_wall(probe) ? -away : away * (0.5 + 0.1 * static_cast<double>(probe % 4)));
+      });
+  return bake_probes(kGrid, captures.cubes, captures.depths, {.projection = {.bands = bands}, .distance_size = 6});
+}
+
+dvec3 light_of(const BakedProbes& probes, std::size_t probe, const dvec3& normal) {
+  SphericalHarmonics radiance(probes.bands);
+  const auto functions = radiance.coefficients().size();
+  std::copy_n(probes.coefficients.begin() + static_cast<std::ptrdiff_t>(probe * functions), functions,
+              radiance.coefficients().begin());
+  if (probes.bands > 3) radiance = with_bands(radiance, 3);
+  return evaluate(irradiance_from_radiance(radiance), normal);
+}
+
+/// Bilinear between the four nearest texels' centres, border included.
+double moment(const BakedProbes& probes, std::size_t probe, const dvec3& direction, int which) {
+  const std::array<double, 2> place = octahedral_place(direction);
+  const int edge = probes.distance_edge();
+  double sum = 0.0;
+  for (int row = 0; row < edge; ++row) {
+    for (int column = 0; column < edge; ++column) {
+      const double across = 1.0 - std::abs(place[0] * probes.distance_size - (column - 0.5));
+      const double along = 1.0 - std::abs(place[1] * probes.distance_size - (row - 0.5));
+      if (across <= 0.0 || along <= 0.0) continue;
+      const auto texel =
+          (probe * static_cast<std::size_t>(edge) + static_cast<std::size_t>(row)) * static_cast<std::size_t>(edge) +
+          static_cast<std::size_t>(column);
+      sum += across * along * static_cast<double>(probes.distances[2 * texel + static_cast<std::size_t>(which)]);
+    }
+  }
+  return sum;
+}
+
+/// Each probe of the grid by the distance on it: those of no corner have weight 0.
+dvec3 twin(const BakedProbes& probes, const dvec3& surface, const dvec3& normal, const ProbeSampling& sampling) {
+  const ProbeGrid& grid = probes.grid;
+  const dvec3 place =
+      surface + normal * sampling.normal_bias * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  dvec3 sum(0.0);
+  double weights = 0.0;
+  for (std::size_t probe = 0; probe < grid.size(); ++probe) {
+    const dvec3 at = grid.position(probe);
+    const dvec3 clamped = glm::clamp(place, grid.origin, grid.position(grid.size() - 1));
+    double weight = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      weight *= std::max(0.0, 1.0 - std::abs(clamped[axis] - at[axis]) / grid.spacing[axis]);
+    }
+    if (weight == 0.0) continue;
+    double factor = 1.0;
+    if (sampling.facing) factor *= std::pow(0.5 + 0.5 * glm::dot(glm::normalize(at - surface), normal), 2) + 0.2;
+    if (sampling.visibility) {
+      const dvec3 way = place - at;
+      const double mean = moment(probes, probe, way, 0);
+      const double variance = std::abs(moment(probes, probe, way, 1) - mean * mean);
+      const double beyond = std::max(0.0, glm::length(way) - mean);
+      factor = std::max(1e-6, factor * std::pow(variance / (variance + beyond * beyond), 3));
+      if (factor < 0.2) factor = std::pow(factor, 3) / 0.04;
+    }
+    weight *= factor;
+    if (sampling.validity) weight *= probes.passes[probe] == 0 ? 1.0 : probes.passes[probe] < 255 ? 1e-3 : 0.0;
+    sum += weight * light_of(probes, probe, normal);
+    weights += weight;
+  }
+  return weights > 0.0 ? glm::max(sum / weights, dvec3(0.0)) : dvec3(0.0);
+}
+
+std::size_t occurrences(const std::string& text, const std::string& words) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("probe_irradiance: every weight as it is written down in double", "[probes]") {
+  std::mt19937 random(7);
+  const auto number = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  for (const int bands : {1, 2, 3, 4}) {
+    const BakedProbes probes = two_rooms(bands);
+    CHECK(probes.invalid > 3);
+    for (int k = 0; k < 400; ++k) {
+      const dvec3 surface{number(-1.8, 2.8), number(0.1, 2.4), number(1.5, 3.8)};
+      const dvec3 normal = glm::normalize(dvec3(number(-1, 1), number(-1, 1), number(-1, 1)));
+      const ProbeSampling sampling{.visibility = k % 2 == 0,
+                                   .facing = k / 2 % 2 == 0,
+                                   .validity = k / 4 % 2 == 0,
+                                   .normal_bias = k % 3 == 0 ? 0.0 : 0.3};
+      CAPTURE(bands, k);
+      const dvec3 wanted = twin(probes, surface, normal, sampling);
+      const dvec3 found = probe_irradiance(probes, surface, normal, sampling);
+      for (int c = 0; c < 3; ++c) REQUIRE(found[c] == Approx(wanted[c]).epsilon(2e-3).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("probe_irradiance: at a probe it is that probe's, and beyond the grid that of its edge", "[probes]") {
+  BakedProbes probes = two_rooms(3);
+  const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.0};
+  for (std::size_t probe = 0; probe < probes.grid.size(); ++probe) {
+    for (const dvec3 normal : {dvec3(0, 0, 1), dvec3(-0.6, 0.8, 0)}) {
+      const dvec3 wanted = glm::max(light_of(probes, probe, normal), dvec3(0.0));
+      const dvec3 found = probe_irradiance(probes, probes.grid.position(probe), normal, plain);
+      CHECK(glm::length(found - wanted) < 1e-5);
+    }
+  }
+  CHECK(probe_irradiance(probes, {-50, 0.9, 2.4}, {0, 1, 0}, plain) ==
+        probe_irradiance(probes, {-1, 0.9, 2.4}, {0, 1, 0}, plain));
+  // Where no probe has light there is none.
+  probes.passes.assign(probes.passes.size(), 255);
+  CHECK(probe_irradiance(probes, {0, 1, 2.5}, {0, 1, 0}) == dvec3(0.0));
+}
+
+TEST_CASE("probe_irradiance: a wall between two probes keeps the light of the other side out", "[probes]") {
+  // Probes at x = 0 and 1, a wall at 0.5 that both look at; left is dark.
+  const ProbeGrid grid{.counts = {2, 1, 1}};
+  const Captures captures(
+      2, 4, [](std::size_t probe, const dvec3&) { return dvec3(probe == 0 ? 0.0 : 1.0); }, 32,
+      [](std::size_t probe, const dvec3& d) {
+        const bool towards_wall = probe == 0 ? d.x > 0.1 : d.x < -0.1;
+        return towards_wall ? static_cast<float>(0.5 / std::abs(d.x)) : 4.0F;
+      });
+  const BakedProbes probes = bake_probes(grid, captures.cubes, captures.depths);
+  const dvec3 place{0.45, 0, 0};
+  const dvec3 normal{-1, 0, 0};
+  CHECK(probe_irradiance(probes, place, normal, {.visibility = false, .facing = false}).x > 0.7);
+  CHECK(probe_irradiance(probes, place, normal, {.visibility = true, .normal_bias = 0.1}).x < 0.1);
+}
+
+TEST_CASE("probe_sampling_code: one source in four languages", "[probes]") {
+  const std::string glsl = probe_sampling_code(ShaderLanguage::glsl);
+  CHECK(glsl == probe_sampling_code(ShaderLanguage::cpp));
+  CHECK(glsl.find("vec3 probe_volume_light(ProbeVolume volume, vec3 surface, vec3 normal) {") != std::string::npos);
+  const std::string hlsl = probe_sampling_code(ShaderLanguage::hlsl);
+  CHECK(hlsl.find("float3 probe_volume_light(ProbeVolume volume, float3 surface, float3 normal) {") !=
+        std::string::npos);
+  CHECK(hlsl.find("  int3 counts;") != std::string::npos);
+  CHECK(occurrences(hlsl, "vec") == 0);
+  const std::string wgsl = probe_sampling_code(ShaderLanguage::wgsl);
+  CHECK(wgsl.find("fn probe_volume_light(volume : ProbeVolume, surface : vec3f, normal : vec3f) -> vec3f {") !=
+        std::string::npos);
+  CHECK(wgsl.find("  for (var corner : i32 = 0; corner < 8; corner++) {") != std::string::npos);
+  CHECK(wgsl.find("  counts : vec3i,") != std::string::npos);
+  CHECK(wgsl.find("    var wrapped : f32 = 0.5f * cosine + 0.5f;") != std::string::npos);
+  CHECK(occurrences(wgsl, "float") + occurrences(wgsl, "int ") + occurrences(wgsl, "ivec") == 0);
+  for (const std::string& code : {glsl, hlsl, wgsl}) {
+    CHECK(occurrences(code, "{") == occurrences(glsl, "{"));
+    CHECK(occurrences(code, "return") == occurrences(glsl, "return"));
+  }
+}
+
+}  // namespace welkin::test

@@ -1,0 +1,69 @@
+// A Cornell-like room, a small path tracer for it, and captures of a grid of probes in it. The same numbers on every
+// machine but for the last bits of a square root's sums: random numbers are hashes of what they are for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "probes/probe_captures.h"
+#include "welkin/core.h"
+#include "welkin/probes.h"
+
+namespace welkin::test {
+
+/// Which light is followed.
+enum class Followed {
+  reflected,  ///< what surfaces reflect
+  sent,       ///< what the light sends itself
+  all,        ///< both
+};
+
+/// x from -2 to 2, y from 0 to 2, z from -1 to 1. A red wall on the left, a green one on the right, the others white. A
+/// light in the ceiling of the left half; a thin wall at x = 0 keeps it from the right half, but for a door at the
+/// front, z > 0.35. A block stands in the left half. Walls are a metre thick, as a probe in one sees.
+class Room {
+ public:
+  struct Hit {
+    double distance;  ///< infinite: nothing
+    dvec3 place;
+    dvec3 normal;  ///< towards where the ray came from
+    dvec3 albedo;
+    bool is_light;
+    bool is_back;
+  };
+
+  Room();
+
+  [[nodiscard]] Hit trace(const dvec3& from, const dvec3& direction) const;
+
+  /// What comes back along a ray.
+  [[nodiscard]] dvec3 radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, Followed followed) const;
+
+  /// Irradiance on a surface, from so many paths.
+  [[nodiscard]] dvec3 irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
+                                 Followed followed) const;
+
+  /// Cubemaps and depths of all probes of a grid; each texel from so many paths through its middle.
+  [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths, Followed followed) const;
+
+  /// 6 x 6 x 6 probes whose outermost ones stand in the walls.
+  [[nodiscard]] static ProbeGrid grid() {
+    return {.counts = {6, 6, 6}, .origin = {-2.1, -0.1, -1.1}, .spacing = {0.84, 0.44, 0.44}};
+  }
+
+ private:
+  /// A box of stone; the colours of the room's red and green walls by `albedo`.
+  struct Box {
+    dvec3 low;
+    dvec3 high;
+    dvec3 albedo;
+  };
+
+  [[nodiscard]] dvec3 direct(const dvec3& place, const dvec3& normal, std::uint32_t& state) const;
+  [[nodiscard]] bool free_between(const dvec3& from, const dvec3& to) const;
+
+  std::vector<Box> boxes_;
+};
+
+}  // namespace welkin::test
