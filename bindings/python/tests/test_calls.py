@@ -94,7 +94,6 @@ def during(call, seconds=0.15):
 @pytest.fixture(scope="module")
 def work(large):
     sky = welkin.sky(heights=8, view_zeniths=32, sun_zeniths=32, orders=2)
-    cube = welkin.to_cubemap(large, 256)
     file = welkin.encode("sky.exr", large)
     small = large[::8, :256].copy()
     table = welkin.importance_table(large)
