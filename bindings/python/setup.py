@@ -1,7 +1,8 @@
 """Builds the extension `welkin._welkin` with the tree's own CMake project, in build/python of the tree.
 
 The environment variables of CMake count (CMAKE_CXX_COMPILER_LAUNCHER, CMAKE_BUILD_PARALLEL_LEVEL, ...), and
-WELKIN_PYTHON_BUILD names another folder to build in. What was built before is not built again.
+WELKIN_PYTHON_BUILD names another folder to build in, such as build/release, whose library then serves the package too.
+What was built before is not built again.
 """
 import os
 import pathlib
@@ -16,7 +17,7 @@ from setuptools.command.build_ext import build_ext
 
 HERE = pathlib.Path(__file__).resolve().parent
 TREE = HERE.parent.parent
-BUILD = pathlib.Path(os.environ.get("WELKIN_PYTHON_BUILD", TREE / "build" / "python"))
+BUILD = pathlib.Path(TREE / os.environ.get("WELKIN_PYTHON_BUILD", "build/python"))
 LEFT_OUT = ("TESTS", "PERF", "TOOLS", "EXAMPLES", "INSTALL")
 
 
@@ -30,10 +31,11 @@ class BuildByCMake(build_ext):
     """Asks CMake for the extension, and puts it where setuptools wants it."""
 
     def build_extension(self, ext):
-        options = [f"-DWELKIN_{part}=OFF" for part in LEFT_OUT]
-        options += ["-DWELKIN_PYTHON=ON", "-DCMAKE_BUILD_TYPE=Release", f"-DPython_EXECUTABLE={sys.executable}"]
-        if shutil.which("ninja"):
-            options += ["-G", "Ninja"]
+        options = ["-DWELKIN_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}"]
+        if not (BUILD / "CMakeCache.txt").exists():  # else the folder stays what it is, build/release perhaps
+            options += ["-DCMAKE_BUILD_TYPE=Release", *(f"-DWELKIN_{part}=OFF" for part in LEFT_OUT)]
+            if shutil.which("ninja"):
+                options += ["-G", "Ninja"]
         subprocess.run(["cmake", "-S", TREE, "-B", BUILD, *options], check=True)
         subprocess.run(["cmake", "--build", BUILD, "--target", "welkin_python", "--parallel"], check=True)
         place = pathlib.Path(self.get_ext_fullpath(ext.name))
@@ -47,6 +49,7 @@ BUILD.mkdir(parents=True, exist_ok=True)
 setup(
     version=version(),
     packages=["welkin"],
+    package_data={"welkin": ["py.typed", "*.pyi"]},
     ext_modules=[Extension("welkin._welkin", sources=[])],
     cmdclass={"build_ext": BuildByCMake},
     options={"build": {"build_base": str(BUILD / "setuptools")}, "egg_info": {"egg_base": str(BUILD)}},

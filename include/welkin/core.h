@@ -72,6 +72,9 @@ enum class ErrorCode {
   stopped,           ///< the worker was terminated before this job was done
 };
 
+/// The code as it is spelled here: "invalid_argument", "rejected_pixel", and so on.
+[[nodiscard]] const char* name(ErrorCode code) noexcept;
+
 /// The one exception type that Welkin throws, from every call that can fail. Nothing else leaves the library, except
 /// `std::bad_alloc` and whatever a caller's own callback throws.
 class Error : public std::runtime_error {

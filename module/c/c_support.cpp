@@ -1,6 +1,5 @@
 #include "c/c_support.h"
 
-#include <array>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
@@ -20,28 +19,6 @@ struct LastError {
 };
 
 thread_local LastError last_error;
-
-struct Name {
-  welkin_status status;
-  const char* name;
-};
-
-constexpr std::array kNames{
-    Name{WELKIN_OK, "ok"},
-    Name{WELKIN_INVALID_ARGUMENT, "invalid_argument"},
-    Name{WELKIN_REJECTED_PIXEL, "rejected_pixel"},
-    Name{WELKIN_FILE_ACCESS, "file_access"},
-    Name{WELKIN_CORRUPT_FILE, "corrupt_file"},
-    Name{WELKIN_UNSUPPORTED_FILE, "unsupported_file"},
-    Name{WELKIN_LIMIT_EXCEEDED, "limit_exceeded"},
-    Name{WELKIN_CANCELLED, "cancelled"},
-    Name{WELKIN_REPLACED, "replaced"},
-    Name{WELKIN_QUEUE_FULL, "queue_full"},
-    Name{WELKIN_STOPPED, "stopped"},
-    Name{WELKIN_OUT_OF_MEMORY, "out_of_memory"},
-    Name{WELKIN_NOT_READY, "not_ready"},
-    Name{WELKIN_INTERNAL, "internal"},
-};
 
 }  // namespace
 
@@ -115,8 +92,17 @@ void require(const void* pointer, const char* name) {
 }  // namespace welkin::c_interface
 
 const char* welkin_status_name(welkin_status status) {
-  for (const auto& known : welkin::c_interface::kNames) {
-    if (known.status == status) return known.name;
+  switch (status) {
+    case WELKIN_OK: return "ok";
+    case WELKIN_OUT_OF_MEMORY: return "out_of_memory";
+    case WELKIN_NOT_READY: return "not_ready";
+    case WELKIN_INTERNAL: return "internal";
+    default: break;
+  }
+  // The others are those of the error codes.
+  for (int number = 0; number <= static_cast<int>(welkin::ErrorCode::stopped); ++number) {
+    const auto code = static_cast<welkin::ErrorCode>(number);
+    if (welkin::c_interface::status_of(code) == status) return welkin::name(code);
   }
   return "unknown";
 }

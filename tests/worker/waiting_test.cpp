@@ -287,7 +287,7 @@ TEST_CASE("of requests that wait for each other in a circle one gets an error, a
       for (const JobHandle& handle : handles) {
         if (!eventually([&] { return handle.ready(); })) give_up("a circle of jobs");
         REQUIRE(handle.error());
-        CHECK(name(handle.error()->code.value()) == kHopeless);
+        CHECK(std::string(name(handle.error()->code.value())) == kHopeless);
       }
     }
   }

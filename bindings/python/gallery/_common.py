@@ -57,6 +57,11 @@ def ball(pixels):
     return normals / np.linalg.norm(normals, axis=-1, keepdims=True), inside
 
 
+def number(value):
+    """Three digits that matter, without an exponent."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
 def save(figure, folder, name):
     path = folder / name
     figure.savefig(path, dpi=110, bbox_inches="tight")

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from _common import arguments, ball, plt, save, show, small_sky, srgb
+from _common import arguments, ball, number, plt, save, show, small_sky, srgb
 
 import welkin
 
@@ -37,7 +37,7 @@ def draw(axes, path):
     radiance = welkin.project(picture).radiance
     luminance = max(radiance.mean @ (0.2126, 0.7152, 0.0722), 1e-30)
     show(axes, picture, f"{path.name}\n{picture.info['width']} x {picture.info['height']}, {picture.info['format']}, "
-                        f"mean {luminance:.3g}", 192)  # fmt: skip
+                        f"mean {number(luminance)}", 192)  # fmt: skip
     normals, inside = ball(96)
     seen = srgb(0.4 * radiance.irradiance()(normals) / np.pi / luminance)
     corner = axes.inset_axes([0.0, 0.0, 0.25, 0.5])

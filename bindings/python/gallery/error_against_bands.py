@@ -38,7 +38,7 @@ def main():
     show(left, pixels, "the light", 256)
     right.semilogy(BANDS, plain[:, 0], "o-", label="rms")
     right.semilogy(BANDS, plain[:, 1], "s-", label="largest")
-    right.semilogy(BANDS, windowed[:, 0], "o--", alpha=0.6, label="rms, windowed (no negative light)")
+    right.semilogy(BANDS, windowed[:, 0], "o--", mfc="none", ms=10, label="rms, windowed: no negative light")
     right.set(xlabel="bands", ylabel="error of irradiance, relative to its rms", title="against direct integration")
     right.grid(alpha=0.3)
     right.legend()

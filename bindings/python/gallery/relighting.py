@@ -32,9 +32,9 @@ def main():
         "turned": lambda light: light,
         "warmer": lambda light: light * (1.3, 1.0, 0.6),
         "and a blue lamp": lambda light: light + second_sun(np.array([1, 0.4, 0.5]), level * np.array([0.5, 1, 3]), 3),
-        "windowed": lambda light: light.window().harmonics,
+        "softened by a window": lambda light: light.window("hanning", 3.0).harmonics,
     }
-    figure, rows = plt.subplots(len(ways), len(TURNS), figsize=(11, 7.6))
+    figure, rows = plt.subplots(len(ways), len(TURNS), figsize=(11, 7.9), layout="constrained")
     for row, (title, change) in zip(rows, ways.items()):
         for axes, degrees in zip(row, TURNS):
             seen, inside = matte(change(radiance.turned(welkin.turn_about_y(degrees))))

@@ -12,10 +12,15 @@ void bind_harmonics(py::module_& module);
 void bind_engines(py::module_& module);
 void bind_projection(py::module_& module);
 void bind_reflections(py::module_& module);
+void bind_kernels(py::module_& module);
+void bind_octahedral(py::module_& module);
+void bind_importance(py::module_& module);
+void bind_many(py::module_& module);
 void bind_bake(py::module_& module);
 void bind_plan(py::module_& module);
 void bind_sky(py::module_& module);
 void bind_files(py::module_& module);
 void bind_pictures(py::module_& module);
+void bind_timing(py::module_& module);
 
 }  // namespace welkin::python

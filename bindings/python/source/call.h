@@ -8,6 +8,7 @@
 #include <pybind11/pybind11.h>
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <thread>
 #include <type_traits>
@@ -18,6 +19,19 @@
 namespace welkin::python {
 
 namespace py = pybind11;
+
+/// Gives up the interpreter's lock for a loop over many directions or numbers; for few, that would cost more than it
+/// gives.
+class LockReleased {
+ public:
+  explicit LockReleased(std::size_t count) {
+    if (count >= kMany) released_.emplace();
+  }
+
+ private:
+  static constexpr std::size_t kMany = 256;
+  std::optional<py::gil_scoped_release> released_;
+};
 
 /// The library reports progress from whichever thread finished a tile. Only the thread that called from Python takes
 /// the interpreter's lock then, no more often than every `kPause`: it lets Python handle signals, which on the main

@@ -13,6 +13,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "harmonics.h"
+#include "octahedral.h"
 #include "results.h"
 #include "source.h"
 #include "welkin/texture_file.h"
@@ -42,6 +43,13 @@ constexpr Named<TexelFormat> kFormats[] = {
     {"astc_4x4_hdr", TexelFormat::astc_4x4_hdr}, {"astc_6x6_hdr", TexelFormat::astc_6x6_hdr}};
 constexpr Named<Supercompression> kSupercompression[] = {
     {"none", Supercompression::none}, {"zlib", Supercompression::zlib}, {"zstd", Supercompression::zstd}};
+
+constexpr Named<Bc6hEffort> kBc6hEfforts[] = {
+    {"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}};
+constexpr Named<AstcEffort> kAstcEfforts[] = {{"fastest", AstcEffort::fastest},
+                                              {"fast", AstcEffort::fast},
+                                              {"medium", AstcEffort::medium},
+                                              {"thorough", AstcEffort::thorough}};
 
 /// A picture that was read, with its pixels as an array.
 struct ReadPicture {
@@ -180,6 +188,8 @@ TextureOptions texture_options(Options& options) {
   TextureOptions how;
   options.read("format", how.format, kFormats);
   options.read("supercompression", how.supercompression, kSupercompression);
+  options.read("bc6h_effort", how.bc6h_effort, kBc6hEfforts);
+  options.read("astc_effort", how.astc_effort, kAstcEfforts);
   options.read("metadata", how.metadata);
   return how;
 }
@@ -189,6 +199,11 @@ py::dict write_texture_file(const std::filesystem::path& path, const py::object&
   Options options("write_texture", given);
   const TextureOptions how = texture_options(options);
   Call call("write_texture", options);
+  if (py::isinstance<SharedOctahedral>(texture)) {
+    options.finish();
+    const std::shared_ptr<const OctahedralMap> map = texture.cast<const SharedOctahedral&>().map;
+    return report_of(call.run([&](const Control& control) { return write_octahedral(path, *map, how, control); }));
+  }
   const py::object table = py::isinstance<SharedBrdf>(texture) ? texture.attr("values") : texture;
   std::vector<Source> levels;
   if (py::isinstance<Chain>(texture) || py::isinstance<py::list>(texture)) {
@@ -310,15 +325,16 @@ void bind_files(py::module_& module) {
       "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
   module.def("read_texture", &read_texture_file, py::arg("file"),
              "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
-             "A .ktx2 or .dds cubemap with all its mips, as a `Texture`.");
+             "A .ktx2, .ktx or .dds cubemap with all its mips, told by its first bytes, as a `Texture`.");
   module.def(
       "write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
-      "write_texture(path, texture, *, format='rgba16f', supercompression='none', metadata=None, progress=None,\n"
-      "              threads=None)\n--\n\n"
-      "A `Chain`, a list of levels (6, n, n, 3), or a `BrdfTable`, to .ktx2, .dds or .exr. `format`: \"rgba16f\",\n"
-      "\"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", \"astc_4x4_hdr\", \"astc_6x6_hdr\"; "
-      "`supercompression` of .ktx2:\n"
-      "\"none\", \"zlib\", \"zstd\".");
+      "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
+      "              astc_effort='medium', metadata=None, progress=None, threads=None)\n--\n\n"
+      "A `Chain`, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`, to .ktx2, .ktx, .dds or .exr.\n"
+      "`format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", "
+      "\"astc_4x4_hdr\",\n\"astc_6x6_hdr\"; `supercompression` of .ktx2: \"none\", \"zlib\", \"zstd\". Gives "
+      "{\"files\",\n"
+      "\"values_clamped\"}.");
   module.def("write_env", &write_env, py::arg("path"), py::arg("specular"), py::arg("radiance"),
              "write_env(path, specular, radiance)\n--\n\n"
              "A whole chain (size a power of two, to 1 texel) and coefficients of radiance as Babylon.js's .env.");

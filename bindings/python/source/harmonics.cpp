@@ -10,6 +10,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "call.h"
 #include "options.h"
 #include "welkin/directional_light.h"
 
@@ -45,6 +46,7 @@ py::array values_at(const SphericalHarmonics& harmonics, const py::object& direc
   const Directions asked = directions_of(directions, "directions");
   py::array_t<double> values(asked.shape);
   double* const out = values.mutable_data();
+  const LockReleased released(asked.count());
   for (std::size_t index = 0; index < asked.count(); ++index) {
     const dvec3 value = evaluate(harmonics, asked.at(index));
     std::copy_n(&value.x, 3, out + 3 * index);
@@ -115,42 +117,46 @@ void bind_harmonics(py::module_& module) {
                              "(bands^2, 3), float64, on the object's own memory: writing to it changes the object.")
       .def("__array__",
            [](const py::object& self, const py::args&, const py::kwargs&) { return coefficients_of(self); })
-      .def("__call__", &values_at,
-           "__call__(directions)\n--\n\nThe sum at unit directions (..., 3): radiance or irradiance, (..., 3).")
+      .def("__call__", &values_at, py::arg("directions"),
+           "__call__(self, directions)\n--\n\nThe sum at unit directions (..., 3): radiance or irradiance, (..., 3).")
       .def_property_readonly(
           "mean", [](const SphericalHarmonics& self) { return array_of(mean_radiance(self)); },
           "Mean over the sphere: (3,).")
       .def("irradiance", &irradiance_from_radiance,
-           "irradiance()\n--\n\nOf radiance: irradiance, W/m2 where radiance is W/m2/sr (band l times the cosine\n"
+           "irradiance(self)\n--\n\nOf radiance: irradiance, W/m2 where radiance is W/m2/sr (band l times the cosine\n"
            "lobe's factor). A uniform radiance of 1 gives pi.")
-      .def("lambertian", &lambertian_from_irradiance, "lambertian()\n--\n\nOf irradiance: times 1/pi.")
+      .def("lambertian", &lambertian_from_irradiance, "lambertian(self)\n--\n\nOf irradiance: times 1/pi.")
       .def(
           "turned",
           [](const SphericalHarmonics& self, const py::object& turn) { return turned(self, turn_of(turn, "turn")); },
-          "turned(turn)\n--\n\nThe light after a turn: what came from direction d comes from turn @ d. `turn`: an\n"
+          py::arg("turn"),
+          "turned(self, turn)\n--\n\nThe light after a turn: what came from direction d comes from turn @ d. `turn`: "
+          "an\n"
           "orthogonal 3 x 3 matrix (mirrors too), or a quaternion (w, x, y, z). Microseconds for three bands.")
-      .def("with_bands", &with_bands, "with_bands(bands)\n--\n\nBands cut off, or added as zero.")
+      .def("with_bands", &with_bands, py::arg("bands"),
+           "with_bands(self, bands)\n--\n\nBands cut off, or added as zero.")
       .def(
           "lerp", [](const SphericalHarmonics& a, const SphericalHarmonics& b, double t) { return lerp(a, b, t); },
-          "lerp(other, t)\n--\n\n(1 - t) self + t other.")
+          py::arg("other"), py::arg("t"), "lerp(self, other, t)\n--\n\n(1 - t) self + t other.")
       .def(
           "product",
           [](const SphericalHarmonics& a, const SphericalHarmonics& b, int bands) { return product(a, b, bands); },
           py::arg("other"), py::arg("bands") = 0,
-          "product(other, bands=0)\n--\n\nCoefficients of the pointwise product; 0 bands: all that it has, 16 at most.")
+          "product(self, other, bands=0)\n--\n\nCoefficients of the pointwise product; 0 bands: all that it has, 16 at "
+          "most.")
       .def("minimum", &minimum_of,
-           "minimum()\n--\n\n(values (3,), directions (3, 3)): the least value of each channel, and where it is.")
-      .def(
-          "dominant_light", &dominant_of,
-          "dominant_light()\n--\n\nOf radiance: (direction (3,), irradiance (3,)) of the directional light that comes\n"
-          "closest, or None where no direction stands out.")
+           "minimum(self)\n--\n\n(values (3,), directions (3, 3)): the least value of each channel, and where it is.")
+      .def("dominant_light", &dominant_of,
+           "dominant_light(self)\n--\n\nOf radiance: (direction (3,), irradiance (3,)) of the directional light that "
+           "comes\n"
+           "closest, or None where no direction stands out.")
       .def(
           "window",
           [](const SphericalHarmonics& self, const std::string& window, double width) {
             return apply_window(self, value_of<Window>("window", window, kWindows), width);
           },
           py::arg("window") = "min-laplacian", py::arg("width") = 0.0,
-          "window(window='min-laplacian', width=0.0)\n--\n\n"
+          "window(self, window='min-laplacian', width=0.0)\n--\n\n"
           "Radiance against ringing, as a `Windowed`: \"none\", \"hanning\", \"lanczos\" (`width` in bands, 0: as "
           "many\n"
           "as there are) or \"min-laplacian\", the least that leaves no irradiance negative.")
@@ -171,7 +177,7 @@ void bind_harmonics(py::module_& module) {
         return "<welkin.SphericalHarmonics: " + std::to_string(self.bands()) + " bands, mean " +
                text(mean_radiance(self)) + ">";
       });
-  module.def("cosine_lobe", &cosine_lobe,
+  module.def("cosine_lobe", &cosine_lobe, py::arg("l"),
              "cosine_lobe(l)\n--\n\nThe cosine lobe's factor for band l: pi, 2 pi/3, pi/4, 0, -pi/24, ...");
   module.def(
       "basis",
@@ -182,8 +188,12 @@ void bind_harmonics(py::module_& module) {
                                   static_cast<std::size_t>(std::clamp(bands, 1, kMaximumBands));
         shape.back() = static_cast<py::ssize_t>(count);
         py::array_t<double> values(shape);
-        for (std::size_t index = 0; index < asked.count(); ++index) {
-          evaluate_basis(asked.at(index), bands, {values.mutable_data() + index * count, count});
+        double* const out = values.mutable_data();
+        {
+          const LockReleased released(asked.count());
+          for (std::size_t index = 0; index < asked.count(); ++index) {
+            evaluate_basis(asked.at(index), bands, {out + index * count, count});
+          }
         }
         return values;
       },

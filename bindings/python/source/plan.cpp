@@ -104,7 +104,7 @@ void bind_plan(py::module_& module) {
           "At most, beside results and source.")
       .def(
           "milliseconds", [](const PlanOfSource& self, int threads) { return self.plan.milliseconds(threads); },
-          py::arg("threads") = 1, "milliseconds(threads=1)\n--\n\nPredicted time.")
+          py::arg("threads") = 1, "milliseconds(self, threads=1)\n--\n\nPredicted time.")
       .def("__str__", [](const PlanOfSource& self) { return plan_text(self.plan); })
       .def("__repr__", [](const PlanOfSource& self) {
         std::size_t running = 0;

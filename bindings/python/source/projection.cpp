@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -52,6 +53,27 @@ std::string words(const PixelPolicy& policy) {
          name_of<NegativePolicy>(policy.negative, kNegative) + "')";
 }
 
+/// The levels of a cubemap that brings its mips, of which a target size picks one: a `Chain` (of reflections the first
+/// level alone is the environment), or a list of arrays of four dimensions. Empty of all else.
+std::vector<Source> levels_of(const py::object& pixels, Options& options) {
+  std::vector<Source> levels;
+  py::object list;
+  if (py::isinstance<Chain>(pixels) && !py::isinstance<Reflections>(pixels)) {
+    list = pixels.attr("levels");
+  } else if (py::isinstance<py::list>(pixels) && py::len(pixels) > 0 &&
+             py::isinstance<py::array>(pixels[py::int_(0)]) &&
+             py::reinterpret_borrow<py::array>(pixels[py::int_(0)]).ndim() == 4) {
+    list = pixels;
+  } else {
+    return levels;
+  }
+  for (const py::handle level : list) {
+    levels.push_back(source_of(py::reinterpret_borrow<py::object>(level), options));
+    if (!levels.back().is_cubemap()) throw Error(ErrorCode::invalid_argument, "project: a level is not a cubemap");
+  }
+  return levels;
+}
+
 Projection project_source(const py::object& pixels, const py::kwargs& given) {
   Options options("project", given);
   if (is_file(pixels)) {
@@ -61,6 +83,14 @@ Projection project_source(const py::object& pixels, const py::kwargs& given) {
     Call call("project", options);
     options.finish();
     return call.run([&](const Control& control) { return project_file(input, read, how, control); });
+  }
+  if (const std::vector<Source> levels = levels_of(pixels, options); !levels.empty()) {
+    const ProjectionOptions how = projection_options(options);
+    Call call("project", options);
+    options.finish();
+    std::vector<CubemapView> views;
+    for (const Source& level : levels) views.push_back(std::get<CubemapView>(level.view));
+    return call.run([&](const Control& control) { return project(views, how, control); });
   }
   const Source source = source_of(pixels, options);
   const ProjectionOptions how = projection_options(options);
@@ -215,7 +245,8 @@ void bind_projection(py::module_& module) {
       "        read=None, progress=None, threads=None)\n--\n\n"
       "Spherical harmonics of an environment, as a `Projection`. Pixels are read where they lie; of a file (a path\n"
       "or its bytes; `read`: options of `read`) they stream. About 0.3 ns a texel and thread, relative error below\n"
-      "5e-7. `bands`: 1 to 16. `target_size`: edge of a cube's face to which pixels are reduced first.");
+      "5e-7. `bands`: 1 to 16. `target_size`: edge of a cube's face to which pixels are reduced first; of a cubemap\n"
+      "with its mips (a `Chain` of `build_mips`, or a list of arrays (6, n, n, channels)) the nearest level is read.");
   module.def(
       "irradiance", &irradiance_of, py::arg("light"),
       "irradiance(light, *, size=None, method='harmonics', bands=3, quadrature='exact', target_size=None,\n"

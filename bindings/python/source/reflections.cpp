@@ -4,11 +4,15 @@
 #include <pybind11/stl.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "kernels.h"
 #include "results.h"
 #include "source.h"
 #include "welkin/resampling.h"
@@ -66,19 +70,51 @@ std::string words(const Chain& chain) {
          counted(static_cast<std::size_t>(chain.cubemap->levels()), "level");
 }
 
+/// `kernels`: a chain by these in place of GGX's lobes, with size, method, rms_error and policy of `how`.
+std::optional<KernelChainOptions> kernel_options(Options& options, const PrefilterOptions& how) {
+  const py::handle given = options.take("kernels");
+  if (!given) return std::nullopt;
+  std::vector<NamedKernel> kernels;
+  options.read("kernels", kernels);
+  for (const char* const name : {"mips", "roughness", "maximum_error", "samples"}) {
+    if (!options.has(name)) continue;
+    throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for kernels");
+  }
+  KernelChainOptions chain{how.size, {}, how.method, how.rms_error, how.pixels};
+  for (NamedKernel& each : kernels) chain.kernels.push_back(std::move(each.kernel));
+  return chain;
+}
+
 Reflections prefilter(const py::object& pixels, const py::kwargs& given) {
   Options options("prefilter", given);
   const Source source = source_of(pixels, options);
   const PrefilterOptions how = prefilter_options(options, true);
+  const std::optional<KernelChainOptions> lobes = kernel_options(options, how);
   Call call("prefilter", options);
   options.finish();
+  if (lobes) {
+    return Reflections(call.run([&](const Control& control) {
+      return source.visit([&](const auto& view) { return prefilter_by_kernels(view, *lobes, control); });
+    }));
+  }
   return Reflections(call.run([&](const Control& control) {
     return source.visit([&](const auto& view) { return prefilter_specular(view, how, control); });
   }));
 }
 
-py::array reference(const py::object& pixels, double roughness, const py::object& directions, const py::kwargs& given) {
+/// By a roughness, or by a kernel.
+py::array reference(const py::object& pixels, const py::object& lobe, const py::object& directions,
+                    const py::kwargs& given) {
   Options options("reference_specular", given);
+  std::optional<ZonalKernel> kernel;
+  double roughness = 0.0;
+  if (py::isinstance<NamedKernel>(lobe)) {
+    kernel = lobe.cast<const NamedKernel&>().kernel;
+  } else if (py::isinstance<py::float_>(lobe) || PyNumber_Check(lobe.ptr()) != 0) {
+    roughness = py::float_(lobe);
+  } else {
+    throw py::type_error("reference_specular: the lobe is a roughness or a ZonalKernel");
+  }
   const Source source = source_of(pixels, options);
   Call call("reference_specular", options);
   options.finish();
@@ -86,7 +122,10 @@ py::array reference(const py::object& pixels, double roughness, const py::object
   std::vector<dvec3> list(asked.count());
   for (std::size_t index = 0; index < list.size(); ++index) list[index] = asked.at(index);
   const std::vector<dvec3> values = call.run([&](const Control& control) {
-    return source.visit([&](const auto& view) { return reference_specular(view, roughness, list, control); });
+    return source.visit([&](const auto& view) {
+      return kernel ? reference_by_kernel(view, *kernel, list, control)
+                    : reference_specular(view, roughness, list, control);
+    });
   });
   return array_of(values).reshape(asked.shape);
 }
@@ -212,16 +251,20 @@ void bind_reflections(py::module_& module) {
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
       "prefilter(pixels, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
-      "          maximum_error=1e-2, samples=1024, policy=None, layout=None, encoding=None, progress=None,\n"
-      "          threads=None)\n--\n\n"
+      "          maximum_error=1e-2, samples=1024, kernels=None, policy=None, layout=None, encoding=None,\n"
+      "          progress=None, threads=None)\n--\n\n"
       "Reflections by GGX lobes, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule:\n"
       "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `method`: \"automatic\", "
       "\"spectral\",\n"
-      "\"sampled\", \"reference\" (slow). The bounds are relative: rms over a mip, and at any texel.");
-  module.def("reference_specular", &reference, py::arg("pixels"), py::arg("roughness"), py::arg("directions"),
-             "reference_specular(pixels, roughness, directions, *, layout=None, encoding=None, progress=None,\n"
-             "                   threads=None)\n--\n\n"
-             "The truth of `prefilter` at directions (..., 3), in double over all texels: (..., 3).");
+      "\"sampled\", \"reference\" (slow). The bounds are relative: rms over a mip, and at any texel. `kernels`: a list "
+      "of\n"
+      "`ZonalKernel`, one for each mip, in place of GGX's lobes.");
+  module.def(
+      "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
+      "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, progress=None,\n"
+      "                   threads=None)\n--\n\n"
+      "The truth of `prefilter` at directions (..., 3), in double over all texels: (..., 3). `lobe`: GGX's by its\n"
+      "roughness, or a `ZonalKernel`.");
   module.def(
       "brdf_table", &table_of,
       "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n--\n\n"

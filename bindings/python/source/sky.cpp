@@ -227,13 +227,15 @@ void bind_curve(py::module_& module) {
       .def_property_readonly("nbytes", &SkyCurve::bytes, "Memory.")
       .def(
           "__call__", [](const SkyCurve& self, const py::object& sun) { return self.at(vector_of(sun, "sun")); },
-          "__call__(sun)\n--\n\n`SphericalHarmonics` of radiance for a direction towards the sun, without its disc.")
+          py::arg("sun"),
+          "__call__(self, sun)\n--\n\n`SphericalHarmonics` of radiance for a direction towards the sun, without its "
+          "disc.")
       .def(
           "sun_irradiance",
           [](const SkyCurve& self, const py::object& sun) {
             return array_of(self.sun_irradiance(vector_of(sun, "sun")));
           },
-          "sun_irradiance(sun)\n--\n\nOf the direct sun on a surface that faces it: (3,).")
+          py::arg("sun"), "sun_irradiance(self, sun)\n--\n\nOf the direct sun on a surface that faces it: (3,).")
       .def("__repr__", [](const SkyCurve& self) {
         return "<welkin.SkyCurve: " + counted(static_cast<std::size_t>(self.bands()), "band") + ", " +
                std::to_string(self.bytes() / 1024) + " KiB" + ">";
@@ -251,35 +253,37 @@ void bind_sky_class(py::module_& module) {
           "The precomputed tables by name, read only: \"transmittance\", \"scattering\", \"single_mie\" (or\n"
           "None), \"irradiance\".")
       .def("at_altitude", &seen_from, py::arg("altitude"), py::arg("ground") = true,
-           "at_altitude(altitude, ground=True)\n--\n\nThe same sky from another height in metres: milliseconds.")
+           "at_altitude(self, altitude, ground=True)\n--\n\nThe same sky from another height in metres: milliseconds.")
       .def("radiance", &radiance_at, py::arg("directions"), py::arg("sun"),
-           "radiance(directions, sun)\n--\n\nFrom unit directions (..., 3): (..., 3) float32, without the sun's disc;\n"
+           "radiance(self, directions, sun)\n--\n\nFrom unit directions (..., 3): (..., 3) float32, without the sun's "
+           "disc;\n"
            "cd/m2 in linear sRGB, or W/m2/sr/nm of a spectral sky. Some 50 ns each.")
       .def("sun", &sun_of, py::arg("sun"),
-           "sun(sun)\n--\n\nThe sun as a directional light: direction, irradiance, radiance, solid_angle,\n"
+           "sun(self, sun)\n--\n\nThe sun as a directional light: direction, irradiance, radiance, solid_angle,\n"
            "angular_radius_degrees.")
       .def(
           "irradiance",
           [](const Sky& self, const py::object& sun) { return array_of(self.view.irradiance(vector_of(sun, "sun"))); },
-          py::arg("sun"), "irradiance(sun)\n--\n\nOf the sky on level ground, without direct sun: (3,).")
+          py::arg("sun"), "irradiance(self, sun)\n--\n\nOf the sky on level ground, without direct sun: (3,).")
       .def("harmonics", &harmonics_at, py::arg("sun"),
-           "harmonics(sun, *, bands=3, quadrature='gauss-split', zeniths=16, azimuths=16)\n--\n\n"
+           "harmonics(self, sun, *, bands=3, quadrature='gauss-split', zeniths=16, azimuths=16)\n--\n\n"
            "`SphericalHarmonics` of radiance, without the sun's disc.")
       .def("curve", &curve_of,
-           "curve(*, bands=3, nodes=256, quadrature='gauss-split', zeniths=32, azimuths=32, progress=None,\n"
+           "curve(self, *, bands=3, nodes=256, quadrature='gauss-split', zeniths=32, azimuths=32, progress=None,\n"
            "      threads=None)\n--\n\nAll suns at once, as a `SkyCurve`.")
-      .def("cubemap", &cubemap_of, py::arg("sun"), py::arg("size"),
-           "cubemap(sun, size, *, sun_disc=False, progress=None, threads=None)\n--\n\n(6, size, size, 3) float32.")
       .def(
-          "lat_long", &lat_long_of, py::arg("sun"), py::arg("height"),
-          "lat_long(sun, height, *, sun_disc=False, progress=None, threads=None)\n--\n\n(height, 2 height, 3) float32.")
+          "cubemap", &cubemap_of, py::arg("sun"), py::arg("size"),
+          "cubemap(self, sun, size, *, sun_disc=False, progress=None, threads=None)\n--\n\n(6, size, size, 3) float32.")
+      .def("lat_long", &lat_long_of, py::arg("sun"), py::arg("height"),
+           "lat_long(self, sun, height, *, sun_disc=False, progress=None, threads=None)\n--\n\n(height, 2 height, 3) "
+           "float32.")
       .def(
           "save",
           [](const Sky& self, const std::filesystem::path& path) {
             const py::gil_scoped_release released;
             save_sky_tables(self.tables(), path);
           },
-          py::arg("path"), "save(path)\n--\n\nThe tables to a file; `load_sky` gives the same bits.")
+          py::arg("path"), "save(self, path)\n--\n\nThe tables to a file; `load_sky` gives the same bits.")
       .def("__repr__", [](const Sky& self) {
         return "<welkin.Sky: " + self.tables().atmosphere.name + " at " +
                std::to_string(static_cast<long>(self.view.altitude_m())) + " m, " +

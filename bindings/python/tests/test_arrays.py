@@ -112,7 +112,7 @@ def test_wrong_pixels_are_said(pixels, words):
 
 
 def test_wrong_arguments_are_said(picture, faces):
-    with pytest.raises(TypeError, match="takes no argument \"band\"; it takes bands"):
+    with pytest.raises(TypeError, match='takes no argument "band"; it takes bands'):
         welkin.project(picture, band=2)
     with pytest.raises(TypeError, match=r"project\(bands=...\)"):
         welkin.project(picture, bands="many")

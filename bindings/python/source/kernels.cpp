@@ -1,0 +1,96 @@
+#include "kernels.h"
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <cstdio>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+
+namespace welkin::python {
+namespace {
+
+std::string with_number(const char* name, const char* what, double number) {
+  char words[96];
+  std::snprintf(words, sizeof(words), "%s, %s %.4g", name, what, number);
+  return words;
+}
+
+py::array values_at(const NamedKernel& self,
+                    const py::array_t<double, py::array::c_style | py::array::forcecast>& cosines) {
+  py::array_t<double> values(std::vector<py::ssize_t>(cosines.shape(), cosines.shape() + cosines.ndim()));
+  double* const out = values.mutable_data();
+  for (py::ssize_t index = 0; index < cosines.size(); ++index) out[index] = self.kernel.value(cosines.data()[index]);
+  return values;
+}
+
+}  // namespace
+
+void bind_kernels(py::module_& module) {
+  py::class_<NamedKernel>(module, "ZonalKernel",
+                          "A lobe that is the same all about its axis, by the cosine to it; its integral over the\n"
+                          "sphere is 1. `prefilter(pixels, kernels=[...])` takes one for each mip.")
+      .def_static(
+          "charlie",
+          [](double roughness) {
+            return NamedKernel{ZonalKernel::charlie(roughness), with_number("charlie", "roughness", roughness)};
+          },
+          py::arg("roughness"),
+          "charlie(roughness)\n--\n\nSheen (Estevez and Kulla 2017) with N = V = R; roughness from 0.01 to 1.")
+      .def_static(
+          "lambert",
+          [] {
+            return NamedKernel{ZonalKernel::lambert(), "lambert"};
+          },
+          "lambert()\n--\n\nThe cosine: irradiance over pi.")
+      .def_static(
+          "phong",
+          [](double power) {
+            return NamedKernel{ZonalKernel::phong(power), with_number("phong", "power", power)};
+          },
+          py::arg("power"), "phong(power)\n--\n\ncosine^power, power from 0.5 to 1e6.")
+      .def_static(
+          "blinn",
+          [](double power) {
+            return NamedKernel{ZonalKernel::blinn(power), with_number("blinn", "power", power)};
+          },
+          py::arg("power"), "blinn(power)\n--\n\ncosine times the half vector's cosine^power, power from 0 to 1e6.")
+      .def_static(
+          "from_function",
+          [](const std::function<double(double)>& value, const std::vector<double>& breaks) {
+            return NamedKernel{ZonalKernel::from_function(value, breaks), "a function of the cosine"};
+          },
+          py::arg("value"), py::arg("breaks") = std::vector{0.0},
+          "from_function(value, breaks=[0.0])\n--\n\nAny function of the cosine, from -1 to 1, that is smooth between\n"
+          "`breaks`. It is called here, some hundred to some ten thousand times, and nowhere else.")
+      .def_static(
+          "from_spectrum",
+          [](const std::vector<double>& factors) {
+            return NamedKernel{ZonalKernel::from_spectrum(factors),
+                               "a spectrum of " + std::to_string(factors.size()) + " degrees"};
+          },
+          py::arg("factors"),
+          "from_spectrum(factors)\n--\n\nBy what each degree is multiplied, over the first one, which must be above 0.")
+      .def("value", &values_at, py::arg("cosines"),
+           "value(self, cosines)\n--\n\nFor each steradian, at cosines (...): (...).")
+      .def(
+          "spectrum",
+          [](const NamedKernel& self, int bands) {
+            std::vector<double> factors = self.kernel.spectrum(bands);
+            const auto count = static_cast<py::ssize_t>(factors.size());
+            return owning(std::move(factors), {count});
+          },
+          py::arg("bands"), "spectrum(self, bands)\n--\n\nBy what each degree below `bands` is multiplied: (bands,).")
+      .def_property_readonly(
+          "roughness", [](const NamedKernel& self) { return self.kernel.roughness(); }, "Of `charlie`; 0 of others.")
+      .def("__repr__", [](const NamedKernel& self) { return "<welkin.ZonalKernel: " + self.words + ">"; });
+  module.def("charlie_roughness_of_mips", &charlie_roughness_of_mips, py::arg("mips"), py::arg("size"),
+             "charlie_roughness_of_mips(mips, size)\n--\n\n"
+             "Roughness of each mip of a sheen chain, as the sample renderer of glTF looks it up.");
+}
+
+}  // namespace welkin::python

@@ -1,0 +1,18 @@
+// Lobes of the caller's choice as objects of Python's.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <string>
+
+#include "welkin/zonal_kernel.h"
+
+namespace welkin::python {
+
+/// A kernel, and what it is in words.
+struct NamedKernel {
+  ZonalKernel kernel;
+  std::string words;
+};
+
+}  // namespace welkin::python

@@ -1,0 +1,17 @@
+// Octahedral maps as objects of Python's.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "welkin/octahedral.h"
+
+namespace welkin::python {
+
+/// A map that arrays look at, too.
+struct SharedOctahedral {
+  std::shared_ptr<const OctahedralMap> map;
+};
+
+}  // namespace welkin::python
