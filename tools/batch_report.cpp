@@ -123,19 +123,6 @@ const char* name(JobState state) noexcept {
   return "differs";
 }
 
-const char* name(ErrorCode code) noexcept {
-  switch (code) {
-    case ErrorCode::invalid_argument: return "invalid_argument";
-    case ErrorCode::rejected_pixel: return "rejected_pixel";
-    case ErrorCode::file_access: return "file_access";
-    case ErrorCode::corrupt_file: return "corrupt_file";
-    case ErrorCode::unsupported_file: return "unsupported_file";
-    case ErrorCode::limit_exceeded: return "limit_exceeded";
-    default: break;  // a bake ends with no other
-  }
-  return "cancelled";
-}
-
 std::string time_now() {
   using namespace std::chrono;
   const auto now = floor<milliseconds>(system_clock::now());

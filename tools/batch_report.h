@@ -79,7 +79,4 @@ class ShardReport {
 /// All reports in a folder of results, in the order of their names. Throws likewise.
 [[nodiscard]] std::vector<std::filesystem::path> reports_in(const std::filesystem::path& results);
 
-/// The words of an error's kind: "corrupt_file".
-[[nodiscard]] const char* name(ErrorCode code) noexcept;
-
 }  // namespace welkin::tool
