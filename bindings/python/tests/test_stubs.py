@@ -1,10 +1,13 @@
 """The types in welkin/__init__.pyi are those of the package that runs."""
+import inspect
 import pathlib
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+
+import welkin
 
 pytest.importorskip("mypy")
 HERE = pathlib.Path(__file__).resolve().parent
@@ -54,3 +57,59 @@ def test_wrong_programs_are_refused(tmp_path):
     for number, (wrong, kinds) in enumerate(WRONG.items(), len(lines) + 1):
         found = [line for line in said.splitlines() if f"wrong.py:{number}:" in line and "error" in line]
         assert any(f"[{kind}]" in line for line in found for kind in kinds.split("|")), (wrong, found)
+
+
+def test_signatures_name_the_options_that_calls_take(picture, faces, small_sky, tmp_path):
+    file = welkin.encode("sky.pfm", picture)
+    table, sun = welkin.importance_table(picture), (0, 0.5, 1)
+    calls = {
+        welkin.project: [(picture,), (file,)],
+        welkin.irradiance: [(picture,)],
+        welkin.direct_irradiance: [(picture, sun)],
+        welkin.prefilter: [(picture,)],
+        welkin.reference_specular: [(picture, 0.5, sun)],
+        welkin.brdf_table: [()],
+        welkin.build_mips: [(faces,)],
+        welkin.to_octahedral: [(welkin.SphericalHarmonics(3),)],
+        welkin.bake: [(picture,), (file,)],
+        welkin.project_many: [([faces],), ([],)],
+        welkin.bake_many: [([faces],), ([],)],
+        welkin.plan: [(picture,), (file,)],
+        welkin.importance_table: [(picture,)],
+        welkin.sky: [()],
+        welkin.load_sky: [(tmp_path / "sky",)],
+        welkin.read: [(file,)],
+        welkin.inspect: [(file,)],
+        welkin.measure: [(file,)],
+        welkin.write: [(tmp_path / "sky.pfm", picture)],
+        welkin.encode: [("sky.pfm", picture)],
+        welkin.read_texture: [(file,)],
+        welkin.write_texture: [(tmp_path / "sky.ktx2", faces)],
+        welkin.to_cubemap: [(picture, 4)],
+        welkin.to_lat_long: [(picture, 4)],
+        welkin.preview: [(picture,)],
+        welkin.tone_mapped: [(picture,)],
+        table.alias: [()],
+        table.pyramid: [()],
+        table.variance: [(picture,)],
+        small_sky.harmonics: [(sun,)],
+        small_sky.curve: [()],
+        small_sky.cubemap: [(sun, 4)],
+        small_sky.lat_long: [(sun, 4)],
+    }
+    for call, arguments in calls.items():
+        taken = set()
+        for each in arguments:
+            with pytest.raises(TypeError, match='takes no argument "nonsense"; it takes ') as caught:
+                call(*each, nonsense=1)
+            taken |= set(str(caught.value).split("it takes ")[1].split(", "))
+        named = {p.name for p in inspect.signature(call).parameters.values() if p.kind is p.KEYWORD_ONLY}
+        assert taken == named, call.__name__
+    # No call with options is left out.
+    names = {call.__name__ for call in calls}
+    for name in welkin.__all__:
+        each = getattr(welkin, name)
+        if inspect.isbuiltin(each) and any(
+            p.kind is p.KEYWORD_ONLY for p in inspect.signature(each).parameters.values()
+        ):
+            assert name in names, name

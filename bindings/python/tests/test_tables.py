@@ -30,6 +30,14 @@ def test_samples_are_by_the_density(picture, rng):
     np.testing.assert_allclose(table.density(directions), densities, rtol=1e-6)
     # The mean of 1 / density is the sphere.
     assert np.mean(1 / densities) == pytest.approx(4 * np.pi, rel=0.1)
+    # `down` picks the row, and `across` the column in it.
+    row = np.floor((0.5 - np.arcsin(directions[..., 1]) / np.pi) * 32).astype(int)
+    column = np.floor((0.5 - np.arctan2(directions[..., 0], directions[..., 2]) / (2 * np.pi)) * 64).astype(int)
+    for cdf, number in ((table.row_cdf, down), (table.column_cdf[row], across)):
+        at = row if cdf.ndim == 1 else column
+        below = cdf[at] if cdf.ndim == 1 else np.take_along_axis(cdf, at[..., None], -1)[..., 0]
+        above = cdf[at + 1] if cdf.ndim == 1 else np.take_along_axis(cdf, at[..., None] + 1, -1)[..., 0]
+        assert ((below - 1e-6 <= number) & (number <= above + 1e-6)).all()
     one, density = table.sample(0.5, 0.5)
     assert one.shape == (3,) and density > 0
     with pytest.raises(welkin.InvalidArgument, match="one shape"):
