@@ -39,9 +39,10 @@ struct ProbeGrid {
   [[nodiscard]] dvec3 position(std::size_t probe) const noexcept {
     const auto columns = static_cast<std::size_t>(counts[0]);
     const auto rows = static_cast<std::size_t>(counts[1]);
+    const std::size_t row = probe / columns % rows;
+    const std::size_t slice = probe / columns / rows;
     return {origin.x + spacing.x * static_cast<double>(probe % columns),
-            origin.y + spacing.y * static_cast<double>(probe / columns % rows),
-            origin.z + spacing.z * static_cast<double>(probe / columns / rows)};
+            origin.y + spacing.y * static_cast<double>(row), origin.z + spacing.z * static_cast<double>(slice)};
   }
 
   friend bool operator==(const ProbeGrid&, const ProbeGrid&) = default;

@@ -97,7 +97,7 @@ void DepthMaps::add_row(const float* depths, int row, Room& room, bool& is_numbe
   const double limit = rules_.distance_limit;
   int numbers = 0;
   for (std::size_t k = 0; k < size; ++k) {
-    const double depth = static_cast<double>(depths[k]);
+    const auto depth = static_cast<double>(depths[k]);
     const double length = std::abs(depth);
     const double counted = length < limit ? length : limit;
     means[k] += angles[k] * counted;

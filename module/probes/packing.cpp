@@ -33,14 +33,14 @@ constexpr int kMostTexels = 2048;      // along an edge of a texture
 /// A texture that is being filled.
 class Filling {
  public:
-  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size) : size_(size) {
+  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size)
+      : size_(size), index_(packed.textures.size()) {
     for (const int edge : size)
       image::require_range("texels along an edge of a texture of probes", edge, 1, kMostTexels);
     packed.textures.push_back(
         {name, size,
          std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
                                     static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]))});
-    index_ = packed.textures.size() - 1;
   }
 
   /// Returns how many values did not fit.
@@ -55,7 +55,7 @@ class Filling {
 
  private:
   std::array<int, 3> size_;
-  std::size_t index_ = 0;
+  std::size_t index_;
 };
 
 /// Calls work(slice) for each slice of a texture; returns the sum of what it returns.

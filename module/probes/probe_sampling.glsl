@@ -6,6 +6,7 @@
 // This text is GLSL and C++ at once, and a statement begins on a line of its own, so that a few replacements of words
 // make HLSL and WGSL of it (sampling_code.cpp).
 
+// NOLINTBEGIN(readability-*,modernize-*,bugprone-integer-division): other languages have no words for it
 struct ProbeVolume {
   vec3 origin;
   vec3 spacing;
@@ -131,3 +132,4 @@ vec3 probe_volume_light(ProbeVolume volume, vec3 surface, vec3 normal) {
   }
   return max(sum, vec3(0.0f, 0.0f, 0.0f));
 }
+// NOLINTEND(readability-*,modernize-*,bugprone-integer-division)

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "platform/standard_library.h"
 #include "probes/probe_sampling_text.h"
 #include "welkin/core.h"
 #include "welkin/probes.h"
@@ -49,11 +50,8 @@ std::string with_words(std::string_view line, const Words& words) {
 }
 
 bool is_type(std::string_view word) noexcept {
-  if (word == "ProbeVolume") return true;
-  for (const Word& each : kWgslWords) {
-    if (each.from == word) return true;
-  }
-  return false;
+  return word == "ProbeVolume" ||
+         platform::ranges::any_of(kWgslWords, [word](const Word& each) { return each.from == word; });
 }
 
 /// "TYPE NAME" at `place` as "NAME : TYPE"; `place` moves behind it.
@@ -116,6 +114,7 @@ std::string probe_sampling_code(ShaderLanguage language) {
     const std::size_t end = rest.find('\n');
     const std::string_view line = rest.substr(0, end);
     rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+    if (line.substr(0, 9) == "// NOLINT") continue;
     if (line.substr(0, 7) == "struct ") in_structure = true;
     switch (language) {
       case ShaderLanguage::glsl:

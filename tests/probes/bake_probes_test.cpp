@@ -160,6 +160,21 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
   }
 }
 
+TEST_CASE("probes: what differs within a block is in the mean square", "[probes]") {
+  // 1 and 3 in turn, texel by texel: the mean is 2, the mean square 5. Blocks are of 4 x 4 texels.
+  int texel = 0;
+  const Captures captures(1, 1, grey, 64, [&](std::size_t, const dvec3&) {
+    const int column = texel % 64;
+    const int row = texel++ / 64;
+    return (column + row) % 2 == 0 ? 1.0F : 3.0F;
+  });
+  const BakedProbes probes = bake_probes({.spacing = {9, 9, 9}}, captures.cubes, captures.depths);
+  for (int k = 0; k < 8; ++k) {
+    CHECK(texel_of(probes, 0, k, 7 - k)[0] == Approx(2.0).epsilon(1e-3));
+    CHECK(texel_of(probes, 0, k, 7 - k)[1] == Approx(5.0).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("probes: the border of a map has what lies beyond its edges on the sphere", "[probes]") {
   const ProbeGrid grid{};
   const Captures captures(1, 1, grey, 9, [](std::size_t, const dvec3& d) {

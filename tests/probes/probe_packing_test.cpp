@@ -105,7 +105,7 @@ TEST_CASE("pack: the plain layout has a volume a coefficient, and validity besid
 }
 
 TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its bricks", "[probes]") {
-  for (const std::array<int, 3> counts : {std::array{1, 1, 1}, std::array{2, 3, 7}, std::array{4, 5, 8}}) {
+  for (const std::array<int, 3> counts : {std::array{1, 1, 1}, std::array{2, 3, 7}, std::array{7, 5, 8}}) {
     BakedProbes probes = made_up(counts, 3);
     for (std::size_t k = 0; k < probes.coefficients.size(); ++k) {
       if (k % 9 != 0) probes.coefficients[k] /= 32.0;  // near what light has beside its mean
@@ -163,6 +163,23 @@ TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its br
       }
     }
   }
+}
+
+TEST_CASE("pack: 512 of Unity's bricks lie in a row", "[probes]") {
+  BakedProbes probes = made_up({121, 16, 13}, 1);
+  for (std::size_t k = 0; k < probes.coefficients.size(); ++k) {
+    probes.coefficients[k] = dvec3(static_cast<double>(k % 2048), static_cast<double>(k / 2048), 1.0);
+  }
+  const PackedProbes packed = pack_probes(probes, ProbeLayout::unity_l1);
+  CHECK(packed.bricks == std::array{40, 5, 4});
+  CHECK(packed.textures[0].size == std::array{2048, 8, 4});
+  // Brick (7, 3, 3) is number 727; its probe (2, 1, 3) is (23, 10, 12) of the grid.
+  const std::size_t probe = 23 + 121 * (10 + 16 * 12);
+  const double scale = value(packed.textures[0], 4 * (727 - 512) + 2, 4 + 1, 3, 2);
+  CHECK(value(packed.textures[0], 4 * (727 - 512) + 2, 4 + 1, 3, 0) ==
+        Approx(static_cast<double>(probe % 2048) * scale).epsilon(1e-3));
+  CHECK(value(packed.textures[0], 4 * (727 - 512) + 2, 4 + 1, 3, 1) ==
+        Approx(static_cast<double>(probe / 2048) * scale).epsilon(1e-3));
 }
 
 TEST_CASE("pack: what halves cannot hold is counted; black stays black", "[probes]") {

@@ -22,6 +22,7 @@ namespace {
 const ProbeGrid kGrid{.counts = {4, 3, 2}, .origin = {-1, 0.5, 2}, .spacing = {1, 0.75, 1.25}};
 constexpr int kPlaces = 256;
 constexpr double kBias = 0.2;
+constexpr double kEvenSpacing = 0.8;
 
 double number(std::mt19937& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
@@ -158,18 +159,19 @@ fn main(@builtin(global_invocation_id) thread : vec3u) {
 )";
 
 const char* const kScript = R"(
-const worst = (found, four) => {
+const worst = (found, truth) => {
   let largest = 0;
-  for (let k = 0; k < wanted.length / 3; ++k) {
+  for (let k = 0; k < truth.length / 3; ++k) {
     for (let c = 0; c < 3; ++c) {
-      const difference = Math.abs(found[four * k + c] - wanted[3 * k + c]) / Math.max(1, Math.abs(wanted[3 * k + c]));
+      const difference = Math.abs(found[4 * k + c] - truth[3 * k + c]) / Math.max(1, Math.abs(truth[3 * k + c]));
       if (!(difference <= largest)) largest = difference;
     }
   }
   return largest;
 };
-const glslWorst = () => {
-  const count = wanted.length / 3;
+// Draws a pixel for each place by a fragment shader, whose textures `fill` makes.
+const glslWorst = (source, truth, fill) => {
+  const count = truth.length / 3;
   const canvas = document.createElement("canvas");
   const gl = canvas.getContext("webgl2");
   if (!gl || !gl.getExtension("EXT_color_buffer_float")) return "no WebGL 2";
@@ -183,7 +185,7 @@ const glslWorst = () => {
   const program = gl.createProgram();
   gl.attachShader(program, shader(gl.VERTEX_SHADER, `#version 300 es
     void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`));
-  gl.attachShader(program, shader(gl.FRAGMENT_SHADER, glsl));
+  gl.attachShader(program, shader(gl.FRAGMENT_SHADER, source));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
   gl.useProgram(program);
@@ -194,9 +196,8 @@ const glslWorst = () => {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
   };
-  texture(0, floats, numbers.length / floats, gl.R32F, gl.RED, new Float32Array(numbers));
+  fill(gl, (name) => gl.getUniformLocation(program, name), texture);
   texture(1, places.length / 4, 1, gl.RGBA32F, gl.RGBA, new Float32Array(places));
-  gl.uniform1i(gl.getUniformLocation(program, "numbers"), 0);
   gl.uniform1i(gl.getUniformLocation(program, "places"), 1);
   const target = gl.createRenderbuffer();
   gl.bindRenderbuffer(gl.RENDERBUFFER, target);
@@ -207,8 +208,40 @@ const glslWorst = () => {
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   const found = new Float32Array(4 * count);
   gl.readPixels(0, 0, count, 1, gl.RGBA, gl.FLOAT, found);
-  return worst(found, 4);
+  return worst(found, truth);
 };
+const fillNumbers = (gl, place, texture) => {
+  texture(0, floats, numbers.length / floats, gl.R32F, gl.RED, new Float32Array(numbers));
+  gl.uniform1i(place("numbers"), 0);
+};
+// three.js's own look-up of the atlas of `ProbeLayout::three`.
+const fillAtlas = (gl, place) => {
+  gl.activeTexture(gl.TEXTURE0);
+  gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+  gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, ...atlasSize, 0, gl.RGBA, gl.HALF_FLOAT, new Uint16Array(atlas));
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
+  for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
+    gl.texParameteri(gl.TEXTURE_3D, wrap, gl.CLAMP_TO_EDGE);
+  }
+  gl.uniform1i(place("probesSH[0]"), 0);
+  gl.uniform3f(place("probesMin[0]"), ...origin.map((low) => low - 0.5 * evenSpacing));
+  gl.uniform3f(place("probesMax[0]"), ...origin.map((low, axis) => low + (counts[axis] - 0.5) * evenSpacing));
+  gl.uniform3f(place("probesResolution[0]"), ...counts);
+};
+const threeShader = `#version 300 es
+precision highp float;
+precision highp sampler3D;
+#define NUM_LIGHT_PROBE_GRIDS 1
+${threeChunk}
+uniform highp sampler2D places;
+layout(location = 0) out vec4 result;
+void main() {
+  int k = int(gl_FragCoord.x);
+  vec3 place = texelFetch(places, ivec2(2 * k, 0), 0).xyz;
+  vec3 normal = texelFetch(places, ivec2(2 * k + 1, 0), 0).xyz;
+  result = vec4(getLightProbeGridIrradiance(probesSH[0], probesMin[0], probesMax[0], probesResolution[0], place, normal),
+                1.0);
+}`;
 const wgslWorst = async () => {
   const soon = new Promise((take) => setTimeout(() => take(null), 3000));
   const adapter = navigator.gpu && await Promise.race([navigator.gpu.requestAdapter(), soon]);
@@ -239,7 +272,7 @@ const wgslWorst = async () => {
   encoder.copyBufferToBuffer(buffers[2], 0, read, 0, results.byteLength);
   device.queue.submit([encoder.finish()]);
   await read.mapAsync(GPUMapMode.READ);
-  return worst(new Float32Array(read.getMappedRange()), 4);
+  return worst(new Float32Array(read.getMappedRange()), wanted);
 };
 const said = async (name, work) => {
   let words;
@@ -251,7 +284,8 @@ const said = async (name, work) => {
   document.body.dataset[name] = words;
 };
 (async () => {
-  await said("glsl", glslWorst);
+  await said("glsl", () => glslWorst(glsl, wanted, fillNumbers));
+  await said("three", () => threeChunk ? glslWorst(threeShader, threeWanted, fillAtlas) : "no three.js");
   await said("wgsl", wgslWorst);
   document.body.dataset.ready = "yes";
 })();
@@ -268,6 +302,12 @@ void write_all(const std::filesystem::path& folder) {
   std::mt19937 random(11);
   std::vector<double> places;
   std::vector<double> wanted;
+  // three.js moves a place by half a spacing along the normal, axis by axis: the same where spacings are.
+  BakedProbes even = probes;
+  even.grid.spacing = dvec3(kEvenSpacing);
+  const ProbeTexture atlas = pack_probes(even, ProbeLayout::three).textures.front();
+  const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.5};
+  std::vector<double> three_wanted;
   for (int k = 0; k < kPlaces; ++k) {
     const dvec3 surface{number(random, -1.5, 2.5), number(random, 0.2, 2.3), number(random, 1.5, 3.6)};
     const dvec3 normal = glm::normalize(dvec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)));
@@ -275,6 +315,8 @@ void write_all(const std::filesystem::path& folder) {
     const dvec3 light = probe_irradiance(probes, dvec3(vec3(surface)), dvec3(vec3(normal)), {.normal_bias = kBias});
     for (const dvec3& each : {surface, normal}) places.insert(places.end(), {each.x, each.y, each.z, 0.0});
     wanted.insert(wanted.end(), {light.x, light.y, light.z});
+    const dvec3 in_three = probe_irradiance(even, dvec3(vec3(surface)), dvec3(vec3(normal)), plain);
+    three_wanted.insert(three_wanted.end(), {in_three.x, in_three.y, in_three.z});
   }
   const std::string glsl = kGlslReaders + probe_sampling_code(ShaderLanguage::glsl) + kGlslMain;
   const std::string wgsl = kWgslReaders + probe_sampling_code(ShaderLanguage::wgsl) + kWgslMain;
@@ -282,9 +324,12 @@ void write_all(const std::filesystem::path& folder) {
   write(folder / "probes.hlsl", kHlslReaders + probe_sampling_code(ShaderLanguage::hlsl) + kHlslMain);
   write(folder / "probes.wgsl", wgsl);
   std::ostringstream page;
-  page << "<!doctype html><meta charset=utf-8><body><script>\nconst floats = " << kFloats
+  page << "<!doctype html><meta charset=utf-8><body><script src=three.js></script><script>\nconst floats = " << kFloats
        << ";\nconst numbers = " << list_of(numbers_of(probes)) << ";\nconst places = " << list_of(places)
-       << ";\nconst wanted = " << list_of(wanted) << ";\nconst glsl = `" << glsl << "`;\nconst wgsl = `" << wgsl
+       << ";\nconst wanted = " << list_of(wanted) << ";\nconst threeWanted = " << list_of(three_wanted)
+       << ";\nconst atlas = " << list_of(atlas.halves) << ";\nconst atlasSize = " << list_of(atlas.size)
+       << ";\nconst counts = " << list_of(kGrid.counts) << ";\nconst origin = [-1, 0.5, 2]"
+       << ";\nconst evenSpacing = " << kEvenSpacing << ";\nconst glsl = `" << glsl << "`;\nconst wgsl = `" << wgsl
        << "`;\n"
        << kScript << "</script>\n";
   write(folder / "page.html", page.str());
