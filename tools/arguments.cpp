@@ -119,6 +119,15 @@ void add_option(CLI::App& command, const Option& option) {
   if (!option.environment.empty()) added.envname(option.environment);
 }
 
+void add_options(CLI::App& command, const Options& table) {
+  for (const Option& option : table) add_option(command, option);
+  for (const Option& option : table) {
+    const std::string name = option.names.substr(0, option.names.find(','));
+    for (const std::string& other : option.needs) command.get_option(name)->needs(command.get_option(other));
+    for (const std::string& other : option.excludes) command.get_option(name)->excludes(command.get_option(other));
+  }
+}
+
 /// To every command, and to the program itself.
 void add_verbosity(CLI::App& command) {
   command
@@ -138,12 +147,7 @@ void add_command(CLI::App& program, const Command& command) {
   added.get_option("--help")->group(kRunningGroup);
   added.get_option("--help-all")->group(kRunningGroup);
   added.footer(with_exit_codes(command.notes));
-  for (const Option& option : command.options) add_option(added, option);
-  for (const Option& option : command.options) {
-    const std::string name = option.names.substr(0, option.names.find(','));
-    for (const std::string& other : option.needs) added.get_option(name)->needs(added.get_option(other));
-    for (const std::string& other : option.excludes) added.get_option(name)->excludes(added.get_option(other));
-  }
+  add_options(added, command.options);
   add_verbosity(added);
   added.callback(
       [&command, &added] { command.run([&added](const std::string& name) { return added.count(name) > 0; }); });
@@ -261,6 +265,18 @@ Option& option(Options& options, const std::string& name) {
 
 bool same_word(const std::string& one, const std::string& other) {
   return CLI::detail::to_lower(one) == CLI::detail::to_lower(other);
+}
+
+void read_options(const Options& table, const std::vector<std::string>& words) {
+  CLI::App parser;
+  parser.allow_windows_style_options(false);
+  parser.set_help_flag("");
+  add_options(parser, table);
+  try {
+    parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& flaw) {
+    throw Error(ErrorCode::invalid_argument, flaw.what());
+  }
 }
 
 std::string alternatives(const std::vector<std::string>& words) { return CLI::detail::join(words, "|"); }

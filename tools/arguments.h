@@ -111,6 +111,9 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
 /// Whether an option was on the command line.
 using Given = std::function<bool(const std::string& name)>;
 
+/// Reads words as the command line is read: each option's value goes to its target. Throws `Error` (invalid_argument).
+void read_options(const Options& table, const std::vector<std::string>& words);
+
 /// A subcommand.
 struct Command {
   std::string name;

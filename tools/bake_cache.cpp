@@ -48,7 +48,15 @@ std::string words_that_count() {
   return text;
 }
 
-/// What stood in the files that options name: they may be pipes, which cannot be read again.
+std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
 std::string scene_text(const NeedsChoice& scene) {
   const CostModel costs = scene.costs();
   std::string text = needs_json(scene.needs()).one_line();
@@ -68,7 +76,6 @@ std::optional<ContentHash> hash_in(std::string_view text) {
   return hash;
 }
 
-/// Of a file in the folder itself and no other place: the index may be anybody's.
 bool is_plain_name(std::string_view name) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_.";
   if (name == kReadmeName) return true;
@@ -76,12 +83,7 @@ bool is_plain_name(std::string_view name) {
          name.find_first_not_of(kLetters) == std::string_view::npos;
 }
 
-std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
+namespace {
 
 struct IndexedFile {
   WrittenFile about;
@@ -142,7 +144,10 @@ std::optional<std::string> with_own_times(const std::string& manifest, double mi
 }  // namespace
 
 std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options) {
-  const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
+  return input_files(options, inspect_environment(platform::path_of(*options.input), options.common.read));
+}
+
+std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options, const EnvironmentInfo& info) {
   if (info.layout == Layout::six_files) return {info.faces.begin(), info.faces.end()};
   return {platform::path_of(*options.input)};
 }

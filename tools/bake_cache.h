@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/bake_manifest.h"
@@ -56,5 +57,18 @@ class BakeFolderCache {
 
 /// All files of an input: itself or, of six, each. Throws what `inspect_environment` does.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options);
+[[nodiscard]] std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options,
+                                                             const EnvironmentInfo& info);
+
+// What names results, and what is believed of lists of files.
+
+/// What stood in the files that options name: they may be pipes, which cannot be read again.
+[[nodiscard]] std::string scene_text(const NeedsChoice& scene);
+
+/// What `ContentHash::text` has written.
+[[nodiscard]] std::optional<ContentHash> hash_in(std::string_view text);
+
+/// Of a file in the folder itself and no other place: the list may be anybody's. A manifest's is none.
+[[nodiscard]] bool is_plain_name(std::string_view name);
 
 }  // namespace welkin::tool

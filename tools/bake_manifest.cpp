@@ -22,14 +22,19 @@ namespace {
               platform::utf8(path) + ": " + what + " (" + reason + "); pass -o a folder that this user may write to");
 }
 
-/// A remark that names a file or the cache without their folders, as `portable_path` has it.
+void replace_all(std::string& text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
+    text.replace(at, what.size(), with);
+  }
+}
+
+/// A remark that names a file or the cache without their folders, as `portable_path` has it, or the input as it is to
+/// be called.
 std::string portable_note(std::string note, const BakeCommandOptions& options) {
-  for (const std::string& path : {options.input.value_or(""), options.common.cache, options.directory}) {
-    if (!platform::path_of(path).is_absolute()) continue;
-    const std::string portable = portable_path(path);
-    for (std::size_t at = 0; (at = note.find(path, at)) != std::string::npos; at += portable.size()) {
-      note.replace(at, path.size(), portable);
-    }
+  const std::string input = options.input.value_or("");
+  if (!options.called.empty() && !input.empty()) replace_all(note, input, options.called);
+  for (const std::string& path : {input, options.common.cache, options.directory}) {
+    if (platform::path_of(path).is_absolute()) replace_all(note, path, portable_path(path));
   }
   return note;
 }
@@ -41,7 +46,7 @@ Json notes_json(const std::vector<std::string>& notes, const BakeCommandOptions&
 }
 
 Json source_json(const Source& source, const BakeCommandOptions& options) {
-  return {{"path", portable_path(source.path)},
+  return {{"path", options.called.empty() ? portable_path(source.path) : options.called},
           {"layout", source.layout},
           {"width", source.width},
           {"height", source.height},
@@ -279,7 +284,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
   json["notes"] = notes_json(bake_notes(baked, folder), options);
-  json["times"] = times_json(baked);
+  if (options.called.empty()) json["times"] = times_json(baked);
   return json_text(json);
 }
 

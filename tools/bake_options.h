@@ -36,6 +36,7 @@ struct BakeCommandOptions {
   ComputePicture compute;            ///< none: the built-in sky
   std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
+  std::string called;  ///< what files call the input; then they do not depend on its name, nor on the time
   std::vector<std::string> also_read;  ///< files beside the input and those of `scene`
   std::set<Container> containers{Container::ktx2};
   bool containers_named = false;  ///< by --formats

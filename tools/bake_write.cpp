@@ -349,7 +349,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
 
   ShReport report;
   report.source = baked.source;
-  report.source.path = portable_path(baked.source.path);
+  report.source.path = options.called.empty() ? portable_path(baked.source.path) : options.called;
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
   report.projection = {turned(light, matrix), baked.light.diagnostics};

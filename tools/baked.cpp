@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <iostream>
+#include <limits>
 #include <utility>
 
 #include "tools/gltf_light.h"
@@ -193,10 +194,10 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
   return options;
 }
 
-/// Throws `Error` (limit_exceeded) if results, the .env's or .glb's chain, lat-longs or cubemaps that are turned on the
-/// way out would take more than the limit. Not counted: previews, and what an encoder holds of a file.
-void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
-  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+/// The step that takes most: of the bake itself, the .env's or .glb's chain, lat-longs, or cubemaps that are turned on
+/// the way out. Not counted: previews, and what an encoder holds of a file. `limit` matters to the remedy.
+MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake,
+                        std::uint64_t limit) {
   const int size = background_size(bake);
   const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
@@ -230,6 +231,13 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   consider(has_lat_long, {results + lat_long, "results and the background as a lat-long", kSmallerResults});
   consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
                    kSmallerResults});
+  return worst;
+}
+
+/// Throws `Error` (limit_exceeded) if a step would take more than the limit.
+void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
+  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  const MemoryStep worst = largest_step(memory, options, bake, limit);
   if (worst.bytes <= limit) return;
   constexpr unsigned kMebi = 20;
   throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
@@ -450,12 +458,15 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   return work;
 }
 
-/// Refuses by a file's header what would be refused once its pixels are read. With a budget the settings, and so what
-/// they need, are known only then.
-void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
-  if (!options.input || needs.error_budget || chooses_textures(options)) return;
-  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
-  const Plan planned = plan(file.shape, needs, whole, options.scene.costs());
+/// What a file's header tells of the work on its pixels.
+struct HeaderPlan {
+  Plan plan;
+  BakeMemory memory;
+};
+
+HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
+                       const BakeOptions& whole) {
+  Plan planned = plan(file.shape, needs, whole, options.scene.costs());
   const EnvChain chain = env_chain(options, whole, planned);
   BakeMemory memory{*options.input,
                     kTexelBytes * file.shape.texels(),
@@ -468,7 +479,17 @@ void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, co
     const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
     memory.second_bake = second.result_bytes + second.working_bytes;
   }
-  check_memory(memory, options, planned.options);
+  plan_env(file.shape, chain, options.scene.costs(), planned);
+  return {std::move(planned), memory};
+}
+
+/// Refuses by a file's header what would be refused once its pixels are read. With a budget the settings, and so what
+/// they need, are known only then.
+void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& whole) {
+  if (!options.input || needs.error_budget || chooses_textures(options)) return;
+  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
+  const HeaderPlan header = plan_header(file, options, needs, whole);
+  check_memory(header.memory, options, header.plan.options);
 }
 
 /// From the pixels.
@@ -540,6 +561,17 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
     plan_env(view, env_chain(options, whole, planned), costs, planned);
     return planned;
   });
+}
+
+Prediction predict(BakeCommandOptions options) {
+  constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+  options.byte_budget = kNoByteBudget;
+  SceneNeeds needs = needs_of(options);
+  needs.error_budget.reset();
+  const StoredEnvironment file = probe_environment(input_of(*options.input, options.common.read), options.common.read);
+  const HeaderPlan header = plan_header(file, options, needs, library_options(options));
+  const MemoryStep largest = largest_step(header.memory, options, header.plan.options, kNoLimit);
+  return {file.info, file.shape.texels(), header.plan.milliseconds(), header.plan.result_bytes, largest.bytes};
 }
 
 Baked bake_source(BakeCommandOptions& options, const Control& control) {

@@ -68,6 +68,18 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
 /// The plan by itself; of a file only the header is read.
 [[nodiscard]] Plan plan_ahead(BakeCommandOptions options, const Control& control);
 
+/// What an input's header tells of its bake.
+struct Prediction {
+  EnvironmentInfo info;
+  std::uint64_t texels = 0;        ///< of the input
+  double milliseconds = 0.0;       ///< of the passes on one thread; without reading and writing
+  std::uint64_t result_bytes = 0;  ///< in memory, before they become files
+  std::uint64_t most_bytes = 0;    ///< of the step that takes most; without previews and encoders
+};
+
+/// Of a bake of a file. A budget, which is judged by pixels, is left out of the prediction. Throws as `plan_ahead`.
+[[nodiscard]] Prediction predict(BakeCommandOptions options);
+
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
 /// before, if it is to be explained. What a budget chooses is set in `options`.
 [[nodiscard]] Baked bake_source(BakeCommandOptions& options, const Control& control);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/arguments.h"
+#include "welkin/core.h"
 
 namespace welkin::tool {
 
@@ -16,8 +17,13 @@ struct BakeCommandOptions;
 [[nodiscard]] Command convert_command();
 [[nodiscard]] Command testmap_command();
 [[nodiscard]] Command importance_command();
+[[nodiscard]] Command batch_command();
 
 /// Bakes what the options name or compute into their folder. The manifest or, for a person, a table. Throws `Error`.
 [[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& asked);
+
+/// The same without a cache and without a word: many may run side by side, in folders of their own. `settle_files` has
+/// been called. Throws `Error`.
+void bake_files(BakeCommandOptions options, const Control& control);
 
 }  // namespace welkin::tool

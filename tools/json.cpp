@@ -66,15 +66,13 @@ Json from_library(const Library& value) {
   }
 }
 
-constexpr std::size_t kLongestText = std::size_t{1} << 20U;  // sound ones have some kilobytes
-constexpr int kDeepestNesting = 8;                           // sound ones have 5
-constexpr std::size_t kMostElements = 4096;                  // of a list; what sense they make, others know
+constexpr int kDeepestNesting = 8;  // sound ones have 5
 
 Flaw unknown_member(const std::string& where, const std::string& key, const std::string& known) {
   return {where + " has a member \"" + key + "\"; it can have " + known};
 }
 
-std::string text_of(const std::filesystem::path& path, const std::string& hint) {
+std::string text_of(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most) {
   std::error_code none;
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
@@ -82,12 +80,18 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint) 
     throw Error(ErrorCode::file_access, platform::utf8(path) + ": cannot be read (" +
                                             (errno != 0 ? std::strerror(errno) : "it is a directory") + "); " + hint);
   }
-  std::string text(kLongestText + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kLongestText) {
+  constexpr std::size_t kBlock = std::size_t{1} << 20U;
+  std::string text;
+  while (stream) {
+    const std::size_t before = text.size();
+    text.resize(before + kBlock);
+    stream.read(text.data() + before, static_cast<std::streamsize>(kBlock));
+    text.resize(before + static_cast<std::size_t>(stream.gcount()));
+    if (text.size() <= most) continue;
     throw Error(ErrorCode::limit_exceeded,
-                platform::utf8(path) + ": has more than a megabyte; sound ones have some kilobytes");
+                platform::utf8(path) + ": has more than " +
+                    (most == kMostJsonBytes ? "a megabyte; sound ones have some kilobytes"
+                                            : std::to_string(most) + " bytes, which no sound one has"));
   }
   return text;
 }
@@ -200,9 +204,9 @@ void read_object(const Json& object, const std::string& where, const std::vector
 }
 
 void read_list(const Json& list, const std::string& where,
-               const std::function<void(const Json& element, const std::string& where)>& read) {
+               const std::function<void(const Json& element, const std::string& where)>& read, std::size_t most) {
   if (!list.is_array()) throw Flaw{where + " is no list in brackets"};
-  if (list.size() > kMostElements) throw Flaw{where + " has " + std::to_string(list.size()) + " elements"};
+  if (list.size() > most) throw Flaw{where + " has " + std::to_string(list.size()) + " elements"};
   for (std::size_t i = 0; i < list.size(); ++i) read(list.elements()[i], where + '[' + std::to_string(i) + ']');
 }
 
@@ -258,8 +262,8 @@ Json parse_json(const std::string& text) {
   }
 }
 
-Json read_json_file(const std::filesystem::path& path, const std::string& hint) {
-  return parse_json(text_of(path, hint));
+Json read_json_file(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most) {
+  return parse_json(text_of(path, hint, most));
 }
 
 }  // namespace welkin::tool

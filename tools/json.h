@@ -109,9 +109,13 @@ struct Member {
 /// another name, naming those that there are.
 void read_object(const Json& object, const std::string& where, const std::vector<Member>& members);
 
-/// At most 4096 elements. Throws `Flaw`.
+/// Of most lists; what sense more elements would make, others know.
+inline constexpr std::size_t kMostElements = 4096;
+
+/// Throws `Flaw`, also for more than `most` elements.
 void read_list(const Json& list, const std::string& where,
-               const std::function<void(const Json& element, const std::string& where)>& read);
+               const std::function<void(const Json& element, const std::string& where)>& read,
+               std::size_t most = kMostElements);
 
 // Members of a kind. What reads them throws `Flaw` for a value of another.
 [[nodiscard]] Member number(const char* name, double& target);
@@ -123,8 +127,11 @@ void read_list(const Json& list, const std::string& where,
 /// Nests no deeper than 8. Throws `Flaw` for what is no JSON.
 [[nodiscard]] Json parse_json(const std::string& text);
 
-/// Reads and parses a file of at most a megabyte that nests no deeper than 8. Throws `Error`: file_access
+inline constexpr std::uintmax_t kMostJsonBytes = std::uintmax_t{1} << 20U;
+
+/// Reads and parses a file of at most `most` bytes that nests no deeper than 8. Throws `Error`: file_access
 /// (`hint` says how to come by one), limit_exceeded; `Flaw` for what is no JSON.
-[[nodiscard]] Json read_json_file(const std::filesystem::path& path, const std::string& hint);
+[[nodiscard]] Json read_json_file(const std::filesystem::path& path, const std::string& hint,
+                                  std::uintmax_t most = kMostJsonBytes);
 
 }  // namespace welkin::tool

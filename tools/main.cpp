@@ -18,6 +18,8 @@ constexpr const char* kProgramFooter =
     R"(Examples:
   welkin bake studio.hdr -o out      all that a renderer loads, of a photograph
   welkin bake --sky -o out           the same of a computed sky
+  welkin batch plan hdr/ -o jobs.json
+                                     bakes of a folder of them; batch run does it
   welkin sh studio.hdr               spherical harmonics, as a table
   welkin sh studio.hdr --for three   the same as three.js wants them
   welkin sky --sun-elevation 20      those of a computed sky
@@ -76,8 +78,8 @@ Command completion_command() {
 Program welkin_program() {
   return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
           kProgramFooter,
-          {bake_command(), sh_command(), sky_command(), info_command(), convert_command(), testmap_command(),
-           importance_command(), report_command(), completion_command()}};
+          {bake_command(), batch_command(), sh_command(), sky_command(), info_command(), convert_command(),
+           testmap_command(), importance_command(), report_command(), completion_command()}};
 }
 
 /// Reports are measured by a program of their own, which is no part of this one's build.

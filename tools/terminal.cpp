@@ -1,6 +1,7 @@
 #include "tools/terminal.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -15,7 +16,6 @@ namespace {
 
 constexpr auto kPatience = std::chrono::milliseconds(300);  // work that is over by then shows nothing
 constexpr auto kInterval = std::chrono::milliseconds(50);
-constexpr std::string_view kWipe = "\r\033[K";
 
 bool shows_colours(Stream stream) {
   const char* none = std::getenv("NO_COLOR");
@@ -29,6 +29,8 @@ struct Stage {
   std::string name;
   std::chrono::steady_clock::time_point start;
 };
+
+std::atomic<bool> has_stages{true};
 
 Stage& current_stage() {
   static Stage stage;
@@ -74,7 +76,11 @@ void print_result(const std::string& text) {
   if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written");
 }
 
+WithoutStages::WithoutStages() noexcept { has_stages = false; }
+WithoutStages::~WithoutStages() { has_stages = true; }
+
 void begin_stage(const std::string& name) {
+  if (!has_stages) return;
   tell_stage();
   current_stage() = {name, std::chrono::steady_clock::now()};
 }
@@ -85,7 +91,7 @@ ProgressBar::ProgressBar()
       next_drawing_(start_ + kPatience) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) std::cerr << kWipe << std::flush;
+  if (drawn_) std::cerr << kWipeLine << std::flush;
   begin_stage("");
 }
 
@@ -107,7 +113,8 @@ void ProgressBar::report(double share) {
   const std::string bar = std::string(done, '#') + std::string(kCells - done, '.');
   const std::string percent = pad_left(std::to_string(static_cast<int>(share * 100.0)), 3);
   const std::string stage = current_stage().name.empty() ? "" : current_stage().name + "  ";
-  std::cerr << std::string(kWipe) + "  " + stage + '[' + bar + "] " + percent + " %" + time_left(share) << std::flush;
+  std::cerr << std::string(kWipeLine) + "  " + stage + '[' + bar + "] " + percent + " %" + time_left(share)
+            << std::flush;
 }
 
 /// By the time that the share took; nothing as long as that says little.

@@ -40,6 +40,9 @@ enum class Style { heading, error, note };
 /// Whether the stream is a terminal, and one that understands colours and the like (ECMA-48).
 [[nodiscard]] bool is_terminal(Stream stream);
 
+/// Takes away what stands in the terminal's line, and goes back to its beginning.
+inline constexpr const char* kWipeLine = "\r\033[K";
+
 /// The text in the style's colour where the stream is a terminal that shows colours, and NO_COLOR is not set
 /// (no-color.org); else the text.
 [[nodiscard]] std::string styled(const std::string& text, Style style, Stream stream);
@@ -67,6 +70,18 @@ void reserve_standard_streams() noexcept;
 /// Says what the work of the whole process is at from now on, such as "prefilter": the progress bar shows it, and with
 /// --verbose a line on standard error says how long each stage took.
 void begin_stage(const std::string& name);
+
+/// As long as it lives, stages are not told and progress does not name them: several are at work side by side.
+class WithoutStages {
+ public:
+  WithoutStages() noexcept;
+  ~WithoutStages();
+  WithoutStages(const WithoutStages&) = delete;
+  WithoutStages& operator=(const WithoutStages&) = delete;
+};
+
+/// The network's name of this machine; "" if it has none.
+[[nodiscard]] std::string host_name();
 
 /// "bake  [####......]  42 %  3 s left". Draws to standard error, and only if that is a terminal, the command is not to
 /// be quiet and the work has taken longer than a moment. Its destructor wipes it away, so that neither results nor

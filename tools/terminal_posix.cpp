@@ -164,6 +164,11 @@ std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::
   return bytes;
 }
 
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
 std::string reason_not_to_write_in(const std::filesystem::path& folder) {
   return access(folder.c_str(), W_OK | X_OK) == 0 ? "" : std::strerror(errno);
 }

@@ -3,6 +3,7 @@
 #include <io.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -190,6 +191,12 @@ std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::
                                                  " bytes that --memory-limit allows; raise it, or pass a file");
     }
   }
+}
+
+std::string host_name() {
+  std::array<wchar_t, MAX_COMPUTERNAME_LENGTH + 1> name{};
+  auto length = static_cast<DWORD>(name.size());
+  return GetComputerNameW(name.data(), &length) != 0 ? platform::utf8(std::filesystem::path(name.data())) : "";
 }
 
 std::string reason_not_to_write_in(const std::filesystem::path& folder) {

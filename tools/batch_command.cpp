@@ -1,0 +1,282 @@
+// `welkin batch`: many environments, on one machine or on many.
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/text.h"
+#include "tools/batch_plan.h"
+#include "tools/batch_progress.h"
+#include "tools/batch_run.h"
+#include "tools/commands.h"
+#include "tools/json.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+constexpr const char* kBatchFooter =
+    R"(What it does:
+  plan     looks at the headers of all inputs, predicts what their bakes cost,
+           and writes a plan, jobs.json
+  run      bakes what the plan names and is not there yet; with --shard the I-th
+           of N parts, which take about equally long
+  status   says what is done, left and failed
+  merge    checks every file of every result, and writes an index and a page of
+           pictures
+
+Examples:
+  welkin batch plan hdr/ -o jobs.json --size 256 --for three
+  welkin batch plan 'hdr/**/*.exr' --list more.jsonl -o jobs.json
+  welkin batch run jobs.json
+  welkin batch run jobs.json --shard 3/16 --results /farm/results
+  welkin batch status jobs.json
+  welkin batch merge jobs.json -o index
+
+Plan: inputs are files, folders (all pictures below them) and patterns that the
+  shell did not expand. Options of 'welkin bake' hold for all; each line of a
+  --list is {"input": PATH, "name": NAME, "options": ["--size", "128"]}, and its
+  options come after those. An input that is not there is told, and stays in the
+  plan.
+
+Run: a result is a folder, named by the hash of its input's bytes, its options
+  and the version of results. It is written beside and then gets its name, so it
+  is whole or absent. What is there is not made again: a run that was killed goes
+  on, and several share. An input that fails stands in the report, which is in
+  RESULTS/reports, and stops no other.
+
+Exit codes: 1 if an input failed, a result is missing or damaged, or differs.
+docs/batches.md has the files' formats, clusters, and figures.)";
+
+enum class Action { plan, run, status, merge };
+
+struct BatchCommandOptions {
+  Action action = Action::plan;
+  std::vector<std::string> inputs;
+  std::string output;
+  std::optional<std::string> list;
+  std::string shard = "1/1";
+  std::string results;
+  std::uint64_t memory = std::uint64_t{8} << 30U;
+  double verify = 0.0;
+  CommonOptions common;
+  BakeCommandOptions bake;  ///< of all jobs: read to be checked
+};
+
+// ---- The options
+
+/// Options of `welkin bake` that one job of many can have.
+Options job_options(BakeCommandOptions& bake) {
+  constexpr std::array<std::string_view, 9> kOwn = {
+      "INPUT", "--sky", "-o,--output", "--json", "--threads", "--cache", "--memory-limit", "--explain", "--plan-only"};
+  Options table;
+  add_bake_options(table, bake);
+  std::erase_if(table, [&](const Option& option) { return std::ranges::find(kOwn, option.names) != kOwn.end(); });
+  for (Option& option : table) std::erase(option.needs, "INPUT");
+  return table;
+}
+
+/// How many of the words behind an option are its values.
+std::size_t values_of(const Option& option, const std::vector<std::string>& words, std::size_t at) {
+  const bool is_flag = std::holds_alternative<bool*>(option.target) || std::holds_alternative<OnFlag>(option.target);
+  if (is_flag) return 0;
+  if (option.list != List::commas_or_spaces) return 1;
+  std::size_t values = 0;
+  while (at + 1 + values < words.size() && static_cast<int>(values) < option.count &&
+         number_in(words[at + 1 + values])) {
+    ++values;
+  }
+  return std::max<std::size_t>(1, values);
+}
+
+const Option* option_named(const Options& table, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  const auto found = std::ranges::find_if(table, [&](const Option& option) {
+    return (',' + option.names + ',').find(',' + name + ',') != std::string::npos;
+  });
+  return name.starts_with("-") && found != table.end() ? &*found : nullptr;
+}
+
+/// Those of the command's words that are for each bake, as they were written.
+std::vector<std::string> words_for_jobs() {
+  BakeCommandOptions unused;
+  const Options table = job_options(unused);
+  const std::vector<std::string>& words = command_words();
+  std::vector<std::string> kept;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const Option* const option = option_named(table, words[i]);
+    if (option == nullptr) continue;
+    const bool has_own_value = words[i].find('=') != std::string::npos;
+    const std::size_t values = has_own_value ? 0 : values_of(*option, words, i);
+    for (std::size_t end = i + values; i < end && i + 1 < words.size(); ++i) kept.push_back(words[i]);
+    kept.push_back(words[i]);
+  }
+  return kept;
+}
+
+Shard shard_in(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  Shard shard;
+  if (slash != std::string::npos) {
+    shard.number = whole_number_in(text.substr(0, slash)).value_or(0);
+    shard.count = whole_number_in(text.substr(slash + 1)).value_or(0);
+  }
+  constexpr int kMostShards = 1'000'000;
+  if (slash == std::string::npos || shard.number < 1 || shard.number > shard.count || shard.count > kMostShards) {
+    throw Error(ErrorCode::invalid_argument,
+                "--shard: " + text + " is not I/N with I from 1 to N, such as 3/16 for the third of 16");
+  }
+  return shard;
+}
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, "batch " + what); }
+
+/// The one plan that is named.
+BatchPlan plan_named(const BatchCommandOptions& options, const std::string& action) {
+  if (options.inputs.size() != 1) refuse(action + ": name one plan, which 'welkin batch plan' has written");
+  return read_batch_plan(platform::path_of(options.inputs.front()));
+}
+
+std::filesystem::path results_of(const BatchCommandOptions& options, const BatchPlan& plan) {
+  return options.results.empty() ? plan.default_results() : platform::path_of(options.results);
+}
+
+// ---- plan
+
+std::string plan_summary(const BatchPlan& plan) {
+  std::uint64_t memory = 0;
+  std::string errors;
+  std::size_t count = 0;
+  for (const BatchJob& job : plan.jobs) {
+    memory = std::max(memory, job.memory);
+    if (job.error.empty()) continue;
+    ++count;
+    errors += "error: " + printable(job.error) + '\n';
+  }
+  constexpr unsigned kMebi = 20;
+  return platform::utf8(plan.file) + ": " + counted(plan.jobs.size(), "job") + ", predicted to take " +
+         long_duration(plan.seconds()) + " of one core, the largest " + std::to_string(memory >> kMebi) + " MiB\n" +
+         errors + (count > 0 ? "note: " + counted(count, "input") + " cannot be read now\n" : "");
+}
+
+void plan_action(const BatchCommandOptions& options) {
+  if (options.output.empty()) refuse("plan: -o names the plan to write, such as -o jobs.json");
+  const BatchPlan plan =
+      plan_batch({options.inputs, options.list, words_for_jobs()}, platform::path_of(options.output));
+  write_batch_plan(plan);
+  print_summary(plan_summary(plan));
+}
+
+// ---- run
+
+Json outcome_json(const BatchOutcome& outcome) {
+  return {{"jobs", outcome.jobs},         {"computed", outcome.computed},
+          {"present", outcome.present},   {"failed", outcome.failed},
+          {"verified", outcome.verified}, {"differs", outcome.differs},
+          {"seconds", outcome.seconds},   {"report", platform::utf8(outcome.report)}};
+}
+
+std::string outcome_text(const BatchOutcome& outcome) {
+  std::string text = counted(outcome.jobs, "job") + ": " + std::to_string(outcome.computed) + " computed, " +
+                     std::to_string(outcome.present) + " present, " + std::to_string(outcome.failed) + " failed";
+  if (outcome.verified + outcome.differs > 0) {
+    text += ", " + std::to_string(outcome.verified) + " verified, " + std::to_string(outcome.differs) + " differ";
+  }
+  text += "; " + significant(outcome.seconds, 3) + " s";
+  if (outcome.computed > 0 && outcome.seconds > 0.0) {
+    text += ", " + significant(static_cast<double>(outcome.computed) / outcome.seconds, 3) + " a second";
+  }
+  return text + "\nreport: " + platform::utf8(outcome.report) + '\n';
+}
+
+void run_action(const BatchCommandOptions& options) {
+  const BatchPlan plan = plan_named(options, "run");
+  const BatchRun run{results_of(options, plan), shard_in(options.shard), thread_count(options.common), options.memory,
+                     options.verify};
+  const BatchOutcome outcome = run_batch(plan, run);
+  if (options.common.json) {
+    print_result(json_text(outcome_json(outcome)));
+  } else {
+    print_summary(outcome_text(outcome));
+  }
+  if (outcome.well()) return;
+  std::string message =
+      counted(outcome.failed + outcome.differs, "job") + " of " + std::to_string(outcome.jobs) + " failed";
+  constexpr std::size_t kShown = 10;
+  for (std::size_t i = 0; i < std::min(kShown, outcome.troubles.size()); ++i) {
+    const JobRecord& record = outcome.troubles[i];
+    message += "\n" + record.name + ": " + (record.error.empty() ? "differs" : record.error);
+  }
+  if (outcome.troubles.size() > kShown) message += "\n... the report has all of them";
+  throw Error(ErrorCode::corrupt_file, message);
+}
+
+Options batch_options(BatchCommandOptions& options) {
+  Options table;
+  Option action = choice<Action>(
+      "ACTION", options.action,
+      {{"plan", Action::plan}, {"run", Action::run}, {"status", Action::status}, {"merge", Action::merge}},
+      "What is to be done");
+  action.required = true;
+  table.push_back(std::move(action));
+  table.push_back({.names = "INPUT",
+                   .target = &options.inputs,
+                   .text = "Of plan: pictures, folders of them and patterns; else the plan",
+                   .list = List::commas_or_spaces});
+  table.push_back({.names = "-o,--output",
+                   .target = &options.output,
+                   .text = "Of plan: the file to write; of merge: the folder",
+                   .type = "PATH"});
+  table.push_back({.names = "--list",
+                   .target = &options.list,
+                   .text = "Of plan: a file of JSON lines, an input each with its options",
+                   .type = "FILE"});
+  table.push_back({.names = "--results",
+                   .target = &options.results,
+                   .text = "Where results go; default: beside the plan, jobs.results for jobs.json",
+                   .type = "DIR"});
+  table.push_back({.names = "--shard",
+                   .target = &options.shard,
+                   .text = "Of run: do the I-th of N parts that are predicted to take equally long; default 1/1",
+                   .type = "I/N"});
+  table.push_back({.names = "--verify",
+                   .target = &options.verify,
+                   .text = "Of run: compute this share of the results that are there once more, and compare",
+                   .type = "SHARE",
+                   .bounds = finite_between(0.0, 1.0)});
+  table.push_back({.names = "--memory",
+                   .target = ByteCount{&options.memory},
+                   .text = "Of run: the most memory that bakes may take at a time, by prediction (default 8GiB); one "
+                           "that would need more by itself fails",
+                   .type = "SIZE",
+                   .group = kRunningGroup});
+  add_json_option(table, options.common);
+  in_group(table, "The batch");
+  add_threads_option(table, options.common);
+  for (Option& option : job_options(options.bake)) table.push_back(std::move(option));
+  return table;
+}
+
+}  // namespace
+
+Command batch_command() {
+  const auto options = std::make_shared<BatchCommandOptions>();
+  Command command{"batch", "Bake many environments, on one machine or on many", kBatchFooter};
+  command.options = batch_options(*options);
+  command.everyday = {"ACTION",   "INPUT",  "--output", "--list",    "--results", "--shard",   "--verify",
+                      "--memory", "--json", "--size",   "--formats", "--for",     "--threads", "--quiet"};
+  command.run = [options](const Given& /*given*/) {
+    switch (options->action) {
+      case Action::plan: plan_action(*options); break;
+      case Action::run: run_action(*options); break;
+      case Action::status:
+      case Action::merge: refuse("status and merge: not there yet"); break;
+    }
+  };
+  return command;
+}
+
+}  // namespace welkin::tool

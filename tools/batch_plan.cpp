@@ -1,0 +1,410 @@
+#include "tools/batch_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numeric>
+#include <queue>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "platform/text.h"
+#include "tools/baked.h"
+#include "tools/batch_inputs.h"
+#include "tools/json.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "welkin batch jobs";
+constexpr int kVersion = 1;
+constexpr std::size_t kMostJobs = 10'000'000;
+constexpr std::uintmax_t kMostPlanBytes = std::uintmax_t{1} << 32U;
+constexpr std::uintmax_t kMostListBytes = std::uintmax_t{1} << 30U;
+constexpr double kMostSeconds = 1e9;
+constexpr double kMostBytes = 1e15;
+
+// What a job costs beside the passes that a plan knows; measured with this command on two cores of an EPYC (Zen 4).
+constexpr double kSecondsOfAJob = 0.0015;        // opening, hashing and naming some eight files
+constexpr double kSecondsOfATexel = 10e-9;       // reading one
+constexpr double kSecondsOfAByte = 1e-9;         // writing one, of the results in memory
+constexpr double kSecondsOfPreviews = 0.04;      // of the default size
+constexpr std::uint64_t kBytesOfAJob = 4 << 20;  // buffers of codecs, at least
+
+// ---- Options
+
+bool names_a_file(std::string_view option) { return option == "--needs" || option == "--costs"; }
+
+/// The words with `change` called on those that name a file.
+template <class Change>
+std::vector<std::string> with_files(std::vector<std::string> words, const Change& change) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::size_t equal = words[i].find('=');
+    if (!names_a_file(std::string_view(words[i]).substr(0, equal))) continue;
+    if (equal != std::string::npos) {
+      words[i] = words[i].substr(0, equal + 1) + change(words[i].substr(equal + 1));
+    } else if (i + 1 < words.size()) {
+      ++i;
+      words[i] = change(words[i]);
+    }
+  }
+  return words;
+}
+
+/// The file as `folder` sees it. Links in its own name stay, for what it is called may tell its layout.
+std::string relative_to(const fs::path& folder, const fs::path& file) {
+  std::error_code unknown;
+  const fs::path absolute = fs::absolute(file, unknown).lexically_normal();
+  const fs::path parent = fs::weakly_canonical(absolute.parent_path(), unknown);
+  const fs::path from = fs::weakly_canonical(fs::absolute(folder, unknown), unknown);
+  return platform::utf8((parent / absolute.filename()).lexically_proximate(from));
+}
+
+fs::path folder_of(const fs::path& file) {
+  std::error_code unknown;
+  return fs::absolute(file, unknown).parent_path();
+}
+
+/// Options that are the batch's own business.
+void refuse_own_options(const std::vector<std::string>& words) {
+  static const std::set<std::string, std::less<>> own = {
+      "-o", "--output", "--json", "--threads", "--memory-limit", "--cache", "--plan-only", "--sky", "--explain"};
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    if (!own.contains(name) && !name.starts_with("-o")) continue;
+    throw Error(ErrorCode::invalid_argument, name +
+                                                 ": is no option of a single job; a batch knows its input and its "
+                                                 "place, and 'welkin batch run' has --threads and --memory");
+  }
+}
+
+// ---- Planning
+
+/// One line of the plan to come.
+struct Wish {
+  std::string input;  ///< as it was named
+  std::string name;   ///< empty: by the input
+  std::vector<std::string> options;
+  bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
+};
+
+std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+void add_input(const std::string& word, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
+  std::error_code unknown;
+  const fs::path path = platform::path_of(word);
+  const bool is_there = fs::exists(path, unknown);
+  const auto add = [&](const std::vector<fs::path>& files, const fs::path& below) {
+    if (files.empty()) {
+      throw Error(ErrorCode::invalid_argument, printable(word) + ": there are no pictures that Welkin reads");
+    }
+    for (const fs::path& file : files) {
+      const fs::path name = below.empty() ? file.filename() : file.lexically_relative(below);
+      wishes.push_back({platform::utf8(file), platform::utf8(name), options, true});
+    }
+  };
+  if (is_there && fs::is_directory(path, unknown)) {
+    add(pictures_below(path), path);
+  } else if (!is_there && is_pattern(word)) {
+    add(files_that_fit(word), {});
+  } else {
+    wishes.push_back({word, "", options, false});
+  }
+}
+
+Wish wish_in(const std::string& line, const fs::path& list, const std::vector<std::string>& options) {
+  Wish wish;
+  wish.options = options;
+  const auto add_word = [&](const Json& value, const std::string& where) {
+    text("", wish.options.emplace_back()).read(value, where);
+  };
+  read_object(parse_json(line), "the line",
+              {text("input", wish.input),
+               text("name", wish.name),
+               {"options", [&](const Json& value, const std::string& where) { read_list(value, where, add_word); }}});
+  if (wish.input.empty()) throw Flaw{"there is no \"input\""};
+  // As in the list, files are beside it.
+  const auto beside = [&](const std::string& path) {
+    return platform::utf8(list.parent_path() / platform::path_of(path));
+  };
+  const std::vector<std::string> own(wish.options.begin() + static_cast<std::ptrdiff_t>(options.size()),
+                                     wish.options.end());
+  refuse_own_options(own);
+  wish.options = joined(options, with_files(own, beside));
+  wish.input = beside(wish.input);
+  return wish;
+}
+
+void add_list(const fs::path& list, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
+  std::ifstream stream(list, std::ios::binary);
+  std::error_code unknown;
+  if (!stream || fs::is_directory(list, unknown)) {
+    throw Error(ErrorCode::file_access, platform::utf8(list) + ": cannot be read; --list names a file of JSON lines");
+  }
+  std::string line;
+  std::uintmax_t bytes = 0;
+  for (std::size_t number = 1; std::getline(stream, line); ++number) {
+    bytes += line.size() + 1;
+    const std::string where = platform::utf8(list) + ": line " + std::to_string(number) + ": ";
+    if (bytes > kMostListBytes) throw Error(ErrorCode::limit_exceeded, where + "there is more than a gigabyte");
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    try {
+      wishes.push_back(wish_in(line, list, options));
+    } catch (const Flaw& flaw) {
+      throw Error(ErrorCode::invalid_argument, where + flaw.message +
+                                                   "; a line is {\"input\": PATH, \"name\": NAME, \"options\": "
+                                                   "[\"--size\", \"128\"]}");
+    } catch (const Error& error) {
+      throw Error(error.code(), where + error.what());
+    }
+  }
+}
+
+/// The name without its ending, and with a number where another job has it.
+std::string unique_name(const Wish& wish, std::set<std::string>& taken) {
+  std::string name = wish.name;
+  if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());
+  const bool said = !wish.found && !wish.name.empty();
+  if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
+  if (name.empty()) name = "input";
+  std::string unique = name;
+  for (int number = 2; !taken.insert(unique).second; ++number) unique = name + '-' + std::to_string(number);
+  return unique;
+}
+
+double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
+  constexpr double kMilliseconds = 1e-3;
+  const double drawing = options.previews ? kSecondsOfPreviews : 0.0;
+  return kSecondsOfAJob + kMilliseconds * prediction.milliseconds +
+         kSecondsOfATexel * static_cast<double>(prediction.texels) +
+         kSecondsOfAByte * static_cast<double>(prediction.result_bytes) + drawing;
+}
+
+/// Plans wishes one by one.
+class Planner {
+ public:
+  explicit Planner(BatchPlan& plan) : plan_(plan), folder_(folder_of(plan.file)) {}
+
+  void add(const Wish& wish) {
+    const BakeCommandOptions& whole = options_of(wish.options);
+    BatchJob job;
+    job.input = relative_to(folder_, platform::path_of(wish.input));
+    job.options = with_files(wish.options,
+                             [&](const std::string& file) { return relative_to(folder_, platform::path_of(file)); });
+    BakeCommandOptions options = whole;
+    options.input = wish.input;
+    try {
+      if (is_stream(wish.input)) throw Error(ErrorCode::unsupported_file, "pipes are read once; a batch wants files");
+      const Prediction prediction = predict(options);
+      if (wish.found && is_known_face(wish, prediction.info)) return;
+      job.seconds = seconds_of(prediction, options);
+      job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
+      std::error_code unknown;
+      const auto size = fs::file_size(platform::path_of(wish.input), unknown);
+      job.size = unknown ? 0 : static_cast<std::uint64_t>(size);
+    } catch (const Error& error) {
+      job.error = error.what();
+    }
+    job.name = unique_name(wish, names_);
+    plan_.jobs.push_back(std::move(job));
+  }
+
+ private:
+  /// Read once for many jobs. Here files that options name are where the command runs.
+  const BakeCommandOptions& options_of(const std::vector<std::string>& words) {
+    const auto found = known_.find(words);
+    if (found != known_.end()) return found->second;
+    return known_.emplace(words, bake_options_of({}, words)).first->second;
+  }
+
+  /// Whether this is one of six files that another job reads as a whole.
+  bool is_known_face(const Wish& wish, const EnvironmentInfo& info) {
+    if (info.layout != Layout::six_files) return false;
+    std::string all;
+    for (const auto& face : info.faces) all += platform::utf8(face) + '\n';
+    for (const std::string& word : wish.options) all += word + '\0';
+    return !faces_.insert(all).second;
+  }
+
+  BatchPlan& plan_;
+  fs::path folder_;
+  std::set<std::string> names_;
+  std::set<std::string> faces_;
+  std::map<std::vector<std::string>, BakeCommandOptions> known_;
+};
+
+// ---- The file
+
+Json job_json(const BatchJob& job) {
+  Json json = {{"name", job.name},       {"input", job.input}, {"options", job.options},
+               {"seconds", job.seconds}, {"size", job.size},   {"memory", job.memory}};
+  if (!job.error.empty()) json["error"] = job.error;
+  return json;
+}
+
+std::uint64_t bytes_in(double value, const std::string& where) {
+  if (!(value >= 0.0 && value <= kMostBytes)) throw Flaw{where + " has a number of bytes that cannot be"};
+  return static_cast<std::uint64_t>(value);
+}
+
+BatchJob job_in(const Json& value, const std::string& where) {
+  BatchJob job;
+  double size = 0.0;
+  double memory = 0.0;
+  const auto add_word = [&](const Json& word, const std::string& place) {
+    text("", job.options.emplace_back()).read(word, place);
+  };
+  read_object(value, where,
+              {text("name", job.name),
+               text("input", job.input),
+               {"options", [&](const Json& list, const std::string& place) { read_list(list, place, add_word); }},
+               number("seconds", job.seconds),
+               number("size", size),
+               number("memory", memory),
+               text("error", job.error)});
+  if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
+  if (!(job.seconds >= 0.0 && job.seconds <= kMostSeconds)) throw Flaw{where + ".seconds cannot be"};
+  job.size = bytes_in(size, where);
+  job.memory = bytes_in(memory, where);
+  return job;
+}
+
+/// Throws `Flaw`.
+void check_head(const std::string& schema, int version) {
+  if (schema != kSchema) throw Flaw{"is no plan that 'welkin batch plan' has written"};
+  if (version != kVersion) {
+    throw Flaw{"has version " + std::to_string(version) + ", and this Welkin reads " + std::to_string(kVersion) +
+               "; plan again"};
+  }
+}
+
+void ignore(const Json& /*value*/, const std::string& /*where*/) {}
+
+/// Throws `Flaw`.
+std::vector<BatchJob> jobs_in(const Json& json) {
+  std::string schema;
+  int version = 0;
+  const Json* list = nullptr;
+  std::string welkin;
+  read_object(json, "the plan",
+              {text("schema", schema),
+               whole_number("version", version),
+               text("welkin", welkin),
+               {"jobs", [&](const Json& value, const std::string& /*where*/) { list = &value; }},
+               {"totals", ignore}});
+  check_head(schema, version);
+  if (list == nullptr) throw Flaw{"has no jobs"};
+  std::vector<BatchJob> jobs;
+  std::set<std::string> names;
+  const auto add = [&](const Json& value, const std::string& where) {
+    jobs.push_back(job_in(value, where));
+    if (!names.insert(jobs.back().name).second) throw Flaw{where + ".name is that of another job, too"};
+  };
+  read_list(*list, "jobs", add, kMostJobs);
+  return jobs;
+}
+
+}  // namespace
+
+double BatchPlan::seconds() const noexcept {
+  return std::accumulate(jobs.begin(), jobs.end(), 0.0,
+                         [](double sum, const BatchJob& job) { return sum + job.seconds; });
+}
+
+fs::path BatchPlan::place(const std::string& path) const {
+  return (file.parent_path() / platform::path_of(path)).lexically_normal();
+}
+
+fs::path BatchPlan::default_results() const {
+  fs::path results = file;
+  return results.replace_extension(".results");
+}
+
+BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
+  refuse_own_options(request.options);
+  static_cast<void>(bake_options_of({}, request.options));  // which are wrong even if there is no input
+  std::vector<Wish> wishes;
+  for (const std::string& word : request.inputs) add_input(word, request.options, wishes);
+  if (request.list) add_list(platform::path_of(*request.list), request.options, wishes);
+  if (wishes.empty()) {
+    throw Error(ErrorCode::invalid_argument,
+                "batch plan: there is nothing to do; name pictures, folders of them, or a "
+                "--list");
+  }
+  BatchPlan plan{file, {}};
+  Planner planner(plan);
+  for (const Wish& wish : wishes) planner.add(wish);
+  return plan;
+}
+
+void write_batch_plan(const BatchPlan& plan) {
+  Json jobs = Json::array();
+  std::uint64_t size = 0;
+  std::size_t errors = 0;
+  for (const BatchJob& job : plan.jobs) {
+    jobs.push_back(job_json(job));
+    size += job.size;
+    errors += job.error.empty() ? 0 : 1;
+  }
+  const Json json = {
+      {"schema", kSchema},
+      {"version", kVersion},
+      {"welkin", WELKIN_VERSION_STRING},
+      {"totals", {{"jobs", plan.jobs.size()}, {"seconds", plan.seconds()}, {"size", size}, {"errors", errors}}},
+      {"jobs", jobs}};
+  write_text_file(plan.file, json_text(json));
+}
+
+BatchPlan read_batch_plan(const fs::path& file) {
+  try {
+    return {file,
+            jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMostPlanBytes))};
+  } catch (const Flaw& flaw) {
+    throw Error(ErrorCode::corrupt_file, platform::utf8(file) + ": " + flaw.message);
+  }
+}
+
+BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words) {
+  BakeCommandOptions options;
+  Options table;
+  add_bake_options(table, options);
+  const auto placed = [&](const std::string& path) { return platform::utf8(plan.place(path)); };
+  std::vector<std::string> line = with_files(words, placed);
+  line.insert(line.end(), {"-o", ".", "--", "input"});  // which each job has of its own
+  read_options(table, line);
+  settle_files(options);
+  static_cast<void>(library_options(options));
+  options.called = "environment";
+  return options;
+}
+
+std::vector<std::vector<std::size_t>> cut_batch(const BatchPlan& plan, int shards) {
+  std::vector<std::size_t> order(plan.jobs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(
+      order, [&](std::size_t one, std::size_t other) { return plan.jobs[one].seconds > plan.jobs[other].seconds; });
+  using Load = std::tuple<double, std::size_t, std::size_t>;  // seconds, jobs, shard
+  std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
+  std::vector<std::vector<std::size_t>> cut(static_cast<std::size_t>(shards));
+  for (std::size_t shard = 0; shard < cut.size(); ++shard) loads.emplace(0.0, 0, shard);
+  for (const std::size_t job : order) {
+    const auto [seconds, jobs, shard] = loads.top();
+    loads.pop();
+    cut[shard].push_back(job);
+    loads.emplace(seconds + plan.jobs[job].seconds, jobs + 1, shard);
+  }
+  return cut;
+}
+
+}  // namespace welkin::tool

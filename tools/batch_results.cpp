@@ -1,0 +1,239 @@
+#include "tools/batch_results.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "cache/recipe.h"
+#include "platform/text.h"
+#include "tools/bake_cache.h"
+#include "tools/json.h"
+#include "tools/terminal.h"
+#include "tools/text.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "welkin batch result";
+constexpr int kVersion = 1;
+constexpr const char* kPartial = "partial";
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& reason) {
+  throw Error(ErrorCode::file_access, platform::utf8(path) + ": " + what + " (" + reason + ")");
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code trouble;
+  fs::create_directories(path, trouble);
+  if (trouble) fail(path, "cannot be made", trouble.message());
+}
+
+void remove_quietly(const fs::path& path) noexcept {
+  std::error_code trouble;
+  fs::remove_all(path, trouble);
+}
+
+/// This machine's name as part of a file's.
+std::string host_in_names() {
+  std::string name = host_name();
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return name.empty() ? "host" : name;
+}
+
+ResultFile file_in(const Json& value, const std::string& where) {
+  constexpr double kMost = 1e15;
+  ResultFile file;
+  std::string hash;
+  double bytes = -1.0;
+  read_object(value, where, {text("name", file.name), number("bytes", bytes), text("hash", hash)});
+  const std::optional<ContentHash> found = hash_in(hash);
+  const bool is_ours = file.name == kManifestName || is_plain_name(file.name);
+  if (!is_ours || !found || !(bytes >= 0.0 && bytes <= kMost)) throw Flaw{where};
+  file.bytes = static_cast<std::uint64_t>(bytes);
+  file.hash = *found;
+  return file;
+}
+
+/// Throws `Flaw`.
+ResultFiles files_in(const Json& json) {
+  std::string schema;
+  std::string hash;
+  int version = 0;
+  ResultFiles files;
+  const auto add = [&](const Json& value, const std::string& where) { files.push_back(file_in(value, where)); };
+  read_object(json, "result",
+              {text("schema", schema),
+               whole_number("version", version),
+               text("hash", hash),
+               {"files", [&](const Json& value, const std::string& where) { read_list(value, where, add); }}});
+  if (schema != kSchema || version != kVersion || files.empty() || hash != hash_of(files).text()) {
+    throw Flaw{"is no list of a result's files"};
+  }
+  return files;
+}
+
+std::string result_text(const ResultFiles& files) {
+  Json list = Json::array();
+  for (const ResultFile& file : files) {
+    list.push_back({{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash.text()}});
+  }
+  return json_text({{"schema", kSchema}, {"version", kVersion}, {"hash", hash_of(files).text()}, {"files", list}});
+}
+
+}  // namespace
+
+ContentHash hash_of(const ResultFiles& files) {
+  std::string all;
+  for (const ResultFile& file : files) all += file.name + ' ' + file.hash.text() + '\n';
+  return hash_bytes(all.data(), all.size());
+}
+
+ContentHash result_key_of(const BakeCommandOptions& options, const std::vector<std::string>& words) {
+  const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
+  std::vector<ContentHash> files;
+  for (const fs::path& file : input_files(options, info)) files.push_back(hash_file(file));
+  std::string asked;
+  for (const std::string& word : words) asked.append(word).push_back('\0');
+  // A file's name may tell its layout.
+  const std::string understood = std::string(name(info.layout)) + '\n' + info.format_words();
+  return cache::result_key("batch result",
+                           {cache::hash_of(asked, scene_text(options.scene), understood), combine(files)});
+}
+
+std::optional<ResultFiles> listed_in(const fs::path& result) {
+  try {
+    return files_in(read_json_file(result / kResultName, ""));
+  } catch (const Flaw&) {
+    return std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+bool has_files(const fs::path& result, const ResultFiles& files) {
+  return std::ranges::all_of(files, [&](const ResultFile& file) {
+    std::error_code unknown;
+    const auto bytes = fs::file_size(result / file.name, unknown);
+    return !unknown && static_cast<std::uint64_t>(bytes) == file.bytes;
+  });
+}
+
+std::vector<std::string> damaged_files(const fs::path& result, const ResultFiles& files) {
+  std::vector<std::string> damaged;
+  for (const ResultFile& file : files) {
+    try {
+      if (hash_file(result / file.name) == file.hash) continue;
+    } catch (const Error&) {  // it is not there
+    }
+    damaged.push_back(file.name);
+  }
+  return damaged;
+}
+
+ResultFiles hash_files_in(const fs::path& folder) {
+  ResultFiles files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = platform::utf8(entry.path().filename());
+    if (name == kResultName || !entry.is_regular_file()) continue;
+    files.push_back({name, static_cast<std::uint64_t>(entry.file_size()), hash_file(entry.path())});
+  }
+  std::ranges::sort(files, {}, &ResultFile::name);
+  return files;
+}
+
+ResultStore::ResultStore(fs::path folder) : folder_(std::move(folder)) {
+  make_folder(folder_ / kPartial);
+  const std::string reason = reason_not_to_write_in(folder_);
+  if (!reason.empty()) fail(folder_, "cannot be written to", reason);
+  clean();
+  begin_own_folder();
+}
+
+ResultStore::~ResultStore() {
+  lock_.reset();
+  remove_quietly(own_);
+}
+
+/// Whose lock can be had is dead. Other machines' stay: not every network file system hands locks on.
+void ResultStore::clean() const {
+  std::error_code trouble;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator at(folder_ / kPartial, trouble), end; !trouble && at != end; at.increment(trouble)) {
+    if (platform::utf8(at->path().filename()).starts_with(host_in_names() + '-')) left.push_back(at->path());
+  }
+  for (const fs::path& path : left) {
+    platform::FolderLock lock(path);
+    if (lock.take()) remove_quietly(path);
+  }
+}
+
+void ResultStore::begin_own_folder() {
+  constexpr int kAttempts = 100;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    own_ = folder_ / kPartial /
+           (host_in_names() + '-' + std::to_string(platform::process_number()) + '-' + std::to_string(attempt));
+    std::error_code trouble;
+    if (!fs::create_directory(own_, trouble)) {
+      if (trouble) fail(own_, "cannot be made", trouble.message());
+      continue;
+    }
+    lock_.emplace(own_);
+    // Another process may have taken it for a dead one's before it was locked.
+    if (lock_->take() && fs::exists(own_, trouble)) return;
+  }
+  fail(own_, "cannot be made", "others take it away");
+}
+
+bool ResultStore::is_whole(const ContentHash& key) const {
+  const std::optional<ResultFiles> files = listed_in(place(key));
+  return files && has_files(place(key), *files);
+}
+
+bool ResultStore::add(const ContentHash& key, const std::function<void(const fs::path& folder)>& make) {
+  const fs::path made = own_ / key.text();
+  struct Removal {
+    const fs::path& path;
+    ~Removal() { remove_quietly(path); }
+  } removal{made};
+  make_folder(made);
+  make(made);
+  write_text_file(made / kResultName, result_text(hash_files_in(made)));
+  return publish(made, key);
+}
+
+bool ResultStore::publish(const fs::path& made, const ContentHash& key) {
+  constexpr int kAttempts = 3;
+  const fs::path target = place(key);
+  std::error_code trouble;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    fs::rename(made, target, trouble);
+    if (!trouble) return true;
+    if (is_whole(key)) return false;
+    // What is there is damaged. It leaves in one step, too.
+    const fs::path aside = own_ / (key.text() + "-damaged");
+    std::error_code ignored;
+    fs::rename(target, aside, ignored);
+    remove_quietly(aside);
+  }
+  fail(target, "cannot get its name", trouble.message());
+}
+
+ResultFiles ResultStore::trial(const ContentHash& key, const std::function<void(const fs::path& folder)>& make) {
+  const fs::path made = own_ / (key.text() + "-trial");
+  struct Removal {
+    const fs::path& path;
+    ~Removal() { remove_quietly(path); }
+  } removal{made};
+  make_folder(made);
+  make(made);
+  return hash_files_in(made);
+}
+
+}  // namespace welkin::tool

@@ -1,0 +1,246 @@
+#include "tools/batch_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <set>
+#include <stop_token>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "platform/file.h"
+#include "platform/text.h"
+#include "tools/batch_progress.h"
+#include "tools/batch_results.h"
+#include "tools/batch_schedule.h"
+#include "tools/commands.h"
+#include "tools/terminal.h"
+#include "welkin/core.h"
+
+namespace welkin::tool {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Results that this process computes at the moment: of two jobs with the same result one waits.
+class KeysAtWork {
+ public:
+  class Turn {
+   public:
+    Turn(KeysAtWork& keys, const ContentHash& key) : keys_(keys), key_(key) {
+      std::unique_lock lock(keys_.mutex_);
+      keys_.changed_.wait(lock, [&] { return keys_.keys_.insert(key_).second; });
+    }
+    ~Turn() {
+      {
+        const std::scoped_lock lock(keys_.mutex_);
+        keys_.keys_.erase(key_);
+      }
+      keys_.changed_.notify_all();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    KeysAtWork& keys_;
+    ContentHash key_;
+  };
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<ContentHash> keys_;
+};
+
+/// A bake's options are read once for all jobs that have the same.
+class OptionsByWords {
+ public:
+  OptionsByWords(const BatchPlan& plan, std::uint64_t memory) : plan_(plan), memory_(memory) {}
+
+  /// Throws `Error`.
+  [[nodiscard]] BakeCommandOptions of(const BatchJob& job) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = known_.find(job.options);
+    if (found != known_.end()) return found->second;
+    BakeCommandOptions options = bake_options_of(plan_, job.options);
+    options.common.read.memory_limit_bytes = memory_;
+    return known_.emplace(job.options, std::move(options)).first->second;
+  }
+
+ private:
+  const BatchPlan& plan_;
+  std::uint64_t memory_;
+  std::mutex mutex_;
+  std::map<std::vector<std::string>, BakeCommandOptions> known_;
+};
+
+/// A shard at work.
+class ShardRun {
+ public:
+  ShardRun(const BatchPlan& plan, const BatchRun& run, std::vector<std::size_t> jobs, std::stop_token stop)
+      : plan_(plan),
+        jobs_(std::move(jobs)),
+        stop_(std::move(stop)),
+        store_(run.results),
+        report_(run.results, run.shard),
+        options_(plan, run.memory),
+        schedule_(sizes(), run.threads, run.memory),
+        progress_(jobs_.size(), seconds()),
+        host_(host_name()) {}
+
+  /// Throws what stopped it.
+  void run(int threads) {
+    const WithoutStages quiet;
+    const std::stop_callback stopping(stop_, [this] { schedule_.stop(); });
+    std::vector<std::thread> workers;
+    try {
+      for (int i = 1; i < threads; ++i) workers.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {  // there are fewer, then
+    }
+    work();
+    for (std::thread& worker : workers) worker.join();
+    report_.write();
+    if (failure_) std::rethrow_exception(failure_);
+    if (stop_.stop_requested()) throw_cancelled();
+  }
+
+  /// After `run`.
+  [[nodiscard]] BatchOutcome outcome() {
+    BatchOutcome outcome = outcome_;
+    outcome.jobs = jobs_.size();
+    outcome.report = report_.file();
+    std::ranges::sort(outcome.troubles, {}, &JobRecord::index);
+    return outcome;
+  }
+
+ private:
+  [[nodiscard]] std::vector<JobSize> sizes() const {
+    std::vector<JobSize> sizes;
+    sizes.reserve(jobs_.size());
+    for (const std::size_t job : jobs_) sizes.push_back({plan_.jobs[job].seconds, plan_.jobs[job].memory});
+    return sizes;
+  }
+  [[nodiscard]] double seconds() const {
+    double all = 0.0;
+    for (const std::size_t job : jobs_) all += plan_.jobs[job].seconds;
+    return all;
+  }
+
+  [[noreturn]] static void throw_cancelled() {
+    throw Error(ErrorCode::cancelled, "stopped; what is done is there, and the same command goes on from there");
+  }
+
+  /// Of one thread, until there is nothing left. What is wrong with a job is in the report; what is wrong with the
+  /// folder of results ends the run.
+  void work() {
+    while (const auto turn = schedule_.next()) {
+      try {
+        run_with_threads(turn->threads, [&] { do_job(jobs_[turn->job], turn->threads); });
+      } catch (...) {
+        {
+          const std::scoped_lock lock(mutex_);
+          if (!failure_) failure_ = std::current_exception();
+        }
+        schedule_.stop();
+      }
+      schedule_.finished(*turn);
+    }
+  }
+
+  void do_job(std::size_t index, int threads) {
+    const BatchJob& job = plan_.jobs[index];
+    JobRecord record;
+    record.index = index;
+    record.name = job.name;
+    record.threads = threads;
+    record.host = host_;
+    record.process = platform::process_number();
+    record.start = time_now();
+    const Clock::time_point start = Clock::now();
+    try {
+      make_result(job, record);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) return;  // it is not over
+      record.error_code = name(error.code());
+      record.error = error.what();
+    } catch (const std::bad_alloc&) {
+      record.error_code = name(ErrorCode::limit_exceeded);
+      record.error = "there was not enough memory; a lower --memory or fewer --threads take less";
+    }
+    if (!record.error.empty()) record.state = JobState::failed;
+    record.seconds = seconds_since(start);
+    record.end = time_now();
+    note(std::move(record), job.seconds);
+  }
+
+  void make_result(const BatchJob& job, JobRecord& record) {
+    BakeCommandOptions options = options_.of(job);
+    options.input = platform::utf8(plan_.place(job.input));
+    const ContentHash key = result_key_of(options, job.options);
+    record.result = key.text();
+    const KeysAtWork::Turn turn(keys_, key);
+    record.state = JobState::present;
+    if (store_.is_whole(key)) return;
+    const auto make = [&](const std::filesystem::path& folder) {
+      options.directory = platform::utf8(folder);
+      bake_files(options, {stop_, {}});
+      // What was hashed before must be what was baked.
+      if (result_key_of(options, job.options) == key) return;
+      throw Error(ErrorCode::file_access, *options.input + ": changed while it was baked; run again");
+    };
+    if (store_.add(key, make)) record.state = JobState::computed;
+  }
+
+  void note(JobRecord record, double predicted) {
+    const bool failed = record.state == JobState::failed;
+    {
+      const std::scoped_lock lock(mutex_);
+      switch (record.state) {
+        case JobState::computed: ++outcome_.computed; break;
+        case JobState::present: ++outcome_.present; break;
+        case JobState::failed: ++outcome_.failed; break;
+        case JobState::verified: ++outcome_.verified; break;
+        case JobState::differs: ++outcome_.differs; break;
+      }
+      if (failed || record.state == JobState::differs) outcome_.troubles.push_back(record);
+    }
+    progress_.add(predicted, failed);
+    report_.add(std::move(record));
+  }
+
+  const BatchPlan& plan_;
+  std::vector<std::size_t> jobs_;  ///< costliest first
+  std::stop_token stop_;
+  ResultStore store_;
+  ShardReport report_;
+  OptionsByWords options_;
+  BatchSchedule schedule_;
+  BatchProgress progress_;
+  KeysAtWork keys_;
+  std::string host_;
+  std::mutex mutex_;
+  BatchOutcome outcome_;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+BatchOutcome run_batch(const BatchPlan& plan, const BatchRun& run) {
+  const Clock::time_point start = Clock::now();
+  std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
+  ShardRun shard(plan, run, std::move(cut[static_cast<std::size_t>(run.shard.number - 1)]), stop_on_signals());
+  shard.run(run.threads);
+  BatchOutcome outcome = shard.outcome();
+  outcome.seconds = seconds_since(start);
+  return outcome;
+}
+
+}  // namespace welkin::tool
