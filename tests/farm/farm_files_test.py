@@ -187,7 +187,7 @@ class Slurm(Folder):
         self.assertIn("--array=1-1000 ", many.stdout)
 
     def test_shards_too_small_or_too_large_are_warned_of(self):
-        self.assertIn("shards are small", self.dry_run("--shards", "1000", "--cpus", "64").stderr)
+        self.assertIn("shards are small", self.dry_run("--shards", "100", "--cpus", "64").stderr)
         self.assertIn("shards are large", self.dry_run("--shards", "4").stderr)
         self.assertNotIn("warning", self.dry_run("--shards", "251").stderr)
         self.write_plan(2, 100000)
