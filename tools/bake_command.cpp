@@ -313,7 +313,7 @@ void bake_files(BakeCommandOptions options, const Control& control) {
   check(options);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(platform::path_of(options.directory), part_of(control, kBaked, 1.0));
-  const ToneMap tone_map = tone_map_of(baked, options);
+  const ToneMap tone_map = options.previews ? tone_map_of(baked, options) : ToneMap();
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   write_text_file(folder.place(kManifestName), bake_manifest(baked, options, folder, tone_map));
 }

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "platform/text.h"
+#include "tools/batch_merge.h"
 #include "tools/batch_plan.h"
 #include "tools/batch_progress.h"
 #include "tools/batch_run.h"
+#include "tools/batch_status.h"
 #include "tools/commands.h"
 #include "tools/json.h"
 #include "tools/terminal.h"
@@ -203,15 +205,54 @@ void run_action(const BatchCommandOptions& options) {
     print_summary(outcome_text(outcome));
   }
   if (outcome.well()) return;
-  std::string message =
-      counted(outcome.failed + outcome.differs, "job") + " of " + std::to_string(outcome.jobs) + " failed";
+  std::string message = counted(outcome.failed + outcome.differs, "job") + " of " + std::to_string(outcome.jobs) +
+                        (outcome.failed > 0 ? " failed" : " differ");
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < std::min(kShown, outcome.troubles.size()); ++i) {
     const JobRecord& record = outcome.troubles[i];
-    message += "\n" + record.name + ": " + (record.error.empty() ? "differs" : record.error);
+    message += "\n" + record.name + ": " + record.error;
   }
   if (outcome.troubles.size() > kShown) message += "\n... the report has all of them";
   throw Error(ErrorCode::corrupt_file, message);
+}
+
+// ---- status and merge
+
+void status_action(const BatchCommandOptions& options) {
+  const BatchPlan plan = plan_named(options, "status");
+  const BatchStatus status = status_of(plan, results_of(options, plan));
+  print_result(options.common.json ? json_text(status_json(status)) : status_text(status));
+  if (status.troubles.empty()) return;
+  throw Error(ErrorCode::corrupt_file,
+              counted(status.troubles.size(), "job") + " of " + std::to_string(status.jobs) + " failed or differ");
+}
+
+void merge_action(const BatchCommandOptions& options) {
+  if (options.output.empty()) refuse("merge: -o names the folder to write, such as -o index");
+  const BatchPlan plan = plan_named(options, "merge");
+  const std::filesystem::path folder = platform::path_of(options.output);
+  MergedBatch merged;
+  {
+    ProgressBar bar;
+    merged = check_batch(plan, results_of(options, plan), thread_count(options.common), bar.control());
+  }
+  if (merged.problems > 0) {
+    std::string message = counted(merged.problems, "result") + " of " + std::to_string(plan.jobs.size()) +
+                          (merged.problems == 1 ? " is" : " are") + " missing or damaged";
+    for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
+      const std::string& problem = merged.results[job].problem;
+      if (!problem.empty()) message += '\n' + plan.jobs[job].name + ": " + problem;
+    }
+    throw Error(ErrorCode::corrupt_file, message);
+  }
+  write_batch_index(plan, merged, folder);
+  if (options.common.json) {
+    print_result(json_text({{"jobs", plan.jobs.size()}, {"hash", merged.hash().text()}}));
+  } else {
+    print_summary(counted(plan.jobs.size(), "result") + " in order; the batch's hash is " + merged.hash().text() +
+                  "\nindex: " + platform::utf8(folder / "index.json") + ", " + platform::utf8(folder / "index.html") +
+                  '\n');
+  }
 }
 
 Options batch_options(BatchCommandOptions& options) {
@@ -272,8 +313,8 @@ Command batch_command() {
     switch (options->action) {
       case Action::plan: plan_action(*options); break;
       case Action::run: run_action(*options); break;
-      case Action::status:
-      case Action::merge: refuse("status and merge: not there yet"); break;
+      case Action::status: status_action(*options); break;
+      case Action::merge: merge_action(*options); break;
     }
   };
   return command;

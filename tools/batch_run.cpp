@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "cache/recipe.h"
 #include "platform/file.h"
 #include "platform/text.h"
 #include "tools/batch_progress.h"
@@ -82,18 +83,73 @@ class OptionsByWords {
   std::map<std::vector<std::string>, BakeCommandOptions> known_;
 };
 
+/// What is done with a job.
+struct Task {
+  std::size_t job;  ///< in the plan
+  bool verifies;    ///< a result that is there is computed once more
+};
+
+/// Which shard computes a job's result once more, if any does: another than the one that does the job, where there is
+/// another. By a hash of what the plan says of the job.
+std::optional<std::size_t> verifier_of(const BatchJob& job, std::size_t shard, std::size_t shards, double share) {
+  constexpr double kHashes = 18446744073709551616.0;  // 2^64
+  const ContentHash hash = cache::hash_of(job.name, job.input, job.options);
+  if (!(static_cast<double>(hash.high) < share * kHashes)) return std::nullopt;
+  if (shards == 1) return shard;
+  return (shard + 1 + static_cast<std::size_t>(hash.low % (shards - 1))) % shards;
+}
+
+/// The shard's own jobs, and then results of others that it verifies. Each costliest first.
+std::vector<Task> tasks_of(const BatchPlan& plan, const BatchRun& run) {
+  const std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
+  const auto own = static_cast<std::size_t>(run.shard.number - 1);
+  std::vector<Task> tasks;
+  for (const std::size_t job : cut[own]) tasks.push_back({job, false});
+  const std::size_t before = tasks.size();
+  for (std::size_t shard = 0; shard < cut.size() && run.verify > 0.0; ++shard) {
+    for (const std::size_t job : cut[shard]) {
+      if (verifier_of(plan.jobs[job], shard, cut.size(), run.verify) == own) tasks.push_back({job, true});
+    }
+  }
+  std::stable_sort(
+      tasks.begin() + static_cast<std::ptrdiff_t>(before), tasks.end(),
+      [&](const Task& one, const Task& other) { return plan.jobs[one.job].seconds > plan.jobs[other.job].seconds; });
+  return tasks;
+}
+
+/// "specular.ktx2, sh.json": files that are not in both lists, or have other bytes.
+std::string differing(const ResultFiles& listed, const ResultFiles& made) {
+  std::map<std::string, ContentHash> others;
+  for (const ResultFile& file : made) others.emplace(file.name, file.hash);
+  std::string names;
+  const auto add = [&](const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
+  for (const ResultFile& file : listed) {
+    const auto found = others.find(file.name);
+    if (found == others.end() || found->second != file.hash) add(file.name);
+    if (found != others.end()) others.erase(found);
+  }
+  for (const auto& [name, hash] : others) add(name);
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 /// A shard at work.
 class ShardRun {
  public:
-  ShardRun(const BatchPlan& plan, const BatchRun& run, std::vector<std::size_t> jobs, std::stop_token stop)
+  ShardRun(const BatchPlan& plan, const BatchRun& run, std::stop_token stop)
       : plan_(plan),
-        jobs_(std::move(jobs)),
+        tasks_(tasks_of(plan, run)),
         stop_(std::move(stop)),
         store_(run.results),
         report_(run.results, run.shard),
         options_(plan, run.memory),
         schedule_(sizes(), run.threads, run.memory),
-        progress_(jobs_.size(), seconds()),
+        progress_(tasks_.size(), seconds()),
         host_(host_name()) {}
 
   /// Throws what stopped it.
@@ -115,7 +171,7 @@ class ShardRun {
   /// After `run`.
   [[nodiscard]] BatchOutcome outcome() {
     BatchOutcome outcome = outcome_;
-    outcome.jobs = jobs_.size();
+    outcome.jobs = static_cast<std::size_t>(std::ranges::count(tasks_, false, &Task::verifies));
     outcome.report = report_.file();
     std::ranges::sort(outcome.troubles, {}, &JobRecord::index);
     return outcome;
@@ -124,13 +180,13 @@ class ShardRun {
  private:
   [[nodiscard]] std::vector<JobSize> sizes() const {
     std::vector<JobSize> sizes;
-    sizes.reserve(jobs_.size());
-    for (const std::size_t job : jobs_) sizes.push_back({plan_.jobs[job].seconds, plan_.jobs[job].memory});
+    sizes.reserve(tasks_.size());
+    for (const Task& task : tasks_) sizes.push_back({plan_.jobs[task.job].seconds, plan_.jobs[task.job].memory});
     return sizes;
   }
   [[nodiscard]] double seconds() const {
     double all = 0.0;
-    for (const std::size_t job : jobs_) all += plan_.jobs[job].seconds;
+    for (const Task& task : tasks_) all += plan_.jobs[task.job].seconds;
     return all;
   }
 
@@ -143,7 +199,7 @@ class ShardRun {
   void work() {
     while (const auto turn = schedule_.next()) {
       try {
-        run_with_threads(turn->threads, [&] { do_job(jobs_[turn->job], turn->threads); });
+        run_with_threads(turn->threads, [&] { do_task(tasks_[turn->job], turn->threads); });
       } catch (...) {
         {
           const std::scoped_lock lock(mutex_);
@@ -155,10 +211,10 @@ class ShardRun {
     }
   }
 
-  void do_job(std::size_t index, int threads) {
-    const BatchJob& job = plan_.jobs[index];
+  void do_task(const Task& task, int threads) {
+    const BatchJob& job = plan_.jobs[task.job];
     JobRecord record;
-    record.index = index;
+    record.index = task.job;
     record.name = job.name;
     record.threads = threads;
     record.host = host_;
@@ -166,7 +222,11 @@ class ShardRun {
     record.start = time_now();
     const Clock::time_point start = Clock::now();
     try {
-      make_result(job, record);
+      if (task.verifies) {
+        if (!verify_result(job, record)) return progress_.add(job.seconds, false);
+      } else {
+        make_result(job, record);
+      }
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) return;  // it is not over
       record.error_code = name(error.code());
@@ -175,7 +235,7 @@ class ShardRun {
       record.error_code = name(ErrorCode::limit_exceeded);
       record.error = "there was not enough memory; a lower --memory or fewer --threads take less";
     }
-    if (!record.error.empty()) record.state = JobState::failed;
+    if (!record.error_code.empty()) record.state = JobState::failed;
     record.seconds = seconds_since(start);
     record.end = time_now();
     note(std::move(record), job.seconds);
@@ -199,6 +259,32 @@ class ShardRun {
     if (store_.add(key, make)) record.state = JobState::computed;
   }
 
+  /// False if there is no result, and so nothing to verify.
+  bool verify_result(const BatchJob& job, JobRecord& record) {
+    BakeCommandOptions options = options_.of(job);
+    options.input = platform::utf8(plan_.place(job.input));
+    std::optional<ContentHash> key;
+    try {
+      key = result_key_of(options, job.options);
+    } catch (const Error&) {  // which the shard tells that does the job
+      return false;
+    }
+    const KeysAtWork::Turn turn(keys_, *key);
+    const std::optional<ResultFiles> listed = listed_in(store_.place(*key));
+    if (!listed) return false;
+    record.result = key->text();
+    const ResultFiles made = store_.trial(*key, [&](const std::filesystem::path& folder) {
+      options.directory = platform::utf8(folder);
+      bake_files(options, {stop_, {}});
+    });
+    // The bytes that are there count, and not what is said of them.
+    std::string names = differing(*listed, made);
+    if (names.empty()) names = joined(damaged_files(store_.place(*key), *listed));
+    record.state = names.empty() ? JobState::verified : JobState::differs;
+    if (!names.empty()) record.error = "differs when it is computed once more: " + names;
+    return true;
+  }
+
   void note(JobRecord record, double predicted) {
     const bool failed = record.state == JobState::failed;
     {
@@ -217,7 +303,7 @@ class ShardRun {
   }
 
   const BatchPlan& plan_;
-  std::vector<std::size_t> jobs_;  ///< costliest first
+  std::vector<Task> tasks_;
   std::stop_token stop_;
   ResultStore store_;
   ShardReport report_;
@@ -235,8 +321,7 @@ class ShardRun {
 
 BatchOutcome run_batch(const BatchPlan& plan, const BatchRun& run) {
   const Clock::time_point start = Clock::now();
-  std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
-  ShardRun shard(plan, run, std::move(cut[static_cast<std::size_t>(run.shard.number - 1)]), stop_on_signals());
+  ShardRun shard(plan, run, stop_on_signals());
   shard.run(run.threads);
   BatchOutcome outcome = shard.outcome();
   outcome.seconds = seconds_since(start);

@@ -1,0 +1,99 @@
+#include "tools/batch_merge.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "jobs/tiles.h"
+#include "platform/text.h"
+#include "tools/batch_page.h"
+#include "tools/json.h"
+#include "tools/text.h"
+
+namespace welkin::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+MergedResult check_job(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
+  MergedResult merged;
+  try {
+    BakeCommandOptions options = bake_options_of(plan, job.options);
+    options.input = platform::utf8(plan.place(job.input));
+    const ContentHash key = result_key_of(options, job.options);
+    merged.folder = results / key.text();
+    const std::optional<ResultFiles> files = listed_in(merged.folder);
+    std::error_code unknown;
+    if (!files) {
+      merged.problem = fs::exists(merged.folder, unknown) ? key.text() + ": its result.json is damaged"
+                                                          : "there is no result " + key.text();
+      return merged;
+    }
+    merged.files = *files;
+    std::string names;
+    for (const std::string& name : damaged_files(merged.folder, *files)) names += ' ' + name;
+    if (!names.empty()) merged.problem = key.text() + ": damaged:" + names + "; remove the folder, and run again";
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    merged.problem = error.what();
+  }
+  return merged;
+}
+
+Json files_json(const ResultFiles& files) {
+  Json list = Json::array();
+  for (const ResultFile& file : files) {
+    list.push_back({{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash.text()}});
+  }
+  return list;
+}
+
+}  // namespace
+
+ContentHash MergedBatch::hash() const {
+  std::vector<ContentHash> all;
+  all.reserve(results.size());
+  for (const MergedResult& result : results) all.push_back(hash_of(result.files));
+  return combine(all);
+}
+
+MergedBatch check_batch(const BatchPlan& plan, const fs::path& results, int threads, const Control& control) {
+  MergedBatch merged;
+  merged.results.resize(plan.jobs.size());
+  run_with_threads(threads, [&] {
+    const jobs::Placement where = jobs::Placement::arena;
+    jobs::run_tiles(plan.jobs.size(), where, jobs::worker_count(where), control, [&](std::size_t job, std::size_t) {
+      merged.results[job] = check_job(plan, plan.jobs[job], results);
+    });
+  });
+  merged.problems = static_cast<std::size_t>(
+      std::ranges::count_if(merged.results, [](const MergedResult& result) { return !result.problem.empty(); }));
+  return merged;
+}
+
+void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const fs::path& folder) {
+  std::error_code trouble;
+  fs::create_directories(folder, trouble);
+  if (trouble) {
+    throw Error(ErrorCode::file_access, platform::utf8(folder) + ": cannot be made (" + trouble.message() + ")");
+  }
+  Json jobs = Json::array();
+  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+    const BatchJob& job = plan.jobs[i];
+    const MergedResult& result = merged.results[i];
+    jobs.push_back({{"name", job.name},
+                    {"input", job.input},
+                    {"result", link_from(folder, result.folder)},
+                    {"hash", hash_of(result.files).text()},
+                    {"files", files_json(result.files)}});
+  }
+  const Json index = {{"schema", "welkin batch index"},
+                      {"version", 1},
+                      {"welkin", WELKIN_VERSION_STRING},
+                      {"hash", merged.hash().text()},
+                      {"jobs", jobs}};
+  write_text_file(folder / "index.html", batch_page(plan, merged, folder));
+  write_text_file(folder / "index.json", json_text(index));
+}
+
+}  // namespace welkin::tool

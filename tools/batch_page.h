@@ -1,0 +1,19 @@
+// The contact sheet of a batch.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "tools/batch_merge.h"
+#include "tools/batch_plan.h"
+
+namespace welkin::tool {
+
+/// A page in HTML that needs nothing but the previews in the results. `folder`: where it will be.
+[[nodiscard]] std::string batch_page(const BatchPlan& plan, const MergedBatch& merged,
+                                     const std::filesystem::path& folder);
+
+/// How a file in `folder` reaches another; with slashes.
+[[nodiscard]] std::string link_from(const std::filesystem::path& folder, const std::filesystem::path& to);
+
+}  // namespace welkin::tool
