@@ -14,7 +14,7 @@ endif()
 if(WIN32)
   list(FILTER sources EXCLUDE REGEX "_posix(_test)?\\.cpp$")
   # Limits on memory, processors and files that POSIX sets; forks; the scheduler's policies; a shell.
-  list(FILTER sources EXCLUDE REGEX "^(files/hostile_files|worker/threads|tools/(report_command|terminal|unlucky))_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "^(files/hostile_files|worker/threads|tools/(batch_killed|report_command|terminal|unlucky))_test\\.cpp$")
 else()
   list(FILTER sources EXCLUDE REGEX "_windows(_test)?\\.cpp$")
 endif()

@@ -11,6 +11,7 @@
 #include "tools/batch_progress.h"
 #include "tools/batch_run.h"
 #include "tools/batch_status.h"
+#include "tools/batch_words.h"
 #include "tools/commands.h"
 #include "tools/json.h"
 #include "tools/terminal.h"
@@ -41,8 +42,8 @@ Examples:
 Plan: inputs are files, folders (all pictures below them) and patterns that the
   shell did not expand. Options of 'welkin bake' hold for all; each line of a
   --list is {"input": PATH, "name": NAME, "options": ["--size", "128"]}, and its
-  options come after those. An input that is not there is told, and stays in the
-  plan.
+  options take the place of those; files are beside the list. An input that is
+  not there is told, and stays in the plan.
 
 Run: a result is a folder, named by the hash of its input's bytes, its options
   and the version of results. It is written beside and then gets its name, so it
@@ -67,57 +68,6 @@ struct BatchCommandOptions {
   CommonOptions common;
   BakeCommandOptions bake;  ///< of all jobs: read to be checked
 };
-
-// ---- The options
-
-/// Options of `welkin bake` that one job of many can have.
-Options job_options(BakeCommandOptions& bake) {
-  constexpr std::array<std::string_view, 9> kOwn = {
-      "INPUT", "--sky", "-o,--output", "--json", "--threads", "--cache", "--memory-limit", "--explain", "--plan-only"};
-  Options table;
-  add_bake_options(table, bake);
-  std::erase_if(table, [&](const Option& option) { return std::ranges::find(kOwn, option.names) != kOwn.end(); });
-  for (Option& option : table) std::erase(option.needs, "INPUT");
-  return table;
-}
-
-/// How many of the words behind an option are its values.
-std::size_t values_of(const Option& option, const std::vector<std::string>& words, std::size_t at) {
-  const bool is_flag = std::holds_alternative<bool*>(option.target) || std::holds_alternative<OnFlag>(option.target);
-  if (is_flag) return 0;
-  if (option.list != List::commas_or_spaces) return 1;
-  std::size_t values = 0;
-  while (at + 1 + values < words.size() && static_cast<int>(values) < option.count &&
-         number_in(words[at + 1 + values])) {
-    ++values;
-  }
-  return std::max<std::size_t>(1, values);
-}
-
-const Option* option_named(const Options& table, const std::string& word) {
-  const std::string name = word.substr(0, word.find('='));
-  const auto found = std::ranges::find_if(table, [&](const Option& option) {
-    return (',' + option.names + ',').find(',' + name + ',') != std::string::npos;
-  });
-  return name.starts_with("-") && found != table.end() ? &*found : nullptr;
-}
-
-/// Those of the command's words that are for each bake, as they were written.
-std::vector<std::string> words_for_jobs() {
-  BakeCommandOptions unused;
-  const Options table = job_options(unused);
-  const std::vector<std::string>& words = command_words();
-  std::vector<std::string> kept;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const Option* const option = option_named(table, words[i]);
-    if (option == nullptr) continue;
-    const bool has_own_value = words[i].find('=') != std::string::npos;
-    const std::size_t values = has_own_value ? 0 : values_of(*option, words, i);
-    for (std::size_t end = i + values; i < end && i + 1 < words.size(); ++i) kept.push_back(words[i]);
-    kept.push_back(words[i]);
-  }
-  return kept;
-}
 
 Shard shard_in(const std::string& text) {
   const std::size_t slash = text.find('/');
@@ -167,7 +117,7 @@ std::string plan_summary(const BatchPlan& plan) {
 void plan_action(const BatchCommandOptions& options) {
   if (options.output.empty()) refuse("plan: -o names the plan to write, such as -o jobs.json");
   const BatchPlan plan =
-      plan_batch({options.inputs, options.list, words_for_jobs()}, platform::path_of(options.output));
+      plan_batch({options.inputs, options.list, words_for_jobs(command_words())}, platform::path_of(options.output));
   write_batch_plan(plan);
   print_summary(plan_summary(plan));
 }

@@ -15,6 +15,7 @@
 #include "platform/text.h"
 #include "tools/baked.h"
 #include "tools/batch_inputs.h"
+#include "tools/batch_words.h"
 #include "tools/json.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -73,19 +74,6 @@ fs::path folder_of(const fs::path& file) {
   return fs::absolute(file, unknown).parent_path();
 }
 
-/// Options that are the batch's own business.
-void refuse_own_options(const std::vector<std::string>& words) {
-  static const std::set<std::string, std::less<>> own = {
-      "-o", "--output", "--json", "--threads", "--memory-limit", "--cache", "--plan-only", "--sky", "--explain"};
-  for (const std::string& word : words) {
-    const std::string name = word.substr(0, word.find('='));
-    if (!own.contains(name) && !name.starts_with("-o")) continue;
-    throw Error(ErrorCode::invalid_argument, name +
-                                                 ": is no option of a single job; a batch knows its input and its "
-                                                 "place, and 'welkin batch run' has --threads and --memory");
-  }
-}
-
 // ---- Planning
 
 /// One line of the plan to come.
@@ -95,11 +83,6 @@ struct Wish {
   std::vector<std::string> options;
   bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
 };
-
-std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
-}
 
 void add_input(const std::string& word, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
   std::error_code unknown;
@@ -125,24 +108,22 @@ void add_input(const std::string& word, const std::vector<std::string>& options,
 
 Wish wish_in(const std::string& line, const fs::path& list, const std::vector<std::string>& options) {
   Wish wish;
-  wish.options = options;
+  std::vector<std::string> own;
   const auto add_word = [&](const Json& value, const std::string& where) {
-    text("", wish.options.emplace_back()).read(value, where);
+    text("", own.emplace_back()).read(value, where);
   };
   read_object(parse_json(line), "the line",
               {text("input", wish.input),
                text("name", wish.name),
                {"options", [&](const Json& value, const std::string& where) { read_list(value, where, add_word); }}});
   if (wish.input.empty()) throw Flaw{"there is no \"input\""};
-  // As in the list, files are beside it.
+  // What a list names lies beside it.
   const auto beside = [&](const std::string& path) {
     return platform::utf8(list.parent_path() / platform::path_of(path));
   };
-  const std::vector<std::string> own(wish.options.begin() + static_cast<std::ptrdiff_t>(options.size()),
-                                     wish.options.end());
-  refuse_own_options(own);
-  wish.options = joined(options, with_files(own, beside));
+  wish.options = with_own(options, with_files(own, beside));
   wish.input = beside(wish.input);
+  static_cast<void>(bake_options_of({}, wish.options));  // they are wrong in this line
   return wish;
 }
 
@@ -332,7 +313,6 @@ fs::path BatchPlan::default_results() const {
 }
 
 BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
-  refuse_own_options(request.options);
   static_cast<void>(bake_options_of({}, request.options));  // which are wrong even if there is no input
   std::vector<Wish> wishes;
   for (const std::string& word : request.inputs) add_input(word, request.options, wishes);
@@ -377,12 +357,9 @@ BatchPlan read_batch_plan(const fs::path& file) {
 
 BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words) {
   BakeCommandOptions options;
-  Options table;
-  add_bake_options(table, options);
+  const Options table = job_options(options);
   const auto placed = [&](const std::string& path) { return platform::utf8(plan.place(path)); };
-  std::vector<std::string> line = with_files(words, placed);
-  line.insert(line.end(), {"-o", ".", "--", "input"});  // which each job has of its own
-  read_options(table, line);
+  read_options(table, with_files(words, placed));
   settle_files(options);
   static_cast<void>(library_options(options));
   options.called = "environment";

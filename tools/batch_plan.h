@@ -38,7 +38,7 @@ struct BatchPlan {
 struct BatchRequest {
   std::vector<std::string> inputs;   ///< files, folders and patterns (*, ?, **)
   std::optional<std::string> list;   ///< a file of JSON lines
-  std::vector<std::string> options;  ///< of all jobs, before those of their lines
+  std::vector<std::string> options;  ///< of all jobs; those of their lines replace them
 };
 
 /// Looks at every input's header. An input that is not there is a job with an error. Throws `Error`: invalid_argument

@@ -1,0 +1,90 @@
+// Batches for the tests of `welkin batch`: small pictures, plans, results and reports.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+
+namespace welkin::test {
+
+inline constexpr const char* kFewFiles = " --size 8 --mips 2 --irradiance 4 --no-brdf --no-previews ";
+
+/// A picture that no other `number` has.
+inline void write_picture(const std::filesystem::path& path, int number, int width = 16) {
+  std::vector<float> rgb = grey_picture(width, width / 2, 0.5F);
+  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] += 0.25F * static_cast<float>((i * 7 + i / 5) % 3);
+  rgb[0] = 1.0F + static_cast<float>(number);
+  write_pfm(path, width, width / 2, rgb);
+}
+
+/// A folder with a batch: pictures, jobs.json, jobs.results.
+class Batch {
+ public:
+  explicit Batch(int pictures = 0, const std::string& options = kFewFiles) {
+    std::filesystem::create_directories(input());
+    for (int i = 0; i < pictures; ++i) write_picture(input() / ("picture" + std::to_string(100 + i) + ".pfm"), i);
+    if (pictures > 0) plan(quoted(input()) + options);
+  }
+
+  [[nodiscard]] const std::filesystem::path& path() const { return folder_.path(); }
+  [[nodiscard]] std::filesystem::path input() const { return path() / "in"; }
+  [[nodiscard]] std::filesystem::path jobs() const { return path() / "jobs.json"; }
+  [[nodiscard]] std::filesystem::path results() const { return path() / "jobs.results"; }
+
+  /// Runs `welkin batch ACTION jobs.json ...`.
+  [[nodiscard]] CommandResult run(const std::string& action, const std::string& more = "") const {
+    return run_welkin("batch " + action + ' ' + quoted(jobs()) + ' ' + more);
+  }
+  /// Requires success; the JSON that it prints.
+  nlohmann::json run_well(const std::string& action, const std::string& more = "", int exit_code = 0) const {
+    const CommandResult result = run(action, "--json " + more);
+    INFO("welkin batch " << action << ' ' << more << "\nstandard error: " << result.errors);
+    REQUIRE(result.exit_code == exit_code);
+    return nlohmann::json::parse(result.output);
+  }
+  nlohmann::json plan(const std::string& arguments) const {
+    const CommandResult result = run_welkin("batch plan " + arguments + " -o " + quoted(jobs()));
+    INFO(result.errors);
+    REQUIRE(result.exit_code == 0);
+    return nlohmann::json::parse(file_text(jobs()));
+  }
+  nlohmann::json merged() const {
+    run_well("merge", "-o " + quoted(path() / "index"));
+    return nlohmann::json::parse(file_text(path() / "index" / "index.json"));
+  }
+  [[nodiscard]] nlohmann::json report(const std::string& shard = "1-of-1") const {
+    return nlohmann::json::parse(file_text(results() / "reports" / ("shard-" + shard + ".json"))).at("jobs");
+  }
+
+  /// The folders of results, by their names.
+  [[nodiscard]] std::vector<std::string> result_names() const {
+    std::vector<std::string> names;
+    for (const std::string& name : names_in(results())) {
+      if (name != "reports" && name != "partial") names.push_back(name);
+    }
+    return names;
+  }
+  /// Of all results, each with its files' bytes.
+  [[nodiscard]] std::map<std::string, std::string> all_files() const {
+    std::map<std::string, std::string> files;
+    for (const std::string& result : result_names()) {
+      for (const std::string& name : names_in(results() / result)) {
+        files[result + '/' + name] = file_text(results() / result / name);
+      }
+    }
+    return files;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+}  // namespace welkin::test

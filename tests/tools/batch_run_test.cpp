@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+#include "tools/batch_folder.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+// `welkin batch run`, `status` and `merge`: results are those of single bakes, whole, made once, checked byte by byte;
+// what fails is told and stops nothing else.
+
+namespace {
+
+/// Changes a byte in the middle.
+void damage(const std::filesystem::path& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  REQUIRE(file.good());
+  const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(path) / 2);
+  file.seekg(middle);
+  const auto byte = static_cast<char>(file.get());
+  file.seekp(middle);
+  file.put(static_cast<char>(byte ^ 1));
+}
+
+std::size_t count_of(const nlohmann::json& records, const std::string& state) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(records, [&](const auto& record) { return record.at("state") == state; }));
+}
+
+}  // namespace
+
+TEST_CASE("A batch's results are those of single bakes", "[command][batch]") {
+  const Batch batch(3);
+  CHECK(batch.run_well("run").at("computed") == 3);
+  const nlohmann::json index = batch.merged();
+  REQUIRE(index.at("jobs").size() == 3);
+  bake_into(batch.path() / "single", quoted(batch.input() / "picture101.pfm") + kFewFiles);
+  const std::filesystem::path result = batch.path() / "index" / index.at("jobs")[1].at("result");
+  CHECK(index.at("jobs")[1].at("name") == "picture101");
+  for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
+    INFO(name);
+    CHECK(file_text(result / name) == file_text(batch.path() / "single" / name));
+  }
+  // And nothing in them depends on where and when they were made.
+  const nlohmann::json manifest = manifest_of(result);
+  CHECK(!manifest.contains("times"));
+  CHECK(manifest.at("source").at("path") == "environment");
+  for (const auto& [name, text] : batch.all_files()) {
+    INFO(name);
+    CHECK(!contains(text, "picture10"));
+  }
+}
+
+TEST_CASE("What is there is not computed again", "[command][batch]") {
+  const Batch batch(4);
+  CHECK(batch.run_well("run", "--threads 2").at("computed") == 4);
+  const auto files = batch.all_files();
+  const nlohmann::json again = batch.run_well("run");
+  CHECK(again.at("computed") == 0);
+  CHECK(again.at("present") == 4);
+  CHECK(batch.all_files() == files);
+  CHECK(count_of(batch.report(), "computed") == 4);  // the report remembers
+  // The same picture by another name, and other options.
+  std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "renamed.pfm");
+  batch.plan(quoted(batch.input()) + kFewFiles);
+  CHECK(batch.run_well("run").at("computed") == 0);
+  batch.plan(quoted(batch.input()) + kFewFiles + "--yaw 90");
+  CHECK(batch.run_well("run").at("computed") == 4);
+  CHECK(batch.result_names().size() == 8);
+}
+
+TEST_CASE("An input that fails is told, and stops no other", "[command][batch]") {
+  const Batch batch(3);
+  write_picture(batch.input() / "gone.pfm", 50);
+  batch.plan(quoted(batch.input()) + kFewFiles);
+  std::filesystem::remove(batch.input() / "gone.pfm");
+  const auto bytes = std::filesystem::file_size(batch.input() / "picture101.pfm");
+  std::filesystem::resize_file(batch.input() / "picture101.pfm", bytes - 10);
+  const CommandResult result = batch.run("run");
+  CHECK(result.exit_code == 1);
+  CHECK(contains(result.output, "2 computed, 0 present, 2 failed"));
+  CHECK(contains(result.errors, "picture101"));
+  const nlohmann::json report = batch.report();
+  REQUIRE(report.size() == 4);
+  for (const auto& record : report) {
+    const std::string name = record.at("name");
+    const bool fails = name == "gone" || name == "picture101";
+    INFO(record);
+    CHECK(record.at("state") == (fails ? "failed" : "computed"));
+    CHECK(record.contains("error") == fails);
+    if (name == "gone") CHECK(record.at("error_code") == "file_access");
+    if (name == "picture101") CHECK(record.at("error_code") == "corrupt_file");
+    CHECK(record.at("process").get<int>() > 0);
+  }
+  const nlohmann::json status = batch.run_well("status", "", 1);
+  CHECK(status.at("done") == 2);
+  CHECK(status.at("failed") == 2);
+  CHECK(status.at("left") == 0);
+  const CommandResult merge = batch.run("merge", "-o " + quoted(batch.path() / "index"));
+  CHECK(merge.exit_code == 1);
+  CHECK(contains(merge.errors, "gone"));
+  CHECK(contains(merge.errors, "picture101"));
+  CHECK(!std::filesystem::exists(batch.path() / "index"));
+  CHECK(names_in(batch.results() / "partial").empty());
+  // Mended, it is done, and the failure is forgotten.
+  write_picture(batch.input() / "gone.pfm", 50);
+  write_picture(batch.input() / "picture101.pfm", 1);
+  CHECK(batch.run_well("run").at("computed") == 2);
+  CHECK(batch.run_well("status").at("done") == 4);
+}
+
+TEST_CASE("A truncated result is made anew", "[command][batch]") {
+  const Batch batch(2);
+  batch.run_well("run");
+  const auto files = batch.all_files();
+  const std::filesystem::path result = batch.results() / batch.result_names().front();
+  SECTION("cut") { std::filesystem::resize_file(result / "specular.ktx2", 100); }
+  SECTION("without a file") { std::filesystem::remove(result / "sh.h"); }
+  SECTION("without its list") { std::filesystem::remove(result / "result.json"); }
+  SECTION("with half a list") { std::filesystem::resize_file(result / "result.json", 40); }
+  CHECK(batch.run("merge", "-o " + quoted(batch.path() / "index")).exit_code == 1);
+  const nlohmann::json again = batch.run_well("run");
+  CHECK(again.at("computed") == 1);
+  CHECK(again.at("present") == 1);
+  CHECK(batch.all_files() == files);
+}
+
+TEST_CASE("Merging looks at every byte", "[command][batch]") {
+  const Batch batch(3);
+  batch.run_well("run");
+  batch.merged();
+  const std::filesystem::path result = batch.results() / batch.result_names()[1];
+  const std::string merge = "-o " + quoted(batch.path() / "index2");
+  for (const char* name : {"irradiance.ktx2", "manifest.json", "sh.json"}) {
+    damage(result / name);
+    const CommandResult damaged = batch.run("merge", merge);
+    INFO(damaged.errors);
+    CHECK(damaged.exit_code == 1);
+    CHECK(contains(damaged.errors, name));
+    CHECK(contains(damaged.errors, "1 result of 3"));
+    damage(result / name);  // which mends it
+  }
+  CHECK(batch.run("merge", merge).exit_code == 0);
+  // A list that names files elsewhere is not believed.
+  nlohmann::json list = nlohmann::json::parse(file_text(result / "result.json"));
+  list["files"][0]["name"] = "../x";
+  std::ofstream(result / "result.json") << list;
+  CHECK(batch.run("merge", merge).exit_code == 1);
+  std::filesystem::remove_all(result);
+  const CommandResult missing = batch.run("merge", merge);
+  CHECK(missing.exit_code == 1);
+  CHECK(contains(missing.errors, "no result " + result.filename().string()));
+}
+
+TEST_CASE("A batch has one hash, however it is cut and run", "[command][batch]") {
+  const Batch one(6);
+  one.run_well("run", "--threads 1");
+  const nlohmann::json index = one.merged();
+  const Batch other(6);
+  for (const char* shard : {"2/3", "3/3", "1/3"}) {
+    other.run_well("run", std::string("--threads 2 --shard ") + shard);
+  }
+  CHECK(other.merged() == index);
+  CHECK(other.all_files() == one.all_files());
+  CHECK(index.at("jobs")[0].at("hash") != index.at("jobs")[1].at("hash"));
+  CHECK(index.at("hash").get<std::string>().size() == 32);
+}
+
+TEST_CASE("The index has a page of previews", "[command][batch]") {
+  const Batch batch(1, " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
+  std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "a<b>&\"%.pfm");
+  batch.plan(quoted(batch.input()) + " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
+  batch.run_well("run");
+  batch.merged();
+  const std::string page = file_text(batch.path() / "index" / "index.html");
+  CHECK(contains(page, "<b>a&lt;b&gt;&amp;&quot;%</b>"));
+  CHECK(contains(page, "16 x 8 lat-long, PFM"));
+  const std::string picture = "src=\"../jobs.results/" + batch.result_names().front() + "/preview_spheres.png\"";
+  CHECK(contains(page, picture));
+  CHECK(!contains(page, "http"));
+}
+
+TEST_CASE("Status says what is done, left and failed, shard by shard", "[command][batch]") {
+  const Batch batch(5);
+  nlohmann::json status = batch.run_well("status");
+  CHECK(status.at("left") == 5);
+  CHECK(status.at("seconds_left").get<double>() > 0.0);
+  batch.run_well("run", "--shard 1/2");
+  status = batch.run_well("status");
+  const int done = status.at("done");
+  CHECK((done == 2 || done == 3));
+  CHECK(status.at("left") == 5 - done);
+  REQUIRE(status.at("shards").size() == 2);
+  CHECK(status.at("shards")[0].at("left") == 0);
+  CHECK(status.at("shards")[1].at("done") == 0);
+  CHECK(status.at("shards")[1].at("left") == 5 - done);
+  batch.run_well("run", "--shard 2/2");
+  CHECK(batch.run_well("status").at("done") == 5);
+  std::filesystem::remove_all(batch.results() / batch.result_names().front());
+  CHECK(batch.run_well("status").at("done") == 4);
+}
+
+TEST_CASE("Results are computed once more, on another shard, and compared", "[command][batch]") {
+  const Batch batch(8);
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    batch.run_well("run", std::string("--shard ") + shard);
+  }
+  std::size_t verified = 0;
+  for (const char* shard : {"1", "2", "3"}) {
+    const std::string of = std::string("--shard ") + shard + "/3";
+    verified += batch.run_well("run", of + " --verify 1").at("verified").get<std::size_t>();
+    std::set<int> own;
+    for (const auto& record : batch.report(std::string(shard) + "-of-3")) {
+      if (record.at("state") == "computed") own.insert(record.at("index").get<int>());
+      if (record.at("state") == "verified") CHECK(!own.contains(record.at("index").get<int>()));
+    }
+    CHECK(batch.run_well("run", of + " --verify 0").at("verified") == 0);
+  }
+  CHECK(verified == 8);
+  // Half of them, the same half each time.
+  const auto half = [&] { return batch.run_well("run", "--verify 0.5").at("verified").get<int>(); };
+  const int some = half();
+  CHECK((some > 0 && some < 8));
+  CHECK(half() == some);
+
+  const std::filesystem::path result = batch.results() / batch.result_names()[2];
+  SECTION("bytes that changed since") { damage(result / "specular.ktx2"); }
+  SECTION("bytes that were wrong from the beginning") {
+    nlohmann::json list = nlohmann::json::parse(file_text(result / "result.json"));
+    const Batch wrong(1, std::string(kFewFiles) + "--yaw 180");
+    wrong.run_well("run");
+    const std::filesystem::path other = wrong.results() / wrong.result_names().front();
+    std::filesystem::remove_all(result);
+    std::filesystem::copy(other, result);
+  }
+  const nlohmann::json outcome = batch.run_well("run", "--verify 1", 1);
+  CHECK(outcome.at("differs") == 1);
+  CHECK(outcome.at("verified") == 7);
+  const CommandResult told = batch.run("run", "--verify 1");
+  CHECK(contains(told.errors, "specular.ktx2"));
+  CHECK(batch.run("status").exit_code == 1);
+}
+
+TEST_CASE("Bakes that run at the same time stay below the memory that they may take", "[command][batch]") {
+  const Batch batch;
+  for (int i = 0; i < 6; ++i) write_picture(batch.input() / (std::to_string(i) + ".pfm"), i, i < 3 ? 512 : 64);
+  const nlohmann::json plan = batch.plan(quoted(batch.input()) + " --size 64 --irradiance 4 --no-brdf --no-previews");
+  std::vector<std::uint64_t> memory;
+  for (const auto& job : plan.at("jobs")) memory.push_back(job.at("memory"));
+  const std::uint64_t largest = *std::ranges::max_element(memory);
+  const std::uint64_t limit = largest + largest / 4;
+  CHECK(batch.run_well("run", "--threads 4 --memory " + std::to_string(limit)).at("computed") == 6);
+  const nlohmann::json report = batch.report();
+  const auto held_at = [&](const std::string& time) {
+    std::uint64_t held = 0;
+    for (const auto& record : report) {
+      if (record.at("start") < time && time < record.at("end")) held += memory[record.at("index").get<std::size_t>()];
+    }
+    return held;
+  };
+  for (const auto& record : report) {
+    CHECK(held_at(record.at("start")) + memory[record.at("index").get<std::size_t>()] <= limit);
+  }
+  // What is too much by itself fails, and the others do not.
+  std::filesystem::remove_all(batch.results());
+  const nlohmann::json outcome = batch.run_well("run", "--memory 2MiB", 1);
+  CHECK(outcome.at("failed") == 6);
+  CHECK(batch.report()[0].at("error_code") == "limit_exceeded");
+}
