@@ -33,12 +33,13 @@ constexpr std::uintmax_t kMostListBytes = std::uintmax_t{1} << 30U;
 constexpr double kMostSeconds = 1e9;
 constexpr double kMostBytes = 1e15;
 
-// What a job costs beside the passes that a plan knows; measured with this command on two cores of an EPYC (Zen 4).
-constexpr double kSecondsOfAJob = 0.0015;        // opening, hashing and naming some eight files
-constexpr double kSecondsOfATexel = 10e-9;       // reading one
-constexpr double kSecondsOfAByte = 1e-9;         // writing one, of the results in memory
-constexpr double kSecondsOfPreviews = 0.04;      // of the default size
-constexpr std::uint64_t kBytesOfAJob = 4 << 20;  // buffers of codecs, at least
+// What a job costs beside the passes that a plan knows: processor time of bakes of 64 x 32 to 1024 x 512 pixels,
+// measured on an EPYC (Zen 4) whose cores others used too. It decides what is a fair share, and no more.
+constexpr double kSecondsOfAJob = 0.004;                         // opening, hashing and naming some eight files
+constexpr double kSecondsOfATexel = 20e-9;                       // reading one
+constexpr double kSecondsOfAByte = 2e-9;                         // writing one, of the results in memory
+constexpr double kSecondsOfPreviews = 0.12;                      // of balls of the default size
+constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
 
 // ---- Options
 
@@ -106,7 +107,26 @@ void add_input(const std::string& word, const std::vector<std::string>& options,
   }
 }
 
-Wish wish_in(const std::string& line, const fs::path& list, const std::vector<std::string>& options) {
+/// The options of all jobs with those of a line, which most lines share.
+class LineOptions {
+ public:
+  explicit LineOptions(const std::vector<std::string>& all) : all_(all) {}
+
+  /// Throws `Error` (invalid_argument) for what no bake could be asked.
+  const std::vector<std::string>& with(const std::vector<std::string>& own) {
+    const auto found = known_.find(own);
+    if (found != known_.end()) return found->second;
+    std::vector<std::string> words = with_own(all_, own);
+    static_cast<void>(bake_options_of({}, words));
+    return known_.emplace(own, std::move(words)).first->second;
+  }
+
+ private:
+  const std::vector<std::string>& all_;
+  std::map<std::vector<std::string>, std::vector<std::string>> known_;
+};
+
+Wish wish_in(const std::string& line, const fs::path& list, LineOptions& options) {
   Wish wish;
   std::vector<std::string> own;
   const auto add_word = [&](const Json& value, const std::string& where) {
@@ -121,9 +141,8 @@ Wish wish_in(const std::string& line, const fs::path& list, const std::vector<st
   const auto beside = [&](const std::string& path) {
     return platform::utf8(list.parent_path() / platform::path_of(path));
   };
-  wish.options = with_own(options, with_files(own, beside));
+  wish.options = options.with(with_files(own, beside));
   wish.input = beside(wish.input);
-  static_cast<void>(bake_options_of({}, wish.options));  // they are wrong in this line
   return wish;
 }
 
@@ -135,13 +154,14 @@ void add_list(const fs::path& list, const std::vector<std::string>& options, std
   }
   std::string line;
   std::uintmax_t bytes = 0;
+  LineOptions known(options);
   for (std::size_t number = 1; std::getline(stream, line); ++number) {
     bytes += line.size() + 1;
     const std::string where = platform::utf8(list) + ": line " + std::to_string(number) + ": ";
     if (bytes > kMostListBytes) throw Error(ErrorCode::limit_exceeded, where + "there is more than a gigabyte");
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     try {
-      wishes.push_back(wish_in(line, list, options));
+      wishes.push_back(wish_in(line, list, known));
     } catch (const Flaw& flaw) {
       throw Error(ErrorCode::invalid_argument, where + flaw.message +
                                                    "; a line is {\"input\": PATH, \"name\": NAME, \"options\": "
@@ -166,10 +186,11 @@ std::string unique_name(const Wish& wish, std::set<std::string>& taken) {
 
 double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
   constexpr double kMilliseconds = 1e-3;
-  const double drawing = options.previews ? kSecondsOfPreviews : 0.0;
+  const double ball = static_cast<double>(options.preview_size) / BakeCommandOptions().preview_size;
   return kSecondsOfAJob + kMilliseconds * prediction.milliseconds +
          kSecondsOfATexel * static_cast<double>(prediction.texels) +
-         kSecondsOfAByte * static_cast<double>(prediction.result_bytes) + drawing;
+         kSecondsOfAByte * static_cast<double>(prediction.result_bytes) +
+         (options.previews ? kSecondsOfPreviews * ball * ball : 0.0);
 }
 
 /// Plans wishes one by one.
