@@ -146,7 +146,7 @@ std::string pictures(const MergedResult& result, const std::string& name, const 
   std::string text;
   for (const char* const preview : kPreviews) {
     if (std::ranges::find(result.files, preview, &ResultFile::name) == result.files.end()) continue;
-    text += "<img loading=\"lazy\" alt=\"" + escaped(name) + "\" src=\"" +
+    text += R"(<img loading="lazy" alt=")" + escaped(name) + R"(" src=")" +
             address(link_from(folder, result.folder / preview)) + "\">\n";
   }
   return text.empty() ? "<div class=\"none\">no previews</div>\n" : text;

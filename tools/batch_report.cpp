@@ -137,11 +137,11 @@ const char* name(ErrorCode code) noexcept {
 }
 
 std::string time_now() {
-  using namespace std::chrono;
-  const auto now = floor<milliseconds>(system_clock::now());
-  const auto today = floor<days>(now);
-  const year_month_day date(today);
-  const hh_mm_ss time(now - today);
+  namespace chrono = std::chrono;
+  const auto now = chrono::floor<chrono::milliseconds>(chrono::system_clock::now());
+  const auto today = chrono::floor<chrono::days>(now);
+  const chrono::year_month_day date(today);
+  const chrono::hh_mm_ss time(now - today);
   const std::string day = std::to_string(static_cast<int>(date.year())) + '-' +
                           two_digits(static_cast<long>(static_cast<unsigned>(date.month()))) + '-' +
                           two_digits(static_cast<long>(static_cast<unsigned>(date.day())));

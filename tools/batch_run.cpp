@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <new>
-#include <set>
 #include <stop_token>
 #include <system_error>
 #include <thread>
@@ -38,12 +37,13 @@ class KeysAtWork {
    public:
     Turn(KeysAtWork& keys, const ContentHash& key) : keys_(keys), key_(key) {
       std::unique_lock lock(keys_.mutex_);
-      keys_.changed_.wait(lock, [&] { return keys_.keys_.insert(key_).second; });
+      keys_.changed_.wait(lock, [&] { return std::ranges::find(keys_.keys_, key_) == keys_.keys_.end(); });
+      keys_.keys_.push_back(key_);
     }
     ~Turn() {
       {
         const std::scoped_lock lock(keys_.mutex_);
-        keys_.keys_.erase(key_);
+        std::erase(keys_.keys_, key_);
       }
       keys_.changed_.notify_all();
     }
@@ -58,7 +58,7 @@ class KeysAtWork {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::set<ContentHash> keys_;
+  std::vector<ContentHash> keys_;
 };
 
 /// A bake's options are read once for all jobs that have the same.

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace welkin::tool {
 
-BatchSchedule::BatchSchedule(const std::vector<JobSize>& jobs, int threads, std::uint64_t memory)
-    : jobs_(jobs), threads_(threads), memory_(memory) {
+BatchSchedule::BatchSchedule(std::vector<JobSize> jobs, int threads, std::uint64_t memory)
+    : jobs_(std::move(jobs)), threads_(threads), memory_(memory) {
   for (const JobSize& job : jobs_) seconds_left_ += job.seconds;
 }
 

@@ -23,7 +23,7 @@ struct JobSize {
 class BatchSchedule {
  public:
   /// `jobs`: costliest first. `threads` > 0.
-  BatchSchedule(const std::vector<JobSize>& jobs, int threads, std::uint64_t memory);
+  BatchSchedule(std::vector<JobSize> jobs, int threads, std::uint64_t memory);
 
   struct Turn {
     std::size_t job;  ///< its place in the list

@@ -126,7 +126,8 @@ std::string zsh_value(const Option& option) {
 
 std::string zsh_option(const Option& option) {
   if (is_place(option)) {
-    return " \\\n            ':" + option.names + ":" +
+    const bool many = std::holds_alternative<std::vector<std::string>*>(option.target);
+    return std::string(" \\\n            '") + (many ? "*:" : ":") + option.names + ":" +
            (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")") + "'";
   }
   std::string text;

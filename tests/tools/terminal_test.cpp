@@ -113,6 +113,26 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
   for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
 }
 
+TEST_CASE("command: a batch shows on a terminal how far it is, and wipes that at the end", "[tools][batch]") {
+  if (run_program("/usr/bin/env", "script --version").exit_code != 0) {
+    WARN("left out: there is no script(1) to make a terminal");
+    return;
+  }
+  const TemporaryFolder folder;
+  for (int i = 0; i < 8; ++i) {
+    write_pfm(folder.path() / (std::to_string(i) + ".pfm"), 64, 32, grey_picture(64, 32, 1.0F + static_cast<float>(i)));
+  }
+  const std::string jobs = quoted(folder.path() / "jobs.json");
+  REQUIRE(run_welkin("batch plan " + quoted(folder.path()) + " -o " + jobs).exit_code == 0);
+  const std::string shown = on_terminal("batch run --threads 1 " + jobs);
+  INFO(shown);
+  CHECK(contains(shown, " of 8 files, "));
+  CHECK(contains(shown, " a second"));
+  CHECK(contains(shown, " left"));
+  CHECK(contains(shown, "8 computed"));
+  CHECK_FALSE(contains(on_terminal("batch run -q --verify 1 " + jobs), "files"));
+}
+
 TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
   const std::string escape = "\033[";
   CHECK_FALSE(contains(run_welkin("--help").output, escape));
