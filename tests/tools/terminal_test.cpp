@@ -221,7 +221,8 @@ TEST_CASE("command: bash completes commands, options and words", "[tools]") {
     CHECK(result.errors.empty());
     return result.output;
   };
-  CHECK(completed("welkin ba", 1) == "bake\n");
+  CHECK(completed("welkin ba", 1) == "bake batch\n");
+  CHECK(completed("welkin batch me", 2) == "merge\n");
   CHECK(contains(completed("welkin help s", 2), "sky"));
   CHECK(completed("welkin bake --prev", 2) == "--preview-size\n");
   CHECK(completed("welkin sh in.hdr --for un", 4) == "unity unreal\n");
