@@ -31,7 +31,9 @@ class BuildByCMake(build_ext):
     """Asks CMake for the extension, and puts it where setuptools wants it."""
 
     def build_extension(self, ext):
-        options = ["-DWELKIN_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}"]
+        # Of a virtual environment the Python that it was made by: the folder may serve longer than the environment.
+        python = getattr(sys, "_base_executable", sys.executable)
+        options = ["-DWELKIN_PYTHON=ON", f"-DPython_EXECUTABLE={python}"]
         if not (BUILD / "CMakeCache.txt").exists():  # else the folder stays what it is, build/release perhaps
             options += ["-DCMAKE_BUILD_TYPE=Release", *(f"-DWELKIN_{part}=OFF" for part in LEFT_OUT)]
             if shutil.which("ninja"):

@@ -326,15 +326,16 @@ void bind_files(py::module_& module) {
   module.def("read_texture", &read_texture_file, py::arg("file"),
              "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "A .ktx2, .ktx or .dds cubemap with all its mips, told by its first bytes, as a `Texture`.");
-  module.def(
-      "write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
-      "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
-      "              astc_effort='medium', metadata=None, progress=None, threads=None)\n--\n\n"
-      "A `Chain`, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`, to .ktx2, .ktx, .dds or .exr.\n"
-      "`format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", "
-      "\"astc_4x4_hdr\",\n\"astc_6x6_hdr\"; `supercompression` of .ktx2: \"none\", \"zlib\", \"zstd\". Gives "
-      "{\"files\",\n"
-      "\"values_clamped\"}.");
+  module.def("write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
+             "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
+             "              astc_effort='medium', metadata=None, layout=None, encoding=None, progress=None, "
+             "threads=None)\n--\n\n"
+             "A `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`, to .ktx2, "
+             ".ktx, .dds or .exr.\n"
+             "`format`: \"rgba16f\", \"rgba32f\", \"b10g11r11\", \"e5b9g9r9\", \"bc6h_ufloat\", \"bc6h_sfloat\", "
+             "\"astc_4x4_hdr\",\n\"astc_6x6_hdr\"; `supercompression` of .ktx2: \"none\", \"zlib\", \"zstd\". Gives "
+             "{\"files\",\n"
+             "\"values_clamped\"}.");
   module.def("write_env", &write_env, py::arg("path"), py::arg("specular"), py::arg("radiance"),
              "write_env(path, specular, radiance)\n--\n\n"
              "A whole chain (size a power of two, to 1 texel) and coefficients of radiance as Babylon.js's .env.");

@@ -817,6 +817,8 @@ def write_texture(
     bc6h_effort: Literal["fast", "normal", "slow"] = "normal",
     astc_effort: Literal["fastest", "fast", "medium", "thorough"] = "medium",
     metadata: Mapping[str, str] | None = None,
+    layout: _Layout = None,
+    encoding: _Encoding = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> _Written: ...
