@@ -243,8 +243,7 @@ void main() {
                 1.0);
 }`;
 const wgslWorst = async () => {
-  const soon = new Promise((take) => setTimeout(() => take(null), 3000));
-  const adapter = navigator.gpu && await Promise.race([navigator.gpu.requestAdapter(), soon]);
+  const adapter = navigator.gpu && await navigator.gpu.requestAdapter();
   if (!adapter) return "no WebGPU";
   const device = await adapter.requestDevice();
   const module = device.createShaderModule({code: wgsl});
@@ -286,8 +285,16 @@ const said = async (name, work) => {
 (async () => {
   await said("glsl", () => glslWorst(glsl, wanted, fillNumbers));
   await said("three", () => threeChunk ? glslWorst(threeShader, threeWanted, fillAtlas) : "no three.js");
-  await said("wgsl", wgslWorst);
-  document.body.dataset.ready = "yes";
+  // The browser's clock is a virtual one, which runs to its end while another process is waited for: so this one is
+  // kept busy for some seconds of the real one.
+  let answered = false;
+  let work = 1;
+  const answer = said("wgsl", wgslWorst).then(() => answered = true);
+  for (let k = 0; k < 1000 && !answered; ++k) {
+    for (let step = 0; step < 1e6; ++step) work = (work * 1664525 + 1013904223) % 4294967296;
+    await new Promise((take) => setTimeout(take, 1));
+  }
+  if (answered) await answer;
 })();
 )";
 
