@@ -161,12 +161,17 @@ ResultStore::~ResultStore() {
   remove_quietly(own_);
 }
 
-/// Whose lock can be had is dead. Other machines' stay: not every network file system hands locks on.
+/// Whose process is not there and whose lock can be had is dead: numbers are used again, and not every network file
+/// system has locks. Other machines' stay.
 void ResultStore::clean() const {
   std::error_code trouble;
   std::vector<fs::path> left;
+  const std::string own_machine = host_in_names() + '-';
   for (fs::directory_iterator at(folder_ / kPartial, trouble), end; !trouble && at != end; at.increment(trouble)) {
-    if (platform::utf8(at->path().filename()).starts_with(host_in_names() + '-')) left.push_back(at->path());
+    const std::string name = platform::utf8(at->path().filename());
+    if (!name.starts_with(own_machine)) continue;
+    const std::string number = name.substr(own_machine.size(), name.rfind('-') - own_machine.size());
+    if (!is_running(whole_number_in(number).value_or(0))) left.push_back(at->path());
   }
   for (const fs::path& path : left) {
     platform::FolderLock lock(path);
