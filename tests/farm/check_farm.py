@@ -2,7 +2,6 @@
 """What a batch's results and reports tell of a run on a farm of which a node failed.
 
 check_farm.py snapshot RESULTS >whole.json   which results are whole now, and since when; LOOKED_AT is when this was done
-check_farm.py progress RESULTS I/N            how many jobs that shard's report has
 check_farm.py check PLAN RESULTS whole.json LOOKED_AT NODE SHARD    prints the findings; exits with 1 if one is wrong
 """
 
@@ -87,8 +86,6 @@ def check(plan, results, before, looked_at, node, shard):
 def main():
     if len(sys.argv) == 3 and sys.argv[1] == "snapshot":
         json.dump(whole_results(pathlib.Path(sys.argv[2])), sys.stdout)
-    elif len(sys.argv) == 4 and sys.argv[1] == "progress":
-        print(sum(place == sys.argv[3] for place, _ in records(pathlib.Path(sys.argv[2]))))
     elif len(sys.argv) == 8 and sys.argv[1] == "check":
         plan, results, before = (pathlib.Path(argument) for argument in sys.argv[2:5])
         known = json.loads(before.read_text(encoding="utf-8"))

@@ -165,6 +165,12 @@ class Slurm(Folder):
         self.assertIn("\n#SBATCH --mem=4096M\n", script)
         self.assertIn("100%%", script)
 
+    def test_a_task_may_have_more_threads_than_cores(self):
+        self.assertEqual(self.dry_run("--cpus", "2", "--threads", "16").returncode, 0)
+        (words,) = self.job("shards", SLURM_ARRAY_TASK_ID="1")
+        self.assertEqual(words[words.index("--threads") + 1], "16")
+        self.assertIn("\n#SBATCH --cpus-per-task=2\n", (self.folder / "my jobs.results/slurm/shards.sh").read_text())
+
     def test_jobs_wait_for_each_other(self):
         lines = self.dry_run("--verify", "0.5", "--at-once", "8").stdout.splitlines()
         self.assertEqual(len(lines), 3)
