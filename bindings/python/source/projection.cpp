@@ -89,6 +89,7 @@ Projection project_source(const py::object& pixels, const py::kwargs& given) {
     Call call("project", options);
     options.finish();
     std::vector<CubemapView> views;
+    views.reserve(levels.size());
     for (const Source& level : levels) views.push_back(std::get<CubemapView>(level.view));
     return call.run([&](const Control& control) { return project(views, how, control); });
   }
