@@ -47,7 +47,9 @@ void Options::finish() const {
               [](const char* a, const char* b) { return std::string_view(a) < std::string_view(b); });
     std::string list;
     for (const char* const known : sorted) list += (list.empty() ? "" : ", ") + std::string(known);
-    throw py::type_error(std::string(function_) + "() takes no argument \"" + name + "\"; it takes " + list);
+    std::string words = function_;
+    words.append("() takes no argument \"").append(name).append("\"; it takes ").append(list);
+    throw py::type_error(words);
   }
 }
 
