@@ -1,5 +1,6 @@
 // `welkin batch`: many environments, on one machine or on many.
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -181,6 +182,7 @@ void merge_action(const BatchCommandOptions& options) {
   if (options.output.empty()) refuse("merge: -o names the folder to write, such as -o index");
   const BatchPlan plan = plan_named(options, "merge");
   const std::filesystem::path folder = platform::path_of(options.output);
+  require_index_place(folder);
   MergedBatch merged;
   {
     ProgressBar bar;
@@ -251,6 +253,26 @@ Options batch_options(BatchCommandOptions& options) {
   return table;
 }
 
+/// What the action would pass over is refused, so that nobody thinks that it was heeded.
+void refuse_others(Action action, const Given& given) {
+  std::vector<std::string> others;
+  if (action == Action::plan) {
+    others = {"--results", "--shard", "--verify", "--memory", "--json"};
+  } else {
+    BakeCommandOptions unused;
+    for (const Option& option : job_options(unused)) others.push_back(option.names.substr(0, option.names.find(',')));
+    others.emplace_back("--list");
+    if (action != Action::merge) others.emplace_back("--output");
+    if (action != Action::run) others.insert(others.end(), {"--shard", "--verify", "--memory"});
+  }
+  constexpr std::array kActions{"plan", "run", "status", "merge"};
+  for (const std::string& name : others) {
+    if (!given(name)) continue;
+    refuse(std::string(kActions.at(static_cast<std::size_t>(action))) + " does not take " + name +
+           (action == Action::run ? "; 'welkin batch plan' says what is baked, and how" : ""));
+  }
+}
+
 }  // namespace
 
 Command batch_command() {
@@ -259,7 +281,8 @@ Command batch_command() {
   command.options = batch_options(*options);
   command.everyday = {"ACTION",   "INPUT",  "--output", "--list",    "--results", "--shard",   "--verify",
                       "--memory", "--json", "--size",   "--formats", "--for",     "--threads", "--quiet"};
-  command.run = [options](const Given& /*given*/) {
+  command.run = [options](const Given& given) {
+    refuse_others(options->action, given);
     switch (options->action) {
       case Action::plan: plan_action(*options); break;
       case Action::run: run_action(*options); break;

@@ -8,6 +8,7 @@
 #include "platform/text.h"
 #include "tools/arguments.h"
 #include "tools/bake_manifest.h"
+#include "tools/text.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
@@ -31,13 +32,16 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   return entries;
 }
 
+/// Its pictures were made by Welkin.
+bool is_baked(const fs::path& folder) { return begins_with(folder / kManifestName, "\"welkin\""); }
+
 void add_pictures(const fs::path& folder, std::vector<fs::path>& found) {
   std::error_code unknown;
   for (const fs::directory_entry& entry : entries_of(folder)) {
     if (is_hidden(entry.path())) continue;
     // A link to a folder is not followed: it might lead back.
     if (entry.is_directory(unknown) && !entry.is_symlink(unknown)) {
-      if (!fs::exists(entry.path() / kManifestName, unknown)) add_pictures(entry.path(), found);
+      if (!is_baked(entry.path())) add_pictures(entry.path(), found);
     } else if (is_picture_name(entry.path()) && entry.is_regular_file(unknown)) {
       found.push_back(entry.path());
     }
@@ -63,8 +67,9 @@ void add_fitting(const fs::path& folder, const Parts& parts, std::size_t at, std
     if (is_hidden(entry.path()) && !part.starts_with('.')) continue;
     const fs::path path = folder / entry.path().filename();
     if (any_depth) {
-      if (entry.is_directory(unknown) && !entry.is_symlink(unknown)) add_fitting(path, parts, at, found);
-    } else if (fits(platform::utf8(entry.path().filename()), part)) {
+      const bool is_folder = entry.is_directory(unknown) && !entry.is_symlink(unknown);
+      if (is_folder && !is_baked(entry.path())) add_fitting(path, parts, at, found);
+    } else if (fits(platform::utf8(entry.path().filename()), part) && (!is_last || is_picture_name(path))) {
       go_on(path);
     }
   }

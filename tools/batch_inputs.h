@@ -20,8 +20,9 @@ namespace welkin::tool {
 /// Whether a name fits a pattern: `*` stands for any characters, `?` for one.
 [[nodiscard]] bool fits(const std::string& name, const std::string& pattern) noexcept;
 
-/// The files that fit, in the order of their paths. `**` as a folder stands for any number of folders, none too. A name
-/// with a dot in front fits only a pattern with one. Throws `Error` (file_access).
+/// The files that fit, in the order of their paths: pictures where the last part is a pattern. `**` as a folder stands
+/// for any number of folders, none too, but for those that a bake has made. A name with a dot in front fits only a
+/// pattern with one. Throws `Error` (file_access).
 [[nodiscard]] std::vector<std::filesystem::path> files_that_fit(const std::string& pattern);
 
 }  // namespace welkin::tool

@@ -15,6 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kIndexName = "index.json";
+constexpr const char* kPageName = "index.html";
+constexpr const char* kIndexSchema = "welkin batch index";
+
 MergedResult check_job(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
   MergedResult merged;
   try {
@@ -71,6 +75,11 @@ MergedBatch check_batch(const BatchPlan& plan, const fs::path& results, int thre
   return merged;
 }
 
+void require_index_place(const fs::path& folder) {
+  require_own(folder / kIndexName, kIndexSchema, "batch merge");
+  require_own(folder / kPageName, kPageTitle, "batch merge");
+}
+
 void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const fs::path& folder) {
   std::error_code trouble;
   fs::create_directories(folder, trouble);
@@ -87,13 +96,13 @@ void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const f
                     {"hash", hash_of(result.files).text()},
                     {"files", files_json(result.files)}});
   }
-  const Json index = {{"schema", "welkin batch index"},
+  const Json index = {{"schema", kIndexSchema},
                       {"version", 1},
                       {"welkin", WELKIN_VERSION_STRING},
                       {"hash", merged.hash().text()},
                       {"jobs", jobs}};
-  write_text_file(folder / "index.html", batch_page(plan, merged, folder));
-  write_text_file(folder / "index.json", json_text(index));
+  write_text_file(folder / kPageName, batch_page(plan, merged, folder));
+  write_text_file(folder / kIndexName, json_text(index));
 }
 
 }  // namespace welkin::tool

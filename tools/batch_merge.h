@@ -31,6 +31,9 @@ struct MergedBatch {
 [[nodiscard]] MergedBatch check_batch(const BatchPlan& plan, const std::filesystem::path& results, int threads,
                                       const Control& control);
 
+/// Throws `Error` (file_access) if the folder has an index.json or index.html that no merge has written.
+void require_index_place(const std::filesystem::path& folder);
+
 /// index.json and index.html, in a folder that is made. Throws `Error` (file_access).
 void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const std::filesystem::path& folder);
 

@@ -9,6 +9,9 @@
 
 namespace welkin::tool {
 
+/// By which a page is known for one of these.
+inline constexpr const char* kPageTitle = "<title>Welkin batch</title>";
+
 /// A page in HTML that needs nothing but the previews in the results. `folder`: where it will be.
 [[nodiscard]] std::string batch_page(const BatchPlan& plan, const MergedBatch& merged,
                                      const std::filesystem::path& folder);

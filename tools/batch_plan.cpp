@@ -64,15 +64,15 @@ std::vector<std::string> with_files(std::vector<std::string> words, const Change
 /// The file as `folder` sees it. Links in its own name stay, for what it is called may tell its layout.
 std::string relative_to(const fs::path& folder, const fs::path& file) {
   std::error_code unknown;
-  const fs::path absolute = fs::absolute(file, unknown).lexically_normal();
-  const fs::path parent = fs::weakly_canonical(absolute.parent_path(), unknown);
-  const fs::path from = fs::weakly_canonical(fs::absolute(folder, unknown), unknown);
-  return platform::utf8((parent / absolute.filename()).lexically_proximate(from));
+  const fs::path parent = fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown);
+  return platform::utf8((parent / file.filename()).lexically_proximate(folder));
 }
 
-fs::path folder_of(const fs::path& file) {
+/// A plan without jobs.
+BatchPlan plan_at(const fs::path& named) {
   std::error_code unknown;
-  return fs::absolute(file, unknown).parent_path();
+  const fs::path file = fs::is_symlink(named, unknown) ? fs::weakly_canonical(named, unknown) : named;
+  return {file, fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown), {}};
 }
 
 // ---- Planning
@@ -126,6 +126,11 @@ class LineOptions {
   std::map<std::vector<std::string>, std::vector<std::string>> known_;
 };
 
+/// C++ strings go on behind it, and names of files end there.
+void refuse_nul(const std::string& text, const std::string& where) {
+  if (text.find('\0') != std::string::npos) throw Flaw{where + " has a character NUL"};
+}
+
 Wish wish_in(const std::string& line, const fs::path& list, LineOptions& options) {
   Wish wish;
   std::vector<std::string> own;
@@ -137,6 +142,8 @@ Wish wish_in(const std::string& line, const fs::path& list, LineOptions& options
                text("name", wish.name),
                {"options", [&](const Json& value, const std::string& where) { read_list(value, where, add_word); }}});
   if (wish.input.empty()) throw Flaw{"there is no \"input\""};
+  refuse_nul(wish.input, "\"input\"");
+  refuse_nul(wish.name, "\"name\"");
   // What a list names lies beside it.
   const auto beside = [&](const std::string& path) {
     return platform::utf8(list.parent_path() / platform::path_of(path));
@@ -172,15 +179,18 @@ void add_list(const fs::path& list, const std::vector<std::string>& options, std
   }
 }
 
-/// The name without its ending, and with a number where another job has it.
-std::string unique_name(const Wish& wish, std::set<std::string>& taken) {
+/// The name without its ending, and with a number where another job has it. `taken`: of each name the number that is to
+/// be tried next.
+std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
   std::string name = wish.name;
   if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());
   const bool said = !wish.found && !wish.name.empty();
   if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
   if (name.empty()) name = "input";
-  std::string unique = name;
-  for (int number = 2; !taken.insert(unique).second; ++number) unique = name + '-' + std::to_string(number);
+  if (taken.emplace(name, 2).second) return name;
+  std::string unique;
+  do unique = name + '-' + std::to_string(taken.at(name)++);
+  while (!taken.emplace(unique, 2).second);
   return unique;
 }
 
@@ -196,18 +206,22 @@ double seconds_of(const Prediction& prediction, const BakeCommandOptions& option
 /// Plans wishes one by one.
 class Planner {
  public:
-  explicit Planner(BatchPlan& plan) : plan_(plan), folder_(folder_of(plan.file)) {}
+  explicit Planner(BatchPlan& plan) : plan_(plan) {}
 
   void add(const Wish& wish) {
     const BakeCommandOptions& whole = options_of(wish.options);
     BatchJob job;
-    job.input = relative_to(folder_, platform::path_of(wish.input));
-    job.options = with_files(wish.options,
-                             [&](const std::string& file) { return relative_to(folder_, platform::path_of(file)); });
+    job.input = relative_to(plan_.folder, platform::path_of(wish.input));
+    job.options = with_files(
+        wish.options, [&](const std::string& file) { return relative_to(plan_.folder, platform::path_of(file)); });
     BakeCommandOptions options = whole;
     options.input = wish.input;
     try {
       if (is_stream(wish.input)) throw Error(ErrorCode::unsupported_file, "pipes are read once; a batch wants files");
+      if (platform::utf8(platform::path_of(wish.input)) != wish.input) {
+        throw Error(ErrorCode::unsupported_file,
+                    printable(wish.input) + ": a plan names no file whose name is not UTF-8");
+      }
       const Prediction prediction = predict(options);
       if (wish.found && is_known_face(wish, prediction.info)) return;
       job.seconds = seconds_of(prediction, options);
@@ -240,8 +254,7 @@ class Planner {
   }
 
   BatchPlan& plan_;
-  fs::path folder_;
-  std::set<std::string> names_;
+  std::map<std::string, int> names_;
   std::set<std::string> faces_;
   std::map<std::vector<std::string>, BakeCommandOptions> known_;
 };
@@ -276,6 +289,8 @@ BatchJob job_in(const Json& value, const std::string& where) {
                number("memory", memory),
                text("error", job.error)});
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
+  refuse_nul(job.name, where + ".name");
+  refuse_nul(job.input, where + ".input");
   if (!(job.seconds >= 0.0 && job.seconds <= kMostSeconds)) throw Flaw{where + ".seconds cannot be"};
   job.size = bytes_in(size, where);
   job.memory = bytes_in(memory, where);
@@ -289,6 +304,14 @@ void check_head(const std::string& schema, int version) {
     throw Flaw{"has version " + std::to_string(version) + ", and this Welkin reads " + std::to_string(kVersion) +
                "; plan again"};
   }
+}
+
+/// Nothing of anybody else's is lost, and no header is read for a plan that cannot be written.
+void require_place(const BatchPlan& plan) {
+  std::error_code unknown;
+  require_own(plan.file, kSchema, "batch plan");
+  if (fs::is_directory(plan.folder, unknown)) return;
+  throw Error(ErrorCode::file_access, platform::utf8(plan.file) + ": there is no such folder to write it to");
 }
 
 void ignore(const Json& /*value*/, const std::string& /*where*/) {}
@@ -325,7 +348,7 @@ double BatchPlan::seconds() const noexcept {
 }
 
 fs::path BatchPlan::place(const std::string& path) const {
-  return (file.parent_path() / platform::path_of(path)).lexically_normal();
+  return (folder / platform::path_of(path)).lexically_normal();
 }
 
 fs::path BatchPlan::default_results() const {
@@ -343,7 +366,8 @@ BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
                 "batch plan: there is nothing to do; name pictures, folders of them, or a "
                 "--list");
   }
-  BatchPlan plan{file, {}};
+  BatchPlan plan = plan_at(file);
+  require_place(plan);
   Planner planner(plan);
   for (const Wish& wish : wishes) planner.add(wish);
   return plan;
@@ -369,8 +393,9 @@ void write_batch_plan(const BatchPlan& plan) {
 
 BatchPlan read_batch_plan(const fs::path& file) {
   try {
-    return {file,
-            jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMostPlanBytes))};
+    BatchPlan plan = plan_at(file);
+    plan.jobs = jobs_in(read_json_file(file, "'welkin batch plan INPUT... -o jobs.json' writes one", kMostPlanBytes));
+    return plan;
   } catch (const Flaw& flaw) {
     throw Error(ErrorCode::corrupt_file, platform::utf8(file) + ": " + flaw.message);
   }

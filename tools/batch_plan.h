@@ -24,7 +24,8 @@ struct BatchJob {
 };
 
 struct BatchPlan {
-  std::filesystem::path file;  ///< of the plan
+  std::filesystem::path file;    ///< of the plan; where that is a link, what it leads to
+  std::filesystem::path folder;  ///< in which the file is, without links: what paths in the plan are relative to
   std::vector<BatchJob> jobs;
 
   [[nodiscard]] double seconds() const noexcept;
@@ -42,8 +43,8 @@ struct BatchRequest {
 };
 
 /// Looks at every input's header. An input that is not there is a job with an error. Throws `Error`: invalid_argument
-/// for options that `welkin bake` would refuse, for a pattern without a match and if there is nothing to do; what
-/// reading the list does.
+/// for options that `welkin bake` would refuse, for a pattern without a match and if there is nothing to do;
+/// file_access if `file` is there and no plan, or cannot be; what reading the list does.
 [[nodiscard]] BatchPlan plan_batch(const BatchRequest& request, const std::filesystem::path& file);
 
 void write_batch_plan(const BatchPlan& plan);

@@ -65,6 +65,7 @@ std::vector<std::string> words_for_jobs(const std::vector<std::string>& words) {
   const Options table = job_options(unused);
   std::vector<std::string> kept;
   for (const Group& group : groups_in(words, table)) {
+    if (group.words.front() == "--") break;  // inputs alone follow
     if (group.option != nullptr) kept.insert(kept.end(), group.words.begin(), group.words.end());
   }
   return kept;

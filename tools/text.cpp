@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <system_error>
 
@@ -136,6 +137,20 @@ void require_kept(const std::filesystem::path& read, const std::filesystem::path
   if (!is_same_file(read, written)) return;
   throw Error(ErrorCode::file_access, platform::utf8(read) + ": is read, and " + writer + " would write over it as " +
                                           platform::utf8(written.filename()) + "; " + remedy);
+}
+
+bool begins_with(const std::filesystem::path& file, std::string_view sign) {
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 256> first{};
+  stream.read(first.data(), first.size());
+  return std::string_view(first.data(), static_cast<std::size_t>(stream.gcount())).find(sign) != std::string_view::npos;
+}
+
+void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(file, unknown) || begins_with(file, sign)) return;
+  throw Error(ErrorCode::file_access, platform::utf8(file) + ": is there and was not written by 'welkin " + writer +
+                                          "', which would write over it; name another file, or remove it");
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

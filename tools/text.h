@@ -87,6 +87,12 @@ class NumberColumn {
 void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,
                   const std::string& remedy);
 
+/// Whether the file begins, within its first 256 bytes, with something that has this sign of who wrote it.
+[[nodiscard]] bool begins_with(const std::filesystem::path& file, std::string_view sign);
+
+/// Throws `Error` (file_access) if there is a file without the sign, which `writer` ("batch plan") would write over.
+void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer);
+
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);

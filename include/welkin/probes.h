@@ -27,8 +27,8 @@ namespace WELKIN_EXPORT welkin {
 /// i + counts[0] (j + counts[1] k).
 struct ProbeGrid {
   std::array<int, 3> counts{1, 1, 1};  ///< probes along x, y and z: each 1 to 2048, all together up to 2^24
-  dvec3 origin{};                      ///< where probe 0 stands
-  dvec3 spacing{1.0};                  ///< from a probe to the next, above 0 also where there is but one
+  dvec3 origin{};                      ///< where probe 0 stands: up to 1e15 away along each axis
+  dvec3 spacing{1.0};                  ///< from a probe to the next, 1e-9 to 1e12, also where there is but one
 
   /// How many probes there are.
   [[nodiscard]] std::size_t size() const noexcept {
@@ -190,9 +190,10 @@ struct ProbeSampling {
 };
 
 /// Irradiance (W/m2 where radiance is W/m2/sr) at a place on a surface, of three bands at most: the eight probes about
-/// it by trilinear weights, each times the weights that `sampling` asks for, their sum being 1. Outside of the grid the
-/// nearest place in it. Computed in floats by the code that `probe_sampling_code` gives. `normal`: unit length.
-/// Throws `Error` (invalid_argument) for probes whose arrays do not have the lengths that they must.
+/// it by trilinear weights, each times the weights that `sampling` asks for, their sum being 1. Outside of the
+/// grid the trilinear weights are those of the nearest place in it. Computed in floats by the code that `probe_sampling_code` gives. `normal`: unit length.
+/// Throws `Error` (invalid_argument) for probes whose arrays do not have the lengths that they must, and for a place,
+/// normal or bias that is not finite.
 [[nodiscard]] dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const dvec3& normal,
                                      const ProbeSampling& sampling = {});
 

@@ -253,7 +253,7 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
     description["layouts"].push_back(write_layout(output, path, probes, layouts[k], clamped));
   }
   output.add(arrays_path).write(arrays.data(), arrays.size());
-  const std::string text = description.dump(2) + "\n";
+  const std::string text = description.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   output.add(path).write(text.data(), text.size());
   return output.commit(clamped, control);
 }

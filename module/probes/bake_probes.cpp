@@ -68,6 +68,12 @@ void check_depths(std::span<const DepthView> depths) {
       for (std::size_t face = 0; face < 6; ++face) {
         if (depths[k].faces[face] == nullptr) refuse("face " + std::to_string(face) + " of its depths is null");
       }
+      const std::ptrdiff_t stride = std::abs(depths[k].row_stride_bytes);
+      const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * depths[k].size;
+      if (stride != 0 && (stride < row || stride % static_cast<std::ptrdiff_t>(sizeof(float)) != 0)) {
+        refuse("a row of its depths takes " + std::to_string(row) + " bytes, and row_stride_bytes is " +
+               std::to_string(depths[k].row_stride_bytes) + "; it must be no less, in whole floats");
+      }
     });
   }
 }
@@ -230,6 +236,7 @@ void update_probes(BakedProbes& probes, std::span<const std::size_t> changed, st
                    std::span<const DepthView> depths, const ProbeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
+  if (changed.empty() && cubes.empty() && depths.empty()) return;
   check_options(options, !depths.empty());
   require_count("cubes", cubes.size(), changed.size());
   if (!depths.empty()) require_count("depths", depths.size(), changed.size());

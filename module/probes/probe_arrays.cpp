@@ -28,10 +28,12 @@ void check_grid(const ProbeGrid& grid) {
     const std::string along = std::string(" along ") + axes[axis];
     image::require_range(("probes of a grid" + along).c_str(), grid.counts[static_cast<std::size_t>(axis)], 1,
                          kMostAlong);
-    if (!(grid.spacing[axis] > 0.0) || !std::isfinite(grid.spacing[axis])) {
-      refuse("ProbeGrid: spacing" + along + " is " + std::to_string(grid.spacing[axis]) + "; it must be above 0");
+    // What floats square without an overflow.
+    if (!(grid.spacing[axis] >= 1e-9 && grid.spacing[axis] <= 1e12)) {
+      refuse("ProbeGrid: spacing" + along + " is " + std::to_string(grid.spacing[axis]) +
+             "; it must be from 1e-9 to 1e12");
     }
-    if (!std::isfinite(grid.origin[axis])) refuse("ProbeGrid: origin" + along + " is not finite");
+    if (!(std::abs(grid.origin[axis]) <= kFarthest)) refuse("ProbeGrid: origin" + along + " is beyond 1e15");
   }
   if (grid.size() > kMostProbes) {
     refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMostProbes) +

@@ -1,5 +1,6 @@
 // A grid looked up by the code that shaders use.
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -50,6 +51,19 @@ class Lookup {
   const BakedProbes& probes_;
 };
 
+/// The shaders' code makes indices of what it computes: a NaN would lead out of all arrays.
+void check_lookup(const dvec3& position, const dvec3& normal, const ProbeSampling& sampling) {
+  bool is_good = std::abs(sampling.normal_bias) <= 1e3;
+  for (int axis = 0; axis < 3; ++axis) {
+    is_good = is_good && std::abs(position[axis]) <= kFarthest && std::abs(normal[axis]) <= 1.0 + 1e-6;
+  }
+  if (is_good) return;
+  throw Error(
+      ErrorCode::invalid_argument,
+      "probe_irradiance: a position must be within 1e15 of the origin, a normal of unit length, and normal_bias "
+      "at most 1000");
+}
+
 }  // namespace
 }  // namespace probes
 
@@ -57,6 +71,7 @@ dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const d
                        const ProbeSampling& sampling) {
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
+  probes::check_lookup(position, normal, sampling);
   const double spacing = std::min({probes.grid.spacing.x, probes.grid.spacing.y, probes.grid.spacing.z});
   probes::Lookup lookup(probes);
   const probes::Lookup::ProbeVolume volume{

@@ -146,6 +146,24 @@ TEST_CASE("probe_irradiance: at a probe it is that probe's, and beyond the grid 
   CHECK(probe_irradiance(probes, {0, 1, 2.5}, {0, 1, 0}) == dvec3(0.0));
 }
 
+TEST_CASE("probe_irradiance: what is not finite is refused, as far away as floats go it is not", "[probes]") {
+  const BakedProbes probes = two_rooms(3);
+  const dvec3 place = kGrid.position(0);
+  const double nan = std::nan("");
+  CHECK_THROWS_AS(probe_irradiance(probes, {nan, 0, 0}, {0, 1, 0}), Error);
+  CHECK_THROWS_AS(probe_irradiance(probes, {1e39, 0, 0}, {0, 1, 0}), Error);
+  CHECK_THROWS_AS(probe_irradiance(probes, place, {0, nan, 0}), Error);
+  CHECK_THROWS_AS(probe_irradiance(probes, place, {0, 1, 0}, {.normal_bias = nan}), Error);
+  for (const double far : {-1e15, -1e9, 1e9, 1e15}) {
+    const dvec3 light = probe_irradiance(probes, {far, far, far}, {0, 1, 0});
+    CAPTURE(far, light.x, light.y, light.z);
+    CHECK((std::isfinite(light.x) && std::isfinite(light.y) && std::isfinite(light.z)));
+  }
+  BakedProbes elsewhere = probes;
+  elsewhere.grid.origin.x = 1e39;
+  CHECK_THROWS_AS(probe_irradiance(elsewhere, place, {0, 1, 0}), Error);
+}
+
 TEST_CASE("probe_irradiance: a wall between two probes keeps the light of the other side out", "[probes]") {
   // Probes at x = 0 and 1, a wall at 0.5 that both look at; left is dark.
   const ProbeGrid grid{.counts = {2, 1, 1}};

@@ -59,7 +59,8 @@ TEST_CASE("A batch takes files, folders and patterns", "[command][batch]") {
     write_picture(batch.input() / name, 1);
   }
   std::ofstream(batch.input() / "a" / "notes.txt") << "no picture";
-  std::ofstream(batch.input() / "made" / "manifest.json") << "{}";
+  std::ofstream(batch.input() / "made" / "manifest.json") << R"({"welkin": "0.1.0"})";
+  std::ofstream(batch.input() / "a" / "manifest.json") << "{}";  // of another program
 
   using Names = std::vector<std::string>;
   CHECK(names_of_jobs(batch.plan(quoted(batch.input()) + kFewFiles)) == Names{"a/c", "a/deep/two", "a/one", "b"});
@@ -154,6 +155,71 @@ TEST_CASE("What a batch cannot be asked is refused", "[command][batch]") {
   }
   CHECK(batch.run("run", "--verify 2").exit_code == 2);
   CHECK(run_welkin("batch run " + quoted(batch.path() / "nothing.json")).exit_code == 1);
+}
+
+TEST_CASE("A batch writes over nothing that is not its own", "[command][batch]") {
+  const Batch batch(2);
+  const std::filesystem::path picture = batch.input() / "picture100.pfm";
+  const std::string bytes = file_text(picture);
+  CHECK(run_welkin("batch plan " + quoted(picture) + " -o " + quoted(picture)).exit_code == 1);
+  CHECK(file_text(picture) == bytes);
+  CHECK(run_welkin("batch plan " + quoted(batch.input()) + " -o " + quoted(batch.path() / "no" / "x.json")).exit_code ==
+        1);
+  batch.plan(quoted(batch.input()) + kFewFiles);  // over the plan that is there
+  batch.run_well("run");
+  const std::filesystem::path site = batch.path() / "site";
+  for (const char* name : {"index.html", "index.json"}) {
+    std::filesystem::remove_all(site);
+    std::filesystem::create_directories(site);
+    std::ofstream(site / name) << "mine";
+    const CommandResult merged = batch.run("merge", "-o " + quoted(site));
+    CHECK(merged.exit_code == 1);
+    CHECK(contains(merged.errors, name));
+    CHECK(file_text(site / name) == "mine");
+  }
+  std::filesystem::remove_all(site);
+  batch.run_well("merge", "-o " + quoted(site));
+  batch.run_well("merge", "-o " + quoted(site));  // over its own
+}
+
+TEST_CASE("What an action of a batch would pass over is refused", "[command][batch]") {
+  const Batch batch(1);
+  for (const char* words : {"--size 64", "--formats hdr", "-o x", "--list nope"}) {
+    INFO(words);
+    CHECK(batch.run("run", words).exit_code == 2);
+  }
+  for (const char* words : {"--shard 1/2", "--verify 0.5", "--memory 1GiB", "--size 8"}) {
+    INFO(words);
+    CHECK(batch.run("status", words).exit_code == 2);
+    CHECK(batch.run("merge", "-o x " + std::string(words)).exit_code == 2);
+  }
+  CHECK(run_welkin("batch plan " + quoted(batch.input()) + " --shard 1/2 -o " + quoted(batch.jobs())).exit_code == 2);
+}
+
+TEST_CASE("A plan leads to its inputs through links, too", "[command][batch][posix]") {
+  const Batch batch(1);
+  const std::filesystem::path deep = batch.path() / "real" / "deep";
+  std::filesystem::create_directories(deep);
+  std::filesystem::create_directory_symlink(deep, batch.path() / "link");
+  const auto runs = [&](const std::filesystem::path& input, const std::filesystem::path& jobs) {
+    const CommandResult plan = run_welkin("batch plan " + quoted(input) + kFewFiles + "-o " + quoted(jobs));
+    CHECK(plan.exit_code == 0);
+    CHECK(run_welkin("batch run " + quoted(jobs)).exit_code == 0);
+  };
+  runs(batch.input(), batch.path() / "link" / "jobs.json");
+  runs(batch.path() / "link" / ".." / ".." / "in" / "picture100.pfm", batch.path() / "other.json");
+  std::filesystem::create_symlink("../../jobs.json", deep / "linked.json");
+  CHECK(run_welkin("batch run " + quoted(deep / "linked.json")).exit_code == 0);
+}
+
+TEST_CASE("Patterns find pictures, and none that a bake has made", "[command][batch]") {
+  const Batch batch(3);
+  std::ofstream(batch.input() / "notes.txt") << "none";
+  bake_into(batch.input() / "baked", quoted(batch.input() / "picture100.pfm") + kFewFiles);
+  for (const char* pattern : {"in/**/*", "in/*"}) {
+    CAPTURE(pattern);
+    CHECK(batch.plan(quoted(batch.path() / pattern)).at("jobs").size() == 3);
+  }
 }
 
 TEST_CASE("Shards are cut by predicted cost, the same by everyone", "[command][batch]") {

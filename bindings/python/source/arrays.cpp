@@ -30,6 +30,21 @@ py::array array_of(const dmat3& matrix) {
   return py::array_t<double>({py::ssize_t{3}, py::ssize_t{3}}, &rows[0].x);
 }
 
+py::object as_asked(const py::array& array, const py::args& words, const py::kwargs& named) {
+  const auto word = [&](const char* name) -> py::object {
+    return named.contains(name) ? py::object(named[name]) : py::object(py::none());
+  };
+  const py::object dtype = words.empty() ? word("dtype") : py::object(words[0]);
+  const py::object copy = word("copy");
+  const bool is_cast = !dtype.is_none() && !array.dtype().equal(py::dtype::from_args(dtype));
+  if (is_cast && !copy.is_none() && !copy.cast<bool>()) {
+    throw py::value_error("another dtype takes a copy, which copy=False does not allow");
+  }
+  if (is_cast) return array.attr("astype")(dtype);
+  if (!copy.is_none() && copy.cast<bool>()) return array.attr("copy")();
+  return array;
+}
+
 Directions directions_of(const py::object& value, const char* what) {
   Directions found{decltype(Directions::values)::ensure(value), {}};
   if (!found.values) {

@@ -40,6 +40,10 @@ template <class Value>
   return shown(std::move(shape), first, owner, true);
 }
 
+/// What `__array__(dtype=None, copy=None)` gives of an array: itself, unless another dtype or a copy is asked for
+/// (NumPy 2 relies on that). Raises ValueError where copy=False cannot be.
+[[nodiscard]] py::object as_asked(const py::array& array, const py::args& words, const py::kwargs& named);
+
 /// (6, size, size, 3), float32.
 [[nodiscard]] py::array array_of(CubemapImage cubemap);
 /// (height, width, 3), float32.

@@ -18,6 +18,8 @@ void bind_errors(py::module_& module) {
     } catch (const Error& error) {
       const py::object made = py::module_::import("welkin._errors").attr("error_of")(name(error.code()), error.what());
       PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+    } catch (const py::cast_error& error) {  // of what a call takes out of its arguments itself
+      PyErr_SetString(PyExc_TypeError, error.what());
     }
   });
 }

@@ -286,7 +286,8 @@ void bind_files(py::module_& module) {
       .def_property_readonly(
           "info", [](const ReadPicture& self) { return info_of(self.info); },
           "What the file says of itself: a dictionary.")
-      .def("__array__", [](const ReadPicture& self, const py::args&, const py::kwargs&) { return self.pixels; })
+      .def("__array__", [](const ReadPicture& self, const py::args& words,
+                           const py::kwargs& named) { return as_asked(self.pixels, words, named); })
       .def("__repr__", [](const ReadPicture& self) {
         const bool cube = self.info.layout != Layout::lat_long;
         const std::string size =

@@ -115,8 +115,8 @@ void bind_harmonics(py::module_& module) {
       .def_property_readonly("bands", &SphericalHarmonics::bands, "How many bands: 1 to 16.")
       .def_property_readonly("coefficients", &coefficients_of,
                              "(bands^2, 3), float64, on the object's own memory: writing to it changes the object.")
-      .def("__array__",
-           [](const py::object& self, const py::args&, const py::kwargs&) { return coefficients_of(self); })
+      .def("__array__", [](const py::object& self, const py::args& words,
+                           const py::kwargs& named) { return as_asked(coefficients_of(self), words, named); })
       .def("__call__", &values_at, py::arg("directions"),
            "__call__(self, directions)\n--\n\nThe sum at unit directions (..., 3): radiance or irradiance, (..., 3).")
       .def_property_readonly(

@@ -239,7 +239,8 @@ void bind_reflections(py::module_& module) {
           "values", [](const SharedBrdf& self) { return array_of(self); },
           "(height, width, channels) float32, read only: row j at roughness (j + 0.5) / height, column i\n"
           "at N.V = (i + 0.5) / width; scale, bias and, with sheen, the sheen's albedo.")
-      .def("__array__", [](const SharedBrdf& self, const py::args&, const py::kwargs&) { return array_of(self); })
+      .def("__array__", [](const SharedBrdf& self, const py::args& words,
+                           const py::kwargs& named) { return as_asked(array_of(self), words, named); })
       .def_property_readonly(
           "model", [](const SharedBrdf& self) { return name_of<BrdfModel>(self.table->options.model, kModels); },
           "\"split-sum\" or \"multiple-scattering\".")

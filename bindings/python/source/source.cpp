@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -66,9 +68,14 @@ Rows rows_of(const py::array& array, py::ssize_t axis, PixelFormat format) {
   const bool packed = array.strides(axis + 2) == item && (width == 1 || array.strides(axis + 1) == texel);
   const py::ssize_t stride = height > 1 ? array.strides(axis) : width * texel;
   const auto* const first = static_cast<const std::byte*>(array.data());
+  if (height > std::numeric_limits<int>::max() || width > std::numeric_limits<int>::max()) {
+    refuse("has more than 2^31 - 1 rows or columns: shape " + shape_words(array));
+  }
+  // Rows that lie in one another are as good as none that lie packed.
+  const bool apart = std::abs(stride) >= width * texel;
   const bool aligned =
       reinterpret_cast<std::uintptr_t>(first) % static_cast<std::uintptr_t>(item) == 0 && stride % item == 0;
-  if (array.size() > 0 && (!packed || !aligned || stride == 0)) {
+  if (array.size() > 0 && (!packed || !aligned || !apart)) {
     refuse(
         "channels and the texels of a row must lie packed in memory (rows may lie apart, or bottom-up); found "
         "strides " +
@@ -170,7 +177,7 @@ Source source_of_array(const py::array& array, const std::string& layout, const 
 }
 
 /// Six arrays, a face each, wherever they lie.
-Source source_of_list(const py::sequence& list, const std::string& encoding) {
+Source source_of_list(const py::tuple& list, const std::string& encoding) {
   if (list.size() != 6) refuse("a list is of six faces, found " + std::to_string(list.size()));
   std::optional<CubemapView> view;
   for (std::size_t face = 0; face < 6; ++face) {
@@ -196,9 +203,14 @@ Source source_of(const py::object& pixels, const std::string& layout, const std:
     return source_of_array(py::reinterpret_borrow<py::array>(pixels), layout, encoding);
   }
   if (py::isinstance<py::list>(pixels) || py::isinstance<py::tuple>(pixels)) {
-    return source_of_list(py::reinterpret_borrow<py::sequence>(pixels), encoding);
+    return source_of_list(py::tuple(pixels), encoding);  // which holds the arrays, whatever becomes of a list
   }
-  if (py::hasattr(pixels, "pixels")) return source_of(pixels.attr("pixels"), layout, encoding);
+  if (py::hasattr(pixels, "pixels")) {
+    const py::object inner = pixels.attr("pixels");
+    const bool is_known =
+        py::isinstance<py::array>(inner) || py::isinstance<py::list>(inner) || py::isinstance<py::tuple>(inner);
+    if (is_known) return source_of(inner, layout, encoding);
+  }
   throw py::type_error("pixels are a numpy array, six of them, or what welkin.read gave; found " +
                        py::str(py::type::handle_of(pixels).attr("__name__")).cast<std::string>());
 }

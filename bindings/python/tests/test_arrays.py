@@ -187,3 +187,38 @@ def test_any_array_is_projected_or_refused(shape, kind, layout):
         welkin.project(pixels, layout=layout, encoding="srgb" if kind is np.uint8 else None)
     except welkin.InvalidArgument:
         pass
+
+
+def test_rows_that_lie_in_one_another_are_refused():
+    """The memory of a face is as large as its rows are apart: these would not fit."""
+    memory = np.zeros(4096, np.float32)
+    rows = np.lib.stride_tricks.as_strided(memory, (16, 12, 3), (12, 12, 4))
+    for layout in ("lat-long", "vertical-cross"):
+        with pytest.raises(welkin.InvalidArgument, match="strides"):
+            welkin.project(rows, layout=layout)
+
+
+def test_faces_outlive_the_list_that_they_stand_in():
+    """A callback may change the list while its arrays are read."""
+    faces = [np.full((64, 64, 3), 1.0, np.float32) for _ in range(6)]
+    chain = welkin.prefilter(faces, size=16, method="reference", samples=16, progress=lambda share: faces.clear())
+    assert np.allclose(chain[0], 1.0, rtol=1e-3)
+
+
+def test_what_shows_itself_as_its_pixels_is_refused():
+    class Endless:
+        pixels = property(lambda self: self)
+
+    with pytest.raises(TypeError, match="Endless"):
+        welkin.project(Endless())
+
+
+def test_array_copies_and_casts_as_numpy_asks():
+    harmonics = welkin.project(np.ones((6, 4, 4, 3), np.float32)).radiance
+    assert harmonics.__array__().base is not None
+    copy = harmonics.__array__(copy=True)
+    copy[:] = 7.0
+    assert harmonics.coefficients[0, 0] != 7.0
+    assert harmonics.__array__(np.float32).dtype == np.float32
+    with pytest.raises(ValueError, match="copy"):
+        harmonics.__array__(np.float32, copy=False)
