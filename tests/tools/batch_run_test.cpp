@@ -323,7 +323,7 @@ TEST_CASE("A verification leaves on record that the result was there", "[command
   const Batch batch(1);
   batch.run_well("run");
   std::filesystem::remove_all(batch.results() / "reports");  // as those of a killed run may be
-  batch.run_well("run", "--verify 1 --threads 1");  // first it is found, then verified
+  batch.run_well("run", "--verify 1 --threads 1");           // first it is found, then verified
   CHECK(count_of(batch.report(), "present") == 1);
   CHECK(count_of(batch.report(), "verified") == 1);
   CHECK(batch.run_well("status").at("done") == 1);
