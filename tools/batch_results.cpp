@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <cstdint>
+#include <fstream>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -40,11 +42,19 @@ void remove_quietly(const fs::path& path) noexcept {
   fs::remove_all(path, trouble);
 }
 
-/// This machine's name as part of a file's.
+/// This machine's name as part of a file's, which no other machine has: "node-1" is "node_2d1".
 std::string host_in_names() {
-  std::string name = host_name();
-  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
-  return name.empty() ? "host" : name;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string name;
+  for (const char c : host_name()) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) {
+      name += c;
+    } else {
+      name += {'_', kDigits[byte / 16], kDigits[byte % 16]};
+    }
+  }
+  return name.empty() ? "_" : name;
 }
 
 ResultFile file_in(const Json& value, const std::string& where) {
@@ -171,7 +181,8 @@ void ResultStore::clean() const {
     const std::string name = platform::utf8(at->path().filename());
     if (!name.starts_with(own_machine)) continue;
     const std::string number = name.substr(own_machine.size(), name.rfind('-') - own_machine.size());
-    if (!is_running(whole_number_in(number).value_or(0))) left.push_back(at->path());
+    const std::optional<int> process = whole_number_in(number);
+    if (process && !is_running(*process)) left.push_back(at->path());
   }
   for (const fs::path& path : left) {
     platform::FolderLock lock(path);
@@ -207,10 +218,37 @@ bool ResultStore::add(const ContentHash& key, const std::function<void(const fs:
     const fs::path& path;
     ~Removal() { remove_quietly(path); }
   } removal{made};
-  make_folder(made);
-  make(made);
-  write_text_file(made / kResultName, result_text(hash_files_in(made)));
+  fill(made, [&](const fs::path& folder) {
+    make(folder);
+    write_text_file(folder / kResultName, result_text(hash_files_in(folder)));
+  });
   return publish(made, key);
+}
+
+void ResultStore::fill(const fs::path& folder, const std::function<void(const fs::path&)>& make) const {
+  try {
+    make_folder(folder);
+    make(folder);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::file_access) check_that_it_takes_files(error);
+    throw;
+  }
+}
+
+/// While what was made is still there, and with as much as a result may have: what the failed file had is free again.
+void ResultStore::check_that_it_takes_files(const Error& reason) const {
+  constexpr std::size_t kMebibytes = 64;
+  static std::atomic<std::uint64_t> number{0};
+  const fs::path file = own_ / ("test-" + std::to_string(number.fetch_add(1)));
+  const std::string mebibyte(std::size_t{1} << 20U, '\0');
+  std::ofstream stream(file, std::ios::binary);
+  for (std::size_t i = 0; i < kMebibytes && stream; ++i) {
+    stream.write(mebibyte.data(), static_cast<std::streamsize>(mebibyte.size()));
+  }
+  stream.close();
+  remove_quietly(file);
+  if (stream) return;
+  throw ResultStoreError(platform::utf8(folder_) + ": takes no more results; is it full? (" + reason.what() + ")");
 }
 
 bool ResultStore::publish(const fs::path& made, const ContentHash& key) {
@@ -236,8 +274,7 @@ ResultFiles ResultStore::trial(const ContentHash& key, const std::function<void(
     const fs::path& path;
     ~Removal() { remove_quietly(path); }
   } removal{made};
-  make_folder(made);
-  make(made);
+  fill(made, make);
   return hash_files_in(made);
 }
 

@@ -10,6 +10,7 @@
 
 #include "platform/file.h"
 #include "tools/bake_options.h"
+#include "welkin/core.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::tool {
@@ -49,6 +50,12 @@ using ResultFiles = std::vector<ResultFile>;
 /// Reads all files in the folder but result.json. Throws `Error` (file_access).
 [[nodiscard]] ResultFiles hash_files_in(const std::filesystem::path& folder);
 
+/// The folder takes no more results (file_access): it is full, or cannot be written to any more. The fault of no job.
+class ResultStoreError : public Error {
+ public:
+  explicit ResultStoreError(const std::string& message) : Error(ErrorCode::file_access, message) {}
+};
+
 class ResultStore {
  public:
   /// Makes the folder and, in it, one for what this process has at work. Takes away what killed processes of this
@@ -64,7 +71,8 @@ class ResultStore {
   [[nodiscard]] bool is_whole(const ContentHash& key) const;
 
   /// Has `make` fill a folder, lists its files, and gives it its name. False if another process was first, whose result
-  /// stays; a damaged one is replaced. Throws `Error` and what `make` throws; then nothing is left. Thread-safe.
+  /// stays; a damaged one is replaced. Throws `Error` and what `make` throws, but `ResultStoreError` where that was
+  /// file_access and the folder takes no other file either; then nothing is left. Thread-safe.
   bool add(const ContentHash& key, const std::function<void(const std::filesystem::path& folder)>& make);
 
   /// Has `make` fill a folder that goes again, and says what was in it. Throws likewise. Thread-safe.
@@ -73,6 +81,8 @@ class ResultStore {
 
  private:
   void clean() const;
+  void fill(const std::filesystem::path& folder, const std::function<void(const std::filesystem::path&)>& make) const;
+  void check_that_it_takes_files(const Error& reason) const;
   void begin_own_folder();
   bool publish(const std::filesystem::path& made, const ContentHash& key);
 

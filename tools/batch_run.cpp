@@ -13,7 +13,6 @@
 #include <thread>
 #include <utility>
 
-#include "cache/recipe.h"
 #include "platform/file.h"
 #include "platform/text.h"
 #include "tools/batch_progress.h"
@@ -93,7 +92,7 @@ struct Task {
 /// another. By a hash of what the plan says of the job.
 std::optional<std::size_t> verifier_of(const BatchJob& job, std::size_t shard, std::size_t shards, double share) {
   constexpr double kHashes = 18446744073709551616.0;  // 2^64
-  const ContentHash hash = cache::hash_of(job.name, job.input, job.options);
+  const ContentHash hash = hash_of_job(job);
   if (!(static_cast<double>(hash.high) < share * kHashes)) return std::nullopt;
   if (shards == 1) return shard;
   return (shard + 1 + static_cast<std::size_t>(hash.low % (shards - 1))) % shards;
@@ -146,7 +145,7 @@ class ShardRun {
         tasks_(tasks_of(plan, run)),
         stop_(std::move(stop)),
         store_(run.results),
-        report_(run.results, run.shard),
+        report_(run.results, run.shard, stop_),
         options_(plan, run.memory),
         schedule_(sizes(), run.threads, run.memory),
         progress_(tasks_.size(), seconds()),
@@ -163,9 +162,13 @@ class ShardRun {
     }
     work();
     for (std::thread& worker : workers) worker.join();
-    report_.write();
-    if (failure_) std::rethrow_exception(failure_);
+    try {
+      report_.write();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+    }
     if (stop_.stop_requested()) throw_cancelled();
+    if (failure_) std::rethrow_exception(failure_);
   }
 
   /// After `run`.
@@ -214,6 +217,7 @@ class ShardRun {
   void do_task(const Task& task, int threads) {
     const BatchJob& job = plan_.jobs[task.job];
     JobRecord record;
+    record.job = hash_of_job(job).text();
     record.index = task.job;
     record.name = job.name;
     record.threads = threads;
@@ -227,6 +231,8 @@ class ShardRun {
       } else {
         make_result(job, record);
       }
+    } catch (const ResultStoreError&) {  // which is not the job's fault
+      throw;
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) return;  // it is not over
       record.error_code = name(error.code());

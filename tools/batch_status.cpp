@@ -1,12 +1,9 @@
 #include "tools/batch_status.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
-#include <string_view>
-#include <system_error>
+#include <unordered_map>
 
-#include "platform/text.h"
 #include "tools/bake_cache.h"
 #include "tools/batch_progress.h"
 #include "tools/batch_results.h"
@@ -18,31 +15,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The N of shard-I-of-N.json; 0 if there is none.
-int shards_in(const fs::path& report) {
-  const std::string name = platform::utf8(report.stem());
-  constexpr std::string_view kOf = "-of-";
-  const std::size_t at = name.rfind(kOf);
-  return at == std::string::npos ? 0 : std::max(0, whole_number_in(name.substr(at + kOf.size())).value_or(0));
-}
-
 /// What reports say of a job.
 struct Known {
-  std::optional<JobRecord> last;     ///< that is no verification
-  std::optional<JobRecord> differs;  ///< the last verification, if it found a difference
+  std::optional<JobRecord> last;      ///< that is no verification
+  std::optional<JobRecord> verified;  ///< the last verification, whatever it found
 };
 
 class Reports {
  public:
   Reports(const BatchPlan& plan, const fs::path& results, BatchStatus& status) : plan_(plan), jobs_(plan.jobs.size()) {
     std::string newest;
+    for (std::size_t job = 0; job < plan.jobs.size(); ++job) by_hash_[hash_of_job(plan.jobs[job]).text()] = job;
     for (const fs::path& file : reports_in(results)) {
       try {
         for (const JobRecord& record : read_report(file)) {
           add(record);
           if (record.end <= newest) continue;
           newest = record.end;
-          status.shards = shards_in(file);
+          status.shards = shard_of_report(file)->count;
         }
       } catch (const Error& error) {
         status.notes.emplace_back(error.what());
@@ -51,6 +41,19 @@ class Reports {
   }
 
   [[nodiscard]] const Known& of(std::size_t job) const { return jobs_[job]; }
+
+  /// A difference that a verification found, for as long as the result is that one: until it is computed again, or the
+  /// job has another.
+  [[nodiscard]] const JobRecord* difference_of(std::size_t job) const {
+    const Known& known = jobs_[job];
+    if (!known.verified || known.verified->state != JobState::differs) return nullptr;
+    const JobRecord& differs = *known.verified;
+    const auto computed = computed_.find(differs.result);
+    if (computed != computed_.end() && computed->second > differs.end) return nullptr;
+    const bool is_replaced = known.last && known.last->state != JobState::failed &&
+                             known.last->result != differs.result && known.last->end > differs.end;
+    return is_replaced ? nullptr : &differs;
+  }
   /// How much longer jobs have taken than was predicted.
   [[nodiscard]] double correction() const { return predicted_ > 0.0 && measured_ > 0.0 ? measured_ / predicted_ : 1.0; }
 
@@ -61,15 +64,21 @@ class Reports {
   }
 
   void add(const JobRecord& record) {
-    // A plan that was made anew has other jobs.
-    if (record.index >= jobs_.size() || plan_.jobs[record.index].name != record.name) return;
-    Known& known = jobs_[record.index];
+    // Another job may have the same result.
+    if (record.state == JobState::computed) {
+      std::string& end = computed_[record.result];
+      end = std::max(end, record.end);
+    }
+    // A plan that was made anew has other jobs, and so has another plan with the same results.
+    const auto found = by_hash_.find(record.job);
+    if (found == by_hash_.end()) return;
+    Known& known = jobs_[found->second];
     switch (record.state) {
       case JobState::verified:
-      case JobState::differs: keep_later(known.differs, record); break;
+      case JobState::differs: keep_later(known.verified, record); break;
       case JobState::computed:
         measured_ += record.seconds;
-        predicted_ += plan_.jobs[record.index].seconds;
+        predicted_ += plan_.jobs[found->second].seconds;
         [[fallthrough]];
       case JobState::present:
       case JobState::failed: keep_later(known.last, record); break;
@@ -78,6 +87,8 @@ class Reports {
 
   const BatchPlan& plan_;
   std::vector<Known> jobs_;
+  std::unordered_map<std::string, std::size_t> by_hash_;   ///< the plan's jobs
+  std::unordered_map<std::string, std::string> computed_;  ///< when each result was computed last
   double measured_ = 0.0;
   double predicted_ = 0.0;
 };
@@ -87,9 +98,10 @@ enum class Standing { done, failed, left };
 Standing standing_of(const Known& known, const fs::path& results) {
   if (!known.last) return Standing::left;
   if (known.last->state == JobState::failed) return Standing::failed;
-  std::error_code unknown;
-  const bool is_named = hash_in(known.last->result).has_value();
-  return is_named && fs::exists(results / known.last->result / kResultName, unknown) ? Standing::done : Standing::left;
+  if (!hash_in(known.last->result)) return Standing::left;
+  const fs::path result = results / known.last->result;
+  const std::optional<ResultFiles> files = listed_in(result);
+  return files && has_files(result, *files) ? Standing::done : Standing::left;
 }
 
 void count(Standing standing, double seconds, BatchCounts& counts) {
@@ -127,12 +139,14 @@ BatchStatus status_of(const BatchPlan& plan, const fs::path& results) {
     standings.push_back(standing_of(known, results));
     count(standings.back(), reports.correction() * plan.jobs[job].seconds, status.all);
     if (standings.back() == Standing::failed) status.troubles.push_back(*known.last);
-    if (known.differs && known.differs->state == JobState::differs) status.troubles.push_back(*known.differs);
+    if (const JobRecord* difference = reports.difference_of(job)) status.troubles.push_back(*difference);
   }
   if (status.shards == 0) return status;
-  for (const std::vector<std::size_t>& shard : cut_batch(plan, status.shards)) {
-    BatchCounts& counts = status.of_shards.emplace_back();
-    for (const std::size_t job : shard) {
+  const std::vector<std::vector<std::size_t>> cut = cut_batch(plan, status.shards);
+  for (std::size_t shard = 0; shard < cut.size(); ++shard) {
+    if (cut[shard].empty()) continue;
+    BatchCounts& counts = status.of_shards[shard + 1];
+    for (const std::size_t job : cut[shard]) {
       count(standings[job], reports.correction() * plan.jobs[job].seconds, counts);
     }
   }
@@ -142,8 +156,8 @@ BatchStatus status_of(const BatchPlan& plan, const fs::path& results) {
 Json status_json(const BatchStatus& status) {
   Json json = counts_json(status.all);
   Json shards = Json::array();
-  for (const BatchCounts& counts : status.of_shards) {
-    Json shard = {{"shard", shards.size() + 1}};
+  for (const auto& [number, counts] : status.of_shards) {
+    Json shard = {{"shard", number}};
     const Json members = counts_json(counts);
     for (const auto& [key, value] : members.members()) shard[key] = value;
     shards.push_back(shard);
@@ -165,9 +179,9 @@ Json status_json(const BatchStatus& status) {
 std::string status_text(const BatchStatus& status) {
   std::string text = counted(status.jobs, "job") + ": " + counts_text(status.all) + '\n';
   if (status.shards > 1) {
-    for (std::size_t i = 0; i < status.of_shards.size(); ++i) {
-      text += "  shard " + std::to_string(i + 1) + '/' + std::to_string(status.shards) + ": " +
-              counts_text(status.of_shards[i]) + '\n';
+    for (const auto& [number, counts] : status.of_shards) {
+      text +=
+          "  shard " + std::to_string(number) + '/' + std::to_string(status.shards) + ": " + counts_text(counts) + '\n';
     }
   }
   for (const JobRecord& record : status.troubles) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,10 @@ struct BatchCounts {
 struct BatchStatus {
   std::size_t jobs = 0;
   BatchCounts all;
-  int shards = 0;  ///< of the newest report; 0: there is none
-  std::vector<BatchCounts> of_shards;
-  std::vector<JobRecord> troubles;  ///< failed jobs and results that differed, in the order of the plan
-  std::vector<std::string> notes;   ///< reports that cannot be read
+  int shards = 0;                                ///< of the newest report; 0: there is none
+  std::map<std::size_t, BatchCounts> of_shards;  ///< by their numbers from 1; those that have jobs
+  std::vector<JobRecord> troubles;               ///< failed jobs and results that differed, in the order of the plan
+  std::vector<std::string> notes;                ///< reports that cannot be read
 };
 
 /// A result that no report names counts as left: a run that is killed has not reported its last second. How long the

@@ -129,12 +129,26 @@ class OpenCue(Folder):
         lines = subprocess.run([self.script, self.plan.name, "2", "--results", "r's $x"], check=True, text=True,
                                env=self.environment, cwd=self.folder, stdout=subprocess.PIPE).stdout.splitlines()
         self.assertEqual([self.run_words(["sh", "-c", line])[0] for line in lines],
-                         [["batch", "run", str(self.plan), "--results", "r's $x", "--shard", f"{shard}/2"]
-                          for shard in (1, 2)])
+                         [["batch", "run", str(self.plan), "--results", str(self.folder.resolve() / "r's $x"), "--shard",
+                           f"{shard}/2"] for shard in (1, 2)])
+
+    def test_paths_become_absolute(self):
+        (self.folder / "-p.json").write_text("{}")
+        here = str(self.folder.resolve())
+        for options, meant in ((["--results", "../r"], ["--results", str(self.folder.resolve().parent / "r")]),
+                               (["--results=r", "-q"], [f"--results={here}/r", "-q"]),
+                               (["--results", "-r"], ["--results", f"{here}/-r"]),
+                               (["--results", "/r"], ["--results", "/r"]), ([], [])):
+            with self.subTest(options=options):
+                line = subprocess.run([self.script, "-p.json", "1", *options], check=True, text=True,
+                                      env=self.environment, cwd=self.folder, stdout=subprocess.PIPE).stdout
+                self.assertEqual(self.run_words(["sh", "-c", line]),
+                                 [["batch", "run", f"{here}/-p.json", *meant, "--shard", "1/1"]])
 
     def test_what_cannot_be_is_refused(self):
         for arguments, message in ((["absent.json", "2"], "there is no file"), ([str(self.plan), "0"], "whole number"),
-                                   ([str(self.plan)], "usage"), ([str(self.plan), "1", "a\nb"], "line break")):
+                                   ([str(self.plan)], "usage"), ([str(self.plan), "1", "a\nb"], "line break"),
+                                   ([str(self.plan), "1", "--results"], "takes a folder")):
             with self.subTest(message):
                 refused = subprocess.run([self.script, *arguments], text=True, capture_output=True, env=self.environment)
                 self.assertEqual(refused.returncode, 2)
@@ -164,6 +178,18 @@ class Slurm(Folder):
         self.assertIn("\n#SBATCH --requeue\n", script)
         self.assertIn("\n#SBATCH --mem=4096M\n", script)
         self.assertIn("100%%", script)
+
+    def test_a_plan_may_take_longer_than_32_bits_have_seconds(self):
+        self.write_plan(10, 1e12)
+        for options in ((), ("--shards", "2", "--cpus", "3")):
+            done = self.dry_run(*options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("10 jobs, 1000000000000 seconds", done.stderr)
+
+    def test_a_backslash_in_a_log_path_is_itself(self):
+        self.assertEqual(self.dry_run("--results", str(self.folder / "a\\b")).returncode, 0)
+        script = (self.folder / "a\\b/slurm/shards.sh").read_text()
+        self.assertIn("a\\\\b/slurm/shard-%a.log", script)
 
     def test_a_task_may_have_more_threads_than_cores(self):
         self.assertEqual(self.dry_run("--cpus", "2", "--threads", "16").returncode, 0)
@@ -203,13 +229,22 @@ class Slurm(Folder):
         for options, message in ((("--shards", "0"), "whole number"), (("--shards",), "takes a value"),
                                  (("--verify", "2"), "takes a share"), (("--memory", "much"), "takes a size"),
                                  (("--shard", "4"), "no option --shard"), (("other.json",), "one plan at a time"),
-                                 (("--results", "a\nb"), "line breaks"), (("--shards", "5000"), "MaxArraySize")):
+                                 (("--results", "a\nb"), "line breaks"), (("--shards", "5000"), "MaxArraySize"),
+                                 (("--partition", "a\ntouch X"), "--partition takes no value with line breaks")):
             with self.subTest(message):
                 refused = self.dry_run(*options)
                 self.assertNotEqual(refused.returncode, 0)
                 self.assertIn(message, refused.stderr)
-        self.plan.write_text("{}")
-        self.assertIn("is not a plan", self.dry_run().stderr)
+        deep = "[" * 100000 + "]" * 100000
+        seconds = [f'{{"totals": {{"jobs": 2, "seconds": {value}}}}}' for value in ("NaN", "1e400", "-1", "1e13", '"x"')]
+        jobs = [f'{{"totals": {{"jobs": {value}, "seconds": 1}}}}' for value in ("1e400", "-1", "NaN", "1" + "0" * 30)]
+        for plan in ("{}", "[]", "", deep, *seconds, *jobs):
+            with self.subTest(plan=plan[:50]):
+                self.plan.write_text(plan)
+                refused = self.dry_run()
+                self.assertEqual(refused.returncode, 1)
+                self.assertIn("is not a plan", refused.stderr)
+                self.assertEqual(len(refused.stderr.splitlines()), 1)
         self.plan.unlink()
         self.assertIn("there is no file", self.dry_run().stderr)
 

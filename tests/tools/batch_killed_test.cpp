@@ -78,6 +78,57 @@ TEST_CASE("A batch that is told to stop does so, and leaves nothing half done", 
   CHECK(batch.run_well("run").at("present") == there);
 }
 
+TEST_CASE("A batch ends when it is told to while another process keeps the reports locked", "[command][batch]") {
+  const Batch batch(kJobs);
+  const CommandResult stopped = shell(batch,
+                                      "mkdir -p \"$results/reports\"\n"
+                                      "command -v flock >/dev/null || { echo no flock; exit; }\n"
+                                      "flock \"$results/reports\" sleep 20 & holder=$!\n"
+                                      "run & child=$!\n"
+                                      "while [ $(count) -lt 20 ]; do kill -0 $child || exit 9; done\n"
+                                      "kill -TERM $child; wait $child; echo $?\n"
+                                      "kill $holder 2>/dev/null && echo held");
+  INFO(stopped.errors);
+  if (stopped.output == "no flock\n") {
+    WARN("there is no flock(1) here");
+    return;
+  }
+  CHECK(stopped.output == "143\nheld\n");
+  CHECK(names_in(batch.results() / "partial").empty());
+}
+
+TEST_CASE("A folder of results that is full is no job's failure", "[command][batch]") {
+  const Batch batch(3);
+  // A limit on the size of files stands for a full disk.
+  const CommandResult full = shell(batch, "ulimit -f 2; run --json");
+  INFO(full.errors);
+  CHECK(full.exit_code != 0);  // 128 more than SIGXFSZ
+  CHECK(contains(full.errors, "jobs.results: takes no more results"));
+  CHECK(batch.report().empty());
+  CHECK(batch.result_names().empty());
+  CHECK(names_in(batch.results() / "partial").empty());
+  CHECK(batch.run_well("run").at("computed") == 3);
+}
+
+TEST_CASE("What dead processes left is removed, but not that of a machine with a similar name", "[command][batch]") {
+  const Batch batch(1);
+  const std::filesystem::path partial = batch.results() / "partial";
+  for (const char* name : {"node_2d12-999999999-0", "node12-999999999-0", "node_2d12-1-999999999-0"}) {
+    std::filesystem::create_directories(partial / name);
+  }
+  const CommandResult renamed =
+      shell(batch,
+            "unshare --uts true 2>/dev/null || { echo no names; exit; }\n"
+            "unshare --uts sh -c 'hostname node-12 && exec \"$@\"' sh '" WELKIN_COMMAND "' batch run \"$jobs\" -q\n");
+  INFO(renamed.errors);
+  if (renamed.output == "no names\n") {
+    WARN("this machine gives no other host names");
+    return;
+  }
+  REQUIRE(renamed.exit_code == 0);
+  CHECK(names_in(partial) == std::vector<std::string>{"node12-999999999-0", "node_2d12-1-999999999-0"});
+}
+
 TEST_CASE("Two runs at once share the work", "[command][batch]") {
   const Batch batch(kJobs);
   const CommandResult both = shell(batch,

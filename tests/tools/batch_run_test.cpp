@@ -270,3 +270,93 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
   CHECK(outcome.at("failed") == 8);
   CHECK(batch.report()[0].at("error_code") == "limit_exceeded");
 }
+
+// Reports are of jobs, not of places in a plan.
+
+TEST_CASE("A report tells nothing of other jobs of the same name and place", "[command][batch]") {
+  const Batch batch(3);
+  batch.run_well("run");
+  CHECK(batch.run_well("status").at("done") == 3);
+  batch.plan(quoted(batch.input()) + kFewFiles + "--yaw 90");
+  CHECK(batch.run_well("status").at("left") == 3);
+  CHECK(batch.run("merge", "-o " + quoted(batch.path() / "index")).exit_code == 1);
+  // And of the same job in another place it does.
+  write_picture(batch.input() / "a.pfm", 60);
+  batch.plan(quoted(batch.input()) + kFewFiles);
+  const nlohmann::json status = batch.run_well("status");
+  CHECK(status.at("done") == 3);
+  CHECK(status.at("left") == 1);
+}
+
+TEST_CASE("Two plans with the same folder of results keep their failures", "[command][batch]") {
+  const Batch batch(1);
+  const Batch other(1, std::string(kFewFiles) + "--yaw 90");
+  const std::filesystem::path picture = batch.input() / "picture100.pfm";
+  std::filesystem::rename(picture, batch.path() / "away.pfm");
+  batch.run_well("run", "", 1);
+  const std::string results = "--results " + quoted(batch.results());
+  other.run_well("run", results);
+  CHECK(batch.run_well("status", "", 1).at("failed") == 1);
+  CHECK(other.run_well("status", results).at("done") == 1);
+  CHECK(batch.report().size() == 2);
+  std::filesystem::rename(batch.path() / "away.pfm", picture);
+  batch.run_well("run");
+  CHECK(batch.run_well("status").at("done") == 1);
+  CHECK(batch.report().size() == 2);
+}
+
+TEST_CASE("A difference is over when the result is made anew", "[command][batch]") {
+  const Batch batch(2);
+  batch.run_well("run");
+  const std::filesystem::path result = batch.results() / batch.result_names().front();
+  damage(result / "specular.ktx2");
+  batch.run_well("run", "--verify 1", 1);
+  CHECK(batch.run_well("status", "", 1).at("troubles").size() == 1);
+  batch.run_well("run");  // which finds it, damaged as it is
+  CHECK(batch.run_well("status", "", 1).at("troubles").size() == 1);
+  std::filesystem::remove_all(result);
+  CHECK(batch.run_well("run").at("computed") == 1);
+  CHECK(batch.run_well("status").at("troubles").empty());
+}
+
+TEST_CASE("A verification leaves on record that the result was there", "[command][batch]") {
+  const Batch batch(1);
+  batch.run_well("run");
+  std::filesystem::remove_all(batch.results() / "reports");  // as those of a killed run may be
+  batch.run_well("run", "--verify 1 --threads 1");           // first it is found, then verified
+  CHECK(count_of(batch.report(), "present") == 1);
+  CHECK(count_of(batch.report(), "verified") == 1);
+  CHECK(batch.run_well("status").at("done") == 1);
+}
+
+TEST_CASE("Status counts only whole results as done", "[command][batch]") {
+  const Batch batch(2);
+  batch.run_well("run");
+  const std::filesystem::path result = batch.results() / batch.result_names().front();
+  SECTION("without a file") { std::filesystem::remove(result / "sh.h"); }
+  SECTION("a cut one") { std::filesystem::resize_file(result / "specular.ktx2", 100); }
+  SECTION("a list that is none") { std::ofstream(result / "result.json") << "{}"; }
+  const nlohmann::json status = batch.run_well("status");
+  CHECK(status.at("done") == 1);
+  CHECK(status.at("left") == 1);
+}
+
+TEST_CASE("Status takes no report for one of more shards than there can be", "[command][batch]") {
+  const Batch batch(2);
+  batch.run_well("run", "--shard 1/1000000");
+  const CommandResult many = batch.run("status");
+  CHECK(many.exit_code == 0);
+  CHECK(std::ranges::count(many.output, '\n') == 3);  // shards without jobs are left out
+  CHECK(contains(many.output, "shard 2/1000000: 0 done, 1 left"));
+  CHECK(batch.run_well("status").at("shards")[1].at("shard") == 2);
+  const std::filesystem::path reports = batch.results() / "reports";
+  for (const char* name : {"shard-1-of-2000000000.json", "shard-1-of-1000001.json", "shard-0-of-1.json",
+                           "shard-3-of-2.json", "shard-1-of-.json", "shard--1-of-1.json", "shard-1-of-1.json.json"}) {
+    INFO(name);
+    std::filesystem::rename(reports / "shard-1-of-1000000.json", reports / name);
+    const nlohmann::json status = batch.run_well("status");
+    CHECK(status.at("left") == 2);
+    CHECK(status.at("shards").empty());
+    std::filesystem::rename(reports / name, reports / "shard-1-of-1000000.json");
+  }
+}
