@@ -191,9 +191,9 @@ struct ProbeSampling {
 
 /// Irradiance (W/m2 where radiance is W/m2/sr) at a place on a surface, of three bands at most: the eight probes about
 /// it by trilinear weights, each times the weights that `sampling` asks for, their sum being 1. Outside of the
-/// grid the trilinear weights are those of the nearest place in it. Computed in floats by the code that `probe_sampling_code` gives. `normal`: unit length.
-/// Throws `Error` (invalid_argument) for probes whose arrays do not have the lengths that they must, and for a place,
-/// normal or bias that is not finite.
+/// grid the trilinear weights are those of the nearest place in it. Computed in floats by the code that
+/// `probe_sampling_code` gives. `normal`: unit length. Throws `Error` (invalid_argument) for probes whose arrays do not
+/// have the lengths that they must, and for a place, normal or bias that is not finite.
 [[nodiscard]] dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const dvec3& normal,
                                      const ProbeSampling& sampling = {});
 
