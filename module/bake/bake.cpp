@@ -25,6 +25,7 @@
 #include "projection/sanitized_pixels.h"
 #include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
+#include "reflections/radiance_scale.h"
 #include "welkin/core.h"
 #include "welkin/irradiance.h"
 #include "welkin/resampling.h"

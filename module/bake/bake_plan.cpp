@@ -16,6 +16,7 @@
 #include "reflections/brdf_table.h"
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/far_parts.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter.h"

@@ -14,11 +14,13 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "reflections/bright_texels.h"
+#include "reflections/cube_rings.h"
 #include "reflections/lobe.h"
 #include "reflections/lobe_errors.h"
 #include "reflections/lobe_table.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
+#include "reflections/radiance_scale.h"
 #include "transform/transform_kernels.h"
 #include "welkin/resampling.h"
 

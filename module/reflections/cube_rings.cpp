@@ -6,6 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "image/area_resampling.h"
+#include "image/pixels.h"
+#include "reflections/ring_table.h"
+
 namespace welkin::reflections {
 namespace {
 
@@ -92,6 +96,75 @@ void RingSharpener::sharpen(LatLongImage& rings) const {
     }
     above.swap(here);
   }
+}
+
+namespace {
+
+/// Each texel `parts` x `parts` times.
+CubemapImage cut(const CubemapView& source, int parts) {
+  const auto row_values = std::ptrdiff_t{3} * source.size;
+  const auto cut_values = row_values * parts;
+  CubemapImage result{source.size * parts, {}};
+  result.pixels.resize(static_cast<std::size_t>(6 * cut_values) * static_cast<std::size_t>(result.size));
+  float* to = result.pixels.data();
+  for (int row = 0; row < 6 * source.size; ++row) {
+    const auto* const from = static_cast<const float*>(image::row_of(source, row / source.size, row % source.size));
+    float* const first = to;
+    for (int column = 0; column < source.size; ++column) {
+      for (int part = 0; part < parts; ++part, to += 3) std::copy_n(from + std::ptrdiff_t{3} * column, 3, to);
+    }
+    for (int part = 1; part < parts; ++part, to += cut_values) std::copy_n(first, cut_values, to);
+  }
+  return result;
+}
+
+}  // namespace
+
+LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+  LatLongImage rings{2 * rows, rows, {}};
+  rings.pixels.resize(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
+  const int parts = std::max(1, rows / (2 * source.size));
+  if (parts == 1) {
+    image::fill_lat_long_by_area(source, 2 * rows, rows, rings.pixels.data(), control);
+  } else {
+    image::fill_lat_long_by_area(cut(source, parts).view(), 2 * rows, rows, rings.pixels.data(), control);
+  }
+  return rings;
+}
+
+LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+  const RingTableKey key{source.size, rows};
+  if (RingTable::serves(key)) {
+    LatLongImage rings{2 * rows, rows, {}};
+    rings.pixels.resize(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
+    RingTable::get(key, {control.stop})->fill(source, rings.pixels.data(), control);
+    return rings;
+  }
+  LatLongImage rings = rings_of_cubemap(source, rows, control);
+  RingSharpener(rows, source.size).sharpen(rings);
+  return rings;
+}
+
+Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
+               const Control& control) {
+  Rings rings;
+  rings.view = source.lat_long();
+  if (source.cubemap()) {
+    const CubemapImage rest{source.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source)};
+    rings.owned = sharp_rings_of_cubemap(bright.empty() ? source.cube() : rest.view(), rows, control);
+    rings.view = rings.owned.view();
+  } else if (!bright.empty()) {
+    rings.owned = {source.columns(), source.rows(), pixels_without(bright, source)};
+    rings.view = rings.owned.view();
+  }
+  return rings;
+}
+
+std::size_t cube_rings_bytes(int face_size, int rows) {
+  const RingTableKey key{face_size, rows};
+  if (RingTable::serves(key)) return RingTable::working_bytes(key) + RingTable::making_bytes(key);
+  constexpr std::size_t texel = 24 + 9;  // of the area resampler and the sharpener
+  return texel * 2 * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows);
 }
 
 }  // namespace welkin::reflections

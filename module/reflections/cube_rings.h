@@ -1,9 +1,13 @@
-// What rings of latitude blur of a cubemap on its way to harmonics, undone.
+// A cubemap on rings of latitude, as transforms take it, and what that blurs, undone.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "math/elementary.h"
+#include "projection/sanitized_pixels.h"
+#include "reflections/bright_texels.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::reflections {
@@ -40,5 +44,28 @@ class RingSharpener {
   bool even_;
   std::vector<ColumnEdge> columns_;  ///< the edge before each column
 };
+
+/// A packed RGB float cubemap as a lat-long of 2 rows x rows texels, each the mean of the cube's texels over its area.
+/// Where rows is a multiple of the faces' 2 size, a cube's texel is cut into as many parts first: edges between texels
+/// are followed in steps of a part, not of a texel. The same bits on any number of threads. Throws `Error` (cancelled).
+[[nodiscard]] LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// What a transform takes for a cubemap: by a `RingTable`, or, where there is none, `rings_of_cubemap` sharpened.
+[[nodiscard]] LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
+struct Rings {
+  LatLongView view{};
+  LatLongImage owned;  ///< holds the pixels where the caller's own would not do
+
+  [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
+};
+
+/// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on `rows` rings.
+[[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
+                             int rows, const Control& control);
+
+/// A bound on what that takes beside the rings, a `RingTable` that has yet to be made included.
+[[nodiscard]] std::size_t cube_rings_bytes(int face_size, int rows);
 
 }  // namespace welkin::reflections

@@ -1,0 +1,64 @@
+#include "reflections/radiance_scale.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace welkin::reflections {
+namespace {
+
+constexpr float kHuge = 1e30F;
+constexpr float kDown = 0x1p-64F;
+constexpr float kDark = 1e-25F;
+constexpr float kUp = 0x1p100F;
+
+float largest_magnitude(const projection::SanitizedSource& source) noexcept {
+  float largest = 0.0F;
+  for (int row = 0; row < source.rows(); ++row)
+    largest = std::max({largest, source.range(row).largest, -source.range(row).least});
+  return largest;
+}
+
+std::vector<float> scaled_pixels(const projection::SanitizedSource& source, float scale) {
+  const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
+  std::vector<float> pixels;
+  pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
+  for (int row = 0; row < source.rows(); ++row) {
+    const float* const values = source.row(row);
+    for (std::size_t k = 0; k < row_values; ++k) pixels.push_back(values[k] * scale);
+  }
+  return pixels;
+}
+
+}  // namespace
+
+float safe_scale(const projection::SanitizedSource& source) noexcept {
+  const float largest = largest_magnitude(source);
+  if (largest > kHuge) return kDown;
+  return largest > 0.0F && largest < kDark ? kUp : 1.0F;
+}
+
+LatLongImage scaled(const projection::SanitizedSource& source, const LatLongView& /*view*/, float scale) {
+  return {source.columns(), source.rows(), scaled_pixels(source, scale)};
+}
+
+CubemapImage scaled(const projection::SanitizedSource& source, const CubemapView& /*view*/, float scale) {
+  return {source.columns(), scaled_pixels(source, scale)};
+}
+
+void undo_scale(PrefilteredSpecular& result, float scale) {
+  static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+  const double back = 1.0 / static_cast<double>(scale);
+  CubemapChain& chain = result.cubemap;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const auto edge = static_cast<std::size_t>(chain.level_size(level));
+    float* const values = chain.face(level, 0);
+    std::transform(values, values + 18 * edge * edge, values, [back](float value) {
+      return static_cast<float>(std::clamp(back * static_cast<double>(value), -most, most));
+    });
+  }
+  for (MipRecord& mip : result.mips) mip.mean *= back;
+}
+
+}  // namespace welkin::reflections
