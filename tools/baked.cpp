@@ -128,7 +128,7 @@ void BakeSource::turn(const BakeCommandOptions& options, const Control& control)
   if (2 * bytes() > limit) {
     throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
                                                " bytes while it is turned, above the limit of " +
-                                               std::to_string(limit) + "; raise --memory-limit");
+                                               std::to_string(limit) + "; raise " + options.common.memory_option);
   }
   Pixels turned;
   turned.is_cubemap = is_cubemap();
@@ -242,7 +242,7 @@ void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, c
   constexpr unsigned kMebi = 20;
   throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
                                              " bytes, above the limit of " + std::to_string(limit) + "; " +
-                                             worst.remedy + ", or raise --memory-limit to " +
+                                             worst.remedy + ", or raise " + options.common.memory_option + " to " +
                                              std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
 }
 

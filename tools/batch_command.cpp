@@ -77,7 +77,6 @@ Shard shard_in(const std::string& text) {
     shard.number = whole_number_in(text.substr(0, slash)).value_or(0);
     shard.count = whole_number_in(text.substr(slash + 1)).value_or(0);
   }
-  constexpr int kMostShards = 1'000'000;
   if (slash == std::string::npos || shard.number < 1 || shard.number > shard.count || shard.count > kMostShards) {
     throw Error(ErrorCode::invalid_argument,
                 "--shard: " + text + " is not I/N with I from 1 to N, such as 3/16 for the third of 16");

@@ -251,7 +251,6 @@ std::optional<Shard> shard_of_report(const fs::path& file) {
   constexpr std::string_view kStart = "shard-";
   constexpr std::string_view kOf = "-of-";
   constexpr std::string_view kEnd = ".json";
-  constexpr int kMost = 1'000'000;  // as --shard takes them
   const std::string name = platform::utf8(file.filename());
   const std::size_t of = name.find(kOf);
   if (!name.starts_with(kStart) || !name.ends_with(kEnd) || of == std::string::npos) return std::nullopt;
@@ -259,7 +258,7 @@ std::optional<Shard> shard_of_report(const fs::path& file) {
     return end > begin ? whole_number_in(name.substr(begin, end - begin)).value_or(0) : 0;
   };
   const Shard shard{number_between(kStart.size(), of), number_between(of + kOf.size(), name.size() - kEnd.size())};
-  if (shard.number < 1 || shard.count < shard.number || shard.count > kMost) return std::nullopt;
+  if (shard.number < 1 || shard.count < shard.number || shard.count > kMostShards) return std::nullopt;
   return shard;
 }
 

@@ -59,6 +59,9 @@ struct Shard {
   int count = 1;
 };
 
+/// Parts that a batch is cut into.
+inline constexpr int kMostShards = 1'000'000;
+
 /// A shard's records, oldest first, without what later ones replace: of a job that was found or failed the last time
 /// counts, and a verification ends a failure. What was computed and verified stays.
 class RecordList {

@@ -72,6 +72,7 @@ class OptionsByWords {
     if (found != known_.end()) return found->second;
     BakeCommandOptions options = bake_options_of(plan_, job.options);
     options.common.read.memory_limit_bytes = memory_;
+    options.common.memory_option = "--memory";
     return known_.emplace(job.options, std::move(options)).first->second;
   }
 

@@ -25,7 +25,8 @@ struct CommonOptions {
   bool json = false;
   int threads = 0;  ///< 0: as many as the process may use
   ReadOptions read;
-  std::string cache;  ///< a folder; empty: results are not kept
+  const char* memory_option = "--memory-limit";  ///< what sets the limit of `read`, for messages
+  std::string cache;                             ///< a folder; empty: results are not kept
 };
 
 /// INPUT, a file's path, and --sky, the built-in computed sky. They exclude each other.

@@ -423,8 +423,8 @@ void keep_within_memory(const View& source, std::vector<Candidate>& candidates, 
     if (!candidates.empty()) return;
   }
   throw Error(ErrorCode::limit_exceeded, "choosing textures within a budget takes at least " + grouped(least) +
-                                             " bytes, above the limit of " + grouped(limit) +
-                                             "; raise --memory-limit, or name --size, --mips and the format");
+                                             " bytes, above the limit of " + grouped(limit) + "; raise " +
+                                             options.common.memory_option + ", or name --size, --mips and the format");
 }
 
 template <class View>

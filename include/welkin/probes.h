@@ -146,14 +146,16 @@ struct BakedProbes {
 /// Bakes only the probes that are named again, each with its new cubemap and, if the grid was baked with them, its
 /// depths; then dilates all. The very bits of `bake_probes` of everything. `options` must be those of the first bake.
 /// The diagnostics become those of the probes that were baked. Throws as above, and invalid_argument for a number
-/// that is not in the grid or stands twice; then, or if cancelled, `probes` is what it was.
+/// that is not in the grid or stands twice; then, or if cancelled, `probes` is what it was. In messages about a cubemap
+/// or depths, a probe's number is its place among those that are named.
 void update_probes(BakedProbes& probes, std::span<const std::size_t> changed, std::span<const CubemapView> cubes,
                    std::span<const DepthView> depths = {}, const ProbeOptions& options = {},
                    const Control& control = {});
 
 /// Gives invalid probes the light of their neighbours. In each pass, a probe that has none yet becomes the mean of
 /// those of its up to 26 neighbours that had light before the pass, weighted by 1 / distance^2. Does what was filled
-/// before again. Sets `passes`, `invalid` and `unfilled`. Throws `Error`: invalid_argument, cancelled.
+/// before again. Sets `passes`, `invalid` and `unfilled`. Throws `Error`: invalid_argument; cancelled, after which what
+/// is filled is in part old and in part new: dilate again.
 void dilate(BakedProbes& probes, int most_passes = 4, const Control& control = {});
 
 /// The same probes with each one's coefficients windowed by `apply_window`; for drawing and packing. (Only the others
@@ -171,6 +173,8 @@ void dilate(BakedProbes& probes, int most_passes = 4, const Control& control = {
 /// `from`: radiance of the environment of the capture, or of the last call; `to`: of the new one (turned, scaled, with
 /// another sun). Bands above `environment_bands` of the bake are left out: an environment with no more bands is seen
 /// exactly, up to the texels of the depths; a sun becomes a lobe as wide as so many bands make it.
+///
+/// `dilation_passes`: as in the bake. With 0, what was filled stays, and has the change that its own probe sees.
 ///
 /// Cost: bands^2 x sky_bands^2 multiplications a probe and channel. Linear in `to` - `from`. The same bits everywhere.
 /// Throws `Error`: invalid_argument (no visibility was kept), cancelled: then `probes` is what it was.

@@ -205,6 +205,8 @@ Json write_layout(Output& output, const std::filesystem::path& path, const Baked
 BakedProbes bake_probe_files(const ProbeGrid& grid, std::span<const FileInput> cubes, std::span<const FileInput> depths,
                              const ProbeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
+  probes::check_grid(grid);
+  probes::check_options(options, !depths.empty());
   require_files(grid, cubes, depths);
   BakedProbes probes;
   probes.grid = grid;

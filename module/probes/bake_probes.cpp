@@ -27,35 +27,12 @@ using probes::DepthRules;
 
 constexpr int kLargestDepth = 1024;
 
-/// Probes whose visibility is projected together: as masks of 64 x 64 they take 37 MB.
-constexpr std::size_t kMasksTogether = 128;
+/// Visibility is projected as so many bytes of masks at a time, or a probe's.
+constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
 
 constexpr std::size_t kDepthsPerTile = 8;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
-void require_between(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  refuse("ProbeOptions: " + std::string(name) + " is " + std::to_string(value) + "; it must be from " +
-         std::to_string(low) + " to " + std::to_string(high));
-}
-
-void check_options(const ProbeOptions& options, bool with_depths) {
-  projection::check_options(options.projection);
-  image::require_range("bands of probes", options.projection.bands, 1, probes::kMostBands);
-  require_between("near_share", options.near_share, 0.0, 1e6);
-  require_between("valid_share", options.valid_share, 0.0, 1.0);
-  require_between("distance_limit", options.distance_limit, 0.0, 1e30);
-  image::require_range("distance_size of probes", options.distance_size, 0, 64);
-  image::require_range("distance_power of probes", options.distance_power, 1, 1024);
-  image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);
-  image::require_range("environment_bands of probes", options.environment_bands, 0,
-                       kMaximumBands + 1 - probes::kMostBands);
-  if (options.environment_bands > 0 && !with_depths) {
-    refuse("ProbeOptions: environment_bands is " + std::to_string(options.environment_bands) +
-           ", but there are no depths to tell where a probe sees the environment; pass them, or 0");
-  }
-}
 
 void check_depths(std::span<const DepthView> depths) {
   for (std::size_t k = 0; k < depths.size(); ++k) {
@@ -152,7 +129,7 @@ class Capture {
   void project_sky(const Control& control) {
     const int size = depths_[0].size;
     const std::size_t face = probes::squared(size);
-    const std::size_t together = std::min(kMasksTogether, depths_.size());
+    const std::size_t together = std::clamp<std::size_t>(kMaskBytes / (18 * face), 1, depths_.size());
     std::vector<std::uint8_t> masks(together * 6 * face * 3);
     const std::size_t functions = probes::squared(into_.sky_bands);
     std::vector<dvec3> grey(together * functions);
@@ -222,7 +199,7 @@ BakedProbes bake_probes(const ProbeGrid& grid, std::span<const CubemapView> cube
                         const ProbeOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_grid(grid);
-  check_options(options, !depths.empty());
+  probes::check_options(options, !depths.empty());
   require_count("cubes", cubes.size(), grid.size());
   if (!depths.empty()) require_count("depths", depths.size(), grid.size());
   check_depths(depths);
@@ -237,7 +214,7 @@ void update_probes(BakedProbes& probes, std::span<const std::size_t> changed, st
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
   if (changed.empty() && cubes.empty() && depths.empty()) return;
-  check_options(options, !depths.empty());
+  probes::check_options(options, !depths.empty());
   require_count("cubes", cubes.size(), changed.size());
   if (!depths.empty()) require_count("depths", depths.size(), changed.size());
   check_depths(depths);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "image/pixels.h"
+#include "projection/sanitizer.h"
 #include "welkin/core.h"
 
 namespace welkin::probes {
@@ -18,6 +19,12 @@ void require_length(const char* name, std::size_t is, std::size_t must_be) {
   if (is == must_be) return;
   refuse("BakedProbes: " + std::string(name) + " has " + std::to_string(is) + " values; it must have " +
          std::to_string(must_be));
+}
+
+void require_between(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  refuse("ProbeOptions: " + std::string(name) + " is " + std::to_string(value) + "; it must be from " +
+         std::to_string(low) + " to " + std::to_string(high));
 }
 
 }  // namespace
@@ -38,6 +45,22 @@ void check_grid(const ProbeGrid& grid) {
   if (grid.size() > kMostProbes) {
     refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMostProbes) +
            " are baked together");
+  }
+}
+
+void check_options(const ProbeOptions& options, bool with_depths) {
+  projection::check_options(options.projection);
+  image::require_range("bands of probes", options.projection.bands, 1, kMostBands);
+  require_between("near_share", options.near_share, 0.0, 1e6);
+  require_between("valid_share", options.valid_share, 0.0, 1.0);
+  require_between("distance_limit", options.distance_limit, 0.0, 1e30);
+  image::require_range("distance_size of probes", options.distance_size, 0, 64);
+  image::require_range("distance_power of probes", options.distance_power, 1, 1024);
+  image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);
+  image::require_range("environment_bands of probes", options.environment_bands, 0, kMaximumBands + 1 - kMostBands);
+  if (options.environment_bands > 0 && !with_depths) {
+    refuse("ProbeOptions: environment_bands is " + std::to_string(options.environment_bands) +
+           ", but there are no depths to tell where a probe sees the environment; pass them, or 0");
   }
 }
 

@@ -25,6 +25,9 @@ inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and 
 /// Throws `Error` (invalid_argument) unless the grid is one.
 void check_grid(const ProbeGrid& grid);
 
+/// Throws `Error` (invalid_argument) for options that no grid can be baked with.
+void check_options(const ProbeOptions& options, bool with_depths);
+
 /// Throws `Error` (invalid_argument) unless each array has the length that grid, bands and sizes give it.
 void check_arrays(const BakedProbes& probes);
 

@@ -93,6 +93,14 @@ TEST_CASE("probe files: captures in files give the bits of captures in memory", 
   CHECK(refused.says("half.ktx2"));
   cubes.pop_back();
   CHECK(thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes)); }).says("for 195 probes"));
+  // What no file could mend is refused before one is read.
+  const std::vector<FileInput> nowhere(grid.size(), FileInput(folder.path() / "nowhere.ktx2"));
+  CHECK(thrown_by([&] {
+          static_cast<void>(bake_probe_files(grid, nowhere, {}, {.dilation_passes = 5000}));
+        }).says("dilation"));
+  ProbeGrid far = grid;
+  far.origin.x = 1e16;
+  CHECK(thrown_by([&] { static_cast<void>(bake_probe_files(far, nowhere)); }).says("origin"));
 }
 
 TEST_CASE("probe files: the description says where every number lies", "[probes][files]") {

@@ -308,6 +308,8 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   CHECK(bake({.counts = {2, 1, 1}, .spacing = {1, 1, 0}}, {}).says("spacing along z"));
   CHECK(bake({.counts = {3, 1, 1}}, {}).says("there are 2 for 3 probes"));
   CHECK(bake(grid, {.projection = {.bands = 5}}).says("bands"));
+  CHECK(bake({.counts = {2, 1, 1}, .spacing = {1, 1e13, 1}}, {}).says("spacing along y"));
+  CHECK(bake({.counts = {2, 1, 1}, .origin = {0, 0, std::nan("")}}, {}).says("origin along z"));
   CHECK(bake(grid, {.near_share = -1}).says("near_share"));
   CHECK(bake(grid, {.valid_share = std::nan("")}).says("valid_share"));
   CHECK(bake(grid, {.distance_size = 65}).says("distance_size"));
@@ -319,6 +321,12 @@ TEST_CASE("probes: what cannot be baked is refused, and the message says what", 
   std::vector<DepthView> depths = captures.depths;
   depths[1].size = 2;
   CHECK(thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); }).says("probe 1"));
+  for (const std::ptrdiff_t stride : {12, -12, 18}) {
+    depths = captures.depths;
+    depths[1].row_stride_bytes = stride;
+    CAPTURE(stride);
+    CHECK(thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); }).says("row_stride_bytes"));
+  }
   depths = captures.depths;
   depths[1].faces[4] = nullptr;
   CHECK(thrown_by([&] { static_cast<void>(bake_probes(grid, captures.cubes, depths)); }).says("face 4"));

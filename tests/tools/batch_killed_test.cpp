@@ -35,16 +35,16 @@ std::size_t whole_results(const Batch& batch) {
   return batch.result_names().size();
 }
 
+/// Begins a run, and waits until twenty results are there.
+const std::string kRunToTwenty = "run & child=$!\nwhile [ $(count) -lt 20 ]; do kill -0 $child || exit 9; done\n";
+
 constexpr int kJobs = 300;  // a second of work: time enough for the shell to stop it before its end
 
 }  // namespace
 
 TEST_CASE("A batch that is killed goes on where it was", "[command][batch]") {
   const Batch batch(kJobs);
-  const CommandResult killed = shell(batch,
-                                     "run & child=$!\n"
-                                     "while [ $(count) -lt 20 ]; do kill -0 $child || exit 9; done\n"
-                                     "kill -KILL $child; wait $child; echo $?");
+  const CommandResult killed = shell(batch, kRunToTwenty + "kill -KILL $child; wait $child; echo $?");
   INFO(killed.errors);
   REQUIRE(killed.exit_code == 0);
   REQUIRE(killed.output == "137\n");
@@ -61,10 +61,7 @@ TEST_CASE("A batch that is killed goes on where it was", "[command][batch]") {
 
 TEST_CASE("A batch that is told to stop does so, and leaves nothing half done", "[command][batch]") {
   const Batch batch(kJobs);
-  const CommandResult stopped = shell(batch,
-                                      "run & child=$!\n"
-                                      "while [ $(count) -lt 20 ]; do kill -0 $child || exit 9; done\n"
-                                      "kill -TERM $child; wait $child; echo $?");
+  const CommandResult stopped = shell(batch, kRunToTwenty + "kill -TERM $child; wait $child; echo $?");
   INFO(stopped.errors);
   REQUIRE(stopped.output == "143\n");
   CHECK(contains(stopped.errors, "welkin: stopped"));
@@ -83,11 +80,10 @@ TEST_CASE("A batch ends when it is told to while another process keeps the repor
   const CommandResult stopped = shell(batch,
                                       "mkdir -p \"$results/reports\"\n"
                                       "command -v flock >/dev/null || { echo no flock; exit; }\n"
-                                      "flock \"$results/reports\" sleep 20 & holder=$!\n"
-                                      "run & child=$!\n"
-                                      "while [ $(count) -lt 20 ]; do kill -0 $child || exit 9; done\n"
-                                      "kill -TERM $child; wait $child; echo $?\n"
-                                      "kill $holder 2>/dev/null && echo held");
+                                      "flock \"$results/reports\" sleep 20 & holder=$!\n" +
+                                          kRunToTwenty +
+                                          "kill -TERM $child; wait $child; echo $?\n"
+                                          "kill $holder 2>/dev/null && echo held");
   INFO(stopped.errors);
   if (stopped.output == "no flock\n") {
     WARN("there is no flock(1) here");

@@ -191,7 +191,7 @@ TEST_CASE("What an action of a batch would pass over is refused", "[command][bat
   for (const char* words : {"--shard 1/2", "--verify 0.5", "--memory 1GiB", "--size 8"}) {
     INFO(words);
     CHECK(batch.run("status", words).exit_code == 2);
-    CHECK(batch.run("merge", "-o x " + std::string(words)).exit_code == 2);
+    CHECK(batch.run("merge", "-o " + quoted(batch.path() / "x") + std::string(" ") + words).exit_code == 2);
   }
   CHECK(run_welkin("batch plan " + quoted(batch.input()) + " --shard 1/2 -o " + quoted(batch.jobs())).exit_code == 2);
 }

@@ -269,6 +269,8 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
   const nlohmann::json outcome = batch.run_well("run", "--memory 2MiB", 1);
   CHECK(outcome.at("failed") == 8);
   CHECK(batch.report()[0].at("error_code") == "limit_exceeded");
+  CHECK(contains(batch.report()[0].at("error").get<std::string>(),
+                 "raise --memory to"));  // which a batch has, and no --memory-limit
 }
 
 // Reports are of jobs, not of places in a plan.
