@@ -1,7 +1,7 @@
 // Opens a page in Chromium and asks an engine what it makes of our files.
 //
 //   node client.mjs --engine babylon|three --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR
-//                   [--shared HDR_DIR] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
+//                   [--shared HDR_DIR] [--most PICTURES] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
 //
 // For every picture: `welkin bake PICTURE.hdr -o DIR ...`, balls lit by what that wrote, the same balls lit by the engine's
 // own prefilter of the picture, and the same by cubemaps that hold each ball's own roughness (the truth). How far they are
@@ -115,7 +115,7 @@ function pictures() {
     run("convert", path, join(files, name), "--size", `${PICTURE}`);
     list.push(name);
   }
-  return list;
+  return list.slice(0, flag("--most") ?? list.length);
 }
 
 const failures = [];

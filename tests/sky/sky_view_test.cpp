@@ -470,7 +470,7 @@ SkyTableOptions tiny(RandomAtmospheres& random) {
 
 TEST_CASE("sky view: random atmospheres look finite and not negative", "[sky][view][random]") {
   RandomAtmospheres random(20'261'121);
-  for (int i = 0; i < trials(150); ++i) {
+  for (int i = 0; i < trials(400); ++i) {
     const Atmosphere air = random.next();
     const auto tables = std::make_shared<const SkyTables>(precompute_sky(air, tiny(random)));
     const double thickness = air.top_radius_m - air.bottom_radius_m;

@@ -151,13 +151,14 @@ TEST_CASE("command: colours are for terminals that may show them", "[tools]") {
 TEST_CASE("command: a terminal is told stage, share and time left", "[tools]") {
   if (run_program("/usr/bin/env", "script --version").exit_code != 0) return;
   const TemporaryFolder folder;
-  const std::string bake = "bake --sky --size 16 --threads 1 --no-previews -o " + (folder.path() / "o").string();
-  const std::string shown = on_terminal(bake + " --method reference");  // some seconds, of which some are left
+  const std::string slow =
+      "bake --sky --size 16 --method reference --threads 1 --no-previews -o " + (folder.path() / "o").string();
+  const std::string shown = on_terminal(slow);
   INFO(shown);
   CHECK(contains(shown, "bake  ["));
   CHECK(contains(shown, " % "));
   CHECK(contains(shown, "s left"));
-  CHECK_FALSE(contains(on_terminal(bake + " --quiet"), "["));
+  CHECK_FALSE(contains(on_terminal(slow + " --quiet"), "["));
   CHECK(contains(on_terminal("report --scale tiny --no-peers --passes prefilter -o " + (folder.path() / "r").string()),
                  "prefilter"));
 }
