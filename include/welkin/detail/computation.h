@@ -176,6 +176,8 @@ class Computation {
 
   // Guarded by the scheduler's mutex.
   TaskPriority priority = TaskPriority::normal;  ///< the highest of its jobs'
+  /// Posted then; or, of one that follows a job, free to start since then.
+  std::chrono::steady_clock::time_point waiting_since{};
   JobList jobs;                                  ///< that want the result
   std::shared_ptr<JobRecord> parent;             ///< the job that it follows, until that is done
   std::shared_ptr<Computation> waits_for;        ///< whose end its thread waits for
