@@ -380,7 +380,8 @@ class LitRoom {
       for (int face = 0; face < 6; ++face) {
         const Side side(face);
         for (int part = 0; part < edge * edge; ++part) {
-          const dvec3 patch = side.at(lamp, (part % edge + 0.5) / edge, (part / edge + 0.5) / edge);
+          const int row = part / edge;
+          const dvec3 patch = side.at(lamp, (part % edge + 0.5) / edge, (row + 0.5) / edge);
           sum += lamp.glow * share_of(square, patch, side.normal, size[side.u] * size[side.v] / (edge * edge), unit);
         }
       }
@@ -394,7 +395,8 @@ class LitRoom {
     dvec3 sum(0.0);
     dvec3 unit;
     for (int part = 0; part < kColumns * kRows; ++part) {
-      const dvec3 patch(kGlass, glm::mix(kSill, kLintel, (part / kColumns + 0.5) / kRows),
+      const int row = part / kColumns;
+      const dvec3 patch(kGlass, glm::mix(kSill, kLintel, (row + 0.5) / kRows),
                         glm::mix(kSouth, kNorth, (part % kColumns + 0.5) / kColumns));
       const double share = share_of(square, patch, {-1.0, 0.0, 0.0}, kArea, unit);
       if (share > 0.0) sum += glm::min(sky(unit), dvec3(30.0)) * share;  // without the sun's disc
@@ -479,8 +481,9 @@ LatLongImage sample_room(int width, int height, const Control& control) {
                     for (int column = 0; column < width; ++column, texel += 3) {
                       dvec3 sum(0.0);
                       for (int sample = 0; sample < samples * samples; ++sample) {
+                        const int sub_row = sample / samples;
                         const double x = column + (sample % samples + 0.5) / samples;
-                        const double y = static_cast<double>(row) + (sample / samples + 0.5) / samples;
+                        const double y = static_cast<double>(row) + (sub_row + 0.5) / samples;
                         sum += room.seen(image::lat_long_direction(width, height, x, y));
                       }
                       sum /= static_cast<double>(samples * samples);
