@@ -16,6 +16,7 @@ struct BakeCommandOptions;
 [[nodiscard]] Command info_command();
 [[nodiscard]] Command convert_command();
 [[nodiscard]] Command testmap_command();
+[[nodiscard]] Command sample_command();
 [[nodiscard]] Command importance_command();
 [[nodiscard]] Command batch_command();
 

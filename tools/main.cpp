@@ -16,8 +16,9 @@ constexpr const char* kReport = "report";
 
 constexpr const char* kProgramFooter =
     R"(Examples:
-  welkin bake studio.hdr -o out      all that a renderer loads, of a photograph
-  welkin bake --sky -o out           the same of a computed sky
+  welkin bake --sky -o out           all that a renderer loads, of a computed sky
+  welkin bake studio.hdr -o out      the same of a photograph
+  welkin sample -o studio.hdr        a computed room, where there is no photograph
   welkin batch plan hdr/ -o jobs.json
                                      bakes of a folder of them; batch run does it
   welkin sh studio.hdr               spherical harmonics, as a table
@@ -79,7 +80,7 @@ Program welkin_program() {
   return {"Welkin turns environments (photographed skies and rooms, computed skies) into light.",
           kProgramFooter,
           {bake_command(), batch_command(), sh_command(), sky_command(), info_command(), convert_command(),
-           testmap_command(), importance_command(), report_command(), completion_command()}};
+           testmap_command(), sample_command(), importance_command(), report_command(), completion_command()}};
 }
 
 /// Reports are measured by a program of their own, which is no part of this one's build.

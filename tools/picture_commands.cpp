@@ -1,5 +1,5 @@
 // The commands that write an environment as pictures: `welkin convert`, in another format, layout, size or orientation,
-// and `welkin testmap`, one that shows by itself how it is turned.
+// `welkin testmap`, one that shows by itself how it is turned, and `welkin sample`, a room to try the others with.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
+#include "tools/sample_room.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"
 #include "tools/text.h"
@@ -76,7 +77,20 @@ Examples:
 
 Units: linear values from 0 to 1; a PNG is sRGB.)";
 
-// What both share.
+constexpr const char* kSampleFooter =
+    R"(What it does:
+  Computes an environment to try Welkin with where no photograph is at hand: a
+  living room in the evening sun, with a window, a floor lamp and three bulbs.
+  It is a lat-long, and takes about three seconds of processor time.
+
+Examples:
+  welkin sample -o sample.hdr                           1024 x 512
+  welkin sample -o sample.exr --size 4096               4096 x 2048
+  welkin bake sample.hdr -o out                         all that a renderer loads
+
+Units: linear radiance in no particular unit, from 0 to 28000 in the sun.)";
+
+// What they share.
 
 struct OutputOptions {
   std::string path;            ///< "-": standard output
@@ -303,11 +317,15 @@ struct TestmapOptions {
   TurnOptions turn;  ///< its `to` alone
 };
 
-void require_memory_to_draw(const TestmapOptions& options, std::uint64_t texels) {
+constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
+
+std::uint64_t square(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
+
+void require_memory_to_draw(const OutputOptions& output, const CommonOptions& common, std::uint64_t texels) {
   constexpr std::uint64_t kTexelBytes = 12;
-  const std::uint64_t limit = options.common.read.memory_limit_bytes;
+  const std::uint64_t limit = common.read.memory_limit_bytes;
   if (texels * kTexelBytes <= limit) return;
-  throw Error(ErrorCode::limit_exceeded, options.output.path + ": takes " + std::to_string(texels * kTexelBytes) +
+  throw Error(ErrorCode::limit_exceeded, output.path + ": takes " + std::to_string(texels * kTexelBytes) +
                                              " bytes at that size, above the limit of " + std::to_string(limit) +
                                              "; ask for a smaller --size or raise --memory-limit");
 }
@@ -320,13 +338,10 @@ TestMapAxes axes_of(Engine engine, bool cubemap) {
   return axes;
 }
 
-// Drawing is most of the work.
 std::string draw_and_write(const TestmapOptions& options) {
-  constexpr double kDrawn = 0.9;
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
   check_output(output, cubemap);
-  const auto square = [](int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); };
   ProgressBar bar;
   begin_stage("draw");
   const Control control = bar.control();
@@ -334,12 +349,12 @@ std::string draw_and_write(const TestmapOptions& options) {
   const Control writing = part_of(control, kDrawn, 1.0);
   if (cubemap) {
     const int size = output.size > 0 ? output.size : kFaceSize;
-    require_memory_to_draw(options, 6 * square(size));
+    require_memory_to_draw(output, options.common, 6 * square(size));
     const CubemapImage map = test_map_cubemap(size, drawing, axes_of(options.turn.to, true));
     return write_output(output, map.view(), writing);
   }
   const int width = output.size > 0 ? output.size : kLatLongWidth;
-  require_memory_to_draw(options, square(width) / 2);
+  require_memory_to_draw(output, options.common, square(width) / 2);
   const LatLongImage map = test_map_lat_long(width, lat_long_height(width), drawing, axes_of(options.turn.to, false));
   return write_output(output, map.view(), writing);
 }
@@ -347,6 +362,33 @@ std::string draw_and_write(const TestmapOptions& options) {
 void run_testmap(const TestmapOptions& options) {
   std::string text;
   run_with_threads(options.common.threads, [&] { text = draw_and_write(options); });
+  say(text, options.output);
+}
+
+// `welkin sample`.
+
+constexpr int kSampleWidth = 1024;
+
+struct SampleOptions {
+  CommonOptions common;
+  OutputOptions output;
+};
+
+std::string draw_sample(const SampleOptions& options) {
+  const OutputOptions& output = options.output;
+  check_output(output, false);
+  ProgressBar bar;
+  begin_stage("draw");
+  const Control control = bar.control();
+  const int width = output.size > 0 ? output.size : kSampleWidth;
+  require_memory_to_draw(output, options.common, square(width) / 2);
+  const LatLongImage room = sample_room(width, lat_long_height(width), part_of(control, 0.0, kDrawn));
+  return write_output(output, room.view(), part_of(control, kDrawn, 1.0));
+}
+
+void run_sample(const SampleOptions& options) {
+  std::string text;
+  run_with_threads(options.common.threads, [&] { text = draw_sample(options); });
   say(text, options.output);
 }
 
@@ -394,6 +436,27 @@ Command testmap_command() {
   add_memory_limit_option(table, options->common);
   add_threads_option(table, options->common);
   command.run = [options](const Given& /*given*/) { run_testmap(*options); };
+  return command;
+}
+
+Command sample_command() {
+  const auto options = std::make_shared<SampleOptions>();
+  Command command{"sample", "Make an environment to try the other commands with", kSampleFooter};
+  Options& table = command.options;
+  table.push_back({.names = "-o,--output",
+                   .target = &options->output.path,
+                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output, as .exr",
+                   .type = "OUT",
+                   .required = true});
+  table.push_back({.names = "--size",
+                   .target = &options->output.size,
+                   .text = "The width in texels, which is twice the height; default 1024",
+                   .type = "N",
+                   .bounds = whole_between(1, kLargestWidth)});
+  in_group(table, "Output");
+  add_memory_limit_option(table, options->common);
+  add_threads_option(table, options->common);
+  command.run = [options](const Given& /*given*/) { run_sample(*options); };
   return command;
 }
 

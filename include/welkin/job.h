@@ -161,6 +161,10 @@ class Job : public JobHandle {
   bool taken_ = false;
 };
 
+/// The job that a posted request gives: `JobOf<BakeFile>`.
+template <class Request>
+using JobOf = Job<detail::ResultOf<std::decay_t<Request>>>;
+
 namespace detail {
 
 /// Makes and posts jobs.

@@ -13,7 +13,7 @@
 //   intensity            a factor
 //   sun's elevation      the curve, at once; reflections anew, later, once it moved by `specular_threshold_degrees`
 //   altitude             a new curve (milliseconds) and new reflections, later
-//   atmosphere           new tables (seconds), curve and reflections, later
+//   atmosphere           new tables (seconds), curve and reflections, later; other jobs pass them
 //   below the threshold  nothing
 #pragma once
 
@@ -59,7 +59,8 @@ struct SkyLightOptions {
 struct SkyReflections {
   std::shared_ptr<const PrefilteredSpecular> specular;  ///< of intensity 1; null: none yet
   /// From where the sun was when it was made to where it is now, about the vertical: what came from direction d comes
-  /// from turn * d.
+  /// from turn * d. A shader that reflects along R looks up
+  /// `textureLod(specular, transpose(mat3(turn)) * R, mip)`.
   dmat3 turn{1.0};
   double weight = 0.0;  ///< of its light
 };
@@ -98,6 +99,10 @@ struct SkyLightCounters {
 /// finished and curve and reflections made from them. So a sun that never rests still gets new reflections, an
 /// atmosphere that changes every frame is seen as it was when the last tables were begun, and a storm of moves costs no
 /// more than one.
+///
+/// While tables are made, each thread of the worker that makes them runs other jobs of the worker first, one after each
+/// piece of some milliseconds: an environment that is posted later does not wait for the tables. (In a lent executor
+/// only the threads that jobs are run on do so.)
 ///
 /// If the worker lets go of a request (it is full, or was terminated), `error()` says so, the light stays what it was,
 /// and the next call of any `set_` asks again.

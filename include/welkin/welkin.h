@@ -69,7 +69,7 @@ extern "C" {
 /* The version of this interface. It rises when something is added; nothing is taken away or changed. A program runs
  * with every library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as
  * it leaves what is new alone. */
-#define WELKIN_C_VERSION 2
+#define WELKIN_C_VERSION 3
 
 /* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
 WELKIN_API uint32_t welkin_c_version(void);
@@ -996,9 +996,10 @@ typedef struct welkin_job welkin_job;
 /* How the system ranks a worker's threads against all others. */
 typedef int32_t welkin_thread_priority;
 enum {
-  WELKIN_THREAD_PRIORITY_IDLE = 0,  /* runs only on processors that nothing else wants */
-  WELKIN_THREAD_PRIORITY_BELOW = 1, /* a tenth of a normal thread's share */
-  WELKIN_THREAD_PRIORITY_NORMAL = 2
+  WELKIN_THREAD_PRIORITY_DEFAULT = 0, /* below; IDLE until version 2 */
+  WELKIN_THREAD_PRIORITY_BELOW = 1,   /* a tenth of a normal thread's share */
+  WELKIN_THREAD_PRIORITY_NORMAL = 2,
+  WELKIN_THREAD_PRIORITY_IDLE = 3 /* runs only on processors that nothing else wants, if there are any */
 };
 
 /* What a post does when the worker is at its limits. */
@@ -1033,12 +1034,13 @@ typedef struct welkin_worker_options {
 /* What is in a worker's hands. */
 typedef struct welkin_worker_load {
   uint32_t struct_size;
-  int32_t threads;    /* how many jobs it runs at once */
-  uint64_t waiting;   /* computations that no thread has started */
-  uint64_t running;   /* computations */
-  uint64_t undrained; /* callbacks that the next drain would call */
-  uint64_t jobs;      /* in flight, as `max_jobs` counts them */
-  uint64_t bytes;     /* in flight, as `max_bytes` counts them */
+  int32_t threads;                  /* how many jobs it runs at once */
+  uint64_t waiting;                 /* computations that no thread has started */
+  uint64_t running;                 /* computations */
+  uint64_t undrained;               /* callbacks that the next drain would call */
+  uint64_t jobs;                    /* in flight, as `max_jobs` counts them */
+  uint64_t bytes;                   /* in flight, as `max_bytes` counts them */
+  uint64_t oldest_wait_nanoseconds; /* how long the longest of those that wait has waited; 0: none waits */
 } welkin_worker_load;
 
 /* Makes a worker; `options` may be null. WELKIN_INVALID_ARGUMENT, WELKIN_OUT_OF_MEMORY, WELKIN_INTERNAL if no thread

@@ -74,8 +74,9 @@ struct WorkerOptions {
   /// the worker may run on.
   int threads = 0;
 
-  /// Of the worker's threads against all others of the machine.
-  ThreadPriority thread_priority = ThreadPriority::idle;
+  /// Of the worker's threads against all others of the machine. `idle` disturbs frames least, and delivers nothing
+  /// for as long as other programs keep all processors busy.
+  ThreadPriority thread_priority = ThreadPriority::below;
 
   /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
   std::string name = "welkin";
@@ -111,7 +112,10 @@ struct PostOptions {
 struct WorkerLoad {
   std::size_t waiting =
       0;  ///< computations that no thread has started, continuations of unfinished jobs not among them
-  std::size_t running = 0;    ///< computations
+  std::size_t running = 0;  ///< computations
+  /// How long the computation that has waited longest has waited for a thread; 0 if none waits. It rises for seconds
+  /// where the worker's threads get no processor, or a long request has them all.
+  std::chrono::nanoseconds oldest_wait{0};
   std::size_t undrained = 0;  ///< callbacks that the next `drain()` would call
   std::size_t jobs = 0;       ///< in flight, as `max_jobs` counts them
   std::uint64_t bytes = 0;    ///< in flight, as `max_bytes` counts them
@@ -158,7 +162,7 @@ class Worker {
   /// then. A request larger than `max_bytes` ends with an `Error` (limit_exceeded), one that comes after `terminate()`
   /// with `stopped`.
   template <class Request>
-  auto post(Request&& request, const PostOptions& options = {}) -> Job<detail::ResultOf<std::decay_t<Request>>> {
+  auto post(Request&& request, const PostOptions& options = {}) -> JobOf<Request> {
     const std::uint64_t bytes = detail::bytes_of(request);
     auto job = detail::JobAccess::make<std::decay_t<Request>>(std::forward<Request>(request));
     submit(detail::JobAccess::record(job), options, bytes, {});
@@ -180,7 +184,7 @@ class Worker {
   /// Waits until nothing waits or runs; not for callbacks. Not on the worker's own threads: it returns at once.
   void wait_until_idle();
 
-  /// What the worker has in hand at this moment.
+  /// What the worker has in hand at this moment. Looks at each computation that waits.
   [[nodiscard]] WorkerLoad load() const;
 
   /// How many jobs it runs at once: its threads, or what its executor says.

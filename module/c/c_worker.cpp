@@ -12,16 +12,24 @@
 namespace welkin::c_interface {
 namespace {
 
-static_assert(WELKIN_THREAD_PRIORITY_BELOW == static_cast<int>(ThreadPriority::below));
-static_assert(WELKIN_THREAD_PRIORITY_NORMAL == static_cast<int>(ThreadPriority::normal));
 static_assert(WELKIN_OVERFLOW_REFUSE == static_cast<int>(OverflowPolicy::refuse));
 static_assert(WELKIN_OVERFLOW_DROP_OLDEST == static_cast<int>(OverflowPolicy::drop_oldest));
+
+ThreadPriority thread_priority_of(welkin_thread_priority priority) {
+  switch (priority) {
+    case WELKIN_THREAD_PRIORITY_DEFAULT: return WorkerOptions().thread_priority;
+    case WELKIN_THREAD_PRIORITY_BELOW: return ThreadPriority::below;
+    case WELKIN_THREAD_PRIORITY_NORMAL: return ThreadPriority::normal;
+    case WELKIN_THREAD_PRIORITY_IDLE: return ThreadPriority::idle;
+    default: refuse("thread_priority is " + std::to_string(priority) + "; it must be from 0 to 3");
+  }
+}
 
 WorkerOptions worker_options(const welkin_worker_options* options) {
   const auto given = read_options(options, "options");
   WorkerOptions wanted;
   wanted.threads = given.threads;
-  wanted.thread_priority = enumerator("thread_priority", given.thread_priority, ThreadPriority::normal);
+  wanted.thread_priority = thread_priority_of(given.thread_priority);
   wanted.overflow = enumerator("overflow", given.overflow, OverflowPolicy::drop_oldest);
   if (given.name != nullptr) wanted.name = given.name;
   wanted.executor = executor_of(given.enqueue, given.enqueue_user, given.threads);
@@ -92,6 +100,7 @@ welkin_status welkin_worker_get_load(const welkin_worker* worker, welkin_worker_
     values.undrained = now.undrained;
     values.jobs = now.jobs;
     values.bytes = now.bytes;
+    values.oldest_wait_nanoseconds = static_cast<std::uint64_t>(now.oldest_wait.count());
     write_struct(load, values, "load");
     return WELKIN_OK;
   });

@@ -51,7 +51,7 @@ struct LentTask : InJobMemory {
 
 }  // namespace
 
-ThreadRole::ThreadRole(const Scheduler& scheduler, Kind kind, std::shared_ptr<Computation> running) noexcept
+ThreadRole::ThreadRole(Scheduler& scheduler, Kind kind, std::shared_ptr<Computation> running) noexcept
     : scheduler_(&scheduler), kind_(kind), running_(std::move(running)), outer_(innermost_role) {
   innermost_role = this;
 }
@@ -79,6 +79,23 @@ std::shared_ptr<Computation> ThreadRole::running(const Scheduler& scheduler) noe
   return role != nullptr ? role->running_ : nullptr;
 }
 
+Scheduler* ThreadRole::scheduler() noexcept {
+  const ThreadRole* const role = innermost([](const ThreadRole&) { return true; });
+  return role != nullptr && role->kind_ == worker ? role->scheduler_ : nullptr;
+}
+
+void let_another_pass() {
+  constexpr int kDeepest = 8;  // each is so much stack
+  thread_local int depth = 0;
+  Scheduler* const scheduler = ThreadRole::scheduler();
+  if (scheduler == nullptr || depth == kDeepest) return;
+  struct Deeper {
+    Deeper() { ++depth; }
+    ~Deeper() { --depth; }
+  } const deeper;
+  scheduler->run_next();
+}
+
 bool ThreadRole::is_inside(const Computation& computation) noexcept {
   return innermost([&](const ThreadRole& role) { return role.running_.get() == &computation; }) != nullptr;
 }
@@ -104,6 +121,7 @@ void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, Computa
   ComputationList& list = waiting(computation->priority);
   list.splice(in_front ? list.begin() : list.end(), from);
   news_ = true;
+  if (computation->waiting_since == Clock::time_point{}) computation->waiting_since = Clock::now();
   computation->list = &list;
   computation->place = in_front ? list.begin() : std::prev(list.end());
 }

@@ -146,6 +146,7 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   job->scheduler = shared_from_this();
   job->priority = options.priority;
   posted->priority = options.priority;
+  posted->waiting_since = Clock::now();
   posted->bytes = options.bytes.value_or(bytes);
 
   // All that may run out of memory comes before the books change.
@@ -350,8 +351,14 @@ void Scheduler::forget(const JobRecord& job) {
 
 WorkerLoad Scheduler::load() {
   const Books books(*this);
+  const Clock::time_point now = Clock::now();
+  Clock::time_point oldest = now;
+  for (const ComputationList& list : waiting_) {
+    for (const std::shared_ptr<Computation>& computation : list) oldest = std::min(oldest, computation->waiting_since);
+  }
   return {.waiting = waiting_count(),
           .running = running_.size(),
+          .oldest_wait = now - oldest,
           .undrained = drained_.size(),
           .jobs = jobs_,
           .bytes = bytes_};

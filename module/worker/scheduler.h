@@ -237,7 +237,7 @@ class ThreadRole {
     worker,     ///< its own, or a lent one that runs its work
     bystander,  ///< inside something that its work waits for
   };
-  explicit ThreadRole(const Scheduler& scheduler, Kind kind = worker,
+  explicit ThreadRole(Scheduler& scheduler, Kind kind = worker,
                       std::shared_ptr<Computation> running = nullptr) noexcept;
   ~ThreadRole();
   ThreadRole(const ThreadRole&) = delete;
@@ -249,6 +249,8 @@ class ThreadRole {
   [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept;
   /// The computation that the thread is inside of, the innermost one; null if there is none.
   [[nodiscard]] static std::shared_ptr<Computation> running(const Scheduler& scheduler) noexcept;
+  /// The scheduler that may run computations on the thread, the innermost one; null if there is none.
+  [[nodiscard]] static Scheduler* scheduler() noexcept;
   /// Whether the thread is inside of this computation.
   [[nodiscard]] static bool is_inside(const Computation& computation) noexcept;
 
@@ -256,10 +258,15 @@ class ThreadRole {
   template <class Wanted>
   [[nodiscard]] static const ThreadRole* innermost(const Wanted& wanted) noexcept;
 
-  const Scheduler* scheduler_;
+  Scheduler* scheduler_;
   Kind kind_;
   std::shared_ptr<Computation> running_;
   const ThreadRole* outer_;
 };
+
+/// What a long request calls between its pieces, on a thread of its worker: runs here the first of the computations
+/// that wait, if there is one, so that it need not wait for this request. Does nothing on other threads. What it runs
+/// may be such a request itself; that goes on to a depth of 8.
+void let_another_pass();
 
 }  // namespace welkin::detail

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "welkin/core.h"
+#include "worker/scheduler.h"
 
 namespace welkin::worker {
 
@@ -151,7 +152,12 @@ void SkyBakery::make(Step step, const SkyWish& wish, const Control& control) {
   switch (step) {
     case Step::none: return;
     case Step::tables: {
-      tables = PrecomputeSky{*wish.atmosphere, options_.tables}(control);
+      // It takes seconds; a first environment, perhaps on the worker's only thread, must not wait for it.
+      const auto piece_done = [&control](double done) {
+        control.progress(done);
+        detail::let_another_pass();
+      };
+      tables = PrecomputeSky{*wish.atmosphere, options_.tables}({.stop = control.stop, .progress = piece_done});
       const std::scoped_lock lock(mutex_);
       tables_.swap(tables);
       ++counts_.tables;

@@ -37,8 +37,21 @@ set(absent)
 foreach(package IN ITEMS OpenEXR Imath SPNG ZLIB ZSTD WebP nlohmann_json XXHASH)
   list(APPEND absent -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
-build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/core_only ${absent} -DPROGRAM=${source}/tests/parts/core_program.cpp)
+build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/core_only ${absent} -DCOMPONENT=core
+              -DPROGRAM=${source}/tests/parts/core_program.cpp)
 run(${work}/core_only/core_only)
+
+# No components, and a codec that is not there: what the linked targets need decides. Core alone builds, and is all that
+# there is; who asks for files is told what is missing.
+if(NOT shared)
+  set(without_webp -DCMAKE_DISABLE_FIND_PACKAGE_WebP=ON)
+  build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/no_components ${without_webp} -DCOMPONENT=
+                -DPROGRAM=${source}/tests/parts/core_program.cpp)
+  run(${work}/no_components/core_only)
+  expect_failure("WebP, which CMake does not find" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/core_only -B ${work}/files -G ${generator}
+                 -DCMAKE_PREFIX_PATH=${work}/installed -DCMAKE_CXX_COMPILER=${compiler} ${without_webp}
+                 -DCOMPONENT=files -DPROGRAM=${source}/tests/parts/core_program.cpp)
+endif()
 
 # Projects of C alone: they link a static library, which needs the run-time library of C++, with the linker of C.
 set(program_in_c ${CMAKE_CURRENT_LIST_DIR}/program_in_c.c)
@@ -83,6 +96,36 @@ if(pkg_config)
     build_with_pkg_config(c_by_static_pkg_config welkin ${c_compiler} ${program_in_c} -std=c11 -DWITH_FILES)
     run(${work}/c_by_static_pkg_config)
   endif()
+endif()
+
+# The command and what it links with, as `scripts/welkin` builds them, can be installed: no other target's files are asked
+# for. (A copy of the build's rules, beside such files as those of ninja that make the command.)
+if(with_command AND NOT shared AND EXISTS ${build}/build.ninja)
+  set(partial ${work}/partial)
+  set(rules cmake_install.cmake)
+  while(rules)
+    list(POP_FRONT rules file)
+    file(READ ${build}/${file} text)
+    string(REGEX MATCHALL "include\\(\"[^\"]+" included "${text}")
+    list(TRANSFORM included REPLACE "include\\(\"${build}/" "")
+    list(APPEND rules ${included})
+    string(REPLACE "${build}" "${partial}" text "${text}")
+    file(WRITE ${partial}/${file} "${text}")
+  endwhile()
+  file(STRINGS ${build}/build.ninja link REGEX "^build bin/welkin[ :]")
+  string(REGEX REPLACE "^build ([^:]*):.*" "\\1" made "${link}")
+  string(REGEX MATCHALL "[^ |]*libwelkin[^ |]*\\.a" libraries "${link}")
+  string(REPLACE "\${cmake_ninja_workdir}" "" made "${made}")
+  string(REGEX MATCHALL "[^ |]+" made "${made}")
+  foreach(file IN LISTS made libraries)
+    cmake_path(GET file PARENT_PATH folder)
+    file(COPY ${build}/${file} DESTINATION ${partial}/${folder})
+  endforeach()
+  file(COPY ${build}/CMakeFiles/Export DESTINATION ${partial}/CMakeFiles)
+  file(GLOB described ${build}/welkin-config*.cmake ${build}/*.pc)
+  file(COPY ${described} DESTINATION ${partial})
+  run(${CMAKE_COMMAND} -DCMAKE_INSTALL_PREFIX=${work}/partly -P ${partial}/cmake_install.cmake)
+  run(${work}/partly/bin/welkin --version)
 endif()
 
 if(with_command)

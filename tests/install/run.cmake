@@ -7,3 +7,13 @@ function(run)
   endif()
   set(output "${output}" PARENT_SCOPE)
 endfunction()
+
+# expect_failure(PART COMMAND...): fails unless the command does, and says PART.
+function(expect_failure part)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
+  string(REGEX REPLACE "[ \n]+" " " said "${output}")
+  string(FIND "${said}" "${part}" found)
+  if(result EQUAL 0 OR found EQUAL -1)
+    message(FATAL_ERROR "expected a failure that says \"${part}\", got ${result}:\n${output}")
+  endif()
+endfunction()

@@ -16,7 +16,7 @@ using namespace welkin;
 
 TEST_CASE("command: --help-all teaches", "[tools]") {
   for (const char* arguments : {"--help-all", "bake --help-all", "sh --help-all", "sky --help-all", "info --help-all",
-                                "convert --help-all", "testmap --help-all", "report --help-all"}) {
+                                "convert --help-all", "testmap --help-all", "sample --help-all", "report --help-all"}) {
     const CommandResult result = run_welkin(arguments);
     INFO("welkin " << arguments);
     CHECK(result.exit_code == 0);

@@ -18,8 +18,8 @@ using namespace welkin::test;
 
 namespace {
 
-const std::vector<std::string> kCommands = {"bake",    "batch",   "sh",         "sky",   "info",
-                                            "convert", "testmap", "importance", "report"};
+const std::vector<std::string> kCommands = {"bake",    "batch",   "sh",     "sky",        "info",
+                                            "convert", "testmap", "sample", "importance", "report"};
 
 /// As it comes out of a terminal of its own: script(1) makes one.
 std::string on_terminal(const std::string& arguments, const std::string& environment = "") {

@@ -77,6 +77,30 @@ TEST_CASE("a waiting job moves to the end of those of its new priority", "[worke
   CHECK(line.run() == Order{"high", "raised", "normal", "low", "kept", "last", "lowered"});
 }
 
+TEST_CASE("a worker's load tells how long the oldest job waits", "[worker]") {
+  using Clock = std::chrono::steady_clock;
+  Worker worker(options_with(1));
+  CHECK(worker.load().oldest_wait.count() == 0);
+  Hold hold(worker);
+  CHECK(worker.load().oldest_wait.count() == 0);  // that one runs
+  const auto before = Clock::now();
+  const JobHandle oldest = worker.post([](const Control&) {}, {.priority = TaskPriority::low});
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const auto between = Clock::now();
+  const JobHandle newer = worker.post([](const Control&) {}, {.priority = TaskPriority::high});
+  const auto waited = worker.load().oldest_wait;
+  CHECK(waited >= std::chrono::milliseconds(2));
+  CHECK(waited <= Clock::now() - before);
+  oldest.set_priority(TaskPriority::high);  // to the end of its new queue, and no younger
+  CHECK(worker.load().oldest_wait >= waited);
+  CHECK(oldest.cancel());
+  const auto of_newer = worker.load().oldest_wait;
+  CHECK(of_newer <= Clock::now() - between);
+  hold.let_go();
+  worker.wait_until_idle();
+  CHECK(worker.load().oldest_wait.count() == 0);
+}
+
 TEST_CASE("a running job goes on when its priority is set", "[worker]") {
   Worker worker(options_with(1));
   auto gate = std::make_shared<Gate>();

@@ -8,7 +8,9 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "support/catch.h"
 #include "support/gate.h"
@@ -418,6 +420,35 @@ TEST_CASE("a dynamic sky without reflections posts none", "[dynamic_sky]") {
   CHECK(sky.counters().posts == 1);
   CHECK(sky.counters().speculars_baked == 0);
   CHECK_FALSE(sky.light().reflections[0].specular);
+}
+
+TEST_CASE("what is posted behind a dynamic sky does not wait for its tables", "[dynamic_sky]") {
+  for (const int threads : {1, 2}) {
+    Worker worker(options_with(threads));
+    Hold hold(worker, threads);
+    SkyLight sky(worker, earth(), quick());
+    auto tables = worker.post([&sky](const Control&) { return sky.counters().tables_baked; });
+    auto failing = worker.post([](const Control&) -> int { throw std::runtime_error("a job that passes"); });
+    hold.let_go();
+    CHECK(tables.get() == 0);
+    REQUIRE(settle(sky));
+    CHECK(outcome(failing) == "a job that passes");
+    CHECK_FALSE(sky.error());
+
+    SkyLight alone(worker, tiny_sky(), quick());
+    REQUIRE(settle(alone));
+    CHECK(same(sky.light().radiance, alone.light().radiance));
+  }
+}
+
+TEST_CASE("dynamic skies that wait for one another on one thread all come", "[dynamic_sky]") {
+  Worker worker(options_with(1));
+  Hold hold(worker);
+  std::vector<std::unique_ptr<SkyLight>> skies;
+  for (int k = 0; k < 12; ++k) skies.push_back(std::make_unique<SkyLight>(worker, earth(), quick()));
+  hold.let_go();
+  for (const auto& sky : skies) REQUIRE(settle(*sky));
+  for (const auto& sky : skies) CHECK(same(sky->light().radiance, skies.front()->light().radiance));
 }
 
 TEST_CASE("dynamic skies refuse nonsense at once", "[dynamic_sky]") {

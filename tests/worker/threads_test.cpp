@@ -177,6 +177,7 @@ TEST_CASE("threads have the worker's name and a number", "[worker]") {
 }
 
 TEST_CASE("threads have the priority that they were asked to have", "[worker]") {
+  CHECK(WorkerOptions().thread_priority == ThreadPriority::below);
   const int own_nice = getpriority(PRIO_PROCESS, static_cast<id_t>(this_thread_number()));
   for (const ThreadPriority priority : {ThreadPriority::idle, ThreadPriority::below, ThreadPriority::normal}) {
     WorkerOptions options = options_with(2);

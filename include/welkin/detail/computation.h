@@ -176,9 +176,11 @@ class Computation {
 
   // Guarded by the scheduler's mutex.
   TaskPriority priority = TaskPriority::normal;  ///< the highest of its jobs'
-  JobList jobs;                                  ///< that want the result
-  std::shared_ptr<JobRecord> parent;             ///< the job that it follows, until that is done
-  std::shared_ptr<Computation> waits_for;        ///< whose end its thread waits for
+  /// Posted then; or, of one that follows a job, free to start since then.
+  std::chrono::steady_clock::time_point waiting_since{};
+  JobList jobs;                            ///< that want the result
+  std::shared_ptr<JobRecord> parent;       ///< the job that it follows, until that is done
+  std::shared_ptr<Computation> waits_for;  ///< whose end its thread waits for
   /// Of its run. The thread that runs it makes it, and takes it back if nobody has told the run to stop.
   stop_source stop{nostopstate};
   bool stopping = false;                      ///< the run has been told to stop: it is for nobody

@@ -96,6 +96,7 @@ static void waiting_has_a_limit_and_cancelling_works(void) {
   welkin_worker_load load = {.struct_size = sizeof load};
   CHECK_STATUS(WELKIN_OK, welkin_worker_get_load(worker, &load));
   CHECK(load.threads == 1 && load.running == 1 && load.waiting == 1 && load.jobs == 2 && load.bytes == 0);
+  CHECK(load.oldest_wait_nanoseconds >= 2000000);
 
   int32_t given_up = -1;
   CHECK_STATUS(WELKIN_OK, welkin_job_cancel(waiting, &given_up));

@@ -1,0 +1,74 @@
+// Promises: `welkin sample` makes an environment like a photograph's in range, out of nothing, the same everywhere.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "support/catch.h"
+#include "support/temporary_directory.h"
+#include "tools/command.h"
+#include "welkin/core.h"
+#include "welkin/environment_file.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+/// Values of the picture that `welkin sample` makes.
+std::vector<float> sample(const std::string& options, int width = 64, const std::string& environment = "") {
+  const TemporaryDirectory directory;
+  const auto path = directory.file("sample.pfm");
+  const CommandResult made =
+      run_welkin("sample --size " + std::to_string(width) + " -o " + quoted(path) + options, environment);
+  INFO(made.errors);
+  REQUIRE(made.exit_code == 0);
+  CHECK(made.output ==
+        path.string() + ": lat-long, " + std::to_string(width) + " x " + std::to_string(width / 2) + "\n");
+  const Environment read = read_environment(path);
+  return {read.pixels.get(), read.pixels.get() + std::ptrdiff_t{3} * width * width / 2};
+}
+
+std::uint64_t hash_of(const std::vector<float>& values) {  // FNV-1a of the bits
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const float value : values) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3U;
+  }
+  return hash;
+}
+
+}  // namespace
+
+TEST_CASE("sample: a room with a sun, lamps and dark corners, within what half floats hold", "[tools][sample]") {
+  std::vector<float> values = sample("", 128);
+  std::sort(values.begin(), values.end());
+  CHECK(values.front() >= 0.0F);
+  const float dark = values[values.size() / 100];
+  CHECK(dark > 0.0F);
+  CHECK(values.back() > 1e4F * dark);
+  CHECK(values.back() < 65504.0F);
+  const float median = values[values.size() / 2];
+  CHECK(median > 0.05F);
+  CHECK(median < 2.0F);
+}
+
+TEST_CASE("sample: the same bits on any number of threads and instruction set", "[tools][sample]") {
+  constexpr std::uint64_t kRecorded = 0xfd87c9b39e7ca489U;
+  CHECK(hash_of(sample(" --threads 1")) == kRecorded);
+  CHECK(hash_of(sample(" --threads 3")) == kRecorded);
+  const std::string narrowest = name(available_instruction_sets().front());
+  CHECK(hash_of(sample("", 64, "WELKIN_ISA=" + narrowest)) == kRecorded);
+}
+
+TEST_CASE("sample: refuses what it cannot write, before it computes", "[tools][sample]") {
+  CHECK(run_welkin("sample").exit_code == 2);
+  CHECK(run_welkin("sample -o sample.jpg").exit_code == 1);
+  CHECK(run_welkin("sample --size 0 -o sample.exr").exit_code == 2);
+  const CommandResult large = run_welkin("sample --size 65536 --memory-limit 1MiB -o sample.exr");
+  CHECK(large.exit_code == 1);
+  CHECK(contains(large.errors, "--memory-limit"));
+}
