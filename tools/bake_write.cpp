@@ -15,6 +15,7 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
+#include "welkin/exposure.h"
 #include "welkin/octahedral.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
@@ -453,7 +454,7 @@ ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options) {
   const CubemapChain& chain = background ? *background : baked.light.specular->cubemap;
   int level = 0;
   while (level + 1 < chain.levels() && chain.level_size(level + 1) >= kEnough) ++level;
-  return tone_map_of(chain.view(level));
+  return {exposure_of(chain.view(level))};
 }
 
 std::vector<std::string> brdf_channels(const BrdfTableOptions& options) {
