@@ -133,7 +133,7 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
   for (const OutputFile& file : options.files) {
     for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }
-  if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", "sh.h"});
+  if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", harmonics_name(options)});
   if (options.previews) {
     names.insert(names.end(), {"preview_environment.png", "preview_spheres.png", "preview_mips.png"});
   }

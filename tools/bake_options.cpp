@@ -342,6 +342,10 @@ void settle_files(BakeCommandOptions& options) {
   }
 }
 
+const char* harmonics_name(const BakeCommandOptions& options) noexcept {
+  return is_engine_folder(options) && options.turn.to == Engine::unity ? "sh.cs" : kHarmonicsHeader;
+}
+
 glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {
   return contains_cubemap(options.files) ? faces_of(options.turn.to) : glm::dmat3(1.0);
 }
