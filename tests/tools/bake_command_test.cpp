@@ -304,7 +304,8 @@ TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools
     }
     CHECK(contains(file_text(folder / "sh.h"), "built_in_sky_" + name + "["));
   }
-  CHECK(engines == std::vector<std::string>{"babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
+  CHECK(engines ==
+        std::vector<std::string>{"welkin", "babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
 }
 
 TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake]") {

@@ -43,7 +43,7 @@ struct Workplace {
 
 }  // namespace
 
-TEST_CASE("bake: without -o the folder has the input's name, and is said", "[tools][bake]") {
+TEST_CASE("bake: without -o the folder has the input's name, and is said", "[tools][bake][posix]") {
   const Workplace here;
   CHECK(contains(here.succeed(std::string("bake hdr/city.pfm") + kSmall), "\ncity, axes"));
   CHECK(here.has("city/manifest.json"));
@@ -54,7 +54,7 @@ TEST_CASE("bake: without -o the folder has the input's name, and is said", "[too
   CHECK(contains(here.refusal(std::string("bake hdr/city.pfm -o \'\'") + kSmall, 1), "-o"));  // an unset variable
 }
 
-TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake]") {
+TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake][posix]") {
   const Workplace here;
   std::filesystem::create_directory(here.folder.path() / "city");
   static_cast<void>(here.succeed(std::string("bake hdr/city.pfm") + kSmall));  // an empty folder is nobody's
@@ -69,7 +69,7 @@ TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][b
   CHECK(file_text(here.folder.path() / "sky") == "a file");
 }
 
-TEST_CASE("importance and testmap: without -o results are named, and replace nothing", "[tools]") {
+TEST_CASE("importance and testmap: without -o results are named, and replace nothing", "[tools][posix]") {
   const Workplace here;
   for (int times = 0; times < 2; ++times) {
     CHECK(contains(here.succeed("importance hdr/city.pfm"), "city_importance: tables of 16 x 8"));
@@ -81,7 +81,7 @@ TEST_CASE("importance and testmap: without -o results are named, and replace not
   CHECK(contains(here.refusal("testmap --size 8", 1), "'-o testmap.exr' replaces it"));
 }
 
-TEST_CASE("bake: the table ends with the picture to look at", "[tools][bake]") {
+TEST_CASE("bake: the table ends with the picture to look at", "[tools][bake][posix]") {
   const Workplace here;
   const std::string said = here.succeed("bake hdr/city.pfm --size 4 --irradiance 4 --no-brdf --preview-size 8");
   CHECK(contains(said, "\nPreview  city/preview_spheres.png\n"));

@@ -359,7 +359,7 @@ void check_numbers(const std::vector<float>& numbers, const EngineLight& expecte
 
 }  // namespace
 
-TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compiles", "[tools]") {
+TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compiles", "[tools][posix]") {
   for (const std::string axes : {"", " --for blender"}) {
     INFO(axes);
     const SphericalHarmonics light = radiance_of(run_sh_json("--sky" + axes));

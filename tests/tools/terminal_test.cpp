@@ -99,7 +99,7 @@ TEST_CASE("command: several pictures are answered with the command that takes th
   CHECK(contains(errors_of("bake a.hdr b.hdr -o out"), "b.hdr is an argument too many; 'welkin batch plan'"));
 }
 
-TEST_CASE("command: options may stand before their command", "[tools]") {
+TEST_CASE("command: options may stand before their command", "[tools][posix]") {
   const TemporaryFolder folder;
   const std::string small = " --sky --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto baked = [&](const std::string& arguments, const char* name) {
