@@ -31,7 +31,7 @@ void add_previews(const std::vector<int>& thread_counts) {
       const auto folder = scratch_file("previews", [](const auto& path) { std::filesystem::create_directory(path); });
       auto light = std::make_shared<BakeResult>(bake(sky_picture().view(), all_that_previews_show()));
       return [light, folder] {
-        const tool::PreviewOptions options{tool::tone_map_of(light->background->view(3))};
+        const tool::PreviewOptions options{tool::ToneMap{exposure_of(light->background->view(3))}};
         benchmark::DoNotOptimize(tool::write_previews(*light, options, folder));
       };
     });

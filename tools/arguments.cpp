@@ -50,9 +50,7 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
   return {[words](const std::string& text) {
             const auto same = [&text](const std::string& word) { return same_word(word, text); };
             if (std::ranges::any_of(words, same)) return std::string();
-            const std::string near = nearest_word(text, words);
-            return text + " is none of " + CLI::detail::join(words, ", ") +
-                   (near.empty() ? "" : "; did you mean " + near + "?");
+            return text + " is none of " + CLI::detail::join(words, ", ") + did_you_mean(near_words(text, words));
           },
           ""};
 }
@@ -165,7 +163,8 @@ ExitCode complain(ExitCode code, const std::string& message) {
 }
 
 /// What nobody asked for, if that is what is wrong: an option or a command that is not there, an argument too many.
-std::string unknown_words(const CLI::App& program, const std::vector<std::string>& arguments) {
+/// `command`: that was named, or null.
+std::string unknown_words(const CLI::App& program, const Command* command, const std::vector<std::string>& arguments) {
   const std::vector<std::string> left = program.remaining(true);
   const auto is_left = [&](const std::string& word) { return std::ranges::find(left, word) != left.end(); };
   const auto chosen = program.get_subcommands();
@@ -174,12 +173,19 @@ std::string unknown_words(const CLI::App& program, const std::vector<std::string
   for (const std::string& word : arguments) {
     if (!is_left(word) || word.size() < 2 || word.front() != '-') continue;
     const std::string option = word.substr(0, word.find('='));
-    return (who + "there is no option ").append(option).append(did_you_mean(nearest_option(option, asked)));
+    return (who + "there is no option ").append(option).append(did_you_mean(near_options(option, asked)));
   }
   for (const std::string& word : arguments) {
-    if (is_left(word)) return who + word + " is an argument too many";
+    if (!is_left(word)) continue;
+    return who + word + " is an argument too many" + (command != nullptr ? command->several : "");
   }
   return "";
+}
+
+/// Null if the program has no such command.
+const Command* command_of(const Program& program, const std::string& name) {
+  const auto found = std::ranges::find(program.commands, name, &Command::name);
+  return found == program.commands.end() ? nullptr : &*found;
 }
 
 /// CLI11 reports a request for help or the version as an exception too.
@@ -190,27 +196,31 @@ ExitCode answer(CLI::App& program, const Program& table, const CLI::ParseError& 
     return ExitCode::success;
   }
   const auto chosen = program.get_subcommands();
+  const Command* const command = chosen.empty() ? nullptr : command_of(table, chosen.front()->get_name());
   if (request.get_exit_code() == 0) {
     const bool all = dynamic_cast<const CLI::CallForAllHelp*>(&request) != nullptr;
-    const auto command =
-        std::ranges::find(table.commands, chosen.empty() ? "" : chosen.front()->get_name(), &Command::name);
     if (!all)
       shorten(chosen.empty() ? program : *chosen.front(),
-              command == table.commands.end() ? std::vector<std::string>() : command->everyday);
+              command == nullptr ? std::vector<std::string>() : command->everyday);
     const std::string text = !chosen.empty()
                                  ? chosen.front()->help("welkin")
                                  : program.help("", all ? CLI::AppFormatMode::All : CLI::AppFormatMode::Normal);
     print_result(with_headings(text));
     return ExitCode::success;
   }
-  const std::string unknown = unknown_words(program, arguments);
+  const std::string unknown = unknown_words(program, command, arguments);
   const std::string help = chosen.empty() ? "welkin --help" : "welkin " + chosen.front()->get_name() + " --help";
   return complain(ExitCode::bad_usage,
                   (unknown.empty() ? std::string(request.what()) : unknown) + "\n'" + help + "' lists what it takes.");
 }
 
-bool has_command(const Program& program, const std::string& name) {
-  return std::ranges::find(program.commands, name, &Command::name) != program.commands.end();
+std::string command_lines(const Program& program) {
+  constexpr std::size_t kNameWidth = 12;
+  std::string text;
+  for (const Command& command : program.commands) {
+    text += "  " + pad_right(command.name, kNameWidth) + command.summary + '\n';
+  }
+  return text;
 }
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
@@ -225,14 +235,16 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
     for (const Command& command : program.commands) add_command(parser, command);
     add_verbosity(parser);
     // Before --help is answered: 'welkin help bakee' asks about no command.
-    if (!arguments.empty() && !arguments.front().starts_with('-') && !has_command(program, arguments.front())) {
+    if (!arguments.empty() && !arguments.front().starts_with('-') &&
+        command_of(program, arguments.front()) == nullptr) {
       return complain(ExitCode::bad_usage, "there is no command " + arguments.front() +
-                                               did_you_mean(nearest_command(arguments.front(), parser)) +
+                                               did_you_mean(near_commands(arguments.front(), parser)) +
                                                "\n'welkin --help' lists the commands.");
     }
     parser.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // which takes them from the back
     if (!parser.get_subcommands().empty()) return ExitCode::success;
-    return complain(ExitCode::bad_usage, "nothing to do: name a command\n'welkin --help' lists the commands.");
+    return complain(ExitCode::bad_usage, "nothing to do: name a command\n" + command_lines(program) +
+                                             "'welkin help COMMAND' says what a command takes.");
   } catch (const CLI::ParseError& request) {
     return answer(parser, program, request, arguments);
   }
@@ -326,6 +338,32 @@ std::vector<std::string> without_help_command(std::vector<std::string> arguments
   arguments.erase(arguments.begin());
   const bool names_command = !arguments.empty() && !arguments.front().starts_with('-');
   arguments.insert(arguments.begin() + (names_command ? 1 : 0), "--help");
+  return arguments;
+}
+
+namespace {
+
+/// Whether the word is an option, of any command, that the next word is the value of.
+bool awaits_value(const Program& program, const std::string& word) {
+  const auto takes_it = [&word](const Option& option) {
+    return has_value(option) && (',' + option.names + ',').find(',' + word + ',') != std::string::npos;
+  };
+  return std::ranges::any_of(program.commands,
+                             [&](const Command& command) { return std::ranges::any_of(command.options, takes_it); });
+}
+
+}  // namespace
+
+std::vector<std::string> with_command_first(const Program& program, std::vector<std::string> arguments) {
+  const std::vector<std::string> own = {"-h", "--help", "--help-all", "-V", "--version", "-q", "--quiet", "--verbose"};
+  const auto first = std::ranges::find_if(
+      arguments, [&own](const std::string& word) { return std::ranges::find(own, word) == own.end(); });
+  if (first == arguments.end() || !first->starts_with('-')) return arguments;
+  for (auto word = first + 1; word != arguments.end(); ++word) {
+    if (command_of(program, *word) == nullptr || awaits_value(program, *(word - 1))) continue;
+    std::rotate(arguments.begin(), word, word + 1);
+    break;
+  }
   return arguments;
 }
 

@@ -122,6 +122,7 @@ struct Command {
   Options options{};
   std::function<void(const Given& given)> run{};  ///< called once all options have their values
   std::vector<std::string> everyday{};            ///< names of the options that --help shows; empty: all
+  std::string several{};  ///< what the complaint about an argument too many says besides: "; 'welkin batch' ..."
 };
 
 struct Program {
@@ -147,6 +148,9 @@ enum ExitCode : int {
 
 /// "help bake" as "bake --help", and "help" as "--help".
 [[nodiscard]] std::vector<std::string> without_help_command(std::vector<std::string> arguments);
+
+/// Returns "-o out bake city.hdr" as "bake -o out city.hdr": options of a command may stand before its name.
+[[nodiscard]] std::vector<std::string> with_command_first(const Program& program, std::vector<std::string> arguments);
 
 /// Reads the command line (without the program's name), runs the command that it names and turns whatever goes wrong
 /// into a message on standard error and an exit code; answers --help and --version. To the user the program is

@@ -47,7 +47,7 @@ constexpr const char* kBakeFooter =
 
 Examples:
   welkin bake --sky -o out                            a built-in, computed sky
-  welkin bake city.hdr -o out                         a photograph
+  welkin bake city.hdr                                a photograph, to ./city
   welkin bake city.hdr -o out --size 512 --json       and what was done, as JSON
   welkin bake city.hdr -o out --for three             what three.js loads
   welkin bake city.hdr -o out --for unity --formats dds
@@ -133,7 +133,7 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
   for (const OutputFile& file : options.files) {
     for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }
-  if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", "sh.h"});
+  if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", harmonics_name(options)});
   if (options.previews) {
     names.insert(names.end(), {"preview_environment.png", "preview_spheres.png", "preview_mips.png"});
   }
@@ -249,11 +249,20 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
   return words;
 }
 
+/// Where to look first; nothing without previews.
+std::string preview_line(const OutputFolder& folder) {
+  for (const char* const name : {"preview_spheres.png", "preview_environment.png"}) {
+    if (std::ranges::find(folder.files(), name, &WrittenFile::name) == folder.files().end()) continue;
+    return "\nPreview  " + printable(platform::utf8(folder.place(name))) + '\n';
+  }
+  return "";
+}
+
 /// `times`: how long it took, and what for.
 std::string bake_table(const BakeWords& words, const std::string& times, const BakeCommandOptions& options,
                        const OutputFolder& folder) {
   std::string text = words.source + printable(platform::utf8(folder.path())) + ", axes " + axes_text(options.turn) +
-                     '\n' + file_lines(folder) + words.results + times;
+                     '\n' + file_lines(folder) + words.results + times + preview_line(folder);
   for (const std::string& note : words.notes) text += "note: " + printable(note) + '\n';
   return text;
 }
@@ -342,11 +351,16 @@ Command bake_command() {
   const auto options = std::make_shared<BakeCommandOptions>();
   Command command{"bake", "Bake all that a physically based renderer loads", kBakeFooter};
   add_bake_options(command.options, *options);
-  command.everyday = {"INPUT",          "--output", "--sky",      "--json",         "--size", "--roughness",
-                      "--formats",      "--for",    "--exposure", "--preview-size", "--yaw",  "--explain",
-                      "--take-out-sun", "--clamp",  "--threads",  "--cache",        "--quiet"};
-  command.run = [options, name = command.name](const Given& /*given*/) {
+  command.everyday = {"INPUT",          "--output", "--sky",      "--json",        "--size", "--roughness",
+                      "--formats",      "--for",    "--exposure", "--no-previews", "--yaw",  "--explain",
+                      "--take-out-sun", "--clamp",  "--threads",  "--cache",       "--quiet"};
+  command.several = "; 'welkin batch plan' bakes several: 'welkin help batch'";
+  command.run = [options, name = command.name](const Given& given) {
     require_input(name, options->input, options->sky);
+    if (!given("--output") && !options->scene.plan_only) {
+      options->directory = default_output_name(options->input);
+      require_own_folder(platform::path_of(options->directory), kManifestName, name);
+    }
     run(*options);
   };
   return command;

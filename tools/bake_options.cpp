@@ -104,9 +104,8 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   };
   table.push_back({.names = "--formats",
                    .target = On<std::vector<std::string>>(store),
-                   .text =
-                       "The formats of the cubemaps, separated by commas: ktx2, dds, exr, hdr, pfm, env, ktx; default: "
-                       "what the engine that --for names loads, else ktx2",
+                   .text = "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default "
+                           "ktx2, or by --for: what that engine loads",
                    .type = "LIST",
                    .words = words,
                    .list = List::commas});
@@ -152,16 +151,15 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
                    .type = "BYTES"});
   table.push_back({.names = "--no-previews",
                    .target = OnFlag([&options] { options.previews = false; }),
-                   .text = "Write no preview pictures"});
+                   .text = "No previews, which take two thirds of the time; less of bakes above 256 texels"});
   table.push_back(size_option("--preview-size", options.preview_size, kSmallestBall, kLargestBall,
                               "Pixels across each ball of preview_spheres.png, which is six balls wide; default " +
                                   std::to_string(options.preview_size)));
   table.back().excludes = {"--no-previews"};
   table.push_back({.names = "--exposure",
                    .target = &options.exposure_stops,
-                   .text =
-                       "Exposure of the previews in stops: radiance times 2^EV. By default three quarters of what is "
-                       "lit are darker than 0.36; the manifest says what came of that",
+                   .text = "The previews' exposure: radiance times 2^EV; default by the picture: three quarters "
+                           "of what is lit are then darker than 0.36, and the manifest says what came of that",
                    .type = "EV",
                    .bounds = finite_between(-kMostStops, kMostStops),
                    .excludes = {"--no-previews"}});
@@ -191,13 +189,12 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   const auto set_roughness = [&options](const std::vector<std::string>& words) {
     options.roughness = roughness_choice(words);
   };
-  table.push_back(
-      {.names = "--roughness",
-       .target = On<std::vector<std::string>>(set_roughness),
-       .text = "The roughness of each mip, as an engine's shader looks it up, or numbers separated by commas. Default: "
-               "that of the engine that --for names, else filament",
-       .type = schedule_names() + "|LIST",
-       .list = List::commas});
+  table.push_back({.names = "--roughness",
+                   .target = On<std::vector<std::string>>(set_roughness),
+                   .text = "Roughness of mips: as an engine's shader looks them up, or numbers separated by commas; "
+                           "default filament, or by --for",
+                   .type = schedule_names() + "|LIST",
+                   .list = List::commas});
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
       {{"automatic", PrefilterMethod::automatic},
@@ -283,9 +280,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   add_input_options(table, options.input, options.sky);
   table.push_back({.names = "-o,--output",
                    .target = &options.directory,
-                   .text = "The folder to write to; it is made if it is not there",
-                   .type = "DIR",
-                   .required = true});
+                   .text = "The folder to write to; default the input's name without extension, or sky; it is made if "
+                           "it is not there, and the default one must be new, empty or of an earlier bake",
+                   .type = "DIR"});
   add_json_option(table, options.common);
   in_group(table, "Input and output");
   add_result_options(table, options);
@@ -296,8 +293,9 @@ void add_bake_options(Options& table, BakeCommandOptions& options) {
   in_group(table, "What the scene needs");
   add_turn_options(table, options.turn);
   option(table, "--for").text =
-      "Write what this engine loads as it is, in its axes, and a README.md with the code that does so; with --formats "
-      "these formats in its axes. Faces, harmonics and lights are turned so that the surroundings look the same there";
+      "Write what this engine loads, and a README.md with the code; default welkin, for no engine; with "
+      "--formats these formats in its axes. Faces, harmonics and lights are turned so that the "
+      "surroundings look the same there";
   add_pixel_options(table, options.bake.pixels, options.clamp);
   add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
   add_read_options(table, options.common, kInput);
@@ -340,6 +338,10 @@ void settle_files(BakeCommandOptions& options) {
   for (const Lobe lobe : {Lobe::charlie, Lobe::lambert}) {
     if (contains(options.files, content_of(lobe))) options.lobes.insert(lobe);
   }
+}
+
+const char* harmonics_name(const BakeCommandOptions& options) noexcept {
+  return is_engine_folder(options) && options.turn.to == Engine::unity ? "sh.cs" : kHarmonicsHeader;
 }
 
 glm::dmat3 turn_of_faces(const BakeCommandOptions& options) {

@@ -80,6 +80,11 @@ void settle_files(BakeCommandOptions& options);
 /// Whether they are for an engine that says which files there are.
 [[nodiscard]] bool is_engine_folder(const BakeCommandOptions& options) noexcept;
 
+inline constexpr const char* kHarmonicsHeader = "sh.h";
+
+/// The file beside sh.json that a compiler reads: sh.h, or sh.cs in Unity's folder.
+[[nodiscard]] const char* harmonics_name(const BakeCommandOptions& options) noexcept;
+
 /// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`
 /// (invalid_argument) for cubemaps for an engine that has none.
 [[nodiscard]] glm::dmat3 turn_of_faces(const BakeCommandOptions& options);

@@ -15,6 +15,7 @@
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
+#include "welkin/exposure.h"
 #include "welkin/octahedral.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
@@ -56,7 +57,8 @@ Json details_of(const Cubemap& cubemap, const Job& job) {
 
 std::string range_of(TexelFormat format) {
   switch (format) {
-    case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
+    case TexelFormat::rgba16f:
+      return "beyond +-65504 clamped: halves end there; --take-out-sun keeps a sun as a light of its own";
     case TexelFormat::rgba32f: return "that are not finite replaced";
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
@@ -370,23 +372,25 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   return report;
 }
 
-/// sh.json and, where floats hold the light, sh.h.
+/// sh.json and, where floats hold the light, the same for a compiler.
 void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
   if (options.bake.bands == 0 || !baked.light.radiance) return;
   const ShReport report = report_of(baked, options);
   const Json details = {{"bands", report.projection.radiance.bands()}};
   write_text_file(folder.place("sh.json"), sh_json(report));
   folder.add({"sh.json", "spherical harmonics: canonical, and as each engine wants them", "JSON", 0, 0, "", details});
+  const std::string name = harmonics_name(options);
+  const bool is_c = name == kHarmonicsHeader;
   std::string header;
   try {
-    header = sh_c_header(report);
+    header = is_c ? sh_c_header(report) : sh_c_sharp(report);
   } catch (const Error& error) {  // of light beyond all floats, which JSON holds
     if (error.code() != ErrorCode::limit_exceeded) throw;
-    baked.notes.push_back(std::string("sh.h is left out: ") + error.what());
+    baked.notes.push_back(name + " is left out: " + error.what());
     return;
   }
-  write_text_file(folder.place("sh.h"), header);
-  folder.add({"sh.h", "the same", "C header", 0, 0, "", details});
+  write_text_file(folder.place(name), header);
+  folder.add({name, "the same", is_c ? "C header" : "C#", 0, 0, "", details});
 }
 
 /// Draws and writes the previews.
@@ -453,7 +457,7 @@ ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options) {
   const CubemapChain& chain = background ? *background : baked.light.specular->cubemap;
   int level = 0;
   while (level + 1 < chain.levels() && chain.level_size(level + 1) >= kEnough) ++level;
-  return tone_map_of(chain.view(level));
+  return {exposure_of(chain.view(level))};
 }
 
 std::vector<std::string> brdf_channels(const BrdfTableOptions& options) {

@@ -53,6 +53,8 @@ const std::vector<EngineFolder>& folders() {
        "js",
        {{{"specular.dds"},
          R"(// Blocks of BC6H, a byte a texel: where renderer.extensions.has("EXT_texture_compression_bptc"), as on desktops.
+import * as THREE from "three";
+import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 const data = await (await fetch("specular.dds")).arrayBuffer();
 const { width, height, mipmaps, mipmapCount: n, format } = new DDSLoader().parse(data, true);
 const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.slice(n * face, n * (face + 1)) }));
@@ -61,7 +63,9 @@ Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTextu
 scene.environment = texture;
 )"},
         {{"specular.ktx2"},
-         R"(// Halves, eight bytes a texel: everywhere else.
+         R"(// Halves, eight bytes a texel: everywhere else. The loader needs no transcoder (no setTranscoderPath) for them.
+import * as THREE from "three";
+import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 const { image: { width, height }, mipmaps } = await new KTX2Loader().detectSupport(renderer).loadAsync("specular.ktx2");
 const images = [0, 1, 2, 3, 4, 5].map((face) => ({ width, height, mipmaps: mipmaps.map(({ data, width, height }) =>
   ({ width, height, data: data.subarray((data.length / 6) * face, (data.length / 6) * (face + 1)) })) }));
@@ -70,12 +74,17 @@ Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTextu
 scene.environment = texture;
 )"},
         {{"sh.json"},
-         R"(// A light probe instead of the reflections' diffuse light.
+         R"(// A light probe, where no scene.environment brings the diffuse light: of both it would count twice.
 const three = (await (await fetch("sh.json")).json()).engines.find((engine) => engine.name === "three");
+const probe = new THREE.LightProbe();
 probe.sh.set(Object.values(three.terms).map((rgb) => new THREE.Vector3(...rgb)));
+scene.add(probe);
 )"}},
        "three.js uses the chain as it is: `isPMREMTexture` keeps its own prefilter from running. The last mip has "
-       "roughness 1, whose lobe is the cosine's, so it is the diffuse light too.",
+       "roughness 1, whose lobe is the cosine's, so it is the diffuse light too. Phones and tablets mostly lack BC6H "
+       "and "
+       "load the halves: for them bake with `--size 128 --supercompression zstd`, a fifth of the bytes or less, which "
+       "KTX2Loader unpacks by itself.",
        "both ways of loading light nine balls in Chromium in Welkin's tests, without a prefilter pass; their distance "
        "from the "
        "truth stands beside that of three.js's own prefilter (r187) in docs/bake_folder.md."},
@@ -85,14 +94,17 @@ probe.sh.set(Object.values(three.terms).map((rgb) => new THREE.Vector3(...rgb)))
         texture(Content::specular, Container::dds, kHalves, "specular.dds")},
        "js",
        {{{"environment.env"},
-         R"(// Reflections, and diffuse light as a polynomial that was computed before the pixels were clipped at 255.
+         R"(import * as BABYLON from "@babylonjs/core"; // or the script babylon.js, which brings BABYLON and all loaders
+// Reflections, and diffuse light as a polynomial that was computed before the pixels were clipped at 255.
 scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData("environment.env", scene);
 )"},
         {{"specular.dds"},
-         R"(// Or halves, which hold suns up to 65504; Babylon.js computes the polynomial from mip 0 when it loads them.
+         R"(import * as BABYLON from "@babylonjs/core";
+// Or halves, which hold suns up to 65504; Babylon.js computes the polynomial from mip 0 when it loads them.
 scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData("specular.dds", scene);
 )"}},
-       "Each mip has the roughness at which Babylon.js looks it up.",
+       "Each mip has the roughness at which Babylon.js looks it up. No loader need be registered. For phones take "
+       "environment.env, which with `--size 128` has a third of the bytes.",
        "environment.env lights balls in Chromium in Welkin's tests, beside Babylon.js's own prefilter (9.34); of "
        "specular.dds its DDS reader was run, and the rest of the loader was read."},
 
@@ -174,22 +186,49 @@ scene.environmentTexture.gammaSpace = false; // linear light, which loader 9.28 
        {lat_long(Container::exr)},
        "cs",
        {{{"environment.exr"},
-         R"(// In an editor script, with the file under Assets.
-var importer = (TextureImporter)AssetImporter.GetAtPath("Assets/environment.exr");
-importer.textureShape = TextureImporterShape.TextureCube;
-importer.generateCubemap = TextureImporterGenerateCubemap.Cylindrical;
-var settings = new TextureImporterSettings();
-importer.ReadTextureSettings(settings);
-settings.cubemapConvolution = TextureImporterCubemapConvolution.Specular;
-importer.SetTextureSettings(settings);
-importer.SaveAndReimport();
-RenderSettings.defaultReflectionMode = DefaultReflectionMode.Custom;
-RenderSettings.customReflectionTexture = AssetDatabase.LoadAssetAtPath<Cubemap>("Assets/environment.exr");
+         R"(// Assets/Editor/WelkinImport.cs, with environment.exr in Assets: then choose Tools > Import Welkin's light.
+using UnityEditor;
+using UnityEngine;
+using UnityEngine.Rendering;
+
+public static class WelkinImport {
+  [MenuItem("Tools/Import Welkin's light")]
+  static void Import() {
+    const string path = "Assets/environment.exr";
+    var importer = (TextureImporter)AssetImporter.GetAtPath(path);
+    importer.textureShape = TextureImporterShape.TextureCube;
+    importer.generateCubemap = TextureImporterGenerateCubemap.Cylindrical;
+    importer.maxTextureSize = 8192; // of 2048, the default, a larger picture is reduced
+    var settings = new TextureImporterSettings();
+    importer.ReadTextureSettings(settings);
+    settings.cubemapConvolution = TextureImporterCubemapConvolution.Specular;
+    importer.SetTextureSettings(settings);
+    importer.SaveAndReimport();
+    var cubemap = AssetDatabase.LoadAssetAtPath<Cubemap>(path);
+
+    // Reflections.
+    RenderSettings.defaultReflectionMode = DefaultReflectionMode.Custom;
+    RenderSettings.customReflectionTexture = cubemap;
+
+    // What is seen behind everything.
+    var skybox = new Material(Shader.Find("Skybox/Cubemap"));
+    skybox.SetTexture("_Tex", cubemap);
+    AssetDatabase.CreateAsset(skybox, "Assets/environment_skybox.mat");
+    RenderSettings.skybox = skybox;
+  }
+}
 )"},
-        {{"sh.h"},
-         R"(// Diffuse light: the vectors unity_SHAr to unity_SHC of sh.h, or its sh[9] as RenderSettings.ambientProbe.
+        {{"sh.cs"},
+         R"(// Diffuse light, with sh.cs in Assets. Without AmbientMode.Custom the probe is ignored.
+RenderSettings.ambientMode = UnityEngine.Rendering.AmbientMode.Custom;
+RenderSettings.ambientProbe = WelkinLight.Probe();
 )"}},
-       "Unity prefilters the lat-long itself when it imports it.",
+       "Unity prefilters the lat-long itself when it imports it. The built-in pipeline and URP read RenderSettings, as "
+       "above. HDRP does not: there a Volume gets the overrides HDRI Sky, with the cubemap, and Visual Environment, "
+       "whose "
+       "sky type is HDRI Sky, and HDRP makes reflections and diffuse light from these. (The material Skybox/Panoramic "
+       "would want the picture as a 2D texture, imported once more.) Shaders of your own read unity_SHAr to unity_SHC, "
+       "which sh.json has as `vectors`.",
        "the names stand in Unity's scripting reference; Unity was not run. How its importer turns a lat-long is not "
        "public: `welkin testmap` shows it, and --yaw turns the picture."},
 
@@ -197,26 +236,63 @@ RenderSettings.customReflectionTexture = AssetDatabase.LoadAssetAtPath<Cubemap>(
        {lat_long(Container::hdr)},
        "python",
        {{{"environment.hdr"},
-         R"(# In the editor's Python console: a lat-long .hdr becomes a TextureCube.
+         R"(# In the editor's Python console, with the plugin Python Editor Script Plugin.
+import os
+import unreal
+
+folder = "C:/path/to/this/folder"  # the whole path: the editor's working directory is another
+
+# A lat-long .hdr becomes a TextureCube.
 task = unreal.AssetImportTask()
-task.filename, task.destination_path, task.automated = "environment.hdr", "/Game/Light", True
+task.filename = os.path.join(folder, "environment.hdr")
+task.destination_path = "/Game/Light"
+task.automated, task.replace_existing, task.save = True, True, True
 unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
-sky_light.light_component.set_editor_property("source_type", unreal.SkyLightSourceType.SLS_SPECIFIED_CUBEMAP)
-sky_light.light_component.set_cubemap(unreal.load_asset("/Game/Light/environment"))
+cubemap = unreal.load_asset("/Game/Light/environment")
+
+# The level's sky light, or a new one.
+actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
+sky_light = next((actor for actor in actors.get_all_level_actors() if isinstance(actor, unreal.SkyLight)), None)
+if sky_light is None:
+    sky_light = actors.spawn_actor_from_class(unreal.SkyLight, unreal.Vector(0, 0, 0))
+light = sky_light.light_component
+light.set_mobility(unreal.ComponentMobility.MOVABLE)  # else it shows once lighting is built
+light.set_editor_property("real_time_capture", False)
+light.set_editor_property("source_type", unreal.SkyLightSourceType.SLS_SPECIFIED_CUBEMAP)
+light.set_editor_property("cubemap", cubemap)
+light.set_editor_property("cubemap_resolution", 512)  # of reflections; default 128
+light.set_editor_property("lower_hemisphere_is_black", False)  # else no light comes from below
+light.set_editor_property("intensity", 1.0)  # multiplies the radiance
+light.recapture_sky()
 )"}},
-       "`sky_light` is a SkyLight actor of the level. Unreal prefilters the cubemap itself.",
-       "Unreal's manual says that a .hdr in longitude and latitude becomes a cubemap; Unreal was not run."},
+       "Unreal prefilters the cubemap itself. A sky light is not seen: for the picture behind everything enable the "
+       "plugin HDRI Backdrop, drag its actor into the level and set its Cubemap (it brings a sky light of its own, so "
+       "leave the one above out), or put an unlit, two-sided material that samples the cubemap by the negated camera "
+       "vector on a large sphere. Automatic exposure evens `intensity` out.",
+       "Unreal's manual says that a .hdr in longitude and latitude becomes a cubemap, its API reference has the names; "
+       "Unreal was not run."},
 
       {Engine::blender,
        {lat_long(Container::exr)},
        "python",
        {{{"environment.exr"},
-         R"(# "//" is the folder of the .blend, once that is saved: here, or write the whole path.
-world = bpy.context.scene.world
+         R"(import bpy
+
+path = "//environment.exr"  # beside the .blend, once that is saved; else write the whole path
+world = bpy.context.scene.world or bpy.data.worlds.new("Welkin")
+bpy.context.scene.world = world
 world.use_nodes = True
-node = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
-node.image = bpy.data.images.load("//environment.exr")
-world.node_tree.links.new(node.outputs["Color"], world.node_tree.nodes["Background"].inputs["Color"])
+nodes, links = world.node_tree.nodes, world.node_tree.links
+
+def node(kind, name):  # by type: names are translated
+    return next((each for each in nodes if each.type == kind), None) or nodes.new(name)
+
+picture = node("TEX_ENVIRONMENT", "ShaderNodeTexEnvironment")
+background = node("BACKGROUND", "ShaderNodeBackground")
+output = node("OUTPUT_WORLD", "ShaderNodeOutputWorld")
+picture.image = bpy.data.images.load(path)
+links.new(picture.outputs[0], background.inputs[0])
+links.new(background.outputs[0], output.inputs[0])
 )"}},
        "Blender samples the lat-long itself; nothing is prefiltered.",
        "Blender was not run; where the picture's centre lies was read in Cycles."},

@@ -1,7 +1,9 @@
 #include "tools/help.h"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
+#include <string_view>
 
 #include "tools/arguments.h"
 #include "tools/terminal.h"
@@ -51,6 +53,21 @@ std::string first_clause(const std::string& text) {
   return text.substr(0, end);
 }
 
+/// The first clause and, where a later one states it, the default: "Texels along an edge (default 256)".
+std::string short_text(const std::string& text) {
+  constexpr std::string_view kWord = "efault";  // with or without a capital
+  const std::string clause = first_clause(text);
+  if (clause.find(kWord) != std::string::npos) return clause;
+  for (std::size_t at = text.find(kWord, clause.size()); at != std::string::npos; at = text.find(kWord, at + 1)) {
+    std::size_t value = at + kWord.size();
+    if (text.compare(value, 1, ":") == 0) ++value;
+    if (text.compare(value, 1, " ") != 0) continue;
+    const std::string stated = first_clause(text.substr(value + 1));
+    return clause + " (default " + stated + ')';
+  }
+  return clause;
+}
+
 /// The paragraph of the notes that begins with a heading, and at most so many lines of it; a line that is indented
 /// more than its first belongs to the one before.
 std::string paragraph(const std::string& notes, const std::string& heading, int most) {
@@ -90,7 +107,7 @@ void shorten(CLI::App& command, const std::vector<std::string>& everyday) {
     } else if (!everyday.empty() && !option->get_positional() && !own_heading) {
       option->group("Result");  // a heading for each two options would fill the screen
     }
-    option->description(first_clause(option->get_description()));
+    option->description(short_text(option->get_description()));
   }
   const std::string notes = command.get_footer();
   const bool whole = command.get_parent() == nullptr;
@@ -139,35 +156,45 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+std::vector<std::string> near_words(const std::string& word, const std::vector<std::string>& words) {
   const std::string typed = CLI::detail::to_lower(word);
-  std::string nearest;
+  const std::size_t letters = typed.size() - std::min(typed.size(), typed.find_first_not_of('-'));
+  std::vector<std::string> longer;
+  std::ranges::copy_if(words, std::back_inserter(longer), [&](const std::string& each) {
+    return letters > 1 && CLI::detail::to_lower(each).starts_with(typed);
+  });
+  if (!longer.empty()) return longer;
+  std::vector<std::string> nearest;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& each : words) {
     const std::size_t away = distance(typed, CLI::detail::to_lower(each));
     if (away >= least) continue;
     least = away;
-    nearest = each;
+    nearest = {each};
   }
   return nearest;
 }
 
-std::string nearest_command(const std::string& word, const CLI::App& program) {
+std::vector<std::string> near_commands(const std::string& word, const CLI::App& program) {
   std::vector<std::string> names = {"help"};
   for (const CLI::App* const command : program.get_subcommands({})) names.push_back(command->get_name());
-  return nearest_word(word, names);
+  return near_words(word, names);
 }
 
-std::string nearest_option(const std::string& word, const CLI::App& command) {
+std::vector<std::string> near_options(const std::string& word, const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* const option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
-  return nearest_word(word, names);
+  return near_words(word, names);
 }
 
-std::string did_you_mean(const std::string& nearest) {
-  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+std::string did_you_mean(const std::vector<std::string>& near) {
+  std::string text;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    text += (i == 0 ? "; did you mean " : i + 1 < near.size() ? ", " : " or ") + near[i];
+  }
+  return near.empty() ? "" : text + '?';
 }
 
 }  // namespace welkin::tool

@@ -20,19 +20,22 @@ class HelpFormatter : public CLI::Formatter {
 [[nodiscard]] std::string with_exit_codes(const std::string& notes);
 
 /// Leaves of a command's help what fits a screen: the options of these names (all of them if there are none), of each
-/// description the first clause, of the notes a few examples and the exit codes, and where the rest is found.
+/// description the first clause and the default, of the notes a few examples and the exit codes, and where the rest is
+/// found. Defaults are those that a description states as "default VALUE", up to the next semicolon, colon or full
+/// stop.
 void shorten(CLI::App& command, const std::vector<std::string>& everyday);
 
 /// The headings of a help text in bold, if standard output is a terminal that shows it.
 [[nodiscard]] std::string with_headings(const std::string& text);
 
-/// The word that is nearest to another by letters to be changed, added, left out or swapped with a neighbour, without
-/// regard to case. Empty if none is near: a third of the letters may be wrong.
-[[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
-[[nodiscard]] std::string nearest_command(const std::string& word, const CLI::App& program);
-[[nodiscard]] std::string nearest_option(const std::string& word, const CLI::App& command);
+/// Returns the words that may be meant, without regard to case: those that begin with `word`, if it has two letters or
+/// more; else the one that is nearest by letters to be changed, added, left out or swapped with a neighbour. Empty if
+/// none is near: a third of the letters may be wrong.
+[[nodiscard]] std::vector<std::string> near_words(const std::string& word, const std::vector<std::string>& words);
+[[nodiscard]] std::vector<std::string> near_commands(const std::string& word, const CLI::App& program);
+[[nodiscard]] std::vector<std::string> near_options(const std::string& word, const CLI::App& command);
 
-/// "; did you mean --size?", or nothing where there is nothing.
-[[nodiscard]] std::string did_you_mean(const std::string& nearest);
+/// "; did you mean --size?", "; did you mean --sun-elevation or --sun-azimuth?", or nothing where there is nothing.
+[[nodiscard]] std::string did_you_mean(const std::vector<std::string>& near);
 
 }  // namespace welkin::tool

@@ -41,7 +41,7 @@ constexpr const char* kImportanceFooter =
   lat-long of four times its width first.
 
 Examples:
-  welkin importance city.hdr -o tables
+  welkin importance city.hdr                          to ./city_importance
   welkin importance city.hdr -o tables --width 512 --height 256
   welkin importance city.hdr -o tables --mis-compensation --alias
   welkin importance city.hdr -o tables --json
@@ -209,9 +209,9 @@ Command importance_command() {
        .required = true});
   table.push_back({.names = "-o,--output",
                    .target = &options->directory,
-                   .text = "The folder to write to; it is made if it is not there",
-                   .type = "DIR",
-                   .required = true});
+                   .text = "The folder to write to, made if it is not there; default the input's name without its "
+                           "extension and _importance, here. A folder of that name with other files is left alone",
+                   .type = "DIR"});
   add_json_option(table, options->common);
   in_group(table, "Input and output");
   table.push_back({.names = "--width",
@@ -221,15 +221,15 @@ Command importance_command() {
                    .bounds = whole_between(1, kLargest)});
   table.push_back({.names = "--height",
                    .target = &options->table.height,
-                   .text = "The same for rows",
+                   .text = "Rows of the table, no more than the input's; default as many",
                    .type = "N",
                    .bounds = whole_between(1, kLargest)});
   table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
                                            {{"luminance", ImportanceWeight::luminance},
                                             {"mean", ImportanceWeight::mean},
                                             {"largest", ImportanceWeight::largest}},
-                                           "What of a texel counts: its luminance (default), the mean or the largest "
-                                           "of its channels"));
+                                           "What of a texel counts: its luminance, the mean or the largest of its "
+                                           "channels; default luminance"));
   table.push_back({.names = "--mis-compensation",
                    .target = &options->table.mis_compensation,
                    .text = "Only what lies above the mean counts: for estimators that sample the material, too"});
@@ -242,7 +242,13 @@ Command importance_command() {
   add_threads_option(table, options->common);
   command.everyday = {"INPUT",   "--output",           "--json",    "--width",   "--height", "--weight",
                       "--alias", "--mis-compensation", "--pyramid", "--threads", "--quiet"};
-  command.run = [options](const Given& /*given*/) { run(*options); };
+  command.run = [options, name = command.name](const Given& given) {
+    if (!given("--output")) {
+      options->directory = default_output_name(options->input) + "_importance";
+      require_own_folder(platform::path_of(options->directory), kTableName, name);
+    }
+    run(*options);
+  };
   return command;
 }
 

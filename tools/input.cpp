@@ -30,7 +30,7 @@ void add_clamp_options(Options& table, ClampChoice& choice) {
   };
   table.push_back({.names = "--clamp",
                    .target = On<float>(set_maximum),
-                   .text = "Cut radiance off above V; off by default. What it takes away is reported",
+                   .text = "Cut radiance off above V; default no limit. What it takes away is reported",
                    .type = "V",
                    .bounds = finite_and_positive()});
   table.push_back(
@@ -49,7 +49,7 @@ void add_threads_option(Options& table, CommonOptions& options) {
   table.push_back(
       {.names = "--threads",
        .target = &options.threads,
-       .text = "Threads to work with; 0, the default: all that this process may use. Results do not depend on it",
+       .text = "Threads to work with; default 0, for all: those that this process may use. Results do not depend on it",
        .type = "N",
        .bounds = whole_between(0, kMaximumThreads)});
   in_group(table, kRunningGroup);
@@ -81,6 +81,32 @@ void add_input_options(Options& table, std::optional<std::string>& input, bool& 
 bool is_stream(const std::string& named) {
   std::error_code unknown;
   return is_standard_stream(named) || std::filesystem::is_fifo(platform::path_of(named), unknown);
+}
+
+std::string default_output_name(const std::optional<std::string>& input) {
+  if (!input) return "sky";
+  std::error_code unknown;
+  const std::filesystem::path path = std::filesystem::absolute(platform::path_of(*input), unknown).lexically_normal();
+  const std::filesystem::path last = path.has_filename() ? path : path.parent_path();
+  const bool is_folder = std::filesystem::is_directory(last, unknown);
+  const std::filesystem::path name = is_folder ? last.filename() : last.stem();
+  if (is_stream(*input) || name.empty()) {
+    throw Error(ErrorCode::invalid_argument,
+                printable(*input) + ": gives the result no name; say by -o where it is to be written");
+  }
+  return platform::utf8(name);
+}
+
+void require_own_folder(const std::filesystem::path& folder, const std::string& table, const std::string& command) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(folder, unknown))) return;
+  const bool is_folder = std::filesystem::is_directory(folder, unknown);
+  if (is_folder && std::filesystem::is_empty(folder, unknown) && !unknown) return;
+  if (is_folder && begins_with(folder / table, "\"welkin\":")) return;
+  const std::string name = platform::utf8(folder);
+  throw Error(ErrorCode::file_access, name + ": is there and was not written by 'welkin " + command +
+                                          "'; name another folder by -o" +
+                                          (is_folder ? ", or this one, in which other files then stay" : ""));
 }
 
 FileInput input_of(const std::string& named, const ReadOptions& read) {
@@ -121,7 +147,7 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
                       const std::string& layout_option) {
   const std::size_t before = table.size();
   table.push_back(choice<Layout>(layout_option, options.read.layout, layout_choices(),
-                                 "How the picture holds the sphere; by default its header, shape or name tells"));
+                                 "How the picture holds the sphere; default automatic, by its header, shape or name"));
   table.push_back({.names = "--part",
                    .target = &options.read.part,
                    .text = "The part of an OpenEXR file with several parts, by name or by number from 0",
@@ -132,7 +158,7 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
                    .type = "NAME"});
   table.push_back({.names = "--level",
                    .target = &options.read.level,
-                   .text = "The level of a file with a mip chain; 0, the default, is full size",
+                   .text = "The level of a file with a mip chain, of which 0 is full size; default 0",
                    .type = "N",
                    .bounds = whole_between(0, kMaximumLevel)});
   table.push_back({.names = "--element",
@@ -146,7 +172,8 @@ void add_read_options(Options& table, CommonOptions& options, const std::string&
       "What the numbers in a PNG mean; by default sRGB, linear where the file says that its gamma is 1"));
   table.push_back(choice<Primaries>(
       "--primaries", options.read.primaries, {{"rec709", Primaries::rec709}, {"as-stored", Primaries::as_stored}},
-      "Convert colours to Rec. 709 where the file states others (default), or leave them"));
+      "What becomes of colours for which the file states other primaries than Rec709's; default rec709, which converts "
+      "them"));
   add_memory_limit_option(table, options);
   in_group(table, "How the input is read");
   if (input.empty()) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -40,6 +41,15 @@ void require_input(const std::string& command, const std::optional<std::string>&
 /// A command has one input. Throws `Error`: limit_exceeded if they are more than the options' memory limit,
 /// file_access.
 [[nodiscard]] FileInput input_of(const std::string& named, const ReadOptions& read);
+
+/// Returns what results are called where -o names nothing: "city" for an input "hdr/city.hdr" or a folder "hdr/city",
+/// "sky" where there is no input. Throws `Error` (invalid_argument) for an input without a name: a pipe, standard
+/// input.
+[[nodiscard]] std::string default_output_name(const std::optional<std::string>& input);
+
+/// Throws `Error` (file_access) if something is there that `command` would not find again as its own: another thing
+/// than a folder, or a folder with files but without the command's `table` ("manifest.json").
+void require_own_folder(const std::filesystem::path& folder, const std::string& table, const std::string& command);
 
 /// Whether that is standard input or standard output.
 [[nodiscard]] inline bool is_standard_stream(const std::string& named) { return named == "-"; }

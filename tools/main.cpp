@@ -62,7 +62,7 @@ Command completion_command() {
   Command command{"completion", "Print a script for bash or zsh, or the manual page", ""};
   Option what =
       choice<Told>("WHAT", *told, {{"bash", Told::bash}, {"zsh", Told::zsh}, {"manual", Told::manual}},
-                   "bash or zsh: a script that completes commands, options and their words; manual: welkin(1)");
+                   "bash or zsh for a script that completes commands, options and their words, manual for welkin(1)");
   what.required = true;
   command.options.push_back(std::move(what));
   command.run = [told](const Given& /*given*/) {
@@ -93,8 +93,10 @@ ExitCode run_report(const std::vector<std::string>& arguments) {
 
 int main(int count, char** words) {
   using welkin::tool::kReport, welkin::tool::program_arguments, welkin::tool::run_program, welkin::tool::run_report,
-      welkin::tool::welkin_program, welkin::tool::without_help_command;
-  const std::vector<std::string> arguments = without_help_command(program_arguments(count, words));
+      welkin::tool::welkin_program, welkin::tool::with_command_first, welkin::tool::without_help_command;
+  const welkin::tool::Program program = welkin_program();
+  const std::vector<std::string> arguments =
+      with_command_first(program, without_help_command(program_arguments(count, words)));
   if (!arguments.empty() && arguments.front() == kReport) return run_report({arguments.begin() + 1, arguments.end()});
-  return run_program(welkin_program(), arguments);
+  return run_program(program, arguments);
 }

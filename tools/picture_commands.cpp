@@ -1,11 +1,13 @@
 // The commands that write an environment as pictures: `welkin convert`, in another format, layout, size or orientation,
 // `welkin testmap`, one that shows by itself how it is turned, and `welkin sample`, a room to try the others with.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
+#include "tools/preview_light.h"
 #include "tools/sample_room.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"
@@ -20,6 +23,7 @@
 #include "tools/turning.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
+#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -39,8 +43,13 @@ Orientation: --mirror comes first, then --rotation, then --yaw, in Welkin's
   named; a lat-long is the same picture for all engines. 'welkin testmap' makes a
   picture that shows what was done.
 
+PNG: a .png keeps values from 0 to 1 and cuts off what is brighter, as data wants
+  it. With --tone-map it becomes a picture to look at, exposed and tone mapped as
+  the previews of 'welkin bake' are; --exposure EV chooses the exposure.
+
 Examples:
   welkin convert sky.hdr sky.exr                        half, lat-long as it was
+  welkin convert sky.hdr sky.png --tone-map             a picture to look at
   welkin convert sky.hdr sky.exr --type float           every bit
   welkin convert sky.exr cube.exr --layout vertical-strip --size 512
   welkin convert sky.exr face.png --layout six-files    face_px.png, face_nx.png..
@@ -69,7 +78,7 @@ constexpr const char* kTestmapFooter =
   'welkin convert --for babylon' they read upright. docs/orientation.md shows it.
 
 Examples:
-  welkin testmap -o test.exr                            2048 x 1024
+  welkin testmap                                        2048 x 1024, testmap.exr
   welkin testmap -o test.png --size 1024
   welkin testmap -o cube.exr --layout vertical-strip --size 256
   welkin testmap -o unity.exr --for unity --layout vertical-strip
@@ -96,7 +105,8 @@ struct OutputOptions {
   std::string path;            ///< "-": standard output
   std::string format = "exr";  ///< of standard output, whose name does not tell
   WriteOptions write;
-  int size = 0;  ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
+  int size = 0;                 ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
+  const char* if_clamped = "";  ///< what the note about clamped values says besides
 };
 
 /// A lat-long's height for its width: half, rounded up.
@@ -106,33 +116,34 @@ constexpr int kLargestWidth = 65536;
 
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-std::string described(const WriteReport& report, const std::string& what) {
+std::string described(const WriteReport& report, const std::string& what, const std::string& if_clamped) {
   std::string text;
   for (const auto& file : report.files) text += printable(platform::utf8(file)) + ": " + what + '\n';
   if (report.values_clamped > 0) {
-    text += "note: " + counted(report.values_clamped, "value") + " beyond what the format holds, clamped to it\n";
+    text += "note: " + counted(report.values_clamped, "value") + " beyond what the format holds, clamped to it" +
+            if_clamped + '\n';
   }
   return text;
 }
 
 /// --layout, --size, --type and --format.
 void add_output_options(Options& table, OutputOptions& options) {
-  table.push_back(
-      choice<Layout>("--layout", options.write.layout, layout_choices(),
-                     "How OUT holds the sphere; by default a lat-long stays one, and a cube becomes a vertical strip"));
+  table.push_back(choice<Layout>(
+      "--layout", options.write.layout, layout_choices(),
+      "How OUT holds the sphere; default automatic: a lat-long stays one, and a cube becomes a vertical strip"));
   table.push_back({.names = "--size",
                    .target = &options.size,
-                   .text = "Texels along the edge of a cube's face, or the width of a lat-long, which is half as high",
+                   .text = "Texels along the edge of a cube's face, or across a lat-long",
                    .type = "N",
                    .bounds = whole_between(1, kLargestWidth)});
-  table.push_back(
-      choice<SampleType>("--type", options.write.type,
-                         {{"half", SampleType::half},
-                          {"float", SampleType::float32},
-                          {"8bit", SampleType::uint8},
-                          {"16bit", SampleType::uint16}},
-                         "How OUT holds a value: .exr half (default) or float, .pfm float, .png 8bit (default) or "
-                         "16bit"));
+  table.push_back(choice<SampleType>(
+      "--type", options.write.type,
+      {{"half", SampleType::half},
+       {"float", SampleType::float32},
+       {"8bit", SampleType::uint8},
+       {"16bit", SampleType::uint16}},
+      "How OUT holds a value: .exr half or float, .pfm float, .png 8bit or 16bit; default half, 8bit "
+      "for .png"));
   table.push_back(choice<std::string>("--format", options.format,
                                       {{"exr", "exr"}, {"hdr", "hdr"}, {"pfm", "pfm"}, {"png", "png"}},
                                       "The format of OUT where that is -; default exr"));
@@ -156,7 +167,7 @@ class Output {
 
   /// What is said of the files; nothing of standard output, which gets the bytes.
   [[nodiscard]] std::string finished(const WriteReport& report, const std::string& what) const {
-    if (!is_standard_stream(options_.path)) return described(report, what);
+    if (!is_standard_stream(options_.path)) return described(report, what, options_.if_clamped);
     print_result({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()});
     return "";
   }
@@ -217,7 +228,24 @@ struct ConvertOptions {
   OutputOptions output;
   TurnOptions turn;
   SunChoice sun;
+  bool tone_map = false;
+  std::optional<double> exposure_stops;  ///< none: by the picture
 };
+
+/// Puts what a screen shows, from 0 to 1, in the place of radiance, if the options ask for it. `reduced`: returns the
+/// picture as a cubemap of so many texels.
+template <class Reduced>
+void tone_map(const ConvertOptions& options, const Reduced& reduced, std::span<float> rgb) {
+  constexpr int kEnough = 32;  // as for the previews
+  if (!options.tone_map) return;
+  begin_stage("tone map");
+  const std::optional<double>& stops = options.exposure_stops;
+  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(reduced(kEnough).view())};
+  for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
+    const glm::vec3 light = shown(glm::vec3(rgb[i], rgb[i + 1], rgb[i + 2]));
+    for (int c = 0; c < 3; ++c) rgb[i + static_cast<std::size_t>(c)] = light[c];
+  }
+}
 
 /// The source is still held while the result, of so many texels, is made from it.
 void require_memory(const ConvertOptions& options, const Environment& source, std::uint64_t texels) {
@@ -235,19 +263,35 @@ void require_memory(const ConvertOptions& options, const Environment& source, st
                   "; ask for a smaller --size or raise --memory-limit");
 }
 
+/// All texels of what was read.
+std::span<float> values_of(const Environment& source) {
+  const auto face = static_cast<std::size_t>(source.face_size());
+  const std::size_t texels =
+      face > 0 ? 6 * face * face
+               : static_cast<std::size_t>(source.info.width) * static_cast<std::size_t>(source.info.height);
+  return {source.pixels.get(), 3 * texels};
+}
+
 /// Nothing is resampled, or moved, unless something asks for it.
 std::string write_cubemap(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
   const glm::dmat3 turn = turn_of_picture(options.turn, face > 0, true);
   const int size = options.output.size > 0 ? options.output.size : face > 0 ? face : (source.info.width + 3) / 4;
   const Control last = part_of(control, kResampled, 1.0);
-  if (face == size && turn == glm::dmat3(1.0)) return write_output(options.output, source.cubemap(), last);
+  if (face == size && turn == glm::dmat3(1.0)) {
+    const CubemapView whole = source.cubemap();
+    tone_map(
+        options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
+    return write_output(options.output, whole, last);
+  }
   require_memory(options, source,
                  std::uint64_t{6} * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size));
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  const CubemapImage result = face > 0 ? to_cubemap(source.cubemap(), size, turn, middle)
-                                       : to_cubemap(source.lat_long(), size, turn, ResampleFilter::area, middle);
+  CubemapImage result = face > 0 ? to_cubemap(source.cubemap(), size, turn, middle)
+                                 : to_cubemap(source.lat_long(), size, turn, ResampleFilter::area, middle);
+  tone_map(
+      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
   return write_output(options.output, result.view(), last);
 }
 
@@ -259,13 +303,19 @@ std::string write_lat_long(const ConvertOptions& options, const Environment& sou
   const int height = size > 0 || face > 0 ? lat_long_height(width) : source.info.height;
   const Control last = part_of(control, kResampled, 1.0);
   const bool same_shape = face == 0 && width == source.info.width && height == source.info.height;
-  if (same_shape && turn == glm::dmat3(1.0)) return write_output(options.output, source.lat_long(), last);
+  if (same_shape && turn == glm::dmat3(1.0)) {
+    const LatLongView whole = source.lat_long();
+    tone_map(
+        options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
+    return write_output(options.output, whole, last);
+  }
   require_memory(options, source, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height));
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  const LatLongImage result = face > 0
-                                  ? to_lat_long(source.cubemap(), width, height, turn, ResampleFilter::bilinear, middle)
-                                  : to_lat_long(source.lat_long(), width, height, turn, middle);
+  LatLongImage result = face > 0 ? to_lat_long(source.cubemap(), width, height, turn, ResampleFilter::bilinear, middle)
+                                 : to_lat_long(source.lat_long(), width, height, turn, middle);
+  tone_map(
+      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
   return write_output(options.output, result.view(), last);
 }
 
@@ -300,7 +350,14 @@ std::string convert(const ConvertOptions& options) {
   return written + (options.sun.take_out ? sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5) : "");
 }
 
-void run_convert(const ConvertOptions& options) {
+void run_convert(ConvertOptions& options) {
+  const std::string out = Output::name_of_output(options.output);
+  const bool png = same_word(platform::utf8(platform::path_of(out).extension()), ".png");
+  if (options.tone_map && !png) {
+    throw Error(ErrorCode::invalid_argument,
+                out + ": --tone-map is for a .png; the other formats hold the light itself, so leave it out");
+  }
+  if (png && !options.tone_map) options.output.if_clamped = "; --tone-map makes a picture to look at";
   std::string text;
   run_with_threads(options.common.threads, [&] { text = convert(options); });
   say(text, options.output);
@@ -359,6 +416,13 @@ std::string draw_and_write(const TestmapOptions& options) {
   return write_output(output, map.view(), writing);
 }
 
+/// The name. Throws `Error` (file_access) if a file of that name is there.
+std::string new_file(const std::string& name) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(name, unknown))) return name;
+  throw Error(ErrorCode::file_access, name + ": is there already; '-o " + name + "' replaces it, or name another file");
+}
+
 void run_testmap(const TestmapOptions& options) {
   std::string text;
   run_with_threads(options.common.threads, [&] { text = draw_and_write(options); });
@@ -408,12 +472,24 @@ Command convert_command() {
                    .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output",
                    .required = true});
   add_output_options(table, options->output);
+  option(table, "--size").text += "; default as large as IN";
+  table.push_back({.names = "--tone-map",
+                   .target = &options->tone_map,
+                   .text = "Make a .png to look at, as the previews of 'welkin bake' are; without it a .png holds the "
+                           "values from 0 to 1 and cuts off the rest"});
+  table.push_back({.names = "--exposure",
+                   .target = &options->exposure_stops,
+                   .text = "Exposure of --tone-map in stops, radiance times 2^EV; default by the picture, as 'welkin "
+                           "bake' exposes its previews",
+                   .type = "EV",
+                   .bounds = finite_between(-60.0, 60.0),
+                   .needs = {"--tone-map"}});
   in_group(table, "Input and output");
   add_turn_options(table, options->turn);
   add_sun_options(table, options->sun);
   add_read_options(table, options->common, "", "--in-layout");
   add_threads_option(table, options->common);
-  command.everyday = {"IN",    "OUT",      "--layout",       "--size",      "--type",    "--for",
+  command.everyday = {"IN",    "OUT",      "--layout",       "--size",      "--type",    "--tone-map", "--for",
                       "--yaw", "--mirror", "--take-out-sun", "--in-layout", "--threads", "--quiet"};
   command.run = [options](const Given& /*given*/) { run_convert(*options); };
   return command;
@@ -425,17 +501,21 @@ Command testmap_command() {
   Options& table = command.options;
   table.push_back({.names = "-o,--output",
                    .target = &options->output.path,
-                   .text = "The file to write: .exr, .hdr, .pfm or .png; - for standard output",
-                   .type = "OUT",
-                   .required = true});
+                   .text = "The file to write: .exr, .hdr, .pfm or .png, - for standard output; default testmap.exr, "
+                           "here, unless a file of that name is there",
+                   .type = "OUT"});
   add_output_options(table, options->output);
+  option(table, "--size").text += "; default 512, or 2048 for a lat-long";
   add_engine_option(table, options->turn);
   option(table, "--for").text =
-      "Whose axes are written on the map; a cubemap's faces are where that engine looks for them";
+      "Whose axes are written on the map; default welkin; a cubemap's faces are where that engine looks for them";
   in_group(table, "Output");
   add_memory_limit_option(table, options->common);
   add_threads_option(table, options->common);
-  command.run = [options](const Given& /*given*/) { run_testmap(*options); };
+  command.run = [options](const Given& given) {
+    if (!given("--output")) options->output.path = new_file("testmap.exr");
+    run_testmap(*options);
+  };
   return command;
 }
 

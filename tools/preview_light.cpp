@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/common.hpp>
-#include <limits>
 #include <numbers>
 
 #include "files/png.h"
@@ -23,61 +22,6 @@ double curve(double x) {
   return std::min(1.0, light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14));
 }
 
-// The exposure.
-
-constexpr double kBrightSurroundings = 0.36;  // a stop above middle grey
-constexpr double kPercentile = 0.75;
-constexpr double kUnclipped = 0.99;   // what is brighter counts as much as this percentile
-constexpr double kDark = 1.0 / 32.0;  // of the mean: what is darker is not lit
-
-/// A texel's luminance, and its solid angle but for a factor.
-struct Sample {
-  double luminance;
-  double weight;
-};
-
-/// By rising luminance; what is no number, or below 0, is dark.
-std::vector<Sample> samples_of(const CubemapView& level) {
-  std::vector<Sample> samples;
-  for (const void* const face : level.faces) {
-    const auto* rgb = static_cast<const float*>(face);
-    for (int row = 0; row < level.size; ++row) {
-      const double v = (2.0 * row + 1.0) / level.size - 1.0;
-      for (int column = 0; column < level.size; ++column, rgb += 3) {
-        const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        const double u = (2.0 * column + 1.0) / level.size - 1.0;
-        const double squared = 1.0 + u * u + v * v;
-        samples.push_back({luminance > 0.0 ? luminance : 0.0, 1.0 / (squared * std::sqrt(squared))});
-      }
-    }
-  }
-  std::ranges::sort(samples, {}, &Sample::luminance);
-  return samples;
-}
-
-/// Of the samples whose luminance is at least `least`: the luminance that `share` of their solid angle does not exceed.
-double percentile(const std::vector<Sample>& samples, double share, double least) {
-  double whole = 0.0;
-  for (const Sample& sample : samples) whole += sample.luminance >= least ? sample.weight : 0.0;
-  double below = 0.0;
-  for (const Sample& sample : samples) {
-    if (sample.luminance < least) continue;
-    below += sample.weight;
-    if (below >= share * whole) return sample.luminance;
-  }
-  return samples.back().luminance;
-}
-
-double mean_luminance(const std::vector<Sample>& samples, double most) {
-  double sum = 0.0;
-  double weights = 0.0;
-  for (const Sample& sample : samples) {
-    sum += sample.weight * std::min(sample.luminance, most);
-    weights += sample.weight;
-  }
-  return sum / weights;
-}
-
 }  // namespace
 
 glm::dvec3 ToneMap::operator()(const glm::dvec3& radiance) const noexcept {
@@ -85,16 +29,6 @@ glm::dvec3 ToneMap::operator()(const glm::dvec3& radiance) const noexcept {
 }
 
 double ToneMap::stops() const noexcept { return math::logarithm(exposure) / std::numbers::ln2; }
-
-ToneMap tone_map_of(const CubemapView& level) {
-  const std::vector<Sample> samples = samples_of(level);
-  const double most = percentile(samples, kUnclipped, 0.0);
-  // A lamp of less than a hundredth of the sphere before black: only itself can be shown.
-  const double mean = mean_luminance(samples, most > 0.0 ? most : samples.back().luminance);
-  const double bright = percentile(samples, kPercentile, std::max(kDark * mean, std::numeric_limits<double>::min()));
-  const double exposure = kBrightSurroundings / bright;
-  return bright > 0.0 && std::isfinite(exposure) && exposure > 0.0 ? ToneMap{exposure} : ToneMap{};
-}
 
 namespace {
 

@@ -41,12 +41,6 @@ inline glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
                   glm::vec3(1.0F));
 }
 
-/// What puts the 75th percentile of the lit surroundings' luminance, by solid angle, at 0.36: a stop above middle grey.
-/// Lit is what has at least 1/32 of the mean, for which luminance above its 99th percentile counts as that one: neither
-/// the black around a studio's lamps nor a sun moves the result. 1 if there is no light. `level` is packed rgb_f32; a
-/// small one will do.
-[[nodiscard]] ToneMap tone_map_of(const CubemapView& level);
-
 /// Looks a direction up in a cubemap as a graphics card does: bilinear, seamless across edges, linear between mips.
 class CubeLookup {
  public:

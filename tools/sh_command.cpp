@@ -33,7 +33,8 @@ Examples:
   welkin sh city.hdr                          a table for a person
   welkin sh --sky                             the same of a computed sky
   welkin sh city.hdr --json > city.json       for a program, every digit
-  welkin sh city.hdr --for unity --format c   a C header with Unity's numbers
+  welkin sh city.hdr --format glsl            nine numbers and a shader function
+  welkin sh city.hdr --for unity --format cs  a SphericalHarmonicsL2 for Unity
   welkin sh faces/ --from babylon --for babylon
                                               cube faces made for Babylon.js
   welkin sh city.hdr --yaw 90 --mirror        turned and mirrored first
@@ -58,7 +59,9 @@ Forms (--for): U is the radiance coefficient (l, m) at l (l + 1) + m: real,
     unreal    R in z-up axes: FSHVectorRGB3, and its sky light's seven vectors
     gltf      A R: irradianceCoefficients of EXT_lights_image_based
     godot     U/pi: lightmap probes
+    welkin    A/pi K U: what --format glsl evaluates, in the axes of --for
   Each is printed with its formula; docs/engines.md has where that comes from.
+  blender, bevy, usd and openexr take no harmonics: of these Welkin's is printed.
 
 JSON: {"source": {path, layout, width, height, format, notes}, "axes", "bands",
        "radiance": [[r,g,b], ...], "irradiance": [[r,g,b], ...],
@@ -225,8 +228,14 @@ void add_format_options(Options& table, ShOptions& options) {
   constexpr const char* kFormat = "--format";
   table.push_back(choice<ShFormat>(
       kFormat, options.format,
-      {{"table", ShFormat::table}, {"json", ShFormat::json}, {"text", ShFormat::text}, {"c", ShFormat::c_header}},
-      "A table for a person (default), JSON, a line a coefficient, a C header"));
+      {{"table", ShFormat::table},
+       {"json", ShFormat::json},
+       {"text", ShFormat::text},
+       {"c", ShFormat::c_header},
+       {"glsl", ShFormat::glsl},
+       {"cs", ShFormat::c_sharp}},
+      "A table for a person, JSON, a line per coefficient, a C header, a GLSL function in the axes of --for, or C# for "
+      "--for unity; default table"));
   table.push_back({.names = "--json",
                    .target = OnFlag([&options] { options.format = ShFormat::json; }),
                    .text = "The same as --format json",
@@ -248,8 +257,8 @@ void add_window_options(Options& table, ShOptions& options) {
                       {name(Window::hanning), Window::hanning},
                       {name(Window::lanczos), Window::lanczos},
                       {name(Window::min_laplacian), Window::min_laplacian}},
-                     "Damp the higher bands against ringing; min-laplacian damps only as much as keeps irradiance from "
-                     "going below 0"));
+                     "Damp the higher bands against ringing; default none; min-laplacian damps only as much as keeps "
+                     "irradiance from going below 0"));
   table.push_back({.names = "--window-width",
                    .target = &options.window_width,
                    .text = "Width of a hanning or lanczos window in bands; default: the number of bands",
@@ -281,6 +290,8 @@ std::string sh_formatted(const ShReport& report, ShFormat format) {
     case ShFormat::json: return sh_json(report);
     case ShFormat::text: return sh_text(report);
     case ShFormat::c_header: return sh_c_header(report);
+    case ShFormat::glsl: return sh_glsl(report);
+    case ShFormat::c_sharp: return sh_c_sharp(report);
     case ShFormat::table: break;
   }
   return sh_table(report);

@@ -13,7 +13,7 @@
 
 namespace welkin::tool {
 
-enum class ShFormat { table, json, text, c_header };
+enum class ShFormat { table, json, text, c_header, glsl, c_sharp };
 
 struct ShOptions {
   CommonOptions common;
@@ -40,6 +40,7 @@ void add_window_options(Options& table, ShOptions& options);
 /// window, dominant light, irradiance, the forms of engines.
 void complete(ShReport& report, const ShOptions& options);
 
+/// Throws `Error` (invalid_argument) for C# of another engine than Unity.
 [[nodiscard]] std::string sh_formatted(const ShReport& report, ShFormat format);
 
 }  // namespace welkin::tool

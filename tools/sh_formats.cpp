@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "platform/text.h"
+#include "tools/engine_folders.h"
 #include "tools/json.h"
 #include "tools/sh_report.h"
 #include "tools/text.h"
@@ -76,28 +77,6 @@ std::string coefficient_lines(const SphericalHarmonics& radiance, const Spherica
   return text;
 }
 
-std::string babylon_lines(const BabylonPolynomial& polynomial) {
-  struct Term {
-    std::string_view name;
-    const glm::dvec3& rgb;
-  };
-  const std::array<Term, 9> terms = {{{"x", polynomial.x},
-                                      {"y", polynomial.y},
-                                      {"z", polynomial.z},
-                                      {"xx", polynomial.xx},
-                                      {"yy", polynomial.yy},
-                                      {"zz", polynomial.zz},
-                                      {"yz", polynomial.yz},
-                                      {"zx", polynomial.zx},
-                                      {"xy", polynomial.xy}}};
-  double largest = 0.0;
-  for (const Term& term : terms) largest = std::max(largest, largest_magnitude(term.rgb));
-  const NumberColumn column(largest);
-  std::string text = "\nBabylon.js SphericalPolynomial (irradiance / pi; its signs and constants)\n";
-  for (const Term& term : terms) text += "  " + pad_right(term.name, 4) + column.cells(term.rgb) + '\n';
-  return text;
-}
-
 std::string source_lines(const ShReport& report) {
   const Source& source = report.source;
   std::string text = printable(source.path) + ": ";
@@ -137,6 +116,15 @@ std::string engine_lines(const EngineLight& light) {
             column.cell(vector.value.w) + '\n';
   }
   return text + indented(light.formula);
+}
+
+/// What is said of an engine that takes no harmonics.
+std::string no_form_lines(const ShReport& report) {
+  if (has_engine_light(report.engine)) return "";
+  const Convention& engine = convention(report.engine);
+  std::string text = std::string("\n") + engine.title + " takes no harmonics; what follows is for shaders of your own.";
+  if (has_folder(report.engine)) text += "\n'welkin bake --for " + std::string(engine.name) + "' writes what it loads.";
+  return text + '\n';
 }
 
 std::string window_lines(const ShReport& report) {
@@ -223,7 +211,8 @@ std::string sh_table(const ShReport& report) {
   const SphericalHarmonics& radiance = report.projection.radiance;
   std::string text = source_lines(report) + convention_lines(radiance.bands()) + indented("Axes: " + report.axes) +
                      coefficient_lines(radiance, report.irradiance);
-  text += report.engine_light ? engine_lines(*report.engine_light) : babylon_lines(report.polynomial);
+  text += no_form_lines(report) +
+          engine_lines(report.engine_light ? *report.engine_light : engine_light_in_place(radiance, Engine::welkin));
   return text + "\nAverage colour (mean radiance of the sphere)  " + significant(mean_radiance(radiance)) + '\n' +
          window_lines(report) + (report.sun_wanted ? '\n' + sun_text(report.sun, z_is_up(report)) : "") +
          dominant_lines(report) + irradiance_error_lines(report) + diagnostics_lines(report);
@@ -362,6 +351,9 @@ std::string sh_json(const ShReport& report) {
 
 namespace {
 
+/// Whether an engine's form stands in place of the canonical coefficients, which are Welkin's own.
+bool asks_for_form(const ShReport& report) { return report.engine_light && report.engine != Engine::welkin; }
+
 std::string remark(const std::string& text) {
   std::string lines = "# ";
   for (const char c : text) {
@@ -416,7 +408,7 @@ std::string sun_remarks(const Sun& sun) {
 
 std::string sh_text(const ShReport& report) {
   std::string text = remark(printable(report.source.path) + "; r g b behind each name; axes: " + report.axes);
-  text += report.engine_light ? engine_remarks(*report.engine_light) : harmonics_of_both(report);
+  text += asks_for_form(report) ? engine_remarks(*report.engine_light) : harmonics_of_both(report);
   if (report.sun) text += sun_remarks(*report.sun);
   return text;
 }
@@ -436,17 +428,17 @@ std::string identifier(const std::string& path) {
 }
 
 /// Shortest text that reads back as the same float, as a C constant. C has none for what is beyond all floats.
-std::string float_constant(double value) {
+std::string float_constant(double value, const char* suffix = "f") {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
     throw Error(ErrorCode::limit_exceeded, "a number of the light is " + significant(value) +
-                                               ", which no float of a C header holds; lower the exposure of the "
+                                               ", which no float holds; lower the exposure of the "
                                                "picture, cut it off with --clamp, or take the JSON, which holds it");
   }
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<float>(value)).ptr;
   std::string text(buffer.data(), end);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text + 'f';
+  return text + suffix;
 }
 
 /// Nothing in it can end the comment that it stands in.
@@ -517,7 +509,7 @@ std::string sun_arrays(const std::string& name, const Sun& sun) {
 
 /// The arrays that a header of this name has.
 std::string arrays(const std::string& name, const ShReport& report) {
-  std::string text = report.engine_light
+  std::string text = asks_for_form(report)
                          ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)
                          : harmonics_arrays(name, report);
   for (const EngineLight& light : report.engine_lights) {
@@ -528,14 +520,70 @@ std::string arrays(const std::string& name, const ShReport& report) {
   return text;
 }
 
+/// The comment at the head of a file, and in it the `remark`.
+std::string head(const ShReport& report, const std::string& remark) {
+  return comment("Light of " + printable(portable_path(report.source.path)) +
+                 ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes + remark);
+}
+
+std::string triple(const glm::dvec3& value, const char* suffix) {
+  return float_constant(value.x, suffix) + ", " + float_constant(value.y, suffix) + ", " +
+         float_constant(value.z, suffix);
+}
+
 }  // namespace
 
 std::string sh_c_header(const ShReport& report) try {
   const std::string name = identifier(report.source.path);
-  return comment("Light of " + printable(portable_path(report.source.path)) +
-                 ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes +
-                 "\nEach row is r, g, b where nothing else is said.") +
-         "#ifndef WELKIN_" + name + "_H\n#define WELKIN_" + name + "_H\n\n" + arrays(name, report) + "\n#endif\n";
+  return head(report, "\nEach row is r, g, b where nothing else is said.") + "#ifndef WELKIN_" + name +
+         "_H\n#define WELKIN_" + name + "_H\n\n" + arrays(name, report) + "\n#endif\n";
+} catch (const Error& error) {
+  throw Error(error.code(), printable(report.source.path) + ": " + error.what());
+}
+
+std::string sh_glsl(const ShReport& report) try {
+  const EngineLight light = engine_light_in_place(report.projection.radiance, Engine::welkin);
+  std::string text = head(report, "") + "const vec3 sh[9] = vec3[9](\n";
+  for (const EngineTerm& term : light.terms) {
+    text += "  vec3(" + triple(term.rgb, "") + (&term == &light.terms.back() ? "));\n" : "),\n");
+  }
+  if (report.sun) {
+    text +=
+        "/* The sun, which is not in sh: unit direction towards it, irradiance on a surface that faces it. */\n"
+        "const vec3 sun_direction = vec3(" +
+        triple(report.sun->direction, "") + ");\nconst vec3 sun_irradiance = vec3(" +
+        triple(report.sun->irradiance, "") + ");\n";
+  }
+  return text + light.formula + '\n';
+} catch (const Error& error) {
+  throw Error(error.code(), printable(report.source.path) + ": " + error.what());
+}
+
+std::string sh_c_sharp(const ShReport& report) try {
+  std::vector<EngineLight> lights = report.engine_lights;
+  if (report.engine_light) lights.push_back(*report.engine_light);
+  const auto unity = std::ranges::find(lights, Engine::unity, &EngineLight::engine);
+  if (unity == lights.end()) {
+    throw Error(ErrorCode::invalid_argument, "C# is a SphericalHarmonicsL2 of Unity's; add --for unity");
+  }
+  std::string text = head(report, "") +
+                     "using UnityEngine;\nusing UnityEngine.Rendering;\n\npublic static class WelkinLight {\n" +
+                     "  /// For RenderSettings.ambientProbe, with RenderSettings.ambientMode = AmbientMode.Custom.\n"
+                     "  public static SphericalHarmonicsL2 Probe() {\n"
+                     "    var sh = new SphericalHarmonicsL2();\n"
+                     "    for (int i = 0; i < 9; ++i) {\n"
+                     "      for (int channel = 0; channel < 3; ++channel) sh[channel, i] = rgb[i, channel];\n"
+                     "    }\n    return sh;\n  }\n\n  static readonly float[,] rgb = {\n";
+  for (const EngineTerm& term : unity->terms) text += "    {" + triple(term.rgb, "f") + "},\n";
+  text += "  };\n";
+  if (report.sun) {
+    text +=
+        "\n  /// The sun, which is not in the probe: towards it, and irradiance on a surface that faces it.\n"
+        "  public static readonly Vector3 SunDirection = new Vector3(" +
+        triple(report.sun->direction, "f") + ");\n  public static readonly Vector3 SunIrradiance = new Vector3(" +
+        triple(report.sun->irradiance, "f") + ");\n";
+  }
+  return text + "}\n";
 } catch (const Error& error) {
   throw Error(error.code(), printable(report.source.path) + ": " + error.what());
 }

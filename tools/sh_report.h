@@ -46,5 +46,8 @@ struct ShReport {
 [[nodiscard]] std::string sh_table(const ShReport& report);
 [[nodiscard]] std::string sh_text(const ShReport& report);      ///< a line a coefficient, # before remarks
 [[nodiscard]] std::string sh_c_header(const ShReport& report);  ///< arrays of float, for an #include
+[[nodiscard]] std::string sh_glsl(const ShReport& report);      ///< nine vec3 and the function that evaluates them
+/// A class with a SphericalHarmonicsL2 for Unity, whose form the report must have.
+[[nodiscard]] std::string sh_c_sharp(const ShReport& report);
 
 }  // namespace welkin::tool

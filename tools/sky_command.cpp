@@ -136,8 +136,8 @@ void add_table_options(Options& table, SkyOptions& options) {
                    .text = "Leave out light of more than --orders orders, which is otherwise estimated"});
   table.push_back(choice<SkyColour>(
       "--colour", tables.colour, {{"spectral", SkyColour::spectral}, {"srgb", SkyColour::linear_srgb}},
-      "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm (default), or luminance in linear sRGB, cd/m2 "
-      "(default with --sweep)"));
+      "What r, g and b are: radiance at three wavelengths, W/m2/sr/nm, or luminance in linear sRGB, cd/m2; default "
+      "spectral, but srgb with --sweep"));
   table.push_back(choice<ScatteringLayout>(
       "--layout", tables.layout, {{"full", ScatteringLayout::full}, {"compact", ScatteringLayout::compact}},
       "Scattering tables with four dimensions (default) or, smaller and less exact, three"));
@@ -215,13 +215,13 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
 void add_folder_options(Options& table, SkyOptions& options) {
   options.bake.specular.size = kSkySize;
   options.bake.background_size = kSkyBackground;
-  table.push_back(
-      {.names = "-o,--output",
-       .target = &options.bake.directory,
-       .text = "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; --json then prints "
-               "the manifest",
-       .type = "DIR",
-       .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
+  table.push_back({.names = "-o,--output",
+                   .target = &options.bake.directory,
+                   .text =
+                       "A folder to bake the sky to, as 'welkin bake' does, with its picture sky.exr; default none; "
+                       "--json then prints the manifest",
+                   .type = "DIR",
+                   .excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
   const std::size_t before = table.size();
   table.push_back(
       {.names = "--picture-height",

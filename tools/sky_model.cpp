@@ -218,7 +218,8 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
        {"earth-bruneton", AtmospherePreset::earth_bruneton},
        {"earth-hillaire", AtmospherePreset::earth_hillaire},
        {"mars", AtmospherePreset::mars}},
-      "Whose air: earth or clear (default; a clear day as measured), hazy, dusty, polluted, no-aerosol (nothing but "
+      "Whose air; default earth: earth or clear (a clear day as measured), hazy, dusty, polluted, no-aerosol (nothing "
+      "but "
       "gases), earth-bruneton and earth-hillaire (the constants of Bruneton 2017 and Hillaire 2020: almost no "
       "aerosol), "
       "mars"));

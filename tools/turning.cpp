@@ -67,8 +67,9 @@ void set_rotation(TurnOptions& options, const std::vector<double>& values) {
 }  // namespace
 
 void add_engine_option(Options& table, TurnOptions& options) {
-  table.push_back(choice<Engine>("--for", options.to, engine_words(),
-                                 "Whose axes the result is in, so that the surroundings look the same there"));
+  table.push_back(
+      choice<Engine>("--for", options.to, engine_words(),
+                     "Whose axes the result is in, so that the surroundings look the same there; default welkin"));
 }
 
 void add_turn_options(Options& table, TurnOptions& options) {
@@ -80,8 +81,8 @@ void add_turn_options(Options& table, TurnOptions& options) {
   table.push_back(
       {.names = "--yaw",
        .target = &options.yaw_degrees,
-       .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above; 90 moves what "
-               "was at +z to +x",
+       .text = "Turn the environment about the vertical by DEGREES, counter-clockwise from above; default 0; 90 moves "
+               "what was at +z to +x",
        .type = "DEGREES",
        .bounds = number_between(-1e6, 1e6)});
   table.push_back({.names = "--mirror",

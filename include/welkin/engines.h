@@ -109,7 +109,7 @@ struct EngineLight {
   std::vector<EngineVector> vectors;
 };
 
-/// Whether the engine has a form of its own: not welkin, openexr, blender, bevy, usd.
+/// Whether the engine has a form: not openexr, blender, bevy, usd. The `formula` of Welkin's own is a GLSL function.
 [[nodiscard]] bool has_engine_light(Engine engine) noexcept;
 
 /// The terms of an engine's form from radiance in Welkin's axes: turned to the engine's axes

@@ -328,6 +328,10 @@ WELKIN_API welkin_status welkin_apply_window(int32_t bands, const double* radian
  * unit direction of each channel's. */
 WELKIN_API welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* value, double* directions);
 
+/* The exposure that takes the mean radiance to middle grey: 0.18 over its luminance (Rec. 709), or 1 if the mean is not
+ * above 0. Multiply radiance by it before a tone curve. */
+WELKIN_API welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* exposure);
+
 /* The one directional light that comes closest to an environment: `direction` (unit, towards it), `irradiance` (on a
  * surface that faces it), and 1 in `found`. 0 in `found`, and zeros, if the light comes from no direction. */
 WELKIN_API welkin_status welkin_dominant_light(int32_t bands, const double* radiance, double* direction,
@@ -396,7 +400,7 @@ typedef struct welkin_engine_light {
 } welkin_engine_light;
 
 /* Radiance in Welkin's axes, turned to the engine's axes, in the engine's form. Bands above the third are left out.
- * WELKIN_INVALID_ARGUMENT for those that have no form of their own: Welkin, OpenEXR, Blender. */
+ * WELKIN_INVALID_ARGUMENT for those that have no form of their own: OpenEXR, Blender, Bevy, OpenUSD. */
 WELKIN_API welkin_status welkin_engine_light_from_radiance(int32_t bands, const double* radiance, welkin_engine engine,
                                                            welkin_engine_light* light);
 

@@ -10,6 +10,7 @@
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/error_budget.h"
+#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"

@@ -13,6 +13,7 @@
 #include "c/c_worker.h"
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"
+#include "welkin/exposure.h"
 #include "welkin/projection.h"
 #include "welkin/requests.h"
 #include "welkin/spherical_harmonics.h"
@@ -166,6 +167,14 @@ welkin_status welkin_minimum(int32_t bands, const double* coefficients, double* 
     for (int channel = 0; directions != nullptr && channel < 3; ++channel) {
       write_triple(least.direction[channel], directions + 3 * channel);
     }
+    return WELKIN_OK;
+  });
+}
+
+welkin_status welkin_exposure_of(int32_t bands, const double* radiance, double* exposure) {
+  return guarded([&] {
+    require(exposure, "exposure");
+    *exposure = welkin::exposure_of(read_harmonics(bands, radiance, "radiance"));
     return WELKIN_OK;
   });
 }

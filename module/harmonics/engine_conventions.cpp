@@ -160,6 +160,19 @@ std::vector<EngineTerm> indexed(std::string_view name, const Nine& nine) {
   return terms;
 }
 
+EngineLight own_form(const SphericalHarmonics& radiance) {
+  return {Engine::welkin,
+          "polynomial of the normal, in GLSL",
+          "// sh is U(l, m) A(l)/pi K(l, m), A = (pi, 2pi/3, pi/4) by band, K the basis functions' constants, no sign\n"
+          "// turned. Returns irradiance over pi on a surface that faces n, of length 1: multiply it by the albedo.\n"
+          "vec3 diffuse_light(vec3 n) {\n"
+          "  return sh[0] + sh[1] * n.y + sh[2] * n.z + sh[3] * n.x + sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) +\n"
+          "         sh[6] * (3.0 * n.z * n.z - 1.0) + sh[7] * (n.x * n.z) + sh[8] * (n.x * n.x - n.y * n.y);\n"
+          "}",
+          indexed("sh", pre_scaled(radiance)),
+          {}};
+}
+
 EngineLight babylon(const SphericalHarmonics& radiance) {
   const BabylonPolynomial p = babylon_polynomial(radiance);
   return {Engine::babylon,
@@ -272,13 +285,14 @@ EngineLight godot(const SphericalHarmonics& radiance) {
 }  // namespace
 
 bool has_engine_light(Engine engine) noexcept {
-  constexpr std::array kWithout{Engine::welkin, Engine::openexr, Engine::blender, Engine::bevy, Engine::usd};
+  constexpr std::array kWithout{Engine::openexr, Engine::blender, Engine::bevy, Engine::usd};
   return std::find(kWithout.begin(), kWithout.end(), engine) == kWithout.end();
 }
 
 EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine engine) {
   const platform::FloatingPointScope floating_point;
   switch (engine) {
+    case Engine::welkin: return own_form(radiance);
     case Engine::babylon: return babylon(radiance);
     case Engine::three: return three(radiance);
     case Engine::filament: return filament(radiance);
@@ -286,7 +300,6 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
     case Engine::unity: return unity(radiance);
     case Engine::unreal: return unreal(radiance);
     case Engine::godot: return godot(radiance);
-    case Engine::welkin:
     case Engine::openexr:
     case Engine::blender:
     case Engine::bevy:
@@ -294,8 +307,8 @@ EngineLight engine_light_in_place(const SphericalHarmonics& radiance, Engine eng
   }
   throw Error(ErrorCode::invalid_argument,
               std::string(convention(engine).title) +
-                  " has no form of its own for the coefficients; babylon, three, filament, gltf, unity, unreal and "
-                  "godot have");
+                  " has no form of its own for the coefficients; welkin, babylon, three, filament, gltf, unity, unreal "
+                  "and godot have");
 }
 
 EngineLight engine_light(const SphericalHarmonics& radiance, Engine engine) {

@@ -240,10 +240,10 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
   std::string ids;
   for (const std::string& id : report::pass_ids()) ids.append(ids.empty() ? "" : ", ").append(id);
   constexpr const char* kScale = "--scale";
-  table.push_back(
-      choice<std::string>(kScale, options.run.scale, {{"tiny", "tiny"}, {"quick", "quick"}, {"full", "full"}},
-                          "How much is measured: tiny in seconds (for tests), quick in under a minute, full (default) "
-                          "in minutes. Errors depend on it"));
+  table.push_back(choice<std::string>(
+      kScale, options.run.scale, {{"tiny", "tiny"}, {"quick", "quick"}, {"full", "full"}},
+      "How much is measured: tiny in seconds (for tests), quick in under a minute, full in minutes; "
+      "default full. Errors depend on it"));
   table.push_back({.names = "--quick", .target = &options.quick, .text = "--scale quick", .excludes = {kScale}});
   table.push_back({.names = "--passes",
                    .target = &options.run.passes,
@@ -256,9 +256,8 @@ void add_what_is_measured(Options& table, ReportCommandOptions& options) {
                    .type = "FILE"});
   table.push_back({.names = "--threads",
                    .target = &options.run.threads,
-                   .text =
-                       "Threads of the timed calls. The default is 1 and counts processor time, which repeats best; "
-                       "more count wall time. 0: all that this process may use",
+                   .text = "Threads of the timed calls, 0 for all that this process may use; default 1: it counts "
+                           "processor time, which repeats best, and more count wall time",
                    .type = "N",
                    .bounds = whole_between(0, 1024)});
 }

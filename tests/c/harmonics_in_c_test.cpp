@@ -11,6 +11,7 @@
 #include "support/test_environments.h"
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"
+#include "welkin/exposure.h"
 #include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 #include "welkin/welkin.h"
@@ -61,6 +62,10 @@ TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_inter
       REQUIRE(same_triple(directions + 3 * channel, least.direction[channel]));
     }
     REQUIRE(welkin_minimum(bands, radiance.data(), value, nullptr) == WELKIN_OK);
+
+    double exposure = 0.0;
+    REQUIRE(welkin_exposure_of(bands, radiance.data(), &exposure) == WELKIN_OK);
+    REQUIRE(exposure == exposure_of(light));
 
     const auto dominant = dominant_light(light);
     double direction[3];

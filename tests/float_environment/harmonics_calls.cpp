@@ -6,6 +6,7 @@
 #include "support/random_harmonics.h"
 #include "welkin/directional_light.h"
 #include "welkin/engines.h"
+#include "welkin/exposure.h"
 #include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -24,6 +25,7 @@ void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmo
   calls.call("irradiance_from_radiance(", [&] { return irradiance_from_radiance(a); });
   calls.call("lambertian_from_irradiance(", [&] { return lambertian_from_irradiance(a); });
   calls.call("mean_radiance(", [&] { return mean_radiance(a); });
+  calls.call("exposure_of(SphericalHarmonics", [&] { return exposure_of(a); });
   calls.call("turned(SphericalHarmonics const&, Quaternion", [&] { return turned(a, rotation); });
   calls.call("turned(SphericalHarmonics const&, glm::mat",
              [&] { return turned(a, glm::dmat3(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6)); });

@@ -13,6 +13,7 @@
 #include "welkin/bc6h.h"
 #include "welkin/directional_light.h"
 #include "welkin/error_budget.h"
+#include "welkin/exposure.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
 #include "welkin/irradiance.h"
@@ -36,6 +37,8 @@ void call_image(Calls& calls, const LatLongImage& wide, const CubemapImage& cube
              [&] { return to_lat_long(cube.view(), 18, 9, glm::dmat3(1.0), ResampleFilter::area); });
   calls.call("to_lat_long(LatLongView", [&] { return to_lat_long(wide.view(), 18, 9, turn); });
   calls.call("build_mips(", [&] { return build_mips(cube.view()); });
+  calls.call("exposure_of(CubemapView", [&] { return exposure_of(cube.view()); });
+  calls.call("exposure_of(LatLongView", [&] { return exposure_of(wide.view()); });
   CubemapChain chain = build_mips(cube.view(), MipFilter::box);
   calls.call("octahedral_place(", [] {
     const auto place = octahedral_place({0.1, -0.7, -0.3});

@@ -304,7 +304,8 @@ TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools
     }
     CHECK(contains(file_text(folder / "sh.h"), "built_in_sky_" + name + "["));
   }
-  CHECK(engines == std::vector<std::string>{"babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
+  CHECK(engines ==
+        std::vector<std::string>{"welkin", "babylon", "three", "filament", "gltf", "unity", "unreal", "godot"});
 }
 
 TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][bake]") {
@@ -439,7 +440,9 @@ TEST_CASE("bake: a clamp is put down to the format that needs it", "[tools][bake
   };
   INFO(manifest.at("notes").dump());
   CHECK(has("specular.hdr: 1 value below 0 or above 1.69e38 clamped: RGBE ends there"));
-  CHECK(has("specular.exr: 1 value beyond +-65504 clamped: halves end there"));
+  CHECK(has(
+      "specular.exr: 1 value beyond +-65504 clamped: halves end there; --take-out-sun keeps a sun as a light of its "
+      "own"));
   CHECK_FALSE(contains(manifest.at("notes").dump(), ".pfm: "));
   CHECK(file_of(manifest, "specular.pfm").at("values_clamped") == 0);
 }

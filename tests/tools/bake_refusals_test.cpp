@@ -79,7 +79,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out";
   const std::string start = "bake --sky -o " + quoted(out) + " ";
-  CHECK(contains(failure("bake", 2), "--output"));
+  CHECK(contains(failure("bake", 2), "INPUT is missing"));
   for (const char* option : {"--size 0",
                              "--size 8193",
                              "--mips 15",

@@ -147,6 +147,7 @@ void require_failure(const std::string& arguments, int exit_code, const std::str
 
 TEST_CASE("command: bad usage exits with 2", "[tools]") {
   require_failure("", 2, "nothing to do");
+  require_failure("", 2, "\n  convert     Write an environment in another format");
   require_failure("frobnicate", 2, "frobnicate");
   require_failure("sh --frobnicate", 2, "--frobnicate");
   require_failure("sh one.exr two.exr", 2, "two.exr");

@@ -41,9 +41,9 @@ const std::map<std::string, Names>& folders() {
   return all;
 }
 
-Names with_common_files(Names names) {
+Names with_common_files(const std::string& engine, Names names) {
   for (const char* name : {"README.md", "manifest.json", "preview_environment.png", "preview_mips.png",
-                           "preview_spheres.png", "sh.h", "sh.json"}) {
+                           "preview_spheres.png", engine == "unity" ? "sh.cs" : "sh.h", "sh.json"}) {
     names.emplace_back(name);
   }
   std::sort(names.begin(), names.end());
@@ -178,8 +178,8 @@ TEST_CASE("bake --for: each engine's folder has its files and no other, and our 
     INFO(engine);
     const auto folder = scratch.path() / engine;
     const nlohmann::json manifest = bake_into(folder, "--sky --for " + engine + kSmall);
-    CHECK(names_in(folder) == with_common_files(files));
-    CHECK(names_of(manifest) == with_common_files(files));
+    CHECK(names_in(folder) == with_common_files(engine, files));
+    CHECK(names_of(manifest) == with_common_files(engine, files));
     for (const std::string& name : files) {
       INFO(name);
       const std::filesystem::path path = folder / name;
@@ -459,6 +459,51 @@ TEST_CASE("bake --for: a README that is somebody's own is not written over", "[t
   CHECK(file_text(folder / "README.md") == "# My project\n");
   bake_into(folder, bake + "--formats exr");
   CHECK(file_text(folder / "README.md") == "# My project\n");
+}
+
+TEST_CASE("bake --for: READMEs say all that the engine's users need", "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  const auto has = [&](const std::string& engine, const Names& parts) {
+    INFO(engine);
+    const auto folder = scratch.path() / engine;
+    bake_into(folder, "--sky --no-previews --for " + engine + kSmall);
+    const std::string readme = file_text(folder / "README.md");
+    for (const std::string& part : parts) {
+      INFO(part);
+      CHECK(contains(readme, part));
+    }
+  };
+  has("three", {"import { DDSLoader } from \"three/addons/loaders/DDSLoader.js\";",
+                "import { KTX2Loader } from \"three/addons/loaders/KTX2Loader.js\";", "needs no transcoder",
+                "--size 128 --supercompression zstd"});
+  has("babylon", {"import * as BABYLON from \"@babylonjs/core\";", "phones"});
+  has("unity", {"using UnityEditor;", "importer.maxTextureSize = 8192;", "AmbientMode.Custom", "WelkinLight.Probe()",
+                "Shader.Find(\"Skybox/Cubemap\")", "HDRI Sky", "URP"});
+  has("unreal", {"os.path.join(folder, \"environment.hdr\")", "isinstance(actor, unreal.SkyLight)",
+                 "spawn_actor_from_class(unreal.SkyLight", "cubemap_resolution", "ComponentMobility.MOVABLE",
+                 "\"intensity\"", "HDRI Backdrop"});
+  has("blender", {"import bpy", "or bpy.data.worlds.new(", "each.type == kind"});
+  const std::string code = file_text(scratch.path() / "unity" / "sh.cs");
+  CHECK(contains(code, "public static SphericalHarmonicsL2 Probe()"));
+  CHECK_FALSE(std::filesystem::exists(scratch.path() / "unity" / "sh.h"));
+}
+
+TEST_CASE("bake --for: README's Python is Python", "[tools][bake][engine_folders][posix]") {
+  // NOLINTNEXTLINE(cert-env33-c,concurrency-mt-unsafe)
+  if (std::system("command -v python3 >/dev/null 2>&1") != 0) {
+    WARN("left out: there is no python3");
+    return;
+  }
+  const TemporaryFolder scratch;
+  for (const std::string engine : {"blender", "unreal"}) {
+    INFO(engine);
+    bake_into(scratch.path() / engine, "--sky --no-previews --for " + engine + kSmall);
+    const std::string readme = file_text(scratch.path() / engine / "README.md");
+    const std::size_t start = readme.find("```python\n") + 10;
+    std::ofstream(scratch.path() / "code.py") << readme.substr(start, readme.find("```", start) - start);
+    const std::string check = "python3 -m py_compile " + quoted(scratch.path() / "code.py");
+    CHECK(std::system(check.c_str()) == 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  }
 }
 
 TEST_CASE("bake --for: a cache gives the whole folder again", "[tools][bake][engine_folders]") {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <sstream>
@@ -176,7 +177,7 @@ TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tool
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (const char* part : {"built-in sky: 1024 x 512 lat-long", "without Condon-Shortley phase", "3zz - 1", "xx - yy",
-                           "radiance r, g, b", "irradiance r, g, b", "Babylon.js", "Average colour", "524,288 texels",
+                           "radiance r, g, b", "irradiance r, g, b", "in GLSL", "Average colour", "524,288 texels",
                            "no pixel value had to be replaced", "no clamp was asked for", "relative error"}) {
     INFO(part);
     CHECK(contains(result.output, part));
@@ -324,6 +325,83 @@ TEST_CASE("sh: a C header for an engine, of a file with an odd name", "[tools][p
   CHECK(std::isfinite(numbers_behind("first", printed).x));
 }
 
+namespace {
+
+SphericalHarmonics radiance_of(const nlohmann::json& json) {
+  SphericalHarmonics harmonics(json.at("bands").get<int>());
+  for (std::size_t i = 0; i < harmonics.coefficients().size(); ++i) {
+    harmonics.coefficients()[i] = triple(json.at("radiance").at(i));
+  }
+  return harmonics;
+}
+
+/// The numbers of all lines that start so.
+std::vector<float> numbers_of_rows(const std::string& start, const std::string& text) {
+  std::vector<float> numbers;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(start)) continue;
+    for (char& c : line)
+      c = std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == 'e' ? c : ' ';
+    std::istringstream words(line.substr(start.size()));
+    numbers.insert(numbers.end(), std::istream_iterator<float>(words), {});
+  }
+  return numbers;
+}
+
+void check_numbers(const std::vector<float>& numbers, const EngineLight& expected) {
+  REQUIRE(numbers.size() == 27);
+  for (std::size_t i = 0; i < 27; ++i) {
+    const auto wanted = static_cast<float>(expected.terms[i / 3].rgb[static_cast<int>(i % 3)]);
+    CHECK(numbers[i] == wanted);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compiles", "[tools][posix]") {
+  for (const std::string axes : {"", " --for blender"}) {
+    INFO(axes);
+    const SphericalHarmonics light = radiance_of(run_sh_json("--sky" + axes));
+    const CommandResult result = run_welkin("sh --sky --format glsl" + axes);
+    CHECK(result.errors.empty());
+    check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_in_place(light, Engine::welkin));
+    CHECK(contains(result.output, "vec3 diffuse_light(vec3 n) {"));
+    if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
+    const TemporaryFolder folder;
+    for (const char* const version : {"330", "300 es\nprecision highp float;"}) {
+      std::ofstream(folder.path() / "light.frag") << "#version " << version << '\n'
+                                                  << result.output
+                                                  << "in vec3 n;\nout vec3 colour;\n"
+                                                     "void main() { colour = diffuse_light(normalize(n)); }\n";
+      CHECK(run_shell("glslangValidator " + quoted(folder.path() / "light.frag") + " >/dev/null"));
+    }
+  }
+}
+
+TEST_CASE("sh: C# is Unity's, and refused for others", "[tools]") {
+  const SphericalHarmonics light = radiance_of(run_sh_json("--sky --for unity"));
+  const CommandResult result = run_welkin("sh --sky --for unity --format cs --take-out-sun");
+  check_numbers(numbers_of_rows("    {", run_welkin("sh --sky --for unity --format cs").output),
+                engine_light_in_place(light, Engine::unity));
+  for (const char* const part : {"public static SphericalHarmonicsL2 Probe()", "using UnityEngine.Rendering;",
+                                 "SunDirection = new Vector3(", "AmbientMode.Custom"}) {
+    CHECK(contains(result.output, part));
+  }
+  const CommandResult refused = run_welkin("sh --sky --format cs");
+  CHECK(refused.exit_code == 2);
+  CHECK(contains(refused.errors, "add --for unity"));
+}
+
+TEST_CASE("sh: an engine that takes no harmonics is told so, and Babylon.js's are left out", "[tools]") {
+  const std::string said = run_welkin("sh --sky --for blender").output;
+  CHECK_FALSE(contains(said, "Babylon"));
+  CHECK(contains(said, "Blender takes no harmonics"));
+  CHECK(contains(said, "'welkin bake --for blender' writes what it loads"));
+  CHECK(contains(said, "sh[8]"));
+  CHECK_FALSE(contains(run_welkin("sh --sky --for openexr").output, "welkin bake"));
+}
+
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools]") {
@@ -432,14 +510,6 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
 // `welkin sh` turns the light: --yaw, --mirror, --rotation, --from, --for.
 
 namespace {
-
-SphericalHarmonics radiance_of(const nlohmann::json& json) {
-  SphericalHarmonics harmonics(json.at("bands").get<int>());
-  for (std::size_t i = 0; i < harmonics.coefficients().size(); ++i) {
-    harmonics.coefficients()[i] = triple(json.at("radiance").at(i));
-  }
-  return harmonics;
-}
 
 double distance(const SphericalHarmonics& a, const SphericalHarmonics& b) {
   double largest = 0.0;

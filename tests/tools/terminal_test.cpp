@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -82,6 +84,64 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
   CHECK_FALSE(contains(errors_of("sh --frobnicate"), "did you mean"));
   CHECK(contains(errors_of("sh one.exr two.exr"), "two.exr is an argument too many"));
   CHECK(contains(errors_of("report --quik"), "did you mean --quick?"));
+}
+
+TEST_CASE("command: the beginning of a word is answered with the words that begin so", "[tools]") {
+  CHECK(contains(errors_of("sky --sun 20"),
+                 "there is no option --sun; did you mean --sun-elevation, --sun-azimuth or --sun-disc?"));
+  CHECK(contains(errors_of("bake x.hdr --out o"), "there is no option --out; did you mean --output?"));
+  CHECK(contains(errors_of("ba x.hdr"), "there is no command ba; did you mean bake or batch?"));
+  CHECK(contains(errors_of("completion man"), "man is none of bash, zsh, manual; did you mean manual?"));
+  CHECK(contains(run_welkin("completion --help").output, "manual for welkin(1)"));
+}
+
+TEST_CASE("command: several pictures are answered with the command that takes them", "[tools]") {
+  CHECK(contains(errors_of("bake a.hdr b.hdr -o out"), "b.hdr is an argument too many; 'welkin batch plan'"));
+}
+
+TEST_CASE("command: options may stand before their command", "[tools][posix]") {
+  const TemporaryFolder folder;
+  const std::string small = " --sky --size 4 --irradiance 0 --no-brdf --no-previews ";
+  const auto baked = [&](const std::string& arguments, const char* name) {
+    const CommandResult result = run_welkin(arguments, "cd " + quoted(folder.path()) + " &&");
+    INFO(arguments << '\n' << result.errors);
+    CHECK(result.exit_code == 0);
+    CHECK(std::filesystem::exists(folder.path() / name / "manifest.json"));
+  };
+  baked("-o out bake" + small, "out");
+  baked("-q --output=other bake" + small, "other");
+  baked("--size 4 -o sh bake --sky --irradiance 0 --no-previews", "sh");  // named as a command is
+  CHECK(contains(errors_of("--sise 4 bake --sky"), "bake: there is no option --sise; did you mean --size?"));
+}
+
+TEST_CASE("command: --help has the defaults, and what makes a bake quick", "[tools]") {
+  const auto one_line = [](const std::string& command) {
+    std::istringstream words(run_welkin(command + " --help").output);
+    std::string text;
+    for (std::string word; words >> word;) text += word + ' ';
+    return text;
+  };
+  const auto has = [&](const char* command, const std::vector<const char*>& parts) {
+    const std::string help = one_line(command);
+    INFO(help);
+    for (const char* const part : parts) {
+      INFO(part);
+      CHECK(contains(help, part));
+    }
+  };
+  has("bake", {"faces (default 256, or by the budget)", "Roughness of mips (default filament, or by --for)",
+               "Formats of cubemaps (default ktx2, or by --for)", "(default by the picture)",
+               "-o,--output DIR The folder to write to (default the input's name without extension, or sky)",
+               "--no-previews No previews, which take two thirds of the time", "(default no limit)", "(default 0)",
+               "Threads to work with (default 0, for all)"});
+  has("sky", {"(default 40)", "(default earth)", "(default spectral, but srgb with --sweep)", "(default 32"});
+  has("sh", {"C# for --for unity (default table)", "to 16 (default 3)", "ringing (default none)", "(default welkin)"});
+  has("convert", {"(default half, 8bit for .png)", "(default as large as IN)", "sphere (default automatic)"});
+  has("testmap", {"(default 512, or 2048 for a lat-long)", "(default exr)", "(default testmap.exr, here"});
+  has("importance", {"counts (default luminance)", "(default as many)"});
+  has("info", {"(default automatic, by its header", "(default rec709"});
+  has("batch", {"to run, which are predicted to take equally long (default 1/1)", "(default 8GiB)", "(default 256"});
+  has("report", {"(default 1)"});
 }
 
 TEST_CASE("command: words are taken whatever their case", "[tools]") {

@@ -154,5 +154,8 @@ def test_engine_forms_have_their_formulas(picture):
     there = np.linalg.inv(welkin.conventions()["unity"].from_welkin) @ normal
     np.testing.assert_allclose(value, irradiance(there) / np.pi, rtol=1e-6)
     assert len(welkin.engine_light(radiance, "babylon").terms) == 9
+    own = list(welkin.engine_light(radiance, "welkin").terms.values())
+    basis = [1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y]
+    np.testing.assert_allclose(np.dot(basis, own), irradiance(normal) / np.pi, rtol=1e-6)
     with pytest.raises(welkin.InvalidArgument, match="babylon"):
         welkin.engine_light(radiance, "blender")

@@ -265,6 +265,8 @@ static void harmonics_that_are_refused(void) {
   CHECK(to[0] == 7.0); /* a call that fails writes none of its results */
   REFUSED("coefficients", welkin_minimum(3, NULL, value, NULL));
   REFUSED("value", welkin_minimum(3, light, NULL, NULL));
+  REFUSED("radiance", welkin_exposure_of(3, NULL, value));
+  REFUSED("exposure", welkin_exposure_of(3, light, NULL));
   REFUSED("radiance", welkin_dominant_light(3, NULL, value, value, &found));
   REFUSED("direction", welkin_dominant_light(3, light, NULL, value, &found));
   REFUSED("irradiance", welkin_dominant_light(3, light, value, NULL, &found));

@@ -1,0 +1,129 @@
+#include "welkin/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "image/geometry.h"
+#include "image/pixels.h"
+#include "platform/float_environment.h"
+
+namespace welkin {
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+constexpr double kBrightSurroundings = 2.0 * kMiddleGrey;
+constexpr double kPercentile = 0.75;
+constexpr double kUnclipped = 0.99;   // what is brighter counts as much as this percentile
+constexpr double kDark = 1.0 / 32.0;  // of the mean: what is darker is not lit
+
+/// A texel's luminance, and its solid angle but for a factor.
+struct Sample {
+  double luminance;
+  double weight;
+};
+
+template <class Rgb>
+double luminance(const Rgb& rgb) {
+  return 0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
+         0.0722 * static_cast<double>(rgb[2]);
+}
+
+/// The quotient where light and quotient are finite and above 0.
+double exposure_to(double shown, double light) {
+  const double exposure = shown / light;
+  return light > 0.0 && std::isfinite(exposure) && exposure > 0.0 ? exposure : 1.0;
+}
+
+/// Appends a row. `weight_of`: by column.
+template <class WeightOf>
+void add_row(PixelFormat format, const void* texels, const WeightOf& weight_of, std::vector<float>& decoded,
+             std::vector<Sample>& samples) {
+  const auto count = static_cast<int>(decoded.size() / 3);
+  image::decode_texels(format, texels, count, decoded.data());
+  const float* rgb = decoded.data();
+  for (int column = 0; column < count; ++column, rgb += 3) {
+    const double light = luminance(rgb);
+    samples.push_back({light > 0.0 ? light : 0.0, weight_of(column)});  // NaN is above nothing
+  }
+}
+
+/// Of the samples, which rise, whose luminance is at least `least`: what `share` of their solid angle does not exceed.
+double percentile(const std::vector<Sample>& samples, double share, double least) {
+  double whole = 0.0;
+  for (const Sample& sample : samples) whole += sample.luminance >= least ? sample.weight : 0.0;
+  double below = 0.0;
+  for (const Sample& sample : samples) {
+    if (sample.luminance < least) continue;
+    below += sample.weight;
+    if (below >= share * whole) return sample.luminance;
+  }
+  return samples.back().luminance;
+}
+
+double mean_luminance(const std::vector<Sample>& samples, double most) {
+  double sum = 0.0;
+  double weights = 0.0;
+  for (const Sample& sample : samples) {
+    sum += sample.weight * std::min(sample.luminance, most);
+    weights += sample.weight;
+  }
+  return sum / weights;
+}
+
+double exposure_of(std::vector<Sample> samples) {
+  // Stable: sums over equal luminances must not depend on whose sort it is.
+  std::ranges::stable_sort(samples, {}, &Sample::luminance);
+  const double most = percentile(samples, kUnclipped, 0.0);
+  // A lamp of less than a hundredth of the sphere before black: only itself can be shown.
+  const double mean = mean_luminance(samples, most > 0.0 ? most : samples.back().luminance);
+  const double least = std::max(kDark * mean, std::numeric_limits<double>::min());
+  return exposure_to(kBrightSurroundings, percentile(samples, kPercentile, least));
+}
+
+}  // namespace
+
+double exposure_of(const SphericalHarmonics& radiance) {
+  const platform::FloatingPointScope floating_point;
+  return exposure_to(kMiddleGrey, luminance(mean_radiance(radiance)));
+}
+
+double exposure_of(const CubemapView& picture) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(picture);
+  const auto size = static_cast<std::size_t>(picture.size);
+  std::vector<float> decoded(3 * size);
+  std::vector<Sample> samples;
+  samples.reserve(6 * size * size);
+  for (int face = 0; face < 6; ++face) {
+    for (int row = 0; row < picture.size; ++row) {
+      const double v = (2.0 * row + 1.0) / picture.size - 1.0;
+      const auto weight = [&](int column) {
+        const double u = (2.0 * column + 1.0) / picture.size - 1.0;
+        const double squared = 1.0 + u * u + v * v;
+        return 1.0 / (squared * std::sqrt(squared));
+      };
+      add_row(picture.format, image::row_of(picture, face, row), weight, decoded, samples);
+    }
+  }
+  return exposure_of(std::move(samples));
+}
+
+double exposure_of(const LatLongView& picture) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(picture);
+  const auto width = static_cast<std::size_t>(picture.width);
+  std::vector<float> decoded(3 * width);
+  std::vector<Sample> samples;
+  samples.reserve(width * static_cast<std::size_t>(picture.height));
+  for (int row = 0; row < picture.height; ++row) {
+    const double weight = image::lat_long_texel_solid_angle(picture.width, picture.height, row);
+    add_row(
+        picture.format, image::row_of(picture, row), [weight](int) { return weight; }, decoded, samples);
+  }
+  return exposure_of(std::move(samples));
+}
+
+}  // namespace welkin
