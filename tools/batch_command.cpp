@@ -4,9 +4,11 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "platform/text.h"
+#include "tools/batch_inputs.h"
 #include "tools/batch_merge.h"
 #include "tools/batch_plan.h"
 #include "tools/batch_progress.h"
@@ -44,7 +46,8 @@ Plan: inputs are files, folders (all pictures below them) and patterns that the
   shell did not expand. Options of 'welkin bake' hold for all; each line of a
   --list is {"input": PATH, "name": NAME, "options": ["--size", "128"]}, and its
   options take the place of those; files are beside the list. An input that is
-  not there is told, and stays in the plan.
+  named here and not there is an error; of a list it is told, and stays in the
+  plan.
 
 Run: a result is a folder, named by the hash of its input's bytes, its options
   and the version of results. It is written beside and then gets its name, so it
@@ -213,6 +216,12 @@ Options batch_options(BatchCommandOptions& options) {
       {{"plan", Action::plan}, {"run", Action::run}, {"status", Action::status}, {"merge", Action::merge}},
       "What is to be done");
   action.required = true;
+  action.hint = [](const std::string& word) {
+    std::error_code unknown;
+    const std::filesystem::path path = platform::path_of(word);
+    const bool is_input = std::filesystem::exists(path, unknown) || is_pattern(word) || is_picture_name(path);
+    return is_input ? "; did you mean 'welkin batch plan " + word + "'?" : std::string();
+  };
   table.push_back(std::move(action));
   table.push_back({.names = "INPUT",
                    .target = &options.inputs,
