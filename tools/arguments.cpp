@@ -2,12 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <iostream>
 #include <memory>
 #include <new>
 #include <sstream>
+#include <system_error>
 
 #include "tools/help.h"
 #include "tools/terminal.h"
@@ -17,23 +20,40 @@
 namespace welkin::tool {
 namespace {
 
-/// CLI11 alone would let "-1" wrap around to the largest number.
+/// CLI11 alone would let "-1" wrap around to the largest number, and make that of whatever is larger.
 CLI::Validator size_in_bytes() {
   return {[](std::string& text) {
             if (text.find('-') != std::string::npos) return text + " is not a size";
+            std::uint64_t number = 0;
+            if (std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc::result_out_of_range) {
+              return text + " is more than the largest size, 18446744073709551615 bytes";
+            }
             return CLI::AsSizeValue(true)(text);
           },
           ""};
 }
 
-CLI::Validator finite_range(double least, double most) {
-  return {[least, most](const std::string& text) {
-            const std::optional<double> value = number_in(text);
-            const bool good = value && *value >= least && *value <= most;
-            return good ? std::string()
-                        : text + " is not a number from " + significant(least) + " to " + significant(most);
+/// Whole numbers in full: "1000000", not "1e+06".
+std::string bound_text(double bound) {
+  constexpr double kMostDigits = 1e15;
+  const bool is_short_and_whole = std::abs(bound) < kMostDigits && bound == std::floor(bound);
+  return is_short_and_whole ? std::to_string(static_cast<std::int64_t>(bound)) : significant(bound);
+}
+
+/// `value_in` says which number a text states; `kind` what it must be: "a whole number".
+template <class ValueIn>
+CLI::Validator range(const Bounds& bounds, const char* kind, const ValueIn& value_in) {
+  return {[=](const std::string& text) {
+            const auto value = value_in(text);
+            if (value && !(*value < bounds.least) && !(*value > bounds.most)) return std::string();
+            return text + " is not " + kind + " from " + bound_text(bounds.least) + " to " + bound_text(bounds.most);
           },
           ""};
+}
+
+std::optional<double> number_but_nan_in(const std::string& text) {
+  const std::optional<double> value = number_in(text);
+  return value && std::isnan(*value) ? std::nullopt : value;
 }
 
 CLI::Validator positive_number() {
@@ -46,11 +66,14 @@ CLI::Validator positive_number() {
 }
 
 /// Without regard to case. A wrong word is answered with the nearest right one.
-CLI::Validator one_of(const std::vector<std::string>& words) {
-  return {[words](const std::string& text) {
+CLI::Validator one_of(const std::vector<std::string>& words,
+                      const std::function<std::string(const std::string& word)>& hint) {
+  return {[words, hint](const std::string& text) {
             const auto same = [&text](const std::string& word) { return same_word(word, text); };
             if (std::ranges::any_of(words, same)) return std::string();
-            return text + " is none of " + CLI::detail::join(words, ", ") + did_you_mean(near_words(text, words));
+            const std::string said = hint ? hint(text) : "";
+            return text + " is none of " + CLI::detail::join(words, ", ") +
+                   (said.empty() ? did_you_mean(near_words(text, words)) : said);
           },
           ""};
 }
@@ -58,11 +81,9 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
 void check_bounds(CLI::Option& added, const Bounds& bounds) {
   switch (bounds.kind) {
     case Bounds::Kind::none: break;
-    case Bounds::Kind::whole:
-      added.check(CLI::Range(static_cast<int>(bounds.least), static_cast<int>(bounds.most)).description(""));
-      break;
-    case Bounds::Kind::number: added.check(CLI::Range(bounds.least, bounds.most).description("")); break;
-    case Bounds::Kind::finite: added.check(finite_range(bounds.least, bounds.most)); break;
+    case Bounds::Kind::whole: added.check(range(bounds, "a whole number", whole_number_in)); break;
+    case Bounds::Kind::number: added.check(range(bounds, "a number", number_in)); break;
+    case Bounds::Kind::finite: added.check(range(bounds, "a number", number_but_nan_in)); break;
     case Bounds::Kind::positive: added.check(positive_number()); break;
   }
 }
@@ -109,7 +130,7 @@ void add_option(CLI::App& command, const Option& option) {
   if (option.list != List::none) added.delimiter(',');
   if (option.count > 0) added.expected(option.count);
   if (option.list == List::commas) added.allow_extra_args(false);
-  if (!option.words.empty()) added.check(one_of(option.words));
+  if (!option.words.empty()) added.check(one_of(option.words, option.hint));
   check_bounds(added, option.bounds);
   if (has_value(option)) added.type_name(option.type);
   if (!option.group.empty()) added.group(option.group);

@@ -62,7 +62,9 @@ struct Option {
   std::string text{};                ///< for --help, which breaks its lines
   std::string type{};                ///< what --help calls the value
   std::vector<std::string> words{};  ///< the only values that are taken; empty: others decide
-  Bounds bounds{};                   ///< of each value
+  /// What to say of another word, such as "; did you mean 'plan hdr/'?"; empty text or none: the nearest word is named.
+  std::function<std::string(const std::string& word)> hint{};
+  Bounds bounds{};  ///< of each value
   List list = List::none;
   int count = 0;  ///< of a list's values; 0: any number
   bool required = false;

@@ -4,9 +4,11 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "platform/text.h"
+#include "tools/batch_inputs.h"
 #include "tools/batch_merge.h"
 #include "tools/batch_plan.h"
 #include "tools/batch_progress.h"
@@ -30,7 +32,7 @@ constexpr const char* kBatchFooter =
            of N parts, which take about equally long
   status   says what is done, left and failed
   merge    checks every file of every result, and writes an index and a page of
-           pictures
+           pictures; with --allow-missing of those that are there
 
 Examples:
   welkin batch plan hdr/ -o jobs.json --size 256 --for three
@@ -44,13 +46,15 @@ Plan: inputs are files, folders (all pictures below them) and patterns that the
   shell did not expand. Options of 'welkin bake' hold for all; each line of a
   --list is {"input": PATH, "name": NAME, "options": ["--size", "128"]}, and its
   options take the place of those; files are beside the list. An input that is
-  not there is told, and stays in the plan.
+  named here and not there is an error; of a list it is told, and stays in the
+  plan.
 
 Run: a result is a folder, named by the hash of its input's bytes, its options
   and the version of results. It is written beside and then gets its name, so it
   is whole or absent. What is there is not made again: a run that was killed goes
   on, and several share. An input that fails stands in the report, which is in
-  RESULTS/reports, and stops no other.
+  RESULTS/reports, and stops no other. RESULTS/by-name has a link to each result
+  by its job's name, where the system has links.
 
 Exit codes: 1 if an input failed, a result is missing or damaged, or differs.
 docs/batches.md has the files' formats, clusters, and figures.)";
@@ -66,6 +70,7 @@ struct BatchCommandOptions {
   std::string results;
   std::uint64_t memory = std::uint64_t{8} << 30U;
   double verify = 0.0;
+  bool allow_missing = false;
   CommonOptions common;
   BakeCommandOptions bake;  ///< of all jobs: read to be checked
 };
@@ -177,6 +182,16 @@ void status_action(const BatchCommandOptions& options) {
               counted(status.troubles.size(), "job") + " of " + std::to_string(status.jobs) + " failed or differ");
 }
 
+/// A line for each result that is not in order.
+std::string problems_text(const BatchPlan& plan, const MergedBatch& merged) {
+  std::string text;
+  for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
+    const std::string& problem = merged.results[job].problem;
+    if (!problem.empty()) text += '\n' + plan.jobs[job].name + ": " + problem;
+  }
+  return text;
+}
+
 void merge_action(const BatchCommandOptions& options) {
   if (options.output.empty()) refuse("merge: -o names the folder to write, such as -o index");
   const BatchPlan plan = plan_named(options, "merge");
@@ -187,20 +202,22 @@ void merge_action(const BatchCommandOptions& options) {
     ProgressBar bar;
     merged = check_batch(plan, results_of(options, plan), thread_count(options.common), bar.control());
   }
-  if (merged.problems > 0) {
-    std::string message = counted(merged.problems, "result") + " of " + std::to_string(plan.jobs.size()) +
-                          (merged.problems == 1 ? " is" : " are") + " missing or damaged";
-    for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
-      const std::string& problem = merged.results[job].problem;
-      if (!problem.empty()) message += '\n' + plan.jobs[job].name + ": " + problem;
-    }
-    throw Error(ErrorCode::corrupt_file, message);
+  if (merged.damaged > 0 || (merged.missing > 0 && !options.allow_missing)) {
+    const std::size_t problems = merged.damaged + merged.missing;
+    throw Error(ErrorCode::corrupt_file, counted(problems, "result") + " of " + std::to_string(plan.jobs.size()) +
+                                             (problems == 1 ? " is" : " are") + " missing or damaged" +
+                                             (merged.damaged == 0 ? "; --allow-missing merges the others" : "") +
+                                             problems_text(plan, merged));
   }
   write_batch_index(plan, merged, folder);
   if (options.common.json) {
-    print_result(json_text({{"jobs", plan.jobs.size()}, {"hash", merged.hash().text()}}));
+    print_result(json_text({{"jobs", plan.jobs.size()}, {"missing", merged.missing}, {"hash", merged.hash().text()}}));
   } else {
-    print_summary(counted(plan.jobs.size(), "result") + " in order; the batch's hash is " + merged.hash().text() +
+    print_summary(counted(plan.jobs.size() - merged.missing, "result") + " in order; the batch's hash is " +
+                  merged.hash().text() +
+                  (merged.missing > 0 ? "\nnote: " + counted(merged.missing, "result") + " missing" +
+                                            printable_lines(problems_text(plan, merged))
+                                      : "") +
                   "\nindex: " + platform::utf8(folder / "index.json") + ", " + platform::utf8(folder / "index.html") +
                   '\n');
   }
@@ -213,6 +230,12 @@ Options batch_options(BatchCommandOptions& options) {
       {{"plan", Action::plan}, {"run", Action::run}, {"status", Action::status}, {"merge", Action::merge}},
       "What is to be done");
   action.required = true;
+  action.hint = [](const std::string& word) {
+    std::error_code unknown;
+    const std::filesystem::path path = platform::path_of(word);
+    const bool is_input = std::filesystem::exists(path, unknown) || is_pattern(word) || is_picture_name(path);
+    return is_input ? "; did you mean 'welkin batch plan " + word + "'?" : std::string();
+  };
   table.push_back(std::move(action));
   table.push_back({.names = "INPUT",
                    .target = &options.inputs,
@@ -239,6 +262,9 @@ Options batch_options(BatchCommandOptions& options) {
                    .text = "The share of results that run computes once more and compares; default 0",
                    .type = "SHARE",
                    .bounds = finite_between(0.0, 1.0)});
+  table.push_back({.names = "--allow-missing",
+                   .target = &options.allow_missing,
+                   .text = "Merge the results that are there; the index and the page name those that are missing"});
   table.push_back({.names = "--memory",
                    .target = ByteCount{&options.memory},
                    .text = "The most memory that bakes may take at a time, by prediction (default 8GiB); one "
@@ -256,12 +282,13 @@ Options batch_options(BatchCommandOptions& options) {
 void refuse_others(Action action, const Given& given) {
   std::vector<std::string> others;
   if (action == Action::plan) {
-    others = {"--results", "--shard", "--verify", "--memory", "--json"};
+    others = {"--results", "--shard", "--verify", "--allow-missing", "--memory", "--json"};
   } else {
     BakeCommandOptions unused;
     for (const Option& option : job_options(unused)) others.push_back(option.names.substr(0, option.names.find(',')));
     others.emplace_back("--list");
     if (action != Action::merge) others.emplace_back("--output");
+    if (action != Action::merge) others.emplace_back("--allow-missing");
     if (action != Action::run) others.insert(others.end(), {"--shard", "--verify", "--memory"});
   }
   constexpr std::array kActions{"plan", "run", "status", "merge"};
@@ -278,8 +305,9 @@ Command batch_command() {
   const auto options = std::make_shared<BatchCommandOptions>();
   Command command{"batch", "Bake many environments, on one machine or on many", kBatchFooter};
   command.options = batch_options(*options);
-  command.everyday = {"ACTION",   "INPUT",  "--output", "--list",    "--results", "--shard",   "--verify",
-                      "--memory", "--json", "--size",   "--formats", "--for",     "--threads", "--quiet"};
+  command.everyday = {"ACTION",  "INPUT",     "--output",        "--list",    "--results",
+                      "--shard", "--verify",  "--allow-missing", "--memory",  "--json",
+                      "--size",  "--formats", "--for",           "--threads", "--quiet"};
   command.run = [options](const Given& given) {
     refuse_others(options->action, given);
     switch (options->action) {

@@ -22,15 +22,14 @@ constexpr const char* kIndexSchema = "welkin batch index";
 MergedResult check_job(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
   MergedResult merged;
   try {
-    BakeCommandOptions options = bake_options_of(plan, job.options);
-    options.input = platform::utf8(plan.place(job.input));
-    const ContentHash key = result_key_of(options, job.options);
+    const ContentHash key = result_key_of(plan, job);
     merged.folder = results / key.text();
     const std::optional<ResultFiles> files = listed_in(merged.folder);
     std::error_code unknown;
     if (!files) {
-      merged.problem = fs::exists(merged.folder, unknown) ? key.text() + ": its result.json is damaged"
-                                                          : "there is no result " + key.text();
+      merged.is_missing = !fs::exists(merged.folder, unknown);
+      merged.problem =
+          merged.is_missing ? "there is no result " + key.text() : key.text() + ": its result.json is damaged";
       return merged;
     }
     merged.files = *files;
@@ -39,6 +38,7 @@ MergedResult check_job(const BatchPlan& plan, const BatchJob& job, const fs::pat
     if (!names.empty()) merged.problem = key.text() + ": damaged:" + names + "; remove the folder, and run again";
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
+    merged.is_missing = true;
     merged.problem = error.what();
   }
   return merged;
@@ -70,8 +70,9 @@ MergedBatch check_batch(const BatchPlan& plan, const fs::path& results, int thre
       merged.results[job] = check_job(plan, plan.jobs[job], results);
     });
   });
-  merged.problems = static_cast<std::size_t>(
-      std::ranges::count_if(merged.results, [](const MergedResult& result) { return !result.problem.empty(); }));
+  for (const MergedResult& result : merged.results) {
+    if (!result.problem.empty()) ++(result.is_missing ? merged.missing : merged.damaged);
+  }
   return merged;
 }
 
@@ -90,17 +91,19 @@ void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const f
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     const BatchJob& job = plan.jobs[i];
     const MergedResult& result = merged.results[i];
+    if (result.is_missing) {
+      jobs.push_back({{"name", job.name}, {"input", job.input}, {"missing", result.problem}});
+      continue;
+    }
     jobs.push_back({{"name", job.name},
                     {"input", job.input},
                     {"result", link_from(folder, result.folder)},
                     {"hash", hash_of(result.files).text()},
                     {"files", files_json(result.files)}});
   }
-  const Json index = {{"schema", kIndexSchema},
-                      {"version", 1},
-                      {"welkin", WELKIN_VERSION_STRING},
-                      {"hash", merged.hash().text()},
-                      {"jobs", jobs}};
+  const Json index = {{"schema", kIndexSchema},          {"version", 1},
+                      {"welkin", WELKIN_VERSION_STRING}, {"hash", merged.hash().text()},
+                      {"missing", merged.missing},       {"jobs", jobs}};
   write_text_file(folder / kPageName, batch_page(plan, merged, folder));
   write_text_file(folder / kIndexName, json_text(index));
 }

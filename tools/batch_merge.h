@@ -16,14 +16,16 @@ namespace welkin::tool {
 struct MergedResult {
   std::filesystem::path folder;
   ResultFiles files;
-  std::string problem;  ///< why it is not in order; empty: it is
+  std::string problem;      ///< why it is not in order; empty: it is
+  bool is_missing = false;  ///< it is not there, or its input cannot be read; else a problem is that it is damaged
 };
 
 struct MergedBatch {
   std::vector<MergedResult> results;  ///< of the plan's jobs, in its order
-  std::size_t problems = 0;
+  std::size_t missing = 0;
+  std::size_t damaged = 0;
 
-  /// Over the hashes of all results' files, in the order of the plan.
+  /// Over the hashes of all results' files, in the order of the plan; a missing one counts as one without files.
   [[nodiscard]] ContentHash hash() const;
 };
 
@@ -34,7 +36,8 @@ struct MergedBatch {
 /// Throws `Error` (file_access) if the folder has an index.json or index.html that no merge has written.
 void require_index_place(const std::filesystem::path& folder);
 
-/// index.json and index.html, in a folder that is made. Throws `Error` (file_access).
+/// index.json and index.html, in a folder that is made; missing results are named in both. Throws `Error`
+/// (file_access).
 void write_batch_index(const BatchPlan& plan, const MergedBatch& merged, const std::filesystem::path& folder);
 
 }  // namespace welkin::tool

@@ -153,6 +153,10 @@ std::string pictures(const MergedResult& result, const std::string& name, const 
 }
 
 std::string figure(const BatchJob& job, const MergedResult& result, const fs::path& folder) {
+  if (result.is_missing) {
+    return "<figure>\n<div class=\"none\">missing</div>\n<figcaption><b>" + escaped(job.name) + "</b><span>" +
+           escaped(result.problem) + "</span></figcaption>\n</figure>\n";
+  }
   const Json manifest = manifest_in(result.folder);
   std::string text = "<figure>\n" + pictures(result, job.name, folder) + "<figcaption><b>" + escaped(job.name) + "</b>";
   for (const std::string& words : {source_words(manifest), specular_words(manifest), bytes_words(result.files)}) {
@@ -183,8 +187,9 @@ std::string batch_page(const BatchPlan& plan, const MergedBatch& merged, const f
   constexpr unsigned kMebi = 20;
   std::string text = kHead;
   text += "<h1>" + escaped(platform::utf8(plan.file.filename())) + "</h1>\n<p>" +
-          counted(plan.jobs.size(), "environment") + ", " + grouped(bytes >> kMebi) +
-          " MiB; every file has the hash that it was written with. The batch: <code>" + merged.hash().text() +
+          counted(plan.jobs.size(), "environment") + ", " + grouped(bytes >> kMebi) + " MiB; " +
+          (merged.missing > 0 ? grouped(merged.missing) + " missing; " : "") +
+          "every file has the hash that it was written with. The batch: <code>" + merged.hash().text() +
           "</code></p>\n<main>\n";
   for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
     text += figure(plan.jobs[job], merged.results[job], folder);

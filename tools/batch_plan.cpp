@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numeric>
 #include <queue>
@@ -14,9 +13,11 @@
 
 #include "platform/text.h"
 #include "tools/baked.h"
+#include "tools/batch_costs.h"
 #include "tools/batch_inputs.h"
 #include "tools/batch_words.h"
 #include "tools/json.h"
+#include "tools/lines.h"
 #include "tools/text.h"
 #include "welkin/core.h"
 
@@ -29,16 +30,8 @@ constexpr const char* kSchema = "welkin batch jobs";
 constexpr int kVersion = 1;
 constexpr std::size_t kMostJobs = 10'000'000;
 constexpr std::uintmax_t kMostPlanBytes = std::uintmax_t{1} << 32U;
-constexpr std::uintmax_t kMostListBytes = std::uintmax_t{1} << 30U;
 constexpr double kMostSeconds = 1e9;
 constexpr double kMostBytes = 1e15;
-
-// What a job costs beside the passes that a plan knows: processor time of bakes of 64 x 32 to 1024 x 512 pixels,
-// measured on an EPYC (Zen 4) whose cores others used too. It decides what is a fair share, and no more.
-constexpr double kSecondsOfAJob = 0.004;                         // opening, hashing and naming some eight files
-constexpr double kSecondsOfATexel = 20e-9;                       // reading one
-constexpr double kSecondsOfAByte = 2e-9;                         // writing one, of the results in memory
-constexpr double kSecondsOfPreviews = 0.12;                      // of balls of the default size
 constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
 
 // ---- Options
@@ -83,6 +76,7 @@ struct Wish {
   std::string name;   ///< empty: by the input
   std::vector<std::string> options;
   bool found = false;  ///< in a folder or by a pattern: of six faces one stands for all
+  bool typed = false;  ///< on the command line: what no run could read is refused
 };
 
 void add_input(const std::string& word, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
@@ -95,7 +89,8 @@ void add_input(const std::string& word, const std::vector<std::string>& options,
     }
     for (const fs::path& file : files) {
       const fs::path name = below.empty() ? file.filename() : file.lexically_relative(below);
-      wishes.push_back({platform::utf8(file), platform::utf8(name), options, true});
+      wishes.push_back(
+          {.input = platform::utf8(file), .name = platform::utf8(name), .options = options, .found = true});
     }
   };
   if (is_there && fs::is_directory(path, unknown)) {
@@ -103,7 +98,7 @@ void add_input(const std::string& word, const std::vector<std::string>& options,
   } else if (!is_there && is_pattern(word)) {
     add(files_that_fit(word), {});
   } else {
-    wishes.push_back({word, "", options, false});
+    wishes.push_back({.input = word, .name = "", .options = options, .typed = true});
   }
 }
 
@@ -154,19 +149,10 @@ Wish wish_in(const std::string& line, const fs::path& list, LineOptions& options
 }
 
 void add_list(const fs::path& list, const std::vector<std::string>& options, std::vector<Wish>& wishes) {
-  std::ifstream stream(list, std::ios::binary);
-  std::error_code unknown;
-  if (!stream || fs::is_directory(list, unknown)) {
-    throw Error(ErrorCode::file_access, platform::utf8(list) + ": cannot be read; --list names a file of JSON lines");
-  }
-  std::string line;
-  std::uintmax_t bytes = 0;
   LineOptions known(options);
-  for (std::size_t number = 1; std::getline(stream, line); ++number) {
-    bytes += line.size() + 1;
+  for_each_line(list, [&](std::size_t number, const std::string& line) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) return;
     const std::string where = platform::utf8(list) + ": line " + std::to_string(number) + ": ";
-    if (bytes > kMostListBytes) throw Error(ErrorCode::limit_exceeded, where + "there is more than a gigabyte");
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     try {
       wishes.push_back(wish_in(line, list, known));
     } catch (const Flaw& flaw) {
@@ -176,17 +162,11 @@ void add_list(const fs::path& list, const std::vector<std::string>& options, std
     } catch (const Error& error) {
       throw Error(error.code(), where + error.what());
     }
-  }
+  });
 }
 
-/// The name without its ending, and with a number where another job has it. `taken`: of each name the number that is to
-/// be tried next.
-std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
-  std::string name = wish.name;
-  if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());
-  const bool said = !wish.found && !wish.name.empty();
-  if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
-  if (name.empty()) name = "input";
+/// The name, with a number where it is taken. `taken`: of each name the number that is to be tried next.
+std::string numbered(const std::string& name, std::map<std::string, int>& taken) {
   if (taken.emplace(name, 2).second) return name;
   std::string unique;
   do unique = name + '-' + std::to_string(taken.at(name)++);
@@ -194,13 +174,13 @@ std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
   return unique;
 }
 
-double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
-  constexpr double kMilliseconds = 1e-3;
-  const double ball = static_cast<double>(options.preview_size) / BakeCommandOptions().preview_size;
-  return kSecondsOfAJob + kMilliseconds * prediction.milliseconds +
-         kSecondsOfATexel * static_cast<double>(prediction.texels) +
-         kSecondsOfAByte * static_cast<double>(prediction.result_bytes) +
-         (options.previews ? kSecondsOfPreviews * ball * ball : 0.0);
+/// The name without its ending, and with a number where another job has it.
+std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
+  std::string name = wish.name;
+  if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());
+  const bool said = !wish.found && !wish.name.empty();
+  if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
+  return numbered(name.empty() ? "input" : name, taken);
 }
 
 /// Plans wishes one by one.
@@ -224,16 +204,30 @@ class Planner {
       }
       const Prediction prediction = predict(options);
       if (wish.found && is_known_face(wish, prediction.info)) return;
-      job.seconds = seconds_of(prediction, options);
+      job.seconds = seconds_of_job(prediction, options);
       job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
       std::error_code unknown;
       const auto size = fs::file_size(platform::path_of(wish.input), unknown);
       job.size = unknown ? 0 : static_cast<std::uint64_t>(size);
     } catch (const Error& error) {
       job.error = error.what();
+      const bool is_hopeless = error.code() == ErrorCode::file_access || error.code() == ErrorCode::unsupported_file;
+      if (wish.typed && is_hopeless) refused_.push_back(job.error);
     }
     job.name = unique_name(wish, names_);
     plan_.jobs.push_back(std::move(job));
+  }
+
+  /// After all are added. Throws `Error` (file_access) for inputs of the command line that are not there or that no run
+  /// could read: most often their names are mistyped.
+  void refuse_hopeless() const {
+    if (refused_.empty()) return;
+    std::string message =
+        "batch plan: " + counted(refused_.size(), "input") + " cannot be read, so no plan was written";
+    constexpr std::size_t kShown = 10;
+    for (std::size_t i = 0; i < std::min(kShown, refused_.size()); ++i) message += '\n' + refused_[i];
+    if (refused_.size() > kShown) message += "\n...";
+    throw Error(ErrorCode::file_access, message);
   }
 
  private:
@@ -254,6 +248,7 @@ class Planner {
   }
 
   BatchPlan& plan_;
+  std::vector<std::string> refused_;
   std::map<std::string, int> names_;
   std::set<std::string> faces_;
   std::map<std::vector<std::string>, BakeCommandOptions> known_;
@@ -370,7 +365,24 @@ BatchPlan plan_batch(const BatchRequest& request, const fs::path& file) {
   require_place(plan);
   Planner planner(plan);
   for (const Wish& wish : wishes) planner.add(wish);
+  planner.refuse_hopeless();
   return plan;
+}
+
+std::vector<std::string> file_names_of(const BatchPlan& plan) {
+  constexpr std::string_view kElsewhere = "/\\:*?\"<>|";
+  constexpr unsigned char kFirstPrintable = 0x20;
+  std::vector<std::string> names;
+  std::map<std::string, int> taken;
+  for (const BatchJob& job : plan.jobs) {
+    std::string name = job.name;
+    for (char& c : name) {
+      if (static_cast<unsigned char>(c) < kFirstPrintable || kElsewhere.find(c) != std::string_view::npos) c = '_';
+    }
+    if (name.empty() || name.front() == '.') name.insert(0, 1, '_');
+    names.push_back(numbered(name, taken));
+  }
+  return names;
 }
 
 void write_batch_plan(const BatchPlan& plan) {
@@ -404,7 +416,15 @@ BatchPlan read_batch_plan(const fs::path& file) {
 BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words) {
   BakeCommandOptions options;
   const Options table = job_options(options);
-  const auto placed = [&](const std::string& path) { return platform::utf8(plan.place(path)); };
+  const auto placed = [&](const std::string& path) {
+    const fs::path place = plan.place(path);
+    std::error_code unknown;
+    if (fs::exists(place, unknown) && !fs::is_regular_file(place, unknown)) {
+      throw Error(ErrorCode::file_access,
+                  platform::utf8(place) + ": is not a regular file; a batch reads the files of its options many times");
+    }
+    return platform::utf8(place);
+  };
   read_options(table, with_files(words, placed));
   settle_files(options);
   static_cast<void>(library_options(options));

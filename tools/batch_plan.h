@@ -38,13 +38,14 @@ struct BatchPlan {
 /// What is to be planned.
 struct BatchRequest {
   std::vector<std::string> inputs;   ///< files, folders and patterns (*, ?, **)
-  std::optional<std::string> list;   ///< a file of JSON lines
+  std::optional<std::string> list;   ///< a file of JSON lines; its inputs may be on other machines alone
   std::vector<std::string> options;  ///< of all jobs; those of their lines replace them
 };
 
-/// Looks at every input's header. An input that is not there is a job with an error. Throws `Error`: invalid_argument
-/// for options that `welkin bake` would refuse, for a pattern without a match and if there is nothing to do;
-/// file_access if `file` is there and no plan, or cannot be; what reading the list does.
+/// Looks at every input's header. An input that cannot be read is a job with an error, unless it stands in `inputs` and
+/// is not there or is no picture. Throws `Error`: file_access for that, and if `file` is there and no plan, or cannot
+/// be; invalid_argument for options that `welkin bake` would refuse, for a pattern without a match and if there is
+/// nothing to do; what reading the list does (`for_each_line`).
 [[nodiscard]] BatchPlan plan_batch(const BatchRequest& request, const std::filesystem::path& file);
 
 void write_batch_plan(const BatchPlan& plan);
@@ -52,8 +53,13 @@ void write_batch_plan(const BatchPlan& plan);
 /// Throws `Error`: file_access, limit_exceeded; corrupt_file for what is no plan of this version.
 [[nodiscard]] BatchPlan read_batch_plan(const std::filesystem::path& file);
 
+/// For each job a name that a file may have and no other job gets: the job's own, with _ in the place of what separates
+/// folders. It follows from the plan alone.
+[[nodiscard]] std::vector<std::string> file_names_of(const BatchPlan& plan);
+
 /// The options of one job as `welkin bake` reads them; files that they name are looked for in `plan`'s folder.
-/// `settle_files` has been called. Throws `Error` (invalid_argument).
+/// `settle_files` has been called. Throws `Error` (invalid_argument), and file_access for such a file that is no regular
+/// one: a batch reads it more than once.
 [[nodiscard]] BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words);
 
 /// The jobs of each shard, costliest first. Costliest first, every job goes to the shard that has least to do by then;

@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kSchema = "welkin batch result";
 constexpr int kVersion = 1;
 constexpr const char* kPartial = "partial";
+constexpr const char* kByName = "by-name";
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& reason) {
   throw Error(ErrorCode::file_access, platform::utf8(path) + ": " + what + " (" + reason + ")");
@@ -115,6 +116,12 @@ ContentHash result_key_of(const BakeCommandOptions& options, const std::vector<s
   const std::string understood = std::string(name(info.layout)) + '\n' + info.format_words();
   return cache::result_key("batch result",
                            {cache::hash_of(asked, scene_text(options.scene), understood), combine(files)});
+}
+
+ContentHash result_key_of(const BatchPlan& plan, const BatchJob& job) {
+  BakeCommandOptions options = bake_options_of(plan, job.options);
+  options.input = platform::utf8(plan.place(job.input));
+  return result_key_of(options, job.options);
 }
 
 std::optional<ResultFiles> listed_in(const fs::path& result) {
@@ -266,6 +273,24 @@ bool ResultStore::publish(const fs::path& made, const ContentHash& key) {
     remove_quietly(aside);
   }
   fail(target, "cannot get its name", trouble.message());
+}
+
+void ResultStore::add_name(const ContentHash& key, const std::string& name) const noexcept {
+  std::error_code trouble;
+  const fs::path link = folder_ / kByName / platform::path_of(name);
+  const fs::path target = fs::path("..") / key.text();
+  if (fs::is_symlink(link, trouble) ? fs::read_symlink(link, trouble) == target : fs::exists(link, trouble)) return;
+  fs::create_directory(link.parent_path(), trouble);
+  const fs::path made = own_ / (key.text() + "-link");  // a rename replaces a link in one step
+  fs::create_directory_symlink(target, made, trouble);
+  if (!trouble) fs::rename(made, link, trouble);
+  if (trouble) remove_quietly(made);
+}
+
+void ResultStore::remove_name(const std::string& name) const noexcept {
+  std::error_code trouble;
+  const fs::path link = folder_ / kByName / platform::path_of(name);
+  if (fs::is_symlink(link, trouble)) fs::remove(link, trouble);
 }
 
 ResultFiles ResultStore::trial(const ContentHash& key, const std::function<void(const fs::path& folder)>& make) {

@@ -10,6 +10,7 @@
 
 #include "platform/file.h"
 #include "tools/bake_options.h"
+#include "tools/batch_plan.h"
 #include "welkin/core.h"
 #include "welkin/result_cache.h"
 
@@ -36,6 +37,9 @@ using ResultFiles = std::vector<ResultFile>;
 /// written and what stood in the files that they name), and the version of results. Reads the input. Throws `Error` as
 /// `inspect_environment`.
 [[nodiscard]] ContentHash result_key_of(const BakeCommandOptions& options, const std::vector<std::string>& words);
+
+/// The key of a job's result. Throws likewise, and invalid_argument for the job's options.
+[[nodiscard]] ContentHash result_key_of(const BatchPlan& plan, const BatchJob& job);
 
 /// What a result's folder says of its files. Nothing if there is none, or no sound result.json. Files are not looked
 /// at.
@@ -74,6 +78,11 @@ class ResultStore {
   /// stays; a damaged one is replaced. Throws `Error` and what `make` throws, but `ResultStoreError` where that was
   /// file_access and the folder takes no other file either; then nothing is left. Thread-safe.
   bool add(const ContentHash& key, const std::function<void(const std::filesystem::path& folder)>& make);
+
+  /// Makes the link by-name/NAME to the result's folder, for people, where the system has links and lets this process
+  /// make them; a file that is no link stays. `remove_name` takes it away. Thread-safe for different keys and names.
+  void add_name(const ContentHash& key, const std::string& name) const noexcept;
+  void remove_name(const std::string& name) const noexcept;
 
   /// Has `make` fill a folder that goes again, and says what was in it. Throws likewise. Thread-safe.
   [[nodiscard]] ResultFiles trial(const ContentHash& key,

@@ -143,6 +143,7 @@ class ShardRun {
  public:
   ShardRun(const BatchPlan& plan, const BatchRun& run, std::stop_token stop)
       : plan_(plan),
+        names_(file_names_of(plan)),
         tasks_(tasks_of(plan, run)),
         stop_(std::move(stop)),
         store_(run.results),
@@ -230,7 +231,7 @@ class ShardRun {
       if (task.verifies) {
         if (!verify_result(job, record)) return progress_.add(job.seconds, false);
       } else {
-        make_result(job, record);
+        make_result(task.job, record);
       }
     } catch (const ResultStoreError&) {  // which is not the job's fault
       throw;
@@ -242,20 +243,24 @@ class ShardRun {
       record.error_code = name(ErrorCode::limit_exceeded);
       record.error = "there was not enough memory; a lower --memory or fewer --threads take less";
     }
-    if (!record.error_code.empty()) record.state = JobState::failed;
+    if (!record.error_code.empty()) {
+      record.state = JobState::failed;
+      if (!task.verifies) store_.remove_name(names_[task.job]);  // a result of what the input was before
+    }
     record.seconds = seconds_since(start);
     record.end = time_now();
     note(std::move(record), job.seconds);
   }
 
-  void make_result(const BatchJob& job, JobRecord& record) {
+  void make_result(std::size_t index, JobRecord& record) {
+    const BatchJob& job = plan_.jobs[index];
     BakeCommandOptions options = options_.of(job);
     options.input = platform::utf8(plan_.place(job.input));
     const ContentHash key = result_key_of(options, job.options);
     record.result = key.text();
     const KeysAtWork::Turn turn(keys_, key);
     record.state = JobState::present;
-    if (store_.is_whole(key)) return;
+    if (store_.is_whole(key)) return store_.add_name(key, names_[index]);
     const auto make = [&](const std::filesystem::path& folder) {
       options.directory = platform::utf8(folder);
       bake_files(options, {stop_, {}});
@@ -264,6 +269,7 @@ class ShardRun {
       throw Error(ErrorCode::file_access, *options.input + ": changed while it was baked; run again");
     };
     if (store_.add(key, make)) record.state = JobState::computed;
+    store_.add_name(key, names_[index]);
   }
 
   /// False if there is no result, and so nothing to verify.
@@ -310,6 +316,7 @@ class ShardRun {
   }
 
   const BatchPlan& plan_;
+  std::vector<std::string> names_;  ///< of the jobs, for links to their results
   std::vector<Task> tasks_;
   std::stop_token stop_;
   ResultStore store_;

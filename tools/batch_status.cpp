@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 /// What reports say of a job.
 struct Known {
   std::optional<JobRecord> last;      ///< that is no verification
+  bool is_made = false;               ///< some report has a result of it
   std::optional<JobRecord> verified;  ///< the last verification, whatever it found
 };
 
@@ -80,7 +81,7 @@ class Reports {
         measured_ += record.seconds;
         predicted_ += plan_.jobs[found->second].seconds;
         [[fallthrough]];
-      case JobState::present:
+      case JobState::present: known.is_made = true; [[fallthrough]];
       case JobState::failed: keep_later(known.last, record); break;
     }
   }
@@ -95,13 +96,28 @@ class Reports {
 
 enum class Standing { done, failed, left };
 
-Standing standing_of(const Known& known, const fs::path& results) {
-  if (!known.last) return Standing::left;
-  if (known.last->state == JobState::failed) return Standing::failed;
-  if (!hash_in(known.last->result)) return Standing::left;
-  const fs::path result = results / known.last->result;
+bool is_whole(const fs::path& result) {
   const std::optional<ResultFiles> files = listed_in(result);
-  return files && has_files(result, *files) ? Standing::done : Standing::left;
+  return files && has_files(result, *files);
+}
+
+/// The result of the input as it is now.
+bool has_result(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
+  try {
+    return is_whole(results / result_key_of(plan, job).text());
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Standing standing_of(const BatchPlan& plan, std::size_t job, const Known& known, const fs::path& results) {
+  if (!known.last) return Standing::left;
+  if (known.last->state == JobState::failed) {
+    // Which came last, clocks of several machines cannot say: one may be ahead. The input tells.
+    return known.is_made && has_result(plan, plan.jobs[job], results) ? Standing::done : Standing::failed;
+  }
+  if (!hash_in(known.last->result)) return Standing::left;
+  return is_whole(results / known.last->result) ? Standing::done : Standing::left;
 }
 
 void count(Standing standing, double seconds, BatchCounts& counts) {
@@ -136,7 +152,7 @@ BatchStatus status_of(const BatchPlan& plan, const fs::path& results) {
   std::vector<Standing> standings;
   for (std::size_t job = 0; job < plan.jobs.size(); ++job) {
     const Known& known = reports.of(job);
-    standings.push_back(standing_of(known, results));
+    standings.push_back(standing_of(plan, job, known, results));
     count(standings.back(), reports.correction() * plan.jobs[job].seconds, status.all);
     if (standings.back() == Standing::failed) status.troubles.push_back(*known.last);
     if (const JobRecord* difference = reports.difference_of(job)) status.troubles.push_back(*difference);

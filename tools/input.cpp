@@ -127,7 +127,11 @@ void require_input(const std::string& command, const std::optional<std::string>&
 void add_cache_option(Options& table, CommonOptions& options) {
   table.push_back(
       {.names = "--cache",
-       .target = &options.cache,
+       .target = On<std::string>([&options](const std::string& folder) {
+         if (folder.empty())
+           throw BadValue{"--cache", "names no folder: the text is empty; is a shell variable not set?"};
+         options.cache = folder;
+       }),
        .text = "A folder that keeps results and finds them again by the contents of their inputs; it is created if "
                "it does not exist",
        .type = "DIR",

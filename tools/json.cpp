@@ -72,26 +72,32 @@ Flaw unknown_member(const std::string& where, const std::string& key, const std:
   return {where + " has a member \"" + key + "\"; it can have " + known};
 }
 
-std::string text_of(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most) {
-  std::error_code none;
+std::string text_of(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most, Pipes pipes) {
+  const auto fail = [&](ErrorCode code, const std::string& what) {
+    throw Error(code, platform::utf8(path) + ": " + what);
+  };
+  const auto reason = [] { return std::string(errno != 0 ? std::strerror(errno) : "the system does not say why"); };
+  std::error_code unknown;
+  const std::filesystem::file_status status = std::filesystem::status(path, unknown);
+  const bool is_readable =
+      std::filesystem::is_regular_file(status) || (pipes == Pipes::read && std::filesystem::is_fifo(status));
+  if (std::filesystem::exists(status) && !is_readable) fail(ErrorCode::file_access, "is not a regular file; " + hint);
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path, none)) {
-    throw Error(ErrorCode::file_access, platform::utf8(path) + ": cannot be read (" +
-                                            (errno != 0 ? std::strerror(errno) : "it is a directory") + "); " + hint);
-  }
+  if (!stream) fail(ErrorCode::file_access, "cannot be read (" + reason() + "); " + hint);
   constexpr std::size_t kBlock = std::size_t{1} << 20U;
   std::string text;
   while (stream) {
     const std::size_t before = text.size();
     text.resize(before + kBlock);
+    errno = 0;
     stream.read(text.data() + before, static_cast<std::streamsize>(kBlock));
+    if (stream.bad()) fail(ErrorCode::file_access, "cannot be read (" + reason() + "); " + hint);
     text.resize(before + static_cast<std::size_t>(stream.gcount()));
     if (text.size() <= most) continue;
-    throw Error(ErrorCode::limit_exceeded,
-                platform::utf8(path) + ": has more than " +
-                    (most == kMostJsonBytes ? "a megabyte; sound ones have some kilobytes"
-                                            : std::to_string(most) + " bytes, which no sound one has"));
+    fail(ErrorCode::limit_exceeded,
+         "has more than " + (most == kMostJsonBytes ? std::string("a megabyte; sound ones have some kilobytes")
+                                                    : std::to_string(most) + " bytes, which no sound one has"));
   }
   return text;
 }
@@ -262,8 +268,8 @@ Json parse_json(const std::string& text) {
   }
 }
 
-Json read_json_file(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most) {
-  return parse_json(text_of(path, hint, most));
+Json read_json_file(const std::filesystem::path& path, const std::string& hint, std::uintmax_t most, Pipes pipes) {
+  return parse_json(text_of(path, hint, most, pipes));
 }
 
 }  // namespace welkin::tool

@@ -129,9 +129,14 @@ void read_list(const Json& list, const std::string& where,
 
 inline constexpr std::uintmax_t kMostJsonBytes = std::uintmax_t{1} << 20U;
 
-/// Reads and parses a file of at most `most` bytes that nests no deeper than 8. Throws `Error`: file_access
-/// (`hint` says how to come by one), limit_exceeded; `Flaw` for what is no JSON.
+/// Whether a file that a person names may be a pipe, which is read once. Where others may put one it would be waited
+/// for.
+enum class Pipes { refused, read };
+
+/// Reads and parses a regular file of at most `most` bytes that nests no deeper than 8. Throws `Error`: file_access
+/// (`hint` says how to come by one), also for a device and a pipe that is refused, which are not opened;
+/// limit_exceeded; `Flaw` for what is no JSON.
 [[nodiscard]] Json read_json_file(const std::filesystem::path& path, const std::string& hint,
-                                  std::uintmax_t most = kMostJsonBytes);
+                                  std::uintmax_t most = kMostJsonBytes, Pipes pipes = Pipes::refused);
 
 }  // namespace welkin::tool

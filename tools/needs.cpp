@@ -170,11 +170,15 @@ Json needs_json(const SceneNeeds& needs) {
 }
 
 SceneNeeds read_needs(const std::filesystem::path& path) {
-  return naming_file(path, [&] { return needs_of(read_json_file(path, "docs/plans.md says what stands in one")); });
+  return naming_file(path, [&] {
+    return needs_of(read_json_file(path, "docs/plans.md says what stands in one", kMostJsonBytes, Pipes::read));
+  });
 }
 
 CostModel read_costs(const std::filesystem::path& path) {
-  return naming_file(path, [&] { return costs_of(read_json_file(path, "'welkin report --calibrate' writes one")); });
+  return naming_file(path, [&] {
+    return costs_of(read_json_file(path, "'welkin report --calibrate' writes one", kMostJsonBytes, Pipes::read));
+  });
 }
 
 Json plan_json(const Plan& plan) {

@@ -104,7 +104,7 @@ Atmosphere atmosphere_of(const Json& json) {
 Atmosphere read_atmosphere(const std::filesystem::path& path) {
   constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
   try {
-    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith));
+    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith, kMostJsonBytes, Pipes::read));
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {

@@ -140,6 +140,8 @@ void require_kept(const std::filesystem::path& read, const std::filesystem::path
 }
 
 bool begins_with(const std::filesystem::path& file, std::string_view sign) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown)) return false;  // opening a pipe would wait
   std::ifstream stream(file, std::ios::binary);
   std::array<char, 256> first{};
   stream.read(first.data(), first.size());

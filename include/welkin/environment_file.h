@@ -128,7 +128,8 @@ enum class Primaries {
   as_stored,  ///< the file's numbers as they are (XYZ stays XYZ)
 };
 
-/// How a file is read.
+/// How a file is read. A part, layer, level or element that the file does not have is refused (unsupported_file), also
+/// where its format has none; part "0", level 0 and element 0 are in every file.
 struct ReadOptions {
   Layout layout = Layout::automatic;  ///< how the picture holds the sphere; automatic: header, shape or name tell
 
@@ -140,7 +141,7 @@ struct ReadOptions {
   /// else the only layer in colour, else the only layer.
   std::string layer{};
 
-  /// Of a file with a mip chain: 0 is the full size. Rip maps have the levels that shrink both ways.
+  /// Of a file with a mip chain (OpenEXR, KTX2, KTX, DDS, .env): 0 is the full size. Rip maps have the levels that shrink both ways.
   int level = 0;
 
   /// Of a KTX2, KTX or DDS array: which of its cubemaps or pictures, from 0.

@@ -173,7 +173,8 @@ enum {
   WELKIN_PRIMARIES_AS_STORED = 1 /* the file's numbers as they are */
 };
 
-/* How a file is read: OpenEXR, Radiance .hdr, PFM, PNG. */
+/* How a file is read. A part, layer, level or element that the file does not have is refused (unsupported file), also
+ * where its format has none; part "0", level 0 and element 0 are in every file. */
 typedef struct welkin_read_options {
   uint32_t struct_size;
   welkin_layout layout; /* how the picture holds the sphere */

@@ -66,12 +66,7 @@ void choose_level(ExrPicture& picture, const ExrPart& part, int level) {
   EnvironmentInfo& info = picture.info;
   info.levels = part.tiled ? level_sizes(part.header.tileDescription(), info.width, info.height)
                            : std::vector<LevelInfo>{{info.width, info.height}};
-  if (level < 0 || static_cast<std::size_t>(level) >= info.levels.size()) {
-    refuse(info.path, "has no level " + std::to_string(level) + "; it has " +
-                          (info.levels.size() == 1 ? "one, level 0: leave --level out"
-                                                   : std::to_string(info.levels.size()) + ": pass --level 0 to " +
-                                                         std::to_string(info.levels.size() - 1)));
-  }
+  require_level(info, static_cast<int>(info.levels.size()), level);
   if (level > 0) {
     picture.level = level;
     const LevelInfo& size = info.levels[static_cast<std::size_t>(level)];

@@ -239,6 +239,15 @@ void require_level(const EnvironmentInfo& info, int levels, int level) {
                        : std::to_string(levels) + ": pass --level 0 to " + std::to_string(levels - 1)));
 }
 
+void require_element(const std::filesystem::path& path, int elements, int element) {
+  if (element >= 0 && element < elements) return;
+  throw platform::file_error(ErrorCode::unsupported_file, path,
+                             "has no element " + std::to_string(element) +
+                                 (elements == 1 ? ": it is no array; leave --element out"
+                                                : "; it has " + std::to_string(elements) + ": pass --element 0 to " +
+                                                      std::to_string(elements - 1)));
+}
+
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options) {
   if (options.layout != Layout::automatic && options.layout != Layout::vertical_strip) {
     throw platform::file_error(ErrorCode::unsupported_file, info.path,

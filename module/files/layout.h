@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -95,10 +96,12 @@ struct RowSegments {
 /// Copies `size` RGB texels, in the other order if `mirrored`: from a picture to a face, or back.
 void copy_segment(const float* from, float* to, int size, bool mirrored) noexcept;
 
-// What the sources of cubemaps with levels share: KTX2, DDS, .env.
+// Shared by the readers of files with levels and elements: KTX2, KTX, DDS, .env.
 
 /// Throws `Error` (unsupported_file) for a level that is not there. Needs `info.path`.
 void require_level(const EnvironmentInfo& info, int levels, int level);
+/// Throws `Error` (unsupported_file) for an element that is not there.
+void require_element(const std::filesystem::path& path, int elements, int element);
 
 /// Fills in layout and sizes for a file whose format says that it holds six faces: a vertical strip of the level that
 /// was asked for. `size`: texels along an edge of level 0. Needs `info.path` and `info.format`. Throws `Error`:

@@ -56,24 +56,7 @@ std::string_view first_bytes(platform::ByteFile& file, std::array<char, 8>& buff
       found + "; OpenEXR (.exr), Radiance (.hdr), PFM (.pfm), PNG, KTX2, KTX, DDS and .env are read: convert it");
 }
 
-}  // namespace
-
-platform::ByteFile open_file(const FileInput& input) {
-  if (!input.faces().empty()) {
-    throw platform::file_error(
-        ErrorCode::invalid_argument, input.path(),
-        "was given with five others as the faces of a cubemap, and one file is wanted here; read "
-        "them with read_environment");
-  }
-  return platform::ByteFile(input.path(), input.bytes());
-}
-
-FileInput input_of(const platform::ByteFile& file) {
-  return file.memory() ? FileInput(*file.memory(), platform::utf8(file.path())) : FileInput(file.path());
-}
-
-std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options) {
-  platform::ByteFile file = open_file(input);
+std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const ReadOptions& options) {
   std::array<char, 8> buffer{};
   const std::string_view start = first_bytes(file, buffer);
   if (start.starts_with("\x76\x2f\x31\x01"sv)) {
@@ -94,7 +77,47 @@ std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOption
   if (is_env(file)) {
     return open_env(file, options);
   }
-  refuse(input.path(), start);
+  refuse(file.path(), start);
+}
+
+/// Throws `Error` (unsupported_file) if a part, layer, level or element is asked for and the format has only one. The
+/// reader of a format that has several checks them by itself.
+void refuse_other_selections(const EnvironmentInfo& info, const ReadOptions& options) {
+  const FileFormat format = info.format;
+  const bool is_texture = format == FileFormat::ktx2 || format == FileFormat::ktx1 || format == FileFormat::dds;
+  if (!is_texture) require_element(info.path, 1, options.element);
+  if (format == FileFormat::openexr) return;
+  if (!is_texture && format != FileFormat::babylon) require_level(info, 1, options.level);
+  const auto refuse_name = [&](const char* what, const std::string& asked_for, const char* option) {
+    throw platform::file_error(ErrorCode::unsupported_file, info.path,
+                               std::string("has no ") + what + " \"" + platform::printable(asked_for) +
+                                   "\": only OpenEXR files have " + what + "s; leave " + option + " out");
+  };
+  if (!options.part.empty() && options.part != "0") refuse_name("part", options.part, "--part");
+  if (!options.layer.empty()) refuse_name("layer", options.layer, "--layer");
+}
+
+}  // namespace
+
+platform::ByteFile open_file(const FileInput& input) {
+  if (!input.faces().empty()) {
+    throw platform::file_error(
+        ErrorCode::invalid_argument, input.path(),
+        "was given with five others as the faces of a cubemap, and one file is wanted here; read "
+        "them with read_environment");
+  }
+  return platform::ByteFile(input.path(), input.bytes());
+}
+
+FileInput input_of(const platform::ByteFile& file) {
+  return file.memory() ? FileInput(*file.memory(), platform::utf8(file.path())) : FileInput(file.path());
+}
+
+std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options) {
+  platform::ByteFile file = open_file(input);
+  std::unique_ptr<RowSource> picture = open_by_first_bytes(file, options);
+  refuse_other_selections(picture->info(), options);
+  return picture;
 }
 
 std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options) {

@@ -172,12 +172,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
     refuse(ErrorCode::unsupported_file, "is an array of " + std::to_string(elements) + "; up to " +
                                             std::to_string(most_elements) + " elements are read");
   }
-  if (element < 0 || static_cast<std::uint32_t>(element) >= count) {
-    refuse(ErrorCode::unsupported_file, "has no element " + std::to_string(element) +
-                                            (count == 1 ? ": it is no array; leave --element out"
-                                                        : "; it has " + std::to_string(count) +
-                                                              ": pass --element 0 to " + std::to_string(count - 1)));
-  }
+  require_element(file.path(), static_cast<int>(count), element);
   if (faces == 6) {
     check_cubemap_sizes(file, width, height, levels);
   } else {

@@ -35,7 +35,12 @@ void use_as_file(const std::uint8_t* bytes, std::size_t count) {
     options.element = count > 0 ? bytes[count - 1] % 2 : 0;
     options.memory_limit_bytes = kMemoryLimit;
     EnvironmentInfo info;
-    expect_result_or_error([&] { info = inspect_environment(file, options); });
+    const auto inspect = [&] { info = inspect_environment(file, options); };
+    expect_result_or_error(inspect);
+    if (options.element != 0 && info.width == 0) {  // what is no array has element 0 alone
+      options.element = 0;
+      expect_result_or_error(inspect);
+    }
     expect_result_or_error([&] { (void)read_environment(file, options); });
     if (std::int64_t{info.width} * info.height <= kTexelsToStream) {
       expect_result_or_error([&] { (void)measure_environment(file, options); });

@@ -68,7 +68,7 @@ class Batch {
   [[nodiscard]] std::vector<std::string> result_names() const {
     std::vector<std::string> names;
     for (const std::string& name : names_in(results())) {
-      if (name != "reports" && name != "partial") names.push_back(name);
+      if (name != "reports" && name != "partial" && name != "by-name") names.push_back(name);
     }
     return names;
   }

@@ -153,6 +153,70 @@ TEST_CASE("Merging looks at every byte", "[command][batch]") {
   CHECK(contains(missing.errors, "no result " + result.filename().string()));
 }
 
+TEST_CASE("Merging allows results to be missing where that is said, and names them", "[command][batch]") {
+  const Batch batch(3);
+  std::filesystem::resize_file(batch.input() / "picture101.pfm", 20);  // broken since it was planned
+  batch.run_well("run", "", 1);
+  const std::string folder = "-o " + quoted(batch.path() / "index");
+  const CommandResult refused = batch.run("merge", folder);
+  CHECK(refused.exit_code == 1);
+  CHECK(contains(refused.errors, "--allow-missing"));
+  CHECK(!std::filesystem::exists(batch.path() / "index"));
+
+  const nlohmann::json merged = batch.run_well("merge", folder + " --allow-missing");
+  CHECK(merged.at("jobs") == 3);
+  CHECK(merged.at("missing") == 1);
+  const nlohmann::json index = nlohmann::json::parse(file_text(batch.path() / "index" / "index.json"));
+  CHECK(index.at("missing") == 1);
+  CHECK(index.at("hash") == merged.at("hash"));
+  REQUIRE(index.at("jobs").size() == 3);
+  for (const int job : {0, 1, 2}) CHECK(index.at("jobs")[job].contains("missing") == (job == 1));
+  for (const int job : {0, 1, 2}) CHECK(index.at("jobs")[job].contains("result") == (job != 1));
+  CHECK(index.at("jobs")[1].at("name") == "picture101");
+  const std::string page = file_text(batch.path() / "index" / "index.html");
+  CHECK(contains(page, "1 missing"));
+  CHECK(contains(page, "<b>picture101</b>"));
+  CHECK(contains(batch.run("merge", folder + " --allow-missing").output, "picture101: "));
+  // What is damaged is not missing.
+  damage(batch.results() / batch.result_names().front() / "specular.ktx2");
+  CHECK(batch.run("merge", folder + " --allow-missing").exit_code == 1);
+  CHECK(batch.run("status", "--allow-missing").exit_code == 2);
+}
+
+TEST_CASE("Results have links by the names of their jobs", "[command][batch][posix]") {
+  const Batch batch;
+  for (const char* folder : {"one", "two"}) std::filesystem::create_directories(batch.input() / folder);
+  write_picture(batch.input() / "one" / "city.pfm", 1);
+  write_picture(batch.input() / "two" / "city.pfm", 2);
+  write_picture(batch.input() / "two_city.pfm", 3);
+  write_picture(batch.input() / "..hidden.pfm", 4);
+  batch.plan(quoted(batch.input()) + ' ' + quoted(batch.input() / "..hidden.pfm") + kFewFiles);
+  batch.run_well("run", "--shard 2/2");
+  batch.run_well("run", "--shard 1/2");
+  const std::filesystem::path names = batch.results() / "by-name";
+  CHECK(names_in(names) == std::vector<std::string>{"_..hidden", "one_city", "two_city", "two_city-2"});
+  const nlohmann::json jobs = batch.merged().at("jobs");
+  const std::map<std::string, std::string> links = {
+      {"one/city", "one_city"}, {"two/city", "two_city"}, {"two_city", "two_city-2"}, {"..hidden", "_..hidden"}};
+  for (const auto& job : jobs) {
+    const std::string name = job.at("name");
+    INFO(name);
+    const std::filesystem::path result = std::filesystem::path(job.at("result").get<std::string>()).filename();
+    CHECK(std::filesystem::read_symlink(names / links.at(name)) == ".." / result);
+  }
+  // Another input has another result; of one that fails none is shown; what is no link stays.
+  const std::filesystem::path before = std::filesystem::read_symlink(names / "one_city");
+  write_picture(batch.input() / "one" / "city.pfm", 5);
+  std::filesystem::resize_file(batch.input() / "two" / "city.pfm", 20);
+  std::filesystem::remove(names / "two_city-2");
+  std::ofstream(names / "two_city-2") << "mine";
+  batch.run_well("run", "", 1);
+  CHECK(std::filesystem::read_symlink(names / "one_city") != before);
+  CHECK(std::filesystem::exists(names / "one_city" / "manifest.json"));
+  CHECK(names_in(names) == std::vector<std::string>{"_..hidden", "one_city", "two_city-2"});
+  CHECK(file_text(names / "two_city-2") == "mine");
+}
+
 TEST_CASE("A batch has one hash, however it is cut and run", "[command][batch]") {
   const Batch one(6);
   one.run_well("run", "--threads 1");
@@ -199,6 +263,29 @@ TEST_CASE("Status says what is done, left and failed, shard by shard", "[command
   CHECK(batch.run_well("status").at("done") == 5);
   std::filesystem::remove_all(batch.results() / batch.result_names().front());
   CHECK(batch.run_well("status").at("done") == 4);
+}
+
+TEST_CASE("A failure by a clock that is ahead does not outlive the result", "[command][batch]") {
+  const Batch batch(2);
+  const std::filesystem::path picture = batch.input() / "picture100.pfm";
+  const std::string sound = file_text(picture);
+  std::filesystem::resize_file(picture, 20);
+  batch.run_well("run", "--shard 1/1", 1);
+  const std::filesystem::path report = batch.results() / "reports" / "shard-1-of-1.json";
+  nlohmann::json ahead = nlohmann::json::parse(file_text(report));
+  for (auto& record : ahead.at("jobs")) {
+    if (record.at("state") == "failed") record["end"] = "2999-01-01T00:00:00.000Z";
+  }
+  std::ofstream(report) << ahead;
+  CHECK(batch.run_well("status", "", 1).at("failed") == 1);
+  std::ofstream(picture, std::ios::binary) << sound;
+  for (const char* shard : {"1/2", "2/2"}) batch.run_well("run", std::string("--shard ") + shard);
+  const nlohmann::json status = batch.run_well("status");
+  CHECK(status.at("done") == 2);
+  CHECK(status.at("failed") == 0);
+  // And where the input is what failed again, the result of what it was before does not hide that.
+  std::filesystem::resize_file(picture, 20);
+  CHECK(batch.run_well("status", "", 1).at("failed") == 1);
 }
 
 TEST_CASE("Results are computed once more, on another shard, and compared", "[command][batch]") {

@@ -173,6 +173,25 @@ TEST_CASE("command: bad usage exits with 2", "[tools]") {
   require_failure("info --bands 3 file.exr", 2, "--bands");
 }
 
+TEST_CASE("command: a wrong number is answered with what the option takes", "[tools]") {
+  for (const char* wrong : {"1.5", "nan", "1e-320", "abc", "0", "9999"}) {
+    require_failure("bake city.hdr -o o --size " + std::string(wrong), 2,
+                    "--size: " + std::string(wrong) + " is not a whole number from 1 to 8192");
+  }
+  require_failure("sh city.hdr --bands 2.5", 2, "--bands: 2.5 is not a whole number from 1 to 16");
+  require_failure("bake city.hdr -o o --yaw x", 2, "--yaw: x is not a number from -1000000 to 1000000\n");
+  require_failure("bake city.hdr -o o --error-budget nan", 2, "--error-budget: nan is not a number from 1e-06 to 1\n");
+}
+
+TEST_CASE("command: sizes beyond 64 bits and an empty folder of a cache are refused", "[tools]") {
+  for (const char* size : {"18446744073709551616", "99999999999999999999", "99999999999999999999kB"}) {
+    require_failure("sh city.hdr --memory-limit " + std::string(size), 2, "is more than the largest size");
+  }
+  require_failure("info city.hdr --memory-limit 18446744073709551615", 1, "city.hdr");
+  require_failure("bake city.hdr -o o --cache=", 2, "--cache: ");
+  require_failure("bake city.hdr -o o --cache ''", 2, "--cache: names no folder");
+}
+
 TEST_CASE("command: bad input exits with 1 and names the file", "[tools]") {
   const TemporaryFolder folder;
   const auto missing = folder.path() / "missing.exr";
