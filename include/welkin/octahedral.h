@@ -56,9 +56,10 @@ struct OctahedralMap {
   }
 };
 
-/// Each level of the map from the chain's level of that number: a texel is the mean, by solid angle, of the cubemap's
-/// bilinear interpolation at so many places that no texel of the cubemap is passed over; where the map is as fine as
-/// the cubemap (inside the borders twice as many texels along an edge) at its centre. Texels of the border are copies.
+/// Makes each level of the map from the chain's level of that number. A texel is the mean, by solid angle, of the
+/// cubemap's bilinear interpolation over the part of the sphere that the texel covers. Uniform light stays uniform, and
+/// each texel of the cubemap keeps its light: within 0.6 % from 32 texels along an edge of the cubemap on, within 5 %
+/// from 4 on. Texels of the border are copies. Takes memory for a copy of the cubemap's level.
 /// The same bits on any number of threads and instruction set. Throws `Error`: invalid_argument (options, too few
 /// levels), cancelled.
 [[nodiscard]] OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& options = {},

@@ -9,7 +9,9 @@
 #include <new>
 #include <string>
 
+#include "image/block_light.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
 
 namespace welkin::files {
@@ -94,6 +96,9 @@ float quality_of(AstcEffort effort) {
   throw Error(ErrorCode::invalid_argument, "the effort for ASTC is not one of the enumerators; pass one of them");
 }
 
+/// Smaller levels have so few blocks that a mean that is right takes visible changes.
+constexpr int kBalancedWidth = 16;
+
 /// Blocks of one picture that are encoded together: neighbours in one row of blocks.
 struct Tile {
   std::size_t level;
@@ -125,14 +130,20 @@ float held(float value, std::uint64_t& clamped) {
   return value > image::kLargestHalf ? image::kLargestHalf : 0.0F;
 }
 
-/// Encodes a tile, and returns how many values were clamped. Beyond the edge of a picture astcenc repeats its texels.
-std::uint64_t encode_tile(const LatLongView& view, const Tile& tile, int edge, astcenc_context* context,
-                          std::uint8_t* blocks) {
+/// The texels of some blocks.
+struct Area {
+  int left, top, width, height;
+};
+
+Area area_of(const LatLongView& view, const Tile& tile, int edge) {
   const int left = tile.first_block * edge;
   const int top = tile.block_row * edge;
-  const int width = std::min(tile.blocks * edge, view.width - left);
-  const int height = std::min(edge, view.height - top);
-  Picture picture(width, height);
+  return {left, top, std::min(tile.blocks * edge, view.width - left), std::min(edge, view.height - top)};
+}
+
+/// Texels of a picture as floats that halves hold, and returns how many were clamped.
+std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& picture) {
+  const auto [left, top, width, height] = area;
   std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(width));
   std::uint64_t clamped = 0;
   float* rgba = picture.values();
@@ -145,12 +156,169 @@ std::uint64_t encode_tile(const LatLongView& view, const Tile& tile, int edge, a
       rgba[3] = 1.0F;
     }
   }
-  constexpr astcenc_swizzle opaque{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_1};
-  require_success(astcenc_compress_reset(context));
-  require_success(astcenc_compress_image(context, picture.image(), &opaque, blocks,
-                                         kBlockBytes * static_cast<std::size_t>(tile.blocks), kThread));
   return clamped;
 }
+
+/// Beyond the edge of a picture astcenc repeats its texels.
+void encode(Picture& picture, int blocks, astcenc_context* context, std::uint8_t* to) {
+  constexpr astcenc_swizzle opaque{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_1};
+  require_success(astcenc_compress_reset(context));
+  require_success(astcenc_compress_image(context, picture.image(), &opaque, to,
+                                         kBlockBytes * static_cast<std::size_t>(blocks), kThread));
+}
+
+void add_light(const Area& area, int edge, const float* rgba, image::BlockLight* lights) {
+  for (int row = 0; row < area.height; ++row) {
+    for (int column = 0; column < area.width; ++column, rgba += 4) {
+      for (std::size_t c = 0; c < 3; ++c) lights[column / edge][c] += rgba[c];
+    }
+  }
+}
+
+/// Encodes a level's brightest blocks again until each channel's mean is as the level's, as far as they can: astcenc is
+/// given texels that are scaled by what it lost of them.
+class Balancer {
+ public:
+  Balancer(const std::vector<LatLongView>& pictures, int edge, astcenc_context* context,
+           const std::vector<image::BlockLight>& lights, const stop_token& stop, std::uint8_t* blocks)
+      : pictures_(pictures),
+        edge_(edge),
+        context_(context),
+        stop_(stop),
+        blocks_(blocks),
+        total_(image::total_light(lights)),
+        brightest_(image::brightest_blocks(lights, total_)) {}
+
+  void run() {
+    for (const auto& [share, block] : brightest_) {
+      const Area area = area_of(block);
+      Picture given(area.width, area.height);
+      read_area(picture_of(block), area, given);
+      off_ = sum(off_, error_of(area, given, bytes_of(block)).light);
+    }
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (const auto& [share, block] : brightest_) {
+        if (excess(off_) <= 0.0) return;
+        if (sweep == 0 || share >= image::kLargeShare) improve(block, share >= image::kLargeShare ? kTrials : 2);
+      }
+    }
+  }
+
+ private:
+  using Sums = image::ChannelSums;
+  static constexpr int kSweeps = 3;
+  static constexpr int kTrials = 32;
+  /// Means that are off by so much in all are worth a level's mean squared relative error of 1.
+  static constexpr double kWorth = 0.01;
+
+  [[nodiscard]] int across() const { return (pictures_.front().width + edge_ - 1) / edge_; }
+  [[nodiscard]] int down() const { return (pictures_.front().height + edge_ - 1) / edge_; }
+  [[nodiscard]] const LatLongView& picture_of(std::size_t block) const {
+    return pictures_[block / static_cast<std::size_t>(across() * down())];
+  }
+  [[nodiscard]] Area area_of(std::size_t block) const {
+    const auto number = static_cast<int>(block);
+    return files::area_of(picture_of(block), {0, 0, number / across() % down(), number % across(), 1}, edge_);
+  }
+  [[nodiscard]] std::uint8_t* bytes_of(std::size_t block) const { return blocks_ + kBlockBytes * block; }
+
+  struct Error {
+    double squares = 0.0;  ///< of relative errors
+    Sums light{};          ///< too much
+  };
+
+  [[nodiscard]] static Sums sum(const Sums& a, const Sums& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+  [[nodiscard]] Error error_of(const Area& area, Picture& given, const std::uint8_t* bytes) const {
+    Picture decoded(area.width, area.height);
+    constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
+    require_success(astcenc_decompress_reset(context_));
+    require_success(astcenc_decompress_image(context_, bytes, kBlockBytes, decoded.image(), &as_it_is, kThread));
+    Error error;
+    for (int k = 0; k < 4 * area.width * area.height; ++k) {
+      if (k % 4 == 3) continue;
+      const auto value = static_cast<double>(given.values()[k]);
+      const double off = static_cast<double>(decoded.values()[k]) - value;
+      error.light[static_cast<std::size_t>(k % 4)] += off;
+      error.squares += off * off / std::max(value * value, 0x1p-28);
+    }
+    return error;
+  }
+
+  [[nodiscard]] double excess(const Sums& off) const {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) sum += image::excess_of_mean(off[c], total_[c]);
+    return sum;
+  }
+
+  [[nodiscard]] double cost_of(const Sums& rest, const Error& error) const {
+    const double values =
+        3.0 * pictures_.front().width * pictures_.front().height * static_cast<double>(pictures_.size());
+    return excess(sum(rest, error.light)) + error.squares / (kWorth * values);
+  }
+
+  /// Texels times a number for each channel, as far as halves hold them.
+  [[nodiscard]] static std::vector<float> scaled(std::span<const float> rgba, const Sums& scale) {
+    std::vector<float> to(rgba.begin(), rgba.end());
+    for (std::size_t k = 0; k < to.size(); ++k) {
+      if (k % 4 == 3) continue;
+      to[k] = std::min(static_cast<float>(static_cast<double>(to[k]) * scale[k % 4]), image::kLargestHalf);
+    }
+    return to;
+  }
+
+  void improve(std::size_t block, int trials) {
+    jobs::throw_if_cancelled(stop_);
+    const Area area = area_of(block);
+    Picture given(area.width, area.height);
+    read_area(picture_of(block), area, given);
+    Sums light{};
+    for (int k = 0; k < 4 * area.width * area.height; ++k) {
+      if (k % 4 != 3) light[static_cast<std::size_t>(k % 4)] += static_cast<double>(given.values()[k]);
+    }
+    Error error = error_of(area, given, bytes_of(block));
+    Sums rest{};
+    for (std::size_t c = 0; c < 3; ++c) rest[c] = off_[c] - error.light[c];
+    double least = cost_of(rest, error);
+    Sums scale{1.0, 1.0, 1.0};
+    Sums best_scale = scale;
+    std::uint32_t state = 1;
+    for (int trial = 0; trial < trials && excess(off_) > 0.0; ++trial) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double wanted = light[c] - rest[c];
+        const double got = light[c] + error.light[c];
+        const double ratio = got > 0.0 ? wanted / got : 1.0;
+        scale[c] *= ratio;
+        if (trial % 2 == 1) {  // what comes out moves in steps: look around the best, by up to 8 %
+          state = 1664525U * state + 1013904223U;
+          scale[c] = best_scale[c] * (0.92 + 0.16 * static_cast<double>(state >> 16U) / 65535.0);
+        }
+        scale[c] = std::clamp(scale[c], 0.5, 2.0);
+      }
+      Picture changed(area.width, area.height);
+      const auto values = std::size_t{4} * static_cast<std::size_t>(area.width * area.height);
+      std::ranges::copy(scaled({given.values(), values}, scale), changed.values());
+      std::array<std::uint8_t, kBlockBytes> bytes{};
+      encode(changed, 1, context_, bytes.data());
+      error = error_of(area, given, bytes.data());
+      const double cost = cost_of(rest, error);
+      if (cost >= least || excess(sum(rest, error.light)) >= excess(off_)) continue;
+      least = cost;
+      best_scale = scale;
+      off_ = sum(rest, error.light);
+      std::copy_n(bytes.data(), kBlockBytes, bytes_of(block));
+    }
+  }
+
+  const std::vector<LatLongView>& pictures_;
+  int edge_;
+  astcenc_context* context_;
+  const stop_token& stop_;
+  std::uint8_t* blocks_;
+  Sums total_;
+  std::vector<image::BlockShare> brightest_;
+  Sums off_{};  ///< what the level has too much of
+};
 
 }  // namespace
 
@@ -164,26 +332,42 @@ BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelK
   const int edge = block_edge(kind);
   const auto blocks_across = [edge](int texels) { return static_cast<std::size_t>((texels + edge - 1) / edge); };
   BlockLevels encoded;
+  std::vector<std::vector<image::BlockLight>> lights;
   for (const std::vector<LatLongView>& pictures : levels) {
     const LatLongView& first = pictures.front();
     encoded.levels.emplace_back(kBlockBytes * blocks_across(first.width) * blocks_across(first.height) *
                                 pictures.size());
+    lights.emplace_back(encoded.levels.back().size() / kBlockBytes);
   }
   const std::vector<Tile> tiles = tiles_of(levels, edge);
   std::vector<std::uint64_t> clamped(tiles.size());
   // An encoder's texel takes a thousand times as long as those that a placement is chosen for.
   const jobs::Placement placement = tiles.size() > 1 ? jobs::Placement::arena : jobs::Placement::calling_thread;
   std::vector<Context> contexts(jobs::worker_count(placement));
-  jobs::run_tiles(tiles.size(), placement, contexts.size(), control, [&](std::size_t index, std::size_t worker) {
+  const auto context_of = [&](std::size_t worker) {
+    if (!contexts[worker]) contexts[worker] = context_for(ASTCENC_PRF_HDR_RGB_LDR_A, kind, quality, 0);
+    return contexts[worker].get();
+  };
+  const auto encode_tile = [&](std::size_t index, std::size_t worker) {
     const Tile& tile = tiles[index];
     const LatLongView& view = levels[tile.level][tile.picture];
-    Context& context = contexts[worker];
-    if (!context) context = context_for(ASTCENC_PRF_HDR_RGB_LDR_A, kind, quality, 0);
     const std::size_t rows_above = tile.picture * blocks_across(view.height) + static_cast<std::size_t>(tile.block_row);
     const std::size_t block = rows_above * blocks_across(view.width) + static_cast<std::size_t>(tile.first_block);
     std::uint8_t* const to = encoded.levels[tile.level].data() + kBlockBytes * block;
-    clamped[index] = encode_tile(view, tile, edge, context.get(), to);
-  });
+    const Area area = area_of(view, tile, edge);
+    Picture picture(area.width, area.height);
+    clamped[index] = read_area(view, area, picture);
+    add_light(area, edge, picture.values(), lights[tile.level].data() + block);
+    encode(picture, tile.blocks, context_of(worker), to);
+  };
+  jobs::run_tiles(tiles.size(), placement, contexts.size(), jobs::part_of(control, 0.0, 0.95), encode_tile);
+  jobs::run_tiles(levels.size(), placement, contexts.size(), jobs::part_of(control, 0.95, 1.0),
+                  [&](std::size_t level, std::size_t worker) {
+                    if (levels[level].front().width < kBalancedWidth) return;
+                    Balancer(levels[level], edge, context_of(worker), lights[level], control.stop,
+                             encoded.levels[level].data())
+                        .run();
+                  });
   for (const std::uint64_t values : clamped) encoded.values_clamped += values;
   return encoded;
 }

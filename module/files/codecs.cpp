@@ -99,6 +99,9 @@ void unpack_zlib(const std::vector<std::uint8_t>& /*packed*/, const std::filesys
                  std::vector<std::uint8_t>& /*bytes*/, const stop_token& /*stop*/) {
   require_codec(Codec::zlib, path, "save it without supercompression");
 }
+void require_zlib(const std::vector<std::uint8_t>& /*first*/, const std::filesystem::path& path) {
+  require_codec(Codec::zlib, path, "save it without supercompression");
+}
 #endif
 
 #if !WELKIN_ZSTD
@@ -108,6 +111,10 @@ std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& /*bytes*/, 
 }
 void unpack_zstd(const std::vector<std::uint8_t>& /*packed*/, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& /*bytes*/) {
+  require_codec(Codec::zstd, path, "save it without supercompression");
+}
+void require_zstd(const std::vector<std::uint8_t>& /*first*/, std::uint64_t /*unpacked_bytes*/,
+                  const std::filesystem::path& path) {
   require_codec(Codec::zstd, path, "save it without supercompression");
 }
 #endif

@@ -242,7 +242,7 @@ void require_inside(const platform::ByteFile& file, const char* what, std::uint6
   }
 }
 
-TextureLayout::Level read_level(const platform::ByteFile& file, const TextureLayout& layout, int level,
+TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& layout, int level,
                                 const std::uint8_t* index) {
   const auto offset = platform::read_little_endian<std::uint64_t>(index);
   const auto bytes = platform::read_little_endian<std::uint64_t>(index + 8);
@@ -260,6 +260,12 @@ TextureLayout::Level read_level(const platform::ByteFile& file, const TextureLay
     refuse(file, ErrorCode::corrupt_file,
            "its " + what + " has " + std::to_string(bytes) + " packed bytes, which cannot stand for " +
                std::to_string(wanted));
+  }
+  if (packed) {
+    std::vector<std::uint8_t> first(std::min<std::uint64_t>(bytes, kFirstPackedBytes));
+    file.seek(offset);
+    file.read(first.data(), first.size());
+    require_unpacks(layout.supercompression, first, wanted, file.path());
   }
   TextureLayout::Level found;
   found.first_byte = offset;

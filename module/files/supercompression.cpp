@@ -32,6 +32,12 @@ void unpack(Supercompression supercompression, const Bytes& packed, const std::f
   }
 }
 
+void require_unpacks(Supercompression supercompression, const Bytes& first, std::uint64_t unpacked_bytes,
+                     const std::filesystem::path& path) {
+  if (supercompression == Supercompression::zlib) return require_zlib(first, path);
+  require_zstd(first, unpacked_bytes, path);
+}
+
 std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t packed_bytes) noexcept {
   // deflate: 1032 bytes of one (zlib's technical notes). Zstandard: a block of 128 KiB of the four bytes that say which
   // byte to repeat (RFC 8878, 3.1.1.2).

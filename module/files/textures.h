@@ -35,6 +35,15 @@ namespace welkin::files {
 void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
             const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const stop_token& stop = {});
 
+/// What `require_unpacks` looks at: more than the first block of either library takes.
+inline constexpr std::size_t kFirstPackedBytes = std::size_t{1} << 18U;
+
+/// Unpacks the first block of a packed level, to refuse what is no such level before room for the whole is allocated.
+/// `first`: the level's first `kFirstPackedBytes`, or all of it where it is shorter; `unpacked_bytes`: of the whole.
+/// Throws `Error` (corrupt_file).
+void require_unpacks(Supercompression supercompression, const std::vector<std::uint8_t>& first,
+                     std::uint64_t unpacked_bytes, const std::filesystem::path& path);
+
 // One function a library and way; a build can leave out either library (codecs.h).
 
 [[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
@@ -46,6 +55,10 @@ void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem:
                  std::vector<std::uint8_t>& bytes, const stop_token& stop);
 void unpack_zstd(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& bytes);
+
+void require_zlib(const std::vector<std::uint8_t>& first, const std::filesystem::path& path);
+void require_zstd(const std::vector<std::uint8_t>& first, std::uint64_t unpacked_bytes,
+                  const std::filesystem::path& path);
 
 inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes between two looks at the stop token
 

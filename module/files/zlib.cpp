@@ -86,6 +86,20 @@ std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, s
   return std::min(bytes, most);
 }
 
+void require_zlib(const Bytes& first, const std::filesystem::path& path) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, EndInflate> end(&stream);
+  Bytes begin_of_level(kFirstPackedBytes);
+  begin(stream, first, begin_of_level);
+  offer(stream, first, begin_of_level);
+  const int result = inflate(&stream, Z_SYNC_FLUSH);
+  if (result == Z_MEM_ERROR) throw std::bad_alloc();
+  if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) {
+    refuse_packed_level(path, "zlib", zError(result));
+  }
+}
+
 void unpack_zlib(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes, const stop_token& stop) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();

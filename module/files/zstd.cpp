@@ -1,5 +1,6 @@
 // KTX2's levels by Zstandard.
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <memory>
@@ -35,6 +36,22 @@ Bytes pack_zstd(const Bytes& bytes, const stop_token& stop) {
   }
   packed.resize(to.pos);
   return packed;
+}
+
+void require_zstd(const Bytes& first, std::uint64_t unpacked_bytes, const std::filesystem::path& path) {
+  const unsigned long long stated = ZSTD_getFrameContentSize(first.data(), first.size());
+  if (stated == ZSTD_CONTENTSIZE_ERROR) refuse_packed_level(path, "Zstandard", "no frame of its own");
+  // A frame may leave its size out, and a level may have several frames.
+  if (stated != ZSTD_CONTENTSIZE_UNKNOWN && stated > unpacked_bytes) {
+    refuse_packed_level(path, "Zstandard", "longer than the level index says");
+  }
+  Bytes begin(ZSTD_BLOCKSIZE_MAX);
+  const std::size_t result = ZSTD_decompress(begin.data(), begin.size(), first.data(), first.size());
+  const ZSTD_ErrorCode error = ZSTD_getErrorCode(result);
+  // The second block has no room, or is cut off here.
+  const bool sound = error == ZSTD_error_no_error || error == ZSTD_error_dstSize_tooSmall ||
+                     (error == ZSTD_error_srcSize_wrong && first.size() == kFirstPackedBytes);
+  if (!sound) refuse_packed_level(path, "Zstandard", ZSTD_getErrorName(result));
 }
 
 void unpack_zstd(const Bytes& packed, const std::filesystem::path& path, Bytes& bytes) {

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "harmonics/octahedral_border.h"
+#include "harmonics/octahedral_overlap.h"
 #include "image/pixels.h"
-#include "image/resampling.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "welkin/image.h"
@@ -73,52 +75,143 @@ void check_options(const OctahedralOptions& options, int most_levels) {
   }
 }
 
-/// Inner texels by `texel(column, row)`, counted from 0 inside the border; then the border.
-template <class Texel>
-std::vector<float> make_level(const Square& square, const Control& control, const Texel& texel) {
-  const auto edge = static_cast<std::size_t>(square.size);
-  std::vector<float> pixels(3 * edge * edge);
-  const auto at = [&](int column, int row) {
-    return pixels.data() + 3 * (static_cast<std::size_t>(row + square.border) * edge +
-                                static_cast<std::size_t>(column + square.border));
-  };
-  const int inner = square.inner();
-  const auto placement = jobs::placement_for(std::int64_t{inner} * inner);
-  jobs::run_tiles(static_cast<std::size_t>(inner), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t row, std::size_t /*worker*/) {
-                    for (int column = 0; column < inner; ++column) {
-                      const dvec3 rgb = texel(column, static_cast<int>(row));
-                      for (int c = 0; c < 3; ++c) at(column, static_cast<int>(row))[c] = static_cast<float>(rgb[c]);
-                    }
-                  });
-  for (int row = -square.border; row < inner + square.border; ++row) {
-    for (int column = -square.border; column < inner + square.border; ++column) {
-      int from_column = column;
-      int from_row = row;
-      octahedral::move_inside(inner, from_column, from_row);
-      if (from_column != column || from_row != row) std::copy_n(at(from_column, from_row), 3, at(column, row));
-    }
+/// The pixels of one level.
+class Level {
+ public:
+  explicit Level(const Square& square)
+      : square_(square), pixels_(3 * static_cast<std::size_t>(square.size) * static_cast<std::size_t>(square.size)) {}
+
+  /// Column and row are counted from 0 inside the border.
+  [[nodiscard]] float* texel(int column, int row) noexcept {
+    return pixels_.data() +
+           3 * (static_cast<std::size_t>(row + square_.border) * static_cast<std::size_t>(square_.size) +
+                static_cast<std::size_t>(column + square_.border));
   }
-  return pixels;
+  void set(int column, int row, const dvec3& rgb) noexcept {
+    for (int c = 0; c < 3; ++c) texel(column, row)[c] = static_cast<float>(rgb[c]);
+  }
+
+  /// Copies texels to the border.
+  [[nodiscard]] std::vector<float> finished() && {
+    const int inner = square_.inner();
+    for (int row = -square_.border; row < inner + square_.border; ++row) {
+      for (int column = -square_.border; column < inner + square_.border; ++column) {
+        int from_column = column;
+        int from_row = row;
+        octahedral::move_inside(inner, from_column, from_row);
+        if (from_column != column || from_row != row) std::copy_n(texel(from_column, from_row), 3, texel(column, row));
+      }
+    }
+    return std::move(pixels_);
+  }
+
+ private:
+  Square square_;
+  std::vector<float> pixels_;
+};
+
+/// A texel's centre in half texels from the middle of the square inside the border.
+struct Centre {
+  int a, b;
+};
+
+/// Those texels whose images under the map's symmetries are all the texels. With an even number of them fold the
+/// square's halves of z above and below 0 onto each other.
+std::vector<Centre> texels_of_their_own(int inner) {
+  std::vector<Centre> centres;
+  for (int a = 1 - inner % 2; a < inner; a += 2) {
+    const int last = inner % 2 == 0 ? std::min(a, inner - a) : a;
+    for (int b = 1 - inner % 2; b <= last; b += 2) centres.push_back({a, b});
+  }
+  return centres;
 }
 
-/// The mean over an inner texel of `samples` x `samples` places.
-dvec3 mean_of_texel(const image::CubemapSampler& source, int inner, int column, int row, int samples) {
-  dvec3 sum(0.0);
-  double whole = 0.0;
-  for (int j = 0; j < samples; ++j) {
-    for (int i = 0; i < samples; ++i) {
-      const double x = 2.0 * (column + (i + 0.5) / samples) / inner - 1.0;
-      const double y = 2.0 * (row + (j + 0.5) / samples) / inner - 1.0;
-      const dvec3 point = point_on_octahedron(x, y);
-      const double square = glm::dot(point, point);
-      const double weight = 1.0 / (square * std::sqrt(square));  // steradians an area of the octahedron
-      source.add(point, weight, sum);
-      whole += weight;
+/// A cubemap's level to one of a map.
+class Resampling {
+ public:
+  Resampling(const CubemapView& view, const Square& square)
+      : source_(view), inner_(square.inner()), level_(square), centres_(texels_of_their_own(inner_)) {
+    for (std::size_t number = 0; number < kSymmetries; ++number) {
+      const octahedral::Symmetry symmetry{(number & 1U) != 0, (number & 2U) != 0, (number & 4U) != 0,
+                                          (number & 8U) != 0};
+      for (int face = 0; face < 6; ++face)
+        images_[number][static_cast<std::size_t>(face)] = octahedral::image_of_face(symmetry, face, view.size);
     }
   }
-  return sum / whole;
-}
+
+  [[nodiscard]] std::vector<float> run(const Control& control) && {
+    // Single ones where there are few, as each of them may hold much of the cubemap.
+    const std::size_t at_once = std::clamp<std::size_t>(centres_.size() / 64, 1, 64);
+    const std::size_t tiles = (centres_.size() + at_once - 1) / at_once;
+    const auto placement =
+        jobs::placement_for(std::int64_t{6} * source_.size() * source_.size() + std::int64_t{inner_} * inner_);
+    const std::size_t workers = jobs::worker_count(placement);
+    std::vector<octahedral::TexelOverlap> overlaps(workers, octahedral::TexelOverlap(inner_, source_.size()));
+    jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+      const std::size_t end = std::min(centres_.size(), (tile + 1) * at_once);
+      for (std::size_t k = tile * at_once; k < end; ++k) {
+        overlaps[worker].find(centres_[k].a, centres_[k].b);
+        fill_images(centres_[k], overlaps[worker]);
+      }
+    });
+    return std::move(level_).finished();
+  }
+
+ private:
+  static constexpr std::size_t kSymmetries = 16;
+
+  /// Fills the texel and its images, each once.
+  void fill_images(const Centre& centre, const octahedral::TexelOverlap& overlap) {
+    const auto [a, b] = centre;
+    for (std::size_t number = 0; number < kSymmetries; ++number) {
+      const bool swapped = (number & 1U) != 0;
+      int x = swapped ? b : a;
+      int y = swapped ? a : b;
+      if (swapped && a == b) continue;
+      if (((number & 2U) != 0 && x == 0) || ((number & 4U) != 0 && y == 0)) continue;
+      if ((number & 8U) != 0) {
+        if (inner_ % 2 != 0 || a + b == inner_) continue;
+        x = std::exchange(y, inner_ - x);
+        x = inner_ - x;
+      }
+      if ((number & 2U) != 0) x = -x;
+      if ((number & 4U) != 0) y = -y;
+      level_.set((x + inner_ - 1) / 2, (y + inner_ - 1) / 2, mean(overlap, images_[number]));
+    }
+  }
+
+  [[nodiscard]] dvec3 mean(const octahedral::TexelOverlap& overlap,
+                           const std::array<octahedral::FaceImage, 6>& images) const noexcept {
+    dvec3 sum(0.0);
+    double whole = 0.0;
+    const int edge = source_.size() + 2;
+    for (const octahedral::Patch& patch : overlap.patches()) {
+      const octahedral::FaceImage& image = images[static_cast<std::size_t>(patch.face)];
+      const float* const first =
+          source_.texel(image.face, image.column + image.across_columns * patch.column + image.down_columns * patch.row,
+                        image.row + image.across_rows * patch.column + image.down_rows * patch.row);
+      const std::ptrdiff_t across = std::ptrdiff_t{3} * (image.across_columns + image.across_rows * edge);
+      const std::ptrdiff_t down = std::ptrdiff_t{3} * (image.down_columns + image.down_rows * edge);
+      const double* weight = overlap.weights(patch);
+      for (int row = 0; row < patch.rows; ++row) {
+        const float* texel = first + row * down;
+        for (int column = 0; column < patch.columns; ++column, texel += across, ++weight) {
+          sum.r += *weight * static_cast<double>(texel[0]);
+          sum.g += *weight * static_cast<double>(texel[1]);
+          sum.b += *weight * static_cast<double>(texel[2]);
+          whole += *weight;
+        }
+      }
+    }
+    return sum / whole;
+  }
+
+  octahedral::RingedCube source_;
+  int inner_;
+  Level level_;
+  std::vector<Centre> centres_;
+  std::array<std::array<octahedral::FaceImage, 6>, kSymmetries> images_{};
+};
 
 }  // namespace
 
@@ -143,15 +236,10 @@ OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& 
   check_options(options, std::min(chain.levels(), full_chain_levels(options.size)));
   OctahedralMap map{options.size, border_of(options), {}};
   for (int level = 0; level < options.levels; ++level) {
-    const image::CubemapSampler source(chain.view(level));
-    const Square square{map.level_size(level), map.border >> level};
-    // A texel is 1.75 times as wide as at +z where an octant has its middle, and a cube's half as wide in its corners.
-    const double dense = 1.75 * chain.level_size(level) / square.inner();
-    const int samples = std::max(1, static_cast<int>(std::ceil(dense - 1e-9)));
     const double from = static_cast<double>(level) / options.levels;
+    const Square square{map.level_size(level), map.border >> level};
     map.levels.push_back(
-        make_level(square, jobs::part_of(control, from, from + 1.0 / options.levels),
-                   [&](int column, int row) { return mean_of_texel(source, square.inner(), column, row, samples); }));
+        Resampling(chain.view(level), square).run(jobs::part_of(control, from, from + 1.0 / options.levels)));
   }
   return map;
 }
@@ -162,11 +250,19 @@ OctahedralMap to_octahedral(const SphericalHarmonics& harmonics, const Octahedra
   check_options(options, 1);
   OctahedralMap map{options.size, border_of(options), {}};
   const Square square{map.size, map.border};
-  map.levels.push_back(make_level(square, control, [&](int column, int row) {
-    const dvec3 point =
-        point_on_octahedron(2.0 * (column + 0.5) / square.inner() - 1.0, 2.0 * (row + 0.5) / square.inner() - 1.0);
-    return evaluate(harmonics, glm::normalize(point));
-  }));
+  const int inner = square.inner();
+  Level level(square);
+  const auto placement = jobs::placement_for(std::int64_t{inner} * inner);
+  jobs::run_tiles(static_cast<std::size_t>(inner), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t /*worker*/) {
+                    const auto row = static_cast<int>(tile);
+                    for (int column = 0; column < inner; ++column) {
+                      const dvec3 point =
+                          point_on_octahedron(2.0 * (column + 0.5) / inner - 1.0, 2.0 * (row + 0.5) / inner - 1.0);
+                      level.set(column, row, evaluate(harmonics, glm::normalize(point)));
+                    }
+                  });
+  map.levels.push_back(std::move(level).finished());
   return map;
 }
 

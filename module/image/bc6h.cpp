@@ -202,26 +202,6 @@ std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
   return static_cast<std::uint16_t>(magnitude | (value < 0 && magnitude != 0 ? 0x8000 : 0));
 }
 
-using Ends = std::array<std::array<std::int32_t, 3>, 4>;
-
-Ends ends_of(const Bc6hFields& fields, const Bc6hMode& mode, Bc6hRange range) noexcept {
-  Ends ends{};
-  const std::uint32_t mask = (1U << mode.end_bits) - 1U;
-  for (std::size_t end = 0; end < 4; ++end) {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      std::uint32_t value = fields.ends[end][channel];
-      if (mode.differences && end > 0) {
-        value = fields.ends[0][channel] + static_cast<std::uint32_t>(sign_extended(value, mode.other_bits[channel]));
-      }
-      value &= mask;
-      const std::int32_t number =
-          range == Bc6hRange::positive ? static_cast<std::int32_t>(value) : sign_extended(value, mode.end_bits);
-      ends[end][channel] = unquantised(number, mode.end_bits, range);
-    }
-  }
-  return ends;
-}
-
 /// How far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
 constexpr std::int32_t weight_of(std::int32_t index, bool two_lines) noexcept {
   return two_lines ? 37 * index >> 2 : (17 * index + 2) >> 2;
@@ -279,16 +259,69 @@ void decode_bc6h(const std::uint8_t* block, Bc6hRange range, std::uint16_t* halv
     std::fill_n(halves, 3 * kBlockTexels, std::uint16_t{0});
     return;
   }
+  const Bc6hNumbers numbers = bc6h_numbers(fields, range);
+  std::array<std::uint16_t, kBlockTexels> of_channel{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    decode_bc6h_channel(fields, numbers, channel, range, of_channel.data());
+    for (std::size_t texel = 0; texel < kBlockTexels; ++texel) halves[3 * texel + channel] = of_channel[texel];
+  }
+}
+
+std::int32_t bc6h_end(std::int32_t number, int mode, Bc6hRange range) noexcept {
+  return unquantised(number, bc6h_mode(mode).end_bits, range);
+}
+
+std::int32_t bc6h_weight(std::int32_t index, int mode) noexcept { return weight_of(index, bc6h_mode(mode).two_lines); }
+
+Bc6hNumbers bc6h_numbers(const Bc6hFields& fields, Bc6hRange range) noexcept {
   const Bc6hMode& mode = bc6h_mode(fields.mode);
-  const Ends ends = ends_of(fields, mode, range);
+  Bc6hNumbers numbers{};
+  const std::uint32_t mask = (1U << mode.end_bits) - 1U;
+  for (std::size_t end = 0; end < 4; ++end) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      std::uint32_t value = fields.ends[end][channel];
+      if (mode.differences && end > 0) {
+        value = fields.ends[0][channel] + static_cast<std::uint32_t>(sign_extended(value, mode.other_bits[channel]));
+      }
+      value &= mask;
+      numbers[end][channel] =
+          range == Bc6hRange::positive ? static_cast<std::int32_t>(value) : sign_extended(value, mode.end_bits);
+    }
+  }
+  return numbers;
+}
+
+bool store_bc6h_numbers(const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range, Bc6hFields& fields) noexcept {
+  const Bc6hMode& mode = bc6h_mode(fields.mode);
+  const std::size_t ends = mode.two_lines ? 4 : 2;
+  const bool has_sign = range == Bc6hRange::signed_values;
+  const std::int32_t largest = (1 << (has_sign ? mode.end_bits - 1 : mode.end_bits)) - 1;
+  const std::int32_t reach = 1 << (mode.other_bits[channel] - 1);
+  std::array<std::int32_t, 4> stored{};
+  for (std::size_t end = 0; end < ends; ++end) {
+    stored[end] = numbers[end][channel];
+    if (stored[end] > largest || stored[end] < (has_sign ? -largest : 0)) return false;
+    if (!mode.differences || end == 0) continue;
+    stored[end] -= numbers[0][channel];
+    if (stored[end] >= reach || stored[end] < -reach) return false;
+  }
+  for (std::size_t end = 0; end < ends; ++end) {
+    const int bits = end == 0 ? mode.end_bits : mode.other_bits[channel];
+    fields.ends[end][channel] = static_cast<std::uint32_t>(stored[end]) & ((1U << bits) - 1U);
+  }
+  return true;
+}
+
+void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
+                         std::uint16_t* halves) noexcept {
+  const Bc6hMode& mode = bc6h_mode(fields.mode);
   const unsigned second = mode.two_lines ? bc6h_second_line(fields.partition) : 0U;
+  std::array<std::int32_t, 4> ends{};
+  for (std::size_t end = 0; end < 4; ++end) ends[end] = unquantised(numbers[end][channel], mode.end_bits, range);
   for (std::size_t texel = 0; texel < kBlockTexels; ++texel) {
     const std::size_t low = (second >> texel & 1U) * 2;
     const std::int32_t weight = weight_of(fields.indices[texel], mode.two_lines);
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      const std::int32_t value = (ends[low][channel] * (64 - weight) + ends[low + 1][channel] * weight + 32) >> 6;
-      halves[3 * texel + channel] = half_of(value, range);
-    }
+    halves[texel] = half_of((ends[low] * (64 - weight) + ends[low + 1] * weight + 32) >> 6, range);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "image/bc6h.h"
+#include "image/bc6h_balance.h"
 #include "image/bc6h_kernels.h"
 #include "image/geometry.h"
 #include "image/pixels.h"
@@ -25,7 +26,6 @@ using image::kBlockBytes, image::kBlockEdge, simd::kLanes;
 /// Of a tile: enough that the lanes of blocks with two lines are mostly full, and few enough for a second-level cache.
 constexpr int kTileBlocks = 512;
 constexpr int kTileGroups = kTileBlocks / kLanes;
-constexpr float kPaddingWeight = 1.0F / 1024.0F;
 
 /// Sums of squares above which a block with one line is tried with two, too: about 0.7 % rms.
 constexpr float kEnoughSquares = 4600.0F;
@@ -65,9 +65,9 @@ struct TileResult {
 /// One tile's work.
 class TileEncoder {
  public:
-  /// `blocks`: of the level.
+  /// `blocks`, `lights`: of the level.
   TileEncoder(const std::vector<LatLongView>& pictures, const Tile& tile, const Bc6hOptions& options, Scratch& scratch,
-              std::uint8_t* blocks)
+              std::uint8_t* blocks, image::BlockLight* lights)
       : pictures_(pictures),
         tile_(tile),
         options_(options),
@@ -75,7 +75,8 @@ class TileEncoder {
         kernels_(image::bc6h_kernels()),
         width_(pictures.front().width),
         height_(pictures.front().height),
-        blocks_(blocks) {}
+        blocks_(blocks),
+        lights_(lights) {}
 
   TileResult encode() {
     for (int first = 0; first < tile_.blocks; first += kLanes) encode_single_lines(first);
@@ -105,22 +106,16 @@ class TileEncoder {
   /// Rows of a lane's block: in the picture where it has floats, else copied.
   void set_rows(const Place& place, std::size_t lane) {
     const LatLongView& view = pictures_[static_cast<std::size_t>(place.picture)];
-    const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view.format));
-    const bool beyond = reaches_beyond(place);
+    const bool in_place = !reaches_beyond(place) && view.format == PixelFormat::rgb32f;
     for (int row = 0; row < kBlockEdge; ++row) {
       const int line = std::min(place.row + row, height_ - 1);
-      const auto* const from = static_cast<const std::byte*>(image::row_of(view, line)) + place.column * texel;
       const float*& to = scratch_.rows[4 * lane + static_cast<std::size_t>(row)];
-      if (!beyond && view.format == PixelFormat::rgb32f) {
-        to = reinterpret_cast<const float*>(from);
+      if (in_place) {
+        to = static_cast<const float*>(image::row_of(view, line)) + std::ptrdiff_t{3} * place.column;
         continue;
       }
       float* const copy = scratch_.texels[lane].data() + std::ptrdiff_t{12} * row;
-      const int columns = std::min(kBlockEdge, width_ - place.column);
-      image::decode_texels(view.format, from, columns, copy);
-      for (int column = columns; column < kBlockEdge; ++column) {
-        std::copy_n(copy + std::ptrdiff_t{3} * (columns - 1), 3, copy + std::ptrdiff_t{3} * column);
-      }
+      image::read_block_row(view, line, place.column, copy);
       to = copy;
     }
   }
@@ -137,7 +132,7 @@ class TileEncoder {
 
   void set_weights(const Place& place, std::size_t lane, image::BlockGroup& group) const {
     const bool beyond = reaches_beyond(place);
-    for (auto& weights : group.weights) weights[lane] = beyond ? kPaddingWeight : 1.0F;
+    for (auto& weights : group.weights) weights[lane] = beyond ? image::kPaddingWeight : 1.0F;
     if (beyond) for_each_inner(place, [&](std::size_t texel) { group.weights[texel][lane] = 1.0F; });
   }
 
@@ -166,11 +161,13 @@ class TileEncoder {
     }
     kernels_.load(scratch_.rows.data(), group);
     std::array<std::int32_t, kLanes> clamped{};
-    kernels_.prepare(group, options_.is_signed, clamped.data());
+    alignas(64) float light[3][kLanes];
+    kernels_.prepare(group, options_.is_signed, clamped.data(), light);
     kernels_.single_lines(group, options_.is_signed, options_.effort != Bc6hEffort::fast, scratch_.single);
     for (int lane = 0; lane < count; ++lane) {
       const auto at = static_cast<std::size_t>(lane);
       count_clamped(place_of(first + lane), at, clamped[at]);
+      lights_[tile_.first_block + first + lane] = {light[0][at], light[1][at], light[2][at]};
       scratch_.errors[static_cast<std::size_t>(first + lane)] = scratch_.single.errors[at];
       std::uint8_t* to = bytes_of(first + lane);
       for (const auto& word : scratch_.single.words) {
@@ -207,20 +204,7 @@ class TileEncoder {
     float& error = scratch_.errors[static_cast<std::size_t>(block)];
     if (!(pair.errors[lane] < error)) return;
     error = pair.errors[lane];
-    image::Bc6hFields fields;
-    fields.mode = pair.modes[lane];
-    fields.partition = pair.partitions[lane];
-    const bool differences = image::bc6h_mode(fields.mode).differences;
-    for (std::size_t end = 0; end < 4; ++end) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::int32_t first = differences && end > 0 ? pair.ends[c][lane] : 0;
-        fields.ends[end][c] = static_cast<std::uint32_t>(pair.ends[3 * end + c][lane] - first);
-      }
-    }
-    for (std::size_t k = 0; k < fields.indices.size(); ++k) {
-      fields.indices[k] = static_cast<std::uint8_t>(pair.indices[k][lane]);
-    }
-    image::pack_bc6h(fields, bytes_of(block));
+    image::pack_bc6h(image::fields_of(pair, lane), bytes_of(block));
   }
 
   const std::vector<LatLongView>& pictures_;
@@ -231,6 +215,7 @@ class TileEncoder {
   int width_;
   int height_;
   std::uint8_t* blocks_;
+  image::BlockLight* lights_;
   TileResult result_;
 };
 
@@ -326,24 +311,33 @@ Bc6hPictureLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>>
     throw Error(ErrorCode::invalid_argument, "the effort for BC6H is not one of the enumerators; pass one of them");
   }
   Bc6hPictureLevels encoded;
+  std::vector<std::vector<BlockLight>> lights;
   for (const std::vector<LatLongView>& pictures : levels) {
     encoded.levels.push_back({std::vector<std::uint8_t>(block_bytes(pictures)), 0.0});
+    lights.emplace_back(block_bytes(pictures) / kBlockBytes);
   }
   const std::vector<Tile> tiles = tiles_of(levels);
   std::vector<TileResult> results(tiles.size());
   const jobs::Placement placement = jobs::placement_for(texels_of(levels.front()));
   const std::size_t workers = jobs::worker_count(placement);
   const auto scratch = platform::make_unique_for_overwrite<Scratch[]>(workers);
-  jobs::run_tiles(tiles.size(), placement, workers, control, [&](std::size_t tile, std::size_t worker) {
-    const std::size_t level = tiles[tile].level;
-    results[tile] =
-        TileEncoder(levels[level], tiles[tile], options, scratch[worker], encoded.levels[level].blocks.data()).encode();
-  });
+  jobs::run_tiles(tiles.size(), placement, workers, jobs::part_of(control, 0.0, 0.98),
+                  [&](std::size_t tile, std::size_t worker) {
+                    const std::size_t level = tiles[tile].level;
+                    results[tile] = TileEncoder(levels[level], tiles[tile], options, scratch[worker],
+                                                encoded.levels[level].blocks.data(), lights[level].data())
+                                        .encode();
+                  });
   std::vector<double> squares(levels.size());
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     squares[tiles[tile].level] += results[tile].squares;
     encoded.values_clamped += results[tile].clamped;
   }
+  jobs::run_tiles(levels.size(), placement, workers, jobs::part_of(control, 0.98, 1.0),
+                  [&](std::size_t level, std::size_t /*worker*/) {
+                    squares[level] += balance_bc6h(levels[level], options.is_signed, lights[level], squares[level],
+                                                   encoded.levels[level].blocks.data());
+                  });
   for (std::size_t level = 0; level < levels.size(); ++level) {
     const double values = 3.0 * static_cast<double>(texels_of(levels[level]));
     encoded.levels[level].estimated_error = std::sqrt(squares[level] * kMeanSquareOfUnits / values) / 1024.0;

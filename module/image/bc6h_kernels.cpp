@@ -41,14 +41,15 @@ WELKIN_INLINE Lanes half_bits(Lanes value) {
 }
 
 template <bool is_signed>
-WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* clamped_counts) {
+WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* clamped_counts, float* sums) {
   const Lanes most(65504.0F);
   Lanes changed(0.0F);
-  Lanes sum(0.0F);
+  Lanes channels[3] = {Lanes(0.0F), Lanes(0.0F), Lanes(0.0F)};
   Lanes count(0.0F);
   Lanes light[kTexels];
   for (int k = 0; k < kTexels; ++k) {
     Lanes total(0.0F);
+    const Lanes weight = Lanes::load_aligned(weights + k * kLanes);
     for (int c = 0; c < 3; ++c) {
       float* const at = values + (3 * k + c) * kLanes;
       const Lanes given = Lanes::load_aligned(at);
@@ -60,12 +61,13 @@ WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* cl
       const Lanes half = half_bits(size);
       (is_signed ? select(value < Lanes(0.0F), Lanes(0.0F) - half, half) : half).store_aligned(at);
       total = total + size;
+      channels[c] = channels[c] + weight * size;
     }
     light[k] = total;
-    const Lanes weight = Lanes::load_aligned(weights + k * kLanes);
     count = count + weight;
-    sum = sum + weight * total;
   }
+  for (int c = 0; c < 3; ++c) channels[c].store_aligned(sums + c * kLanes);
+  const Lanes sum = channels[0] + channels[1] + channels[2];
   const Lanes inverse = select(sum > Lanes(0.0F), count / select(sum > Lanes(0.0F), sum, Lanes(1.0F)), Lanes(0.0F));
   for (int k = 0; k < kTexels; ++k) {
     float* const at = weights + k * kLanes;
@@ -74,12 +76,12 @@ WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* cl
   xsimd::to_int(changed).store_unaligned(clamped_counts);
 }
 
-void prepare(BlockGroup& group, bool is_signed, std::int32_t* clamped_counts) {
+void prepare(BlockGroup& group, bool is_signed, std::int32_t* clamped_counts, float (*light)[kLanes]) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     if (is_signed) {
-      prepare_lanes<true>(group.values[0] + lane, group.weights[0] + lane, clamped_counts + lane);
+      prepare_lanes<true>(group.values[0] + lane, group.weights[0] + lane, clamped_counts + lane, light[0] + lane);
     } else {
-      prepare_lanes<false>(group.values[0] + lane, group.weights[0] + lane, clamped_counts + lane);
+      prepare_lanes<false>(group.values[0] + lane, group.weights[0] + lane, clamped_counts + lane, light[0] + lane);
     }
   }
 }
@@ -245,6 +247,42 @@ void two_lines(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks
   }
 }
 
+/// The value of a half's bits as a number.
+template <bool is_signed>
+WELKIN_INLINE Lanes value_of(Lanes number) {
+  const Lanes bits = is_signed ? xsimd::abs(number) : number;
+  const auto normal = xsimd::bitwise_cast<Lanes>((xsimd::to_int(bits) << 13) + Integers(112 << 23));
+  const Lanes value = select(bits < Lanes(1024.0F), bits * Lanes(0x1p-24F), normal);
+  return is_signed ? select(number < Lanes(0.0F), Lanes(0.0F) - value, value) : value;
+}
+
+template <bool is_signed>
+WELKIN_INLINE void try_lanes(EndTrials& trials, int lane) {
+  const Lanes low = Lanes::load_aligned(trials.low + lane);
+  const Lanes reach = Lanes::load_aligned(trials.high + lane) - low;
+  const Lanes middle = low + Lanes(0.5F);
+  Lanes squares(0.0F);
+  Lanes light(0.0F);
+  for (int k = 0; k < trials.texels; ++k) {
+    const Lanes number = decoded<is_signed>(middle, reach, Lanes(trials.along[k]));
+    const Lanes off = number - Lanes(trials.wanted[k]);
+    squares = squares + off * off;
+    light = light + value_of<is_signed>(number);
+  }
+  squares.store_aligned(trials.squares + lane);
+  light.store_aligned(trials.light + lane);
+}
+
+void try_ends(EndTrials& trials, bool is_signed) {
+  for (int lane = 0; lane < kLanes; lane += kWidth) {
+    if (is_signed) {
+      try_lanes<true>(trials, lane);
+    } else {
+      try_lanes<false>(trials, lane);
+    }
+  }
+}
+
 }  // namespace
 
 const Bc6hKernels bc6h_kernels_table = {
@@ -252,6 +290,7 @@ const Bc6hKernels bc6h_kernels_table = {
     .prepare = prepare,
     .single_lines = single_lines,
     .two_lines = two_lines,
+    .try_ends = try_ends,
 };
 
 }  // namespace welkin::image::WELKIN_ISA

@@ -20,8 +20,9 @@ using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
 
 /// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
 /// and weights to what a texel's light makes them: w (1 + 2.5 L / mean of L). What the halves cannot hold is clamped,
-/// NaN is 0: clamped[block] says how many values of a block that were.
-using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped);
+/// NaN is 0: clamped[block] says how many values of a block that were. light[channel][block]: the sum of the values'
+/// magnitudes, each times its texel's given weight.
+using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped, float (*light)[simd::kLanes]);
 
 /// Finished blocks with one line, modes 11 to 14.
 struct alignas(64) SingleLineBlocks {
@@ -46,11 +47,27 @@ inline constexpr int kMostPartitionsTried = 4;
 /// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMostPartitionsTried`.
 using EncodeTwoLines = void (*)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
 
+/// 16 choices of one channel's ends of a line, as the decoder has them with 16 bits, and the line's texels: how far
+/// along it each is, and its half's bits as a number.
+struct alignas(64) EndTrials {
+  float low[simd::kLanes];
+  float high[simd::kLanes];
+  float along[16];
+  float wanted[16];
+  // What comes of each choice:
+  float squares[simd::kLanes];  ///< in units of the halves' last bits
+  float light[simd::kLanes];    ///< sum of the decoded values
+  int texels;                   ///< of the line
+};
+
+using TryEnds = void (*)(EndTrials& trials, bool is_signed);
+
 struct Bc6hKernels {
   LoadBlocks load;
   PrepareBlocks prepare;
   EncodeSingleLines single_lines;
   EncodeTwoLines two_lines;
+  TryEnds try_ends;
 };
 WELKIN_KERNEL_TABLES(Bc6hKernels, bc6h_kernels)
 

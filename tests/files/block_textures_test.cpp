@@ -10,6 +10,7 @@
 #include "support/chains.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
+#include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/bc6h.h"
 #include "welkin/environment_file.h"
@@ -191,7 +192,8 @@ TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures
 }
 
 TEST_CASE("a picture has the blocks that a face of the same texels has", "[codec][textures][bc6h]") {
-  const CubemapChain chain = noisy_chain(14, 1, 2);
+  // Smooth, so that no mean needs to be mended, which is done for all faces of a level together.
+  const CubemapChain chain = build_mips(make_cubemap(Content::smooth, 14, 3, 0).view());
   const TextureOptions options{.format = TexelFormat::bc6h_ufloat};
   const Bc6hCubemap wanted = encode_bc6h(chain.views());
   for (const int face : {0, 5}) {

@@ -17,6 +17,7 @@
 #include "support/chains.h"
 #include "support/damaged_files.h"
 #include "support/exr_files.h"
+#include "support/heap.h"
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -341,6 +342,48 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
     patch_attribute(bytes, "lineOrder\0something\0"s, 0, 0x7ffffff0);
   });
 #endif
+}
+
+TEST_CASE("a packed level that is none costs no memory", "[codec][textures]") {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory.file("claims.ktx2");
+  const auto refusal_of = [&](const std::vector<char>& sound, const std::vector<std::uint8_t>& begin,
+                              std::size_t payload) {
+    std::vector<char> bytes(sound.begin(), sound.begin() + 104);  // the header, and a level index of one level
+    const auto set = [&bytes](std::size_t place, auto value) {
+      std::memcpy(bytes.data() + place, &value, sizeof value);
+    };
+    constexpr std::uint32_t size = 2048;
+    set(20, size);
+    set(24, size);
+    set(48, std::array<std::uint32_t, 4>{104, 0, 104, 0});  // neither descriptor nor key/value data
+    set(80, std::array<std::uint64_t, 3>{104, payload, std::uint64_t{6} * size * size * 8});
+    bytes.insert(bytes.end(), begin.begin(), begin.end());
+    for (std::uint32_t state = 1; bytes.size() < 104 + payload; state = 1664525U * state + 1013904223U) {
+      bytes.push_back(static_cast<char>(state >> 24U));
+    }
+    write_bytes(path, bytes);
+    for (const auto& call :
+         std::vector<std::function<void()>>{[&] { (void)inspect_environment(path); }, [&] { (void)read_texture(path); },
+                                            [&] { (void)project_file(path); }}) {
+      const HeapWatch watch;
+      const ThrownError error = thrown_by(call);
+      CHECK(error.says("has a level that does not unpack"));
+      CHECK(error.code == ErrorCode::corrupt_file);
+      CHECK(watch.peak_bytes() < long{2} << 20U);
+    }
+  };
+  write_texture(path, noisy_chain(16, 1).views(), {.supercompression = Supercompression::zstd});
+  const std::vector<char> zstd = read_bytes(path);
+  refusal_of(zstd, {}, 24824);
+  // A frame of the size that the index says, whose first block is noise.
+  refusal_of(zstd, {0x28, 0xB5, 0x2F, 0xFD, 0xE0, 0, 0, 0, 12, 0, 0, 0, 0, 0x04, 0x80, 0x00}, 24824);
+  // A frame of one byte more
+  refusal_of(zstd, {0x28, 0xB5, 0x2F, 0xFD, 0xE0, 1, 0, 0, 12, 0, 0, 0, 0}, 24824);
+  write_texture(path, noisy_chain(16, 1).views(), {.supercompression = Supercompression::zlib});
+  const std::vector<char> zlib = read_bytes(path);
+  refusal_of(zlib, {}, 400000);
+  refusal_of(zlib, {0x78, 0x9C}, 400000);
 }
 
 TEST_CASE("a streamed picture needs a few blocks of memory", "[codec]") {

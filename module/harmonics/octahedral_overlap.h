@@ -1,0 +1,92 @@
+// How the texels of an octahedral map and those of a cubemap overlap.
+//
+// An octant of the octahedron is a plane, and so is a face of the cube: the edges of both maps' texels lie on great
+// circles, which are straight lines in either plane. So a texel of the map is a few convex polygons on the cube's
+// faces, which are cut along the lines between the centres of the cube's texels. Within such a cell bilinear
+// interpolation is a product of two straight lines, and its integral over the piece by solid angle is what the cell's
+// four texels count.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "welkin/image.h"
+
+namespace welkin::octahedral {
+
+/// A level of a cubemap in which each face has a ring of its neighbours' texels: where bilinear interpolation goes on.
+/// In a corner of the ring, where no texel is, it has the mean of the three that meet there.
+class RingedCube {
+ public:
+  explicit RingedCube(const CubemapView& view);
+
+  /// Texels along an edge, without the ring.
+  [[nodiscard]] int size() const noexcept { return size_; }
+  /// Column and row are counted from 0 in the ring.
+  [[nodiscard]] const float* texel(int face, int column, int row) const noexcept {
+    const auto edge = static_cast<std::size_t>(size_) + 2;
+    return pixels_.data() + 3 * ((static_cast<std::size_t>(face) * edge + static_cast<std::size_t>(row)) * edge +
+                                 static_cast<std::size_t>(column));
+  }
+
+ private:
+  int size_;
+  std::vector<float> pixels_;
+};
+
+/// What a rectangle of a face's texels counts, row after row from `first` on in the weights. Column and row are counted
+/// from 0 in the ring.
+struct Patch {
+  int face;
+  int column, row;
+  int columns, rows;
+  std::size_t first;
+};
+
+/// The weights of one texel of a map with `inner` texels along an edge, for cubes of `size`. Keeps its memory from one
+/// texel to the next.
+class TexelOverlap {
+ public:
+  TexelOverlap(int inner, int size) noexcept;
+
+  /// Of the map's texel whose centre is (a, b) in half texels from the middle. The weights' sum is proportional to its
+  /// solid angle.
+  void find(int a, int b);
+
+  [[nodiscard]] const std::vector<Patch>& patches() const noexcept { return patches_; }
+  [[nodiscard]] const double* weights(const Patch& patch) const noexcept { return weights_.data() + patch.first; }
+
+ private:
+  void add_face(int face, std::span<const glm::dvec2> corners);
+  void add_piece(std::span<const glm::dvec2> corners, const Patch& patch, int column, int row);
+
+  int inner_;
+  int size_;
+  int parts_;  ///< of a cell, along each edge
+  std::vector<Patch> patches_;
+  std::vector<double> weights_;
+};
+
+/// A symmetry of the map, which is one of the cube too: exchange of x and y, then other signs.
+struct Symmetry {
+  bool swapped = false;
+  bool mirrored_x = false;
+  bool mirrored_y = false;
+  bool mirrored_z = false;
+
+  friend bool operator==(const Symmetry&, const Symmetry&) = default;
+};
+
+/// Where a face's texels lie after a symmetry: in `face`, the one at (0, 0) at (column, row), those to its right and
+/// below it by these steps.
+struct FaceImage {
+  int face;
+  int column, row;
+  int across_columns, across_rows;
+  int down_columns, down_rows;
+};
+[[nodiscard]] FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept;
+
+}  // namespace welkin::octahedral
