@@ -182,14 +182,22 @@ void check_output_folder(const std::filesystem::path& path) {
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
 }
 
-OutputFolder::OutputFolder(std::filesystem::path path, const Control& control) : path_(std::move(path)) {
+OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control)
+    : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
   if (trouble) fail_folder(path_, "cannot be made", trouble.message());
   check_output_folder(path_);
   wait_for_others(control);
-  std::filesystem::remove(place(kManifestName), trouble);
-  if (trouble) fail_folder(place(kManifestName), "cannot be replaced", trouble.message());
+  own_.emplace(path_, kBakeFiles);
+  own_->begin(names);
+}
+
+std::vector<std::string> OutputFolder::finish(const std::string& manifest,
+                                              const std::vector<std::filesystem::path>& read) const {
+  std::vector<std::string> written;
+  for (const WrittenFile& file : files_) written.push_back(file.name);
+  return own_->finish(manifest, written, read);
 }
 
 void OutputFolder::wait_for_others(const Control& control) {

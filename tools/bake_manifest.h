@@ -10,6 +10,7 @@
 #include "platform/file.h"
 #include "tools/baked.h"
 #include "tools/json.h"
+#include "tools/own_files.h"
 #include "tools/previews.h"
 #include "welkin/environment_file.h"
 
@@ -36,8 +37,14 @@ class OutputFolder {
  public:
   /// Makes the folder, and those above it, and waits until other bakes have left it. Takes away the manifest of an
   /// earlier bake: until this one's is written, as the last file, nobody shall take the folder for a finished one.
-  /// Throws `Error`: file_access if that cannot be done; cancelled if `control` says so while it waits.
-  OutputFolder(std::filesystem::path path, const Control& control);
+  /// `names`: of all files that may be written. Throws `Error`: file_access if that cannot be done or as
+  /// `OwnFiles::require`; cancelled if `control` says so while it waits.
+  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control);
+
+  /// Writes the manifest, which makes the folder a finished one, and removes what an earlier bake wrote and this one
+  /// did not, but nothing that it `read`. Returns remarks for a person about such files.
+  [[nodiscard]] std::vector<std::string> finish(const std::string& manifest,
+                                                const std::vector<std::filesystem::path>& read) const;
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   [[nodiscard]] const std::vector<WrittenFile>& files() const noexcept { return files_; }
@@ -56,10 +63,12 @@ class OutputFolder {
 
   std::filesystem::path path_;
   std::optional<platform::FolderLock> lock_;
+  std::optional<OwnFiles> own_;
   std::vector<WrittenFile> files_;
 };
 
 inline constexpr const char* kManifestName = "manifest.json";
+inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
 
 /// manifest.json, and what `welkin bake --json` prints. Members are only ever added: programs read this.
 [[nodiscard]] std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
