@@ -250,10 +250,10 @@ std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& fold
   }
   for (const std::string& note : folder.format_notes()) notes.push_back(note);
   for (const std::string& note : baked.notes) notes.push_back(note);
-  if (baked.textures && !baked.textures->met) {
-    notes.push_back("no textures are within the error budget; those of the least error are off by " +
-                    significant(100.0 * baked.textures->chosen.error, 3) + " % at roughness " +
-                    significant(baked.textures->chosen.roughness, 3));
+  for (const PlannedPass& pass : baked.plan.passes) {
+    const bool is_unmet = pass.reason.find("above the budget of") != std::string::npos ||
+                          pass.reason.find("under the budget of") != std::string::npos;
+    if (is_unmet) notes.push_back("--error-budget is not met by " + pass.name + ": " + pass.reason);
   }
   if (baked.env_left_out) {
     notes.push_back("no environment." + baked.env_container +

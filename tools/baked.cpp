@@ -370,6 +370,14 @@ std::optional<ChosenTextures> settle_textures(const BakeSource& source, BakeComm
   if (!chooses_textures(options)) return std::nullopt;
   ChosenTextures choice = source.visit([&](const auto& view) { return choose_textures(view, options, control); });
   if (options.scene.explains()) std::cerr << choice_text(choice) << std::flush;
+  if (!choice.met && !options.scene.plan_only) {
+    throw Error(ErrorCode::limit_exceeded,
+                "no textures are within --error-budget " + significant(*options.scene.error_budget, 3) +
+                    "; those of the least error are off by " + significant(choice.chosen.error, 3) + " at roughness " +
+                    significant(choice.chosen.roughness, 3) +
+                    ". Raise it, or give a larger --size or more mips (numbers to --roughness); --explain shows what "
+                    "was tried");
+  }
   return choice;
 }
 
