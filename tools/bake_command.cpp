@@ -44,7 +44,8 @@ constexpr const char* kBakeFooter =
   --for ENGINE without --formats writes what that engine loads instead of these
   textures: three (BC6H as DDS, halves as KTX2), babylon (.env, DDS), filament
   (KTX with harmonics), bevy and gltf (KTX2), usd (a stage with a dome light),
-  unity, unreal, blender and godot (a lat-long).
+  unity, unreal, blender and godot (a lat-long: the source's own pixels, at the
+  source's size).
 
 Examples:
   welkin bake --sky -o out                            a built-in, computed sky
@@ -135,20 +136,21 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
     for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }
   if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", "sh.h"});
-  if (options.previews) {
-    names.insert(names.end(), {"preview_environment.png", "preview_spheres.png", "preview_mips.png"});
+  if (options.previews) names.emplace_back("preview_environment.png");
+  if (options.previews && writes_reflections(options)) {
+    names.insert(names.end(), {"preview_spheres.png", "preview_mips.png"});
   }
   return names;
 }
 
-/// Throws `Error`: file_access if one of those is a file that is read (by whatever name or link), of six files and of a
-/// directory any of the six; what `inspect_environment` throws.
 /// Throws `Error` (file_access) for what stands in the way of a file and is not of an earlier bake.
 void check_places(const BakeCommandOptions& options, const BakeOptions& bake) {
   const std::filesystem::path folder = platform::path_of(options.directory);
   OwnFiles(folder, kBakeFiles).require(names_to_write(options, bake));
 }
 
+/// Throws `Error`: file_access if one of those is a file that is read (by whatever name or link), of six files and of a
+/// directory any of the six; what `inspect_environment` throws.
 void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::error_code none;
   const std::filesystem::path folder = platform::path_of(options.directory);
@@ -252,7 +254,7 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
     if (sun) sun->direction = turn_of_light(to_engine, false) * sun->direction;
     words.results += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
   }
-  words.notes = bake_notes(baked, folder);
+  words.notes = bake_notes(baked, options, folder);
   return words;
 }
 
@@ -347,9 +349,9 @@ std::string bake_to_folder(const BakeCommandOptions& asked) {
   const std::vector<std::string> remarks = folder.finish(manifest, files_read(options));
   BakeWords words = words_of(baked, options, folder);
   if (baked.notes.empty()) cache.keep(folder, manifest, words, words.notes);  // which are of this run alone
+  words.notes.insert(words.notes.end(), remarks.begin(), remarks.end());
   if (options.common.json) return manifest;
   const std::string plan = options.scene.explains() ? '\n' + plan_text(baked.plan, measured_passes(baked)) : "";
-  words.notes.insert(words.notes.end(), remarks.begin(), remarks.end());
   return bake_table(words, time_lines(baked) + plan, options, folder);
 }
 

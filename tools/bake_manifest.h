@@ -23,9 +23,11 @@ struct WrittenFile {
   std::string format;  ///< for a person: "KTX2 rgba16f"
   std::uint64_t bytes = 0;
   std::uint64_t values_clamped = 0;
-  std::string range;      ///< what it was that they were clamped to; empty if the format holds every value
-  Json details;           ///< more members for the manifest: sizes, roughness, axes
-  std::string caution{};  ///< what else its format costs, if a person should know
+  std::string range;           ///< what it was that they were clamped to; empty if the format holds every value
+  Json details;                ///< more members for the manifest: sizes, roughness, axes
+  std::string caution{};       ///< what else its format costs, if a person should know
+  double share_clamped = 0.0;  ///< of all light, that the clamped values lost
+  std::string remedy{};        ///< what keeps that light
 };
 
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
@@ -75,6 +77,7 @@ inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
                                         const OutputFolder& folder, const ToneMap& tone_map);
 
 /// What a person should know of it: values replaced and clamped, by the policies and by the formats.
-[[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder);
+[[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions& options,
+                                                  const OutputFolder& folder);
 
 }  // namespace welkin::tool

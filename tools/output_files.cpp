@@ -160,6 +160,8 @@ std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
         file.format = stored_format(file.content, file.container, options.texture.format);
       file.supercompression = options.texture.supercompression;
     }
+    if (file.container == Container::exr)
+      file.format = stored_format(file.content, file.container, options.texture.format);
     add(std::move(file));
   }
   if (options.octahedral_size > 0) add(file_of(Content::octahedral, Container::ktx2, options.texture));
