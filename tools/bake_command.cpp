@@ -38,12 +38,14 @@ constexpr const char* kBakeFooter =
     sh.json, sh.h         spherical harmonics, also in each engine's form
     preview_*.png         the environment, balls lit by the result, the mips
     manifest.json         what is in the folder, how it was made, how good it is
-  The manifest is written last, so a folder with a manifest is complete. Other
-  files in the folder stay. docs/bake_folder.md says how engines load the files.
+  The manifest is written last, so a folder with a manifest is complete. Files
+  that an earlier manifest lists are replaced or removed, others stay: where one
+  is in the way the bake is refused. docs/bake_folder.md has more.
   --for ENGINE without --formats writes what that engine loads instead of these
   textures: three (BC6H as DDS, halves as KTX2), babylon (.env, DDS), filament
   (KTX with harmonics), bevy and gltf (KTX2), usd (a stage with a dome light),
-  unity, unreal, blender and godot (a lat-long).
+  unity, unreal, blender and godot (a lat-long: the source's own pixels, at the
+  source's size).
 
 Examples:
   welkin bake --sky -o out                            a built-in, computed sky
@@ -134,10 +136,17 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
     for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }
   if (options.bake.bands > 0) names.insert(names.end(), {"sh.json", harmonics_name(options)});
-  if (options.previews) {
-    names.insert(names.end(), {"preview_environment.png", "preview_spheres.png", "preview_mips.png"});
+  if (options.previews) names.emplace_back("preview_environment.png");
+  if (options.previews && writes_reflections(options)) {
+    names.insert(names.end(), {"preview_spheres.png", "preview_mips.png"});
   }
   return names;
+}
+
+/// Throws `Error` (file_access) for what stands in the way of a file and is not of an earlier bake.
+void check_places(const BakeCommandOptions& options, const BakeOptions& bake) {
+  const std::filesystem::path folder = platform::path_of(options.directory);
+  OwnFiles(folder, kBakeFiles).require(names_to_write(options, bake));
 }
 
 /// Throws `Error`: file_access if one of those is a file that is read (by whatever name or link), of six files and of a
@@ -245,7 +254,7 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
     if (sun) sun->direction = turn_of_light(to_engine, false) * sun->direction;
     words.results += '\n' + sun_text(sun, convention(options.turn.to).from_welkin[1].z > 0.5);
   }
-  words.notes = bake_notes(baked, folder);
+  words.notes = bake_notes(baked, options, folder);
   return words;
 }
 
@@ -278,6 +287,7 @@ void check(const BakeCommandOptions& options) {
   check_output_folder(platform::path_of(options.directory));
   check_input_is_kept(options, bake);
   check_readme_is_kept(options);
+  check_places(options, bake);
 }
 
 std::string planned(const BakeCommandOptions& options) {
@@ -301,16 +311,20 @@ void run(BakeCommandOptions options) {
 /// The files of a bake that was made before.
 std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, const Control& control) {
   const auto start = std::chrono::steady_clock::now();
-  OutputFolder folder(platform::path_of(options.directory), control);
+  std::vector<std::string> names = {kManifestName};
+  for (const KeptBake::File& file : kept.files) names.push_back(file.about.name);
+  OutputFolder folder(platform::path_of(options.directory), names, control);
   for (const KeptBake::File& file : kept.files) {
     jobs::throw_if_cancelled(control.stop);
     write_bytes(folder.place(file.about.name), file.contents);
     folder.add(file.about);
   }
-  write_text_file(folder.place(kManifestName), kept.manifest);
+  BakeWords words = kept.words;
+  for (std::string& remark : folder.finish(kept.manifest, files_read(options)))
+    words.notes.push_back(std::move(remark));
   if (options.common.json) return kept.manifest;
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-  return bake_table(kept.words,
+  return bake_table(words,
                     "\nTimes\n  write                     " + duration(took.count()) +
                         "\n    all files                 reuse: found in the cache\n",
                     options, folder);
@@ -321,10 +335,11 @@ std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, 
 void bake_files(BakeCommandOptions options, const Control& control) {
   check(options);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
-  OutputFolder folder(platform::path_of(options.directory), part_of(control, kBaked, 1.0));
+  OutputFolder folder(platform::path_of(options.directory), names_to_write(options, baked.whole),
+                      part_of(control, kBaked, 1.0));
   const ToneMap tone_map = options.previews ? tone_map_of(baked, options) : ToneMap();
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
-  write_text_file(folder.place(kManifestName), bake_manifest(baked, options, folder, tone_map));
+  static_cast<void>(folder.finish(bake_manifest(baked, options, folder, tone_map), files_read(options)));
 }
 
 std::string bake_to_folder(const BakeCommandOptions& asked) {
@@ -335,13 +350,15 @@ std::string bake_to_folder(const BakeCommandOptions& asked) {
   if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, asked, control);
   BakeCommandOptions options = asked;  // and what a budget chooses
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
-  OutputFolder folder(platform::path_of(options.directory), part_of(control, kBaked, 1.0));
+  OutputFolder folder(platform::path_of(options.directory), names_to_write(options, baked.whole),
+                      part_of(control, kBaked, 1.0));
   const ToneMap tone_map = tone_map_of(baked, options);
   write_bake(baked, options, folder, part_of(control, kBaked, 1.0));
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);
-  write_text_file(folder.place(kManifestName), manifest);
+  const std::vector<std::string> remarks = folder.finish(manifest, files_read(options));
   BakeWords words = words_of(baked, options, folder);
   if (baked.notes.empty()) cache.keep(folder, manifest, words, words.notes);  // which are of this run alone
+  words.notes.insert(words.notes.end(), remarks.begin(), remarks.end());
   if (options.common.json) return manifest;
   const std::string plan = options.scene.explains() ? '\n' + plan_text(baked.plan, measured_passes(baked)) : "";
   return bake_table(words, time_lines(baked) + plan, options, folder);

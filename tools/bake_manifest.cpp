@@ -95,6 +95,7 @@ Json file_json(const WrittenFile& file) {
                {"format", file.format},
                {"bytes", file.bytes},
                {"values_clamped", file.values_clamped}};
+  if (file.share_clamped > 0.0) json["share_clamped"] = file.share_clamped;
   if (file.details.is_null()) return json;
   for (const auto& [key, value] : file.details.members()) json[key] = value;
   return json;
@@ -182,14 +183,22 @@ void check_output_folder(const std::filesystem::path& path) {
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
 }
 
-OutputFolder::OutputFolder(std::filesystem::path path, const Control& control) : path_(std::move(path)) {
+OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control)
+    : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
   if (trouble) fail_folder(path_, "cannot be made", trouble.message());
   check_output_folder(path_);
   wait_for_others(control);
-  std::filesystem::remove(place(kManifestName), trouble);
-  if (trouble) fail_folder(place(kManifestName), "cannot be replaced", trouble.message());
+  own_.emplace(path_, kBakeFiles);
+  own_->begin(names);
+}
+
+std::vector<std::string> OutputFolder::finish(const std::string& manifest,
+                                              const std::vector<std::filesystem::path>& read) const {
+  std::vector<std::string> written;
+  for (const WrittenFile& file : files_) written.push_back(file.name);
+  return own_->finish(manifest, written, read);
 }
 
 void OutputFolder::wait_for_others(const Control& control) {
@@ -222,14 +231,19 @@ std::vector<std::string> OutputFolder::format_notes() const {
   std::vector<std::string> notes;
   for (const WrittenFile& file : files_) {
     if (file.values_clamped > 0) {
-      notes.push_back(file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range);
+      std::string note = file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range;
+      if (file.share_clamped > 0.0) {
+        note += ", which takes " + significant(100.0 * file.share_clamped, 2) + " % of the light away";
+        if (!file.remedy.empty()) note += "; " + file.remedy;
+      }
+      notes.push_back(note);
     }
     if (!file.caution.empty()) notes.push_back(file.name + ": " + file.caution);
   }
   return notes;
 }
 
-std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder) {
+std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder) {
   std::vector<std::string> notes = baked.source.notes;
   const ProjectionDiagnostics& diagnostics = baked.light.diagnostics;
   const std::string replaced = counted({{diagnostics.nans_replaced, "NaN"},
@@ -242,10 +256,11 @@ std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& fold
   }
   for (const std::string& note : folder.format_notes()) notes.push_back(note);
   for (const std::string& note : baked.notes) notes.push_back(note);
-  if (baked.textures && !baked.textures->met) {
-    notes.push_back("no textures are within the error budget; those of the least error are off by " +
-                    significant(100.0 * baked.textures->chosen.error, 3) + " % at roughness " +
-                    significant(baked.textures->chosen.roughness, 3));
+  for (const std::string& note : option_notes(options)) notes.push_back(note);
+  for (const PlannedPass& pass : baked.plan.passes) {
+    const bool is_unmet = pass.reason.find("above the budget of") != std::string::npos ||
+                          pass.reason.find("under the budget of") != std::string::npos;
+    if (is_unmet) notes.push_back("--error-budget is not met by " + pass.name + ": " + pass.reason);
   }
   if (baked.env_left_out) {
     notes.push_back("no environment." + baked.env_container +
@@ -283,7 +298,7 @@ std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
   if (baked.textures) json["textures"] = choice_json(*baked.textures);
   if (options.scene.explains()) json["plan"] = plan_json(baked.plan);
   json["diagnostics"] = diagnostics_json(baked);
-  json["notes"] = notes_json(bake_notes(baked, folder), options);
+  json["notes"] = notes_json(bake_notes(baked, options, folder), options);
   if (options.called.empty()) json["times"] = times_json(baked);
   return json_text(json);
 }

@@ -10,6 +10,7 @@
 #include "platform/file.h"
 #include "tools/baked.h"
 #include "tools/json.h"
+#include "tools/own_files.h"
 #include "tools/previews.h"
 #include "welkin/environment_file.h"
 
@@ -22,9 +23,11 @@ struct WrittenFile {
   std::string format;  ///< for a person: "KTX2 rgba16f"
   std::uint64_t bytes = 0;
   std::uint64_t values_clamped = 0;
-  std::string range;      ///< what it was that they were clamped to; empty if the format holds every value
-  Json details;           ///< more members for the manifest: sizes, roughness, axes
-  std::string caution{};  ///< what else its format costs, if a person should know
+  std::string range;           ///< what it was that they were clamped to; empty if the format holds every value
+  Json details;                ///< more members for the manifest: sizes, roughness, axes
+  std::string caution{};       ///< what else its format costs, if a person should know
+  double share_clamped = 0.0;  ///< of all light, that the clamped values lost
+  std::string remedy{};        ///< what keeps that light
 };
 
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
@@ -36,8 +39,14 @@ class OutputFolder {
  public:
   /// Makes the folder, and those above it, and waits until other bakes have left it. Takes away the manifest of an
   /// earlier bake: until this one's is written, as the last file, nobody shall take the folder for a finished one.
-  /// Throws `Error`: file_access if that cannot be done; cancelled if `control` says so while it waits.
-  OutputFolder(std::filesystem::path path, const Control& control);
+  /// `names`: of all files that may be written. Throws `Error`: file_access if that cannot be done or as
+  /// `OwnFiles::require`; cancelled if `control` says so while it waits.
+  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control);
+
+  /// Writes the manifest, which makes the folder a finished one, and removes what an earlier bake wrote and this one
+  /// did not, but nothing that it `read`. Returns remarks for a person about such files.
+  [[nodiscard]] std::vector<std::string> finish(const std::string& manifest,
+                                                const std::vector<std::filesystem::path>& read) const;
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   [[nodiscard]] const std::vector<WrittenFile>& files() const noexcept { return files_; }
@@ -56,16 +65,19 @@ class OutputFolder {
 
   std::filesystem::path path_;
   std::optional<platform::FolderLock> lock_;
+  std::optional<OwnFiles> own_;
   std::vector<WrittenFile> files_;
 };
 
 inline constexpr const char* kManifestName = "manifest.json";
+inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
 
 /// manifest.json, and what `welkin bake --json` prints. Members are only ever added: programs read this.
 [[nodiscard]] std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                                         const OutputFolder& folder, const ToneMap& tone_map);
 
 /// What a person should know of it: values replaced and clamped, by the policies and by the formats.
-[[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const OutputFolder& folder);
+[[nodiscard]] std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions& options,
+                                                  const OutputFolder& folder);
 
 }  // namespace welkin::tool

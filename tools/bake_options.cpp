@@ -1,5 +1,6 @@
 #include "tools/bake_options.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -178,7 +179,9 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
                    .bounds = whole_between(1, kLargestFace)});
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "The same for the background cubemap, which is not blurred; 0: as --size; default " +
-                                  std::to_string(options.background_size)));
+                                  std::to_string(options.background_size) +
+                                  ". A lat-long is four times as wide; in the folders of unity, unreal, blender, godot "
+                                  "and usd it keeps the source's own size where this is not named"));
   table.push_back(
       {.names = "--mips",
        .target = On<std::string>([&options](const std::string& word) { choose_mips(word, options); }),
@@ -239,16 +242,24 @@ void add_diffuse_options(Options& table, BakeCommandOptions& options) {
                                "From the spherical harmonics (default), or by direct integration: exact, and slow"));
   table.push_back({.names = "--no-brdf", .target = &options.no_brdf, .text = "No BRDF table"});
   table.push_back({.names = "--brdf",
-                   .target = On<int>([&options](int size) { options.brdf.width = options.brdf.height = size; }),
+                   .target = On<int>([&options](int size) {
+                     options.brdf.width = options.brdf.height = size;
+                     options.brdf_named = true;
+                   }),
                    .text = "Texels along an edge of the BRDF table; default 64",
                    .type = "N",
                    .bounds = whole_between(1, kLargestTable),
                    .excludes = {"--no-brdf"}});
-  table.push_back(choice<BrdfModel>(
+  Option model = choice<BrdfModel>(
       "--brdf-model", options.brdf.model,
       {{"split-sum", BrdfModel::split_sum}, {"multiple-scattering", BrdfModel::multiple_scattering}},
-      "What the table holds: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering"));
-  table.back().excludes = {"--no-brdf"};
+      "What the table holds: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering");
+  model.target = On<std::string>([&options, store = std::get<On<std::string>>(model.target)](const std::string& word) {
+    store(word);
+    options.brdf_named = true;
+  });
+  model.excludes = {"--no-brdf"};
+  table.push_back(std::move(model));
 }
 
 }  // namespace
@@ -308,13 +319,39 @@ bool is_engine_folder(const BakeCommandOptions& options) noexcept {
   return !options.containers_named && has_folder(options.turn.to);
 }
 
+bool is_lat_long_folder(const BakeCommandOptions& options) noexcept {
+  return is_engine_folder(options) && contains(options.files, Content::lat_long) &&
+         !contains(options.files, Content::background);
+}
+
+bool writes_reflections(const BakeCommandOptions& options) noexcept {
+  return !is_lat_long_folder(options) || contains(options.files, Content::octahedral);
+}
+
 namespace {
+
+/// Whether the mips have another roughness than those that the engine's shaders look up. (What is for Babylon.js and
+/// glTF's viewers alone, .env and .glb, always has its own.)
+bool contradicts_engine(const BakeCommandOptions& options) {
+  if (!is_engine_folder(options) || !contains(options.files, Content::specular)) return false;
+  if (!options.roughness.schedule && options.roughness.table.empty()) return false;
+  BakeCommandOptions by_engine = options;
+  by_engine.roughness = {};
+  const PrefilterOptions asked = *library_options(options).specular;
+  const std::vector<double> own = roughness_of_mips(schedule_of(by_engine), asked.mips.value(), asked.size);
+  constexpr double kSame = 1e-3;
+  return !std::ranges::equal(asked.roughness, own, [](double a, double b) { return std::abs(a - b) <= kSame; });
+}
 
 /// An engine's folder holds what its README.md loads, and nothing else.
 void check_textures_of_engine(const BakeCommandOptions& options) {
   const Engine engine = options.turn.to;
   const std::string folder = std::string("--for ") + convention(engine).name;
-  const bool is_taken = takes_any_texture(engine) || options.octahedral_size > 0 || !options.lobes.empty();
+  const std::vector<OutputFile> lat_longs = files_with(Content::lat_long, files_for(engine));
+  const bool takes_floats = !lat_longs.empty() && lat_longs.front().container == Container::exr &&
+                            options.texture.format == TexelFormat::rgba32f;
+  const bool is_taken =
+      takes_any_texture(engine) || takes_floats || options.octahedral_size > 0 || !options.lobes.empty();
   if (options.format_named && !is_taken) {
     throw Error(
         ErrorCode::invalid_argument,
@@ -327,6 +364,31 @@ void check_textures_of_engine(const BakeCommandOptions& options) {
 }
 
 }  // namespace
+
+std::vector<std::string> option_notes(const BakeCommandOptions& options) {
+  std::vector<std::string> notes;
+  if (!is_engine_folder(options)) return notes;
+  const Convention& engine = convention(options.turn.to);
+  const std::string folder = std::string("--for ") + engine.name;
+  if (options.brdf_named && !contains(options.files, Content::brdf)) {
+    notes.push_back("--brdf and --brdf-model: " + folder +
+                    " writes no BRDF table, as the engine has its own; for a shader of yours name --formats");
+  }
+  const bool named = options.size_named || options.specular.mips || options.all_mips || options.roughness.schedule ||
+                     !options.roughness.table.empty();
+  if (named && !writes_reflections(options)) {
+    notes.push_back(
+        "--size, --mips and --roughness: " + folder +
+        " writes no prefiltered cubemap, as the engine makes its own of the lat-long; --background-size N makes "
+        "that 4 N texels wide");
+  }
+  if (contradicts_engine(options)) {
+    notes.push_back("--roughness: " + std::string(engine.title) +
+                    " looks the mips up by its own formula, so materials show "
+                    "another roughness than theirs; leave it out, or look the mips up in a shader of yours");
+  }
+  return notes;
+}
 
 void settle_files(BakeCommandOptions& options) {
   if (!is_engine_folder(options)) {

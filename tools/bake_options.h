@@ -51,6 +51,7 @@ struct BakeCommandOptions {
   PrefilterOptions specular;
   bool size_named = false;  ///< by --size
   bool all_mips = false;    ///< down to 1 texel
+  bool brdf_named = false;  ///< by --brdf or --brdf-model
   RoughnessChoice roughness;
   std::set<Lobe> lobes;      ///< of which there are chains, too
   int octahedral_size = 0;   ///< of the specular chain as an octahedral map; 0: none
@@ -84,6 +85,15 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 
 /// The file beside sh.json that a compiler reads: sh.h, or sh.cs in Unity's folder.
 [[nodiscard]] const char* harmonics_name(const BakeCommandOptions& options) noexcept;
+
+/// Whether the engine gets a lat-long from which it makes all light itself; it is as large as the source then.
+[[nodiscard]] bool is_lat_long_folder(const BakeCommandOptions& options) noexcept;
+
+/// Whether a file holds the specular chain; else it is not baked.
+[[nodiscard]] bool writes_reflections(const BakeCommandOptions& options) noexcept;
+
+/// What options ask for that the engine's folder does not have, or that its shaders contradict: remarks for a person.
+[[nodiscard]] std::vector<std::string> option_notes(const BakeCommandOptions& options);
 
 /// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`
 /// (invalid_argument) for cubemaps for an engine that has none.

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "jobs/tiles.h"
 #include "platform/text.h"
+#include "tools/clamped_light.h"
 #include "tools/engine_folders.h"
 #include "tools/gltf_light.h"
 #include "tools/sh_report.h"
@@ -70,6 +72,30 @@ std::string range_of(TexelFormat format) {
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
 }
 
+/// Above that its values are clamped.
+glm::dvec3 largest_of(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::b10g11r11: return {65024.0, 65024.0, 64512.0};
+    case TexelFormat::e5b9g9r9: return glm::dvec3(65408.0);
+    case TexelFormat::rgba32f: return glm::dvec3(std::numeric_limits<float>::max());
+    default: break;
+  }
+  return glm::dvec3(65504.0);
+}
+
+constexpr const char* kWithoutSun = "--take-out-sun makes the sun a light of its own";
+
+/// What keeps the light that a format does not hold.
+std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options) {
+  const bool holds_floats = file.container != Container::hdr && file.container != Container::env &&
+                            file.container != Container::glb && file.format != TexelFormat::rgba32f;
+  const bool may_choose =
+      !is_engine_folder(options) || takes_any_texture(options.turn.to) || file.content == Content::lat_long;
+  const std::string floats = holds_floats && may_choose ? "--ktx2-format rgba32f keeps it" : "";
+  if (!options.input || options.sun.take_out) return floats;
+  return floats + (floats.empty() ? "" : ", ") + kWithoutSun;
+}
+
 /// What a float cannot hold does not come out of a bake: PFM clamps nothing.
 std::string range_of(Container container) {
   switch (container) {
@@ -122,8 +148,19 @@ std::string format_text(const OutputFile& file) {
 void write_texture_file(const OutputFile& file, const Cubemap& cubemap, const Job& job) {
   const TextureOptions options = texture_options(file, cubemap, job);
   const WriteReport report = write_texture(job.folder.place(file.name), cubemap.mips, options, {job.control.stop, {}});
-  job.folder.add({file.name, cubemap.what, format_text(file), 0, report.values_clamped, range_of(options.format),
-                  details_of(cubemap, job), caution_of(options.format, cubemap, job.options)});
+  WrittenFile written{file.name,
+                      cubemap.what,
+                      format_text(file),
+                      0,
+                      report.values_clamped,
+                      range_of(options.format),
+                      details_of(cubemap, job),
+                      caution_of(options.format, cubemap, job.options)};
+  if (report.values_clamped > 0) {
+    written.share_clamped = share_beyond(cubemap.mips.front(), largest_of(options.format));
+    written.remedy = remedy_for(file, job.options);
+  }
+  job.folder.add(std::move(written));
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.
@@ -164,26 +201,31 @@ void write_cubemap(const Cubemap& cubemap, const Job& job) {
   }
 }
 
-/// The background once more as a lat-long, which is the same picture for all engines.
-void write_lat_longs(const CubemapChain& background, const Job& job) {
-  LatLongImage picture;
+/// The environment as a lat-long, which is the same picture for all engines.
+void write_lat_longs(const LatLongImage& picture, const Job& job) {
   for (const OutputFile& file : files_with(Content::lat_long, job.options.files)) {
-    if (picture.width == 0) {
-      picture = to_lat_long(background.view(0), 4 * background.size(), 2 * background.size(), glm::dmat3(1.0),
-                            ResampleFilter::bilinear, {job.control.stop, {}});
-    }
+    const bool is_exr = file.container == Container::exr;
+    const bool floats = is_exr && file.format == TexelFormat::rgba32f;
+    WriteOptions options;
+    if (floats) options.type = SampleType::float32;
     const WriteReport report =
-        write_environment(job.folder.place(file.name), picture.view(), {}, {job.control.stop, {}});
-    const char* const format = file.container == Container::exr   ? "OpenEXR half"
+        write_environment(job.folder.place(file.name), picture.view(), options, {job.control.stop, {}});
+    const char* const format = floats                             ? "OpenEXR float"
+                               : is_exr                           ? "OpenEXR half"
                                : file.container == Container::hdr ? "Radiance RGBE"
                                                                   : "PFM";
-    job.folder.add({file.name,
-                    "the background as a lat-long",
-                    format,
-                    0,
-                    report.values_clamped,
-                    range_of(file.container),
-                    {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
+    WrittenFile written{file.name,
+                        "the environment as a lat-long",
+                        format,
+                        0,
+                        report.values_clamped,
+                        is_exr ? range_of(file.format) : range_of(file.container),
+                        {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}};
+    if (is_exr && report.values_clamped > 0) {
+      written.share_clamped = share_beyond(picture.view(), largest_of(file.format));
+      written.remedy = remedy_for(file, job.options);
+    }
+    job.folder.add(std::move(written));
   }
 }
 
@@ -302,6 +344,7 @@ Json roughness_json(const std::vector<MipRecord>& mips) {
 }
 
 constexpr const char* kRangeOfRgbd = "above 255 or below 0 clamped: RGBD ends there";
+constexpr double kLargestRgbd = 255.0;
 
 /// The chain of what holds RGBD, in Welkin's axes.
 const PrefilteredSpecular& rgbd_chain(const Baked& baked) {
@@ -311,6 +354,13 @@ const PrefilteredSpecular& rgbd_chain(const Baked& baked) {
 /// The source's own harmonics, or those that it stored: mip 0 of RGBD ends at 255.
 const SphericalHarmonics& rgbd_radiance(const Baked& baked) {
   return baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
+}
+
+WrittenFile rgbd_file(WrittenFile file, const Baked& baked) {
+  if (file.values_clamped == 0) return file;
+  file.share_clamped = share_beyond(rgbd_chain(baked).cubemap.view(0), glm::dvec3(kLargestRgbd));
+  if (!baked.sun_wanted) file.remedy = kWithoutSun;
+  return file;
 }
 
 /// environment.env, in Babylon.js's axes.
@@ -326,8 +376,9 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
       {"axes", "babylon"},
       {"lod_generation_scale", environment.lod_generation_scale},
       {"polynomial", baked.stored_light ? "the one that the input stores" : "of the source's harmonics"}};
-  folder.add({file, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
-              "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details});
+  folder.add(rgbd_file({file, "all that Babylon.js wants: specular cubemap, and diffuse light as a polynomial",
+                        "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details},
+                       baked));
 }
 
 /// environment.glb, a light of EXT_lights_image_based.
@@ -339,8 +390,9 @@ void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder&
                         {"mips", specular.cubemap.levels()},
                         {"roughness", roughness_json(specular.mips)},
                         {"axes", "gltf"}};
-  folder.add({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
-              "glTF 2.0 binary, RGBD in PNG", 0, light.values_clamped, kRangeOfRgbd, details});
+  folder.add(rgbd_file({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
+                        "glTF 2.0 binary, RGBD in PNG", 0, light.values_clamped, kRangeOfRgbd, details},
+                       baked));
 }
 
 ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
@@ -411,8 +463,8 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
   const glm::dmat3 symmetry = turn_of_faces(options);
   write_computed(baked.picture, job);
-  if (light.background) {  // before it is turned
-    write_lat_longs(*light.background, job);
+  if (baked.lat_long.width > 0) {
+    write_lat_longs(baked.lat_long, job);
     write_usd_stages(job);
   }
   if (light.specular) write_octahedral_maps(*light.specular, job);

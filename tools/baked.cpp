@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "tools/bake_lat_long.h"
 #include "tools/gltf_light.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -151,7 +152,8 @@ struct BakeMemory {
   std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
   int env_size = 0;               ///< of that chain
   int env_mips = 0;
-  int levels = 1;  ///< of the source's file
+  int levels = 1;              ///< of the source's file
+  std::uint64_t lat_long = 0;  ///< that is written; 0 if there is none
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -203,9 +205,6 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
   const std::uint64_t irradiance = bake.irradiance ? cubemap_bytes(bake.irradiance->size) : 0;
   const std::uint64_t results = background + specular + irradiance;
-  // 4 size x 2 size texels.
-  const std::uint64_t lat_long = 8 * cubemap_bytes(size) / 6;
-  const bool has_lat_long = contains(options.files, Content::lat_long);
   const bool turns = turn_of_faces(options) != glm::dmat3(1.0);
   const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
 
@@ -228,7 +227,9 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
                                     has_glb ? "results, the .glb's chain and its faces turned"
                                             : "results, the .env's chain and its faces turned",
                                     kSmallerResults});
-  consider(has_lat_long, {results + lat_long, "results and the background as a lat-long", kSmallerResults});
+  // Where a pixel was replaced or clamped, the source is copied.
+  consider(memory.lat_long > 0,
+           {2 * memory.source + results + memory.lat_long, "source, results and the lat-long", smaller});
   consider(turns, {results + std::max(background, specular), "results and one of them turned to the engine's faces",
                    kSmallerResults});
   return worst;
@@ -295,10 +296,16 @@ void use_stored_light(Baked& baked, const Control& control) {
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }
 
-/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them.
+/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them. Of an engine that makes its
+/// light of a lat-long nothing is baked that stands in no file: the background is for the preview.
 SceneNeeds needs_of(const BakeCommandOptions& options) {
   constexpr int kPolynomialBands = 3;
   SceneNeeds needs = options.scene.needs();
+  if (!writes_reflections(options)) {
+    needs.glossy.reset();
+    needs.irradiance_cubemap = false;
+  }
+  if (is_lat_long_folder(options)) needs.background = options.previews;
   if (!contains_rgbd(options.files) || !needs.glossy) return needs;
   // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
   const PrefilterOptions whole = *library_options(options).specular;
@@ -330,6 +337,17 @@ EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, 
   return chain;
 }
 
+/// Says of a pass that no scene leaves out why there is none.
+void explain_folder(const BakeCommandOptions& options, Plan& planned) {
+  if (!is_lat_long_folder(options)) return;
+  for (PlannedPass& pass : planned.passes) {
+    const bool is_light = pass.name == "specular" || pass.name == "brdf" || pass.name == "irradiance";
+    const bool is_background = pass.name == "background" || pass.name == "background mips";
+    if (pass.action != PassAction::skip || !(is_background || (is_light && !writes_reflections(options)))) continue;
+    pass.reason = "no file of the folder holds it: the engine makes its own of the lat-long";
+  }
+}
+
 /// What the library's bake does not make stands in the plan too.
 template <class Source>
 void plan_env(const Source& source, const EnvChain& chain, const CostModel& costs, Plan& planned) {
@@ -348,20 +366,11 @@ bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out || needs.error_budget)
     return false;
   if (contains_rgbd(options.files) || !options.lobes.empty() || chooses_textures(options)) return false;
+  if (contains(options.files, Content::lat_long)) return false;  // which is made of the pixels
   TurnOptions into_welkin = options.turn;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
   return turn_of_picture(into_welkin, true, true) == identity && turn_of_picture(into_welkin, false, false) == identity;
-}
-
-/// Lat-longs that stand alone in an engine's folder are as large as the picture, for nothing else shows it.
-void settle_lat_longs(const BakeSource& source, BakeCommandOptions& options) {
-  constexpr int kLargest = 2048;  // 8192 x 4096 pixels
-  const bool alone = is_engine_folder(options) && contains(options.files, Content::lat_long) &&
-                     !contains(options.files, Content::background);
-  if (!alone || options.background_size > 0 || options.byte_budget != kNoByteBudget) return;
-  const int face = source.visit([](const auto& view) { return resolution_of(view); });
-  if (face > options.specular.size) options.background_size = std::min(face, kLargest);
 }
 
 /// Chooses textures if there is a budget for them, and says so if that is to be explained.
@@ -370,6 +379,14 @@ std::optional<ChosenTextures> settle_textures(const BakeSource& source, BakeComm
   if (!chooses_textures(options)) return std::nullopt;
   ChosenTextures choice = source.visit([&](const auto& view) { return choose_textures(view, options, control); });
   if (options.scene.explains()) std::cerr << choice_text(choice) << std::flush;
+  if (!choice.met && !options.scene.plan_only) {
+    throw Error(ErrorCode::limit_exceeded,
+                "no textures are within --error-budget " + significant(*options.scene.error_budget, 3) +
+                    "; those of the least error are off by " + significant(choice.chosen.error, 3) + " at roughness " +
+                    significant(choice.chosen.roughness, 3) +
+                    ". Raise it, or give a larger --size or more mips (numbers to --roughness); --explain shows what "
+                    "was tried");
+  }
   return choice;
 }
 
@@ -441,6 +458,8 @@ PixelWork plan_pixels(const BakeSource& source, const BakeCommandOptions& option
   source.visit([&](const auto& view) {
     const double from = baked.textures ? kChosen : kRead;
     work.light = plan(view, needs, baked.whole, costs, part_of(control, from, std::max(from, work.done)));
+    explain_folder(options, work.light);
+    memory.lat_long = lat_long_bytes(shape_of(view), options, baked.whole);
     baked.plan = work.light;
     baked.options = work.light.options;
     work.env = env_chain(options, baked.whole, work.light);
@@ -467,6 +486,7 @@ struct HeaderPlan {
 HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
                        const BakeOptions& whole) {
   Plan planned = plan(file.shape, needs, whole, options.scene.costs());
+  explain_folder(options, planned);
   const EnvChain chain = env_chain(options, whole, planned);
   BakeMemory memory{*options.input,
                     kTexelBytes * file.shape.texels(),
@@ -474,7 +494,8 @@ HeaderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& 
                     0,
                     chain.options.size,
                     chain.options.mips.value(),
-                    file.levels};
+                    file.levels,
+                    lat_long_bytes(file.shape, options, whole)};
   if (chain.second()) {
     const Plan second = plan(file.shape, SceneNeeds(), second_bake_options(chain.options), options.scene.costs());
     memory.second_bake = second.result_bytes + second.working_bytes;
@@ -501,7 +522,6 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
-  settle_lat_longs(source, options);
   if (chooses_textures(options)) {
     baked.textures = timed(baked.passes, "textures", "as the budget asks",
                            [&] { return settle_textures(source, options, part_of(control, kRead, kChosen)); });
@@ -532,6 +552,13 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
     timed(baked.passes, "stored light", "diffuse light as the input stores it, in full where its pixels are clipped",
           [&] { use_stored_light(baked, control); });
   }
+  if (contains(options.files, Content::lat_long)) {
+    baked.lat_long = timed(baked.passes, "lat-long", "of the source's pixels", [&] {
+      return source.visit([&](const auto& view) {
+        return lat_long_of(view, options, baked.whole, {control.stop, {}});
+      });
+    });
+  }
   baked.picture = source.take_picture();
   if (work.env.wanted) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
 }
@@ -548,16 +575,17 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
         probe_environment(input_of(*options.input, options.common.read), options.common.read);
     Plan planned =
         takes_stored(options, needs) ? plan(file, needs, whole, costs) : plan(file.shape, needs, whole, costs);
+    explain_folder(options, planned);
     plan_env(file.shape, env_chain(options, whole, planned), costs, planned);
     return planned;
   }
   const BakeSource source(options, part_of(control, 0.0, kRead));
-  settle_lat_longs(source, options);
   settle_textures(source, options, part_of(control, kRead, kChosen));
   const SceneNeeds needs = needs_of(options);
   const BakeOptions whole = library_options(options);
   return source.visit([&](const auto& view) {
     Plan planned = plan(view, needs, whole, costs, part_of(control, kChosen, 1.0));
+    explain_folder(options, planned);
     plan_env(view, env_chain(options, whole, planned), costs, planned);
     return planned;
   });

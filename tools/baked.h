@@ -20,6 +20,7 @@ struct Baked {
   Source source;
   std::optional<SkyReport> sky;  ///< of a computed one
   LatLongImage picture;          ///< of it, if it is to be kept
+  LatLongImage lat_long;         ///< of files with one: the source, sanitized, at the size that was asked for
   bool sun_wanted = false;       ///< it was to be taken out, or was never in the pixels
   std::optional<Sun> sun;
   BakeOptions whole;    ///< all that the options ask for

@@ -1,5 +1,7 @@
 // `welkin importance`: tables by which a path tracer picks directions, as .npy files with a JSON that says what they
 // are.
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <system_error>
+#include <string_view>
 #include <vector>
 
 #include "platform/text.h"
@@ -17,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/input.h"
 #include "tools/json.h"
+#include "tools/own_files.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -50,6 +53,18 @@ Units: the function is in the file's unit times steradians; divided by integral
   it is a texel's probability. docs/importance.md has more.)";
 
 constexpr const char* kTableName = "importance.json";
+
+bool is_table_name(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kNames = {"function.npy", "row_cdf.npy", "column_cdf.npy", "alias_rows.npy",
+                                                      "alias_columns.npy"};
+  if (std::ranges::find(kNames, name) != kNames.end()) return true;
+  constexpr std::string_view kStart = "pyramid_";
+  constexpr std::string_view kEnd = ".npy";
+  return name.starts_with(kStart) && name.ends_with(kEnd) &&
+         name.find_first_not_of("0123456789", kStart.size()) == name.size() - kEnd.size();
+}
+
+constexpr FileSet kTableFiles{"importance", kTableName, is_table_name};
 
 struct ImportanceCommandOptions {
   CommonOptions common;
@@ -87,10 +102,16 @@ std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std:
 /// Writes files and lists them.
 class TableFolder {
  public:
-  explicit TableFolder(std::filesystem::path path) : path_(std::move(path)) {
+  /// Until the new index is there nobody shall take the folder for whole.
+  TableFolder(std::filesystem::path path, const std::vector<std::string>& names) : path_(std::move(path)) {
     check_output_folder(path_);
     std::filesystem::create_directories(path_);
-    std::filesystem::remove(path_ / kTableName);  // until the new one is there nobody shall take the folder for whole
+    own_.emplace(path_, kTableFiles);
+    own_->begin(names);
+  }
+
+  [[nodiscard]] std::vector<std::string> finish(const std::string& index, const std::filesystem::path& read) const {
+    return own_->finish(index, names_, {read});
   }
 
   void add(const std::string& name, const std::vector<std::size_t>& shape, std::span<const float> values) {
@@ -109,12 +130,26 @@ class TableFolder {
              const void* values, std::size_t bytes) {
     const std::vector<std::byte> file = npy_bytes(type, shape, values, bytes);
     write_bytes(path_ / name, file);
+    names_.push_back(name);
     files_.push_back({{"name", name}, {"shape", shape}, {"bytes", file.size()}});
   }
 
   std::filesystem::path path_;
+  std::optional<OwnFiles> own_;
+  std::vector<std::string> names_;
   Json files_ = Json::array();
 };
+
+/// All that may be written, index included.
+std::vector<std::string> names_to_write(const ImportanceCommandOptions& options) {
+  std::vector<std::string> names = {kTableName, "function.npy", "row_cdf.npy", "column_cdf.npy"};
+  if (options.alias) names.insert(names.end(), {"alias_rows.npy", "alias_columns.npy"});
+  constexpr int kMostLevels = 17;  // of 65536 texels
+  for (int level = 0; options.pyramid && level < kMostLevels; ++level) {
+    names.push_back("pyramid_" + std::to_string(level) + ".npy");
+  }
+  return names;
+}
 
 const char* word_of(ImportanceWeight weight) {
   switch (weight) {
@@ -128,6 +163,10 @@ const char* word_of(ImportanceWeight weight) {
 std::size_t count_of(int number) { return static_cast<std::size_t>(number); }
 
 std::string make(const ImportanceCommandOptions& options) {
+  const std::filesystem::path directory = platform::path_of(options.directory);
+  const std::vector<std::string> names = names_to_write(options);
+  check_output_folder(directory);
+  OwnFiles(directory, kTableFiles).require(names);
   ProgressBar bar;
   const Control control = bar.control();
   const FileInput input = input_of(options.input, options.common.read);
@@ -145,7 +184,7 @@ std::string make(const ImportanceCommandOptions& options) {
   const ImportanceVariance variance =
       importance_variance(view, table, wanted.weight, wanted.pixels, part_of(control, 0.6, 0.8));
   begin_stage("write");
-  TableFolder folder(platform::path_of(options.directory));
+  TableFolder folder(directory, names);
   const std::size_t width = count_of(table.width);
   const std::size_t height = count_of(table.height);
   folder.add("function.npy", {height, width}, std::span<const float>(table.function));
@@ -177,12 +216,14 @@ std::string make(const ImportanceCommandOptions& options) {
                         "height; (sin lon cos lat, sin lat, cos lon cos lat); even by solid angle within a texel"},
                        {"files", folder.files()}};
   const std::string text = json_text(report);
-  write_text_file(folder.path() / kTableName, text);
+  const std::vector<std::string> remarks = folder.finish(text, platform::path_of(options.input));
   if (options.common.json) return text;
+  std::string notes;
+  for (const std::string& remark : remarks) notes += "note: " + remark + '\n';
   return printable(platform::utf8(folder.path())) + ": tables of " + std::to_string(table.width) + " x " +
          std::to_string(table.height) + " texels, by " + word_of(wanted.weight) +
          "\n  variance of one sample over the total's square: even directions " + significant(variance.uniform, 4) +
-         ", the table " + significant(variance.table, 4) + '\n';
+         ", the table " + significant(variance.table, 4) + '\n' + notes;
 }
 
 void run(const ImportanceCommandOptions& options) {

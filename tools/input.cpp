@@ -102,7 +102,9 @@ void require_own_folder(const std::filesystem::path& folder, const std::string& 
   if (!std::filesystem::exists(std::filesystem::symlink_status(folder, unknown))) return;
   const bool is_folder = std::filesystem::is_directory(folder, unknown);
   if (is_folder && std::filesystem::is_empty(folder, unknown) && !unknown) return;
-  if (is_folder && begins_with(folder / table, "\"welkin\":")) return;
+  for (const std::string& list : {table, "unfinished_" + table}) {
+    if (is_folder && begins_with(folder / list, "\"welkin\":")) return;
+  }
   const std::string name = platform::utf8(folder);
   throw Error(ErrorCode::file_access, name + ": is there and was not written by 'welkin " + command +
                                           "'; name another folder by -o" +

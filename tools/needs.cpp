@@ -132,7 +132,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
        .text = "The relative error that each pass may have; 0.01 is 1 %. Each pass takes its cheapest setting whose "
                "estimated error on this input is below it; --explain prints it. Results that the input file "
                "carries are not used. A bake to files also takes the smallest faces, mips and texels for "
-               "which what a shader reads is within it, where no option names them",
+               "which what a shader reads is within it, where no option names them, and fails where none are",
        .type = "SHARE",
        .bounds = finite_between(1e-6, 1.0)});
   table.push_back(

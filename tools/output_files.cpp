@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include "tools/bake_options.h"
 #include "tools/engine_folders.h"
@@ -159,6 +160,8 @@ std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options) {
         file.format = stored_format(file.content, file.container, options.texture.format);
       file.supercompression = options.texture.supercompression;
     }
+    if (file.container == Container::exr)
+      file.format = stored_format(file.content, file.container, options.texture.format);
     add(std::move(file));
   }
   if (options.octahedral_size > 0) add(file_of(Content::octahedral, Container::ktx2, options.texture));
@@ -181,6 +184,40 @@ bool contains(const std::vector<OutputFile>& files, Content content) noexcept {
 
 bool contains_rgbd(const std::vector<OutputFile>& files) noexcept {
   return contains(files, Content::env) || contains(files, Content::gltf_light);
+}
+
+namespace {
+
+/// All that a bake can be asked for, strips of mips by the name of the first.
+std::set<std::string, std::less<>> all_bake_names() {
+  constexpr std::array kContainers{Container::ktx2, Container::dds, Container::exr, Container::hdr,
+                                   Container::pfm,  Container::env, Container::ktx};
+  constexpr std::array kContents{Content::lat_long, Content::octahedral, Content::background,
+                                 Content::specular, Content::charlie,    Content::lambert,
+                                 Content::phong,    Content::irradiance, Content::brdf};
+  std::set<std::string, std::less<>> names = {
+      "sh.json", "sh.h", "sky.exr", "preview_environment.png", "preview_spheres.png", "preview_mips.png"};
+  for (const Content content : kContents) {
+    for (const Container container : kContainers) names.insert(std::string(name(content)) + '.' + name(container));
+  }
+  for (const Convention& each : conventions()) {
+    if (!has_folder(each.engine)) continue;
+    for (const OutputFile& file : files_for(each.engine)) names.insert(file.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+bool is_bake_name(std::string_view name) {
+  static const std::set<std::string, std::less<>> names = all_bake_names();
+  if (names.contains(name)) return true;
+  const std::size_t dot = name.rfind('.');
+  const std::size_t mip = name.rfind("_m");
+  if (dot == std::string_view::npos || mip == std::string_view::npos || mip > dot) return false;
+  const std::string_view number = name.substr(mip + 2, dot - mip - 2);
+  const bool is_number = !number.empty() && number.find_first_not_of("0123456789") == std::string_view::npos;
+  return is_number && names.contains(std::string(name.substr(0, mip)) + std::string(name.substr(dot)));
 }
 
 bool contains_cubemap(const std::vector<OutputFile>& files) noexcept {

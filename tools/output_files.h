@@ -3,6 +3,7 @@
 
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "welkin/texture_file.h"
@@ -89,6 +90,9 @@ struct OutputFile {
 
 /// Whether there is one that Babylon.js reads as RGBD: it has a specular chain of its own, and harmonics.
 [[nodiscard]] bool contains_rgbd(const std::vector<OutputFile>& files) noexcept;
+
+/// Whether a bake may call a file so, of whichever engine, formats and sky; not its manifest.
+[[nodiscard]] bool is_bake_name(std::string_view name);
 
 /// Whether there is one whose faces lie as the engine looks for them.
 [[nodiscard]] bool contains_cubemap(const std::vector<OutputFile>& files) noexcept;

@@ -37,11 +37,11 @@ enum class ResampleFilter {
 /// From a lat-long to a cubemap, with one of a cube's 48 symmetries for a turn (the identity is one): as `filter` says.
 /// From a cubemap to one of half the size, a quarter and so on, likewise turned: by mean over the texel's area,
 /// weighted by solid angle, so that total radiance is kept to rounding.
-///
 /// From a cubemap to a lat-long by `area`, likewise turned: each texel is the mean of the cube's texels, as areas of
 /// one value each, over its own area. Total radiance is kept to rounding; where the result is finer, the cube's texels
 /// show.
-///
+/// From a lat-long to one of its size, turned about y by a share of a texel or so mirrored: each row is resampled along
+/// itself by cubic convolution, each result limited to the four texels around it, the row's sum kept to rounding.
 /// Else each texel of the result is the mean, by solid angle, of the source's bilinear interpolation over the texel's
 /// area, at evenly spaced samples. Along either edge these are the source's texels a radian where they lie closest
 /// (cube: size; lat-long: width / 2 pi or height / pi, the larger) over the result's where they lie widest apart (cube:

@@ -11,6 +11,7 @@
 
 #include "image/area_resampling.h"
 #include "image/geometry.h"
+#include "image/moved_row.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
@@ -312,6 +313,7 @@ LatLongImage to_lat_long(const LatLongView& source, int width, int height, const
   require_orthogonal(turn);
   if (width == source.width && height == source.height) {
     if (auto exact = image::turned_exactly(source, turn, control)) return *std::move(exact);
+    if (auto moved = image::moved_along_rows(source, turn, control)) return *std::move(moved);
   }
   return resampled_lat_long<image::LatLongSampler>(source, width, height, turn, control);
 }
@@ -428,10 +430,11 @@ std::optional<WholeMatrix> signed_permutation(const glm::dmat3& turn) {
 struct ColumnsAndRows {
   bool rows_reversed = false;
   bool columns_reversed = false;
-  int shift = 0;  // column i of the source becomes i - shift, or width - 1 - i - shift; from 0 to width - 1
+  int shift = 0;       // column i of the source becomes i - shift, or width - 1 - i - shift; from 0 to width - 1
+  double share = 0.0;  // and by so much of a column more, below 1
 
   [[nodiscard]] int source_column(int column, int width) const {
-    const int moved = (column + shift) % width;
+    const int moved = wrapped(column + shift, width);
     return columns_reversed ? (width - 1 - moved) : moved;
   }
 };
@@ -444,10 +447,10 @@ std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& turn, int width
   const glm::dvec3 ahead = turn * glm::dvec3(0, 0, 1);
   const glm::dvec3 left = turn * glm::dvec3(1, 0, 0);
   const double shift = math::turns_of(ahead.x, ahead.z) * width;
-  const double whole = std::round(shift);
-  if (std::abs(shift - whole) > kColumnTolerance) return {};
-  const int moved = static_cast<int>(whole) % width;
-  return ColumnsAndRows{up.y < 0.0, ahead.z * left.x - ahead.x * left.z < 0.0, moved < 0 ? moved + width : moved};
+  const bool is_whole = std::abs(shift - std::round(shift)) <= kColumnTolerance;
+  const double whole = is_whole ? std::round(shift) : std::floor(shift);
+  return ColumnsAndRows{up.y < 0.0, ahead.z * left.x - ahead.x * left.z < 0.0, wrapped(static_cast<int>(whole), width),
+                        is_whole ? 0.0 : shift - whole};
 }
 
 /// Calls `move(row)` for each of so many rows, several at a time.
@@ -489,7 +492,7 @@ std::optional<CubemapImage> turned_exactly(const CubemapView& source, const glm:
 
 std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm::dmat3& turn, const Control& control) {
   const std::optional<ColumnsAndRows> places = columns_and_rows(turn, source.width);
-  if (!places) return {};
+  if (!places || places->share > 0.0) return {};
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
   LatLongImage result{source.width, source.height,
                       std::vector<float>(row_floats * static_cast<std::size_t>(source.height))};
@@ -501,6 +504,29 @@ std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm:
     for (int column = 0; column < source.width; ++column, rgb += 3) {
       const auto at = static_cast<std::size_t>(places->source_column(column, source.width));
       decode_texels(source.format, from + at * texel_bytes, 1, rgb);
+    }
+  });
+  return result;
+}
+
+std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& turn,
+                                             const Control& control) {
+  const std::optional<ColumnsAndRows> places = columns_and_rows(turn, source.width);
+  if (!places) return {};
+  const FloatPlane plane(source);
+  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
+  LatLongImage result{source.width, source.height,
+                      std::vector<float>(row_floats * static_cast<std::size_t>(source.height))};
+  for_each_row(source.height, source.width, control, [&](int row) {
+    MovedRow moved(source.width, places->share);
+    const int from = places->rows_reversed ? source.height - 1 - row : row;
+    float* const rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
+    for (int channel = 0; channel < 3; ++channel) {
+      for (int column = 0; column < source.width; ++column) {
+        moved.texel(column) =
+            static_cast<double>(plane.texel(places->source_column(column, source.width), from)[channel]);
+      }
+      moved.write(rgb + channel, 3);
     }
   });
   return result;

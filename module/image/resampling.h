@@ -71,4 +71,8 @@ class CubemapSampler final : public Sampler {
 [[nodiscard]] std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm::dmat3& turn,
                                                          const Control& control);
 
+/// The same where the columns move by a share of a texel: each row is resampled along itself, its sum kept.
+[[nodiscard]] std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& turn,
+                                                           const Control& control);
+
 }  // namespace welkin::image

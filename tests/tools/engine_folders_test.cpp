@@ -41,11 +41,16 @@ const std::map<std::string, Names>& folders() {
   return all;
 }
 
+/// With a lat-long alone there are no mips and no balls to show.
 Names with_common_files(const std::string& engine, Names names) {
-  for (const char* name : {"README.md", "manifest.json", "preview_environment.png", "preview_mips.png",
-                           "preview_spheres.png", engine == "unity" ? "sh.cs" : "sh.h", "sh.json"}) {
+  const bool is_lat_long = std::all_of(names.begin(), names.end(), [](const std::string& name) {
+    return name == "environment.exr" || name == "environment.hdr" || name == "environment.usda";
+  });
+  for (const char* name : {"README.md", "manifest.json", "preview_environment.png",
+                           engine == "unity" ? "sh.cs" : "sh.h", "sh.json"}) {
     names.emplace_back(name);
   }
+  if (!is_lat_long) names.insert(names.end(), {"preview_mips.png", "preview_spheres.png"});
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -536,6 +541,6 @@ TEST_CASE("bake --for: a lat-long that stands alone is as large as the picture",
     bake_into(out, quoted(picture) + " --for usd --size 8 --no-previews " + options);
     return inspect_environment(out / "environment.exr").width;
   };
-  CHECK(width("") == 128);  // faces of 32, the power of two from 24 on
+  CHECK(width("") == 96);
   CHECK(width("--background-size 8") == 32);
 }

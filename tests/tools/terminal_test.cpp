@@ -367,9 +367,10 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake]") {
     return table;
   };
   CHECK(roughness("--size 64 --roughness unity") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
-  CHECK(roughness("--size 64 --for unity") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
-  CHECK(roughness("--size 64 --for unreal") == roughness_of_mips(RoughnessSchedule::unreal, 7, 64));
-  CHECK(roughness("--size 64 --for unity --roughness linear") == roughness_of_mips(RoughnessSchedule::linear, 5, 64));
+  CHECK(roughness("--size 64 --for unity --formats ktx2") == roughness_of_mips(RoughnessSchedule::unity, 7, 64));
+  CHECK(roughness("--size 64 --for unreal --formats ktx2") == roughness_of_mips(RoughnessSchedule::unreal, 7, 64));
+  CHECK(roughness("--size 64 --for unity --formats ktx2 --roughness linear") ==
+        roughness_of_mips(RoughnessSchedule::linear, 5, 64));
   // The same default in the library.
   const LatLongImage grey{16, 8, grey_picture(16, 8, 1.0F)};
   std::vector<double> of_library;

@@ -1,0 +1,188 @@
+// `welkin bake --for unity, unreal, blender, godot, usd`: the lat-long is the source's own, and nothing is baked that
+// no file of the folder holds.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <random>
+
+#include "places.h"
+#include "support/sharpness.h"
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+#include "welkin/environment_file.h"
+#include "welkin/resampling.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+const std::vector<std::string>& engines() {
+  static const std::vector<std::string> all = {"unity", "unreal", "blender", "godot", "usd"};
+  return all;
+}
+
+std::filesystem::path picture_of(const std::string& engine, const std::filesystem::path& folder) {
+  return folder / (engine == "unreal" ? "environment.hdr" : "environment.exr");
+}
+
+/// Noise that .hdr and halves hold to the last bit: 8 bits times a power of two, blue the largest so that it has all 8.
+LatLongImage noise(int width, int height) {
+  std::mt19937 random(3);
+  LatLongImage picture{width, height, {}};
+  for (int texel = 0; texel < width * height; ++texel) {
+    const double scale = std::exp2(static_cast<double>(random() % 8) - 10.0);
+    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
+    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
+    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(128 + random() % 128)));
+  }
+  return picture;
+}
+
+std::vector<float> pixels_in(const std::filesystem::path& file) {
+  const Environment environment = read_environment(file);
+  const auto texels =
+      static_cast<std::size_t>(environment.info.width) * static_cast<std::size_t>(environment.info.height);
+  return {environment.pixels.get(), environment.pixels.get() + 3 * texels};
+}
+
+constexpr const char* kQuick = " --size 8 --no-previews ";
+
+}  // namespace
+
+TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's own pixels", "[tools][bake][lat_long]") {
+  const TemporaryFolder scratch;
+  const LatLongImage picture = noise(100, 50);
+  const auto pfm = scratch.path() / "picture.pfm";
+  write_environment(pfm, picture.view());
+  for (const std::string& engine : engines()) {
+    INFO(engine);
+    const auto out = scratch.path() / engine;
+    const auto manifest = bake_into(out, quoted(pfm) + " --for " + engine + kQuick);
+    CHECK((pixels_in(picture_of(engine, out)) == picture.pixels));
+    const auto said = file_of(manifest, picture_of(engine, out).filename().string());
+    CHECK(said.at("width") == 100);
+    CHECK(said.at("height") == 50);
+  }
+  // Turns by whole columns and mirrors move pixels.
+  const auto turned = scratch.path() / "turned";
+  bake_into(turned, quoted(pfm) + " --for blender --yaw 90 --mirror" + kQuick);
+  const glm::dmat3 turn = turn_about_y(90.0) * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+  CHECK((pixels_in(turned / "environment.exr") == to_lat_long(picture.view(), 100, 50, turn).pixels));
+  // Floats stay floats where that is asked for.
+  LatLongImage fine = picture;
+  for (float& value : fine.pixels) value = std::nextafter(value, 1e9F);
+  write_environment(pfm, fine.view());
+  const auto floats = bake_into(turned, quoted(pfm) + " --for usd --ktx2-format rgba32f" + kQuick);
+  CHECK((pixels_in(turned / "environment.exr") == fine.pixels));
+  CHECK(file_of(floats, "environment.exr").at("format") == "OpenEXR float");
+}
+
+TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names and no other",
+          "[tools][bake][lat_long]") {
+  const TemporaryFolder scratch;
+  LatLongImage picture = noise(64, 32);
+  picture.pixels[3 * 70] = std::numeric_limits<float>::quiet_NaN();
+  picture.pixels[3 * 71 + 1] = 4096.0F;
+  const auto pfm = scratch.path() / "picture.pfm";
+  write_environment(pfm, picture.view());
+  const auto out = scratch.path() / "out";
+  bake_into(out, quoted(pfm) + " --for godot --clamp 1000" + kQuick);
+  picture.pixels[3 * 70] = 0.0F;
+  picture.pixels[3 * 71 + 1] = 1000.0F;
+  CHECK((pixels_in(out / "environment.exr") == picture.pixels));
+  // Without its sun the rest is as it was.
+  LatLongImage sunny{64, 32, std::vector<float>(std::size_t{3} * 64 * 32, 0.5F)};
+  for (std::size_t c = 0; c < 3; ++c) sunny.pixels[3 * (10 * 64 + 20) + c] = 5e4F;
+  for (std::size_t texel = 0; texel < 64 * 32; texel += 7) sunny.pixels[3 * texel] = 0.25F;
+  write_environment(pfm, sunny.view());
+  const auto manifest = bake_into(out, quoted(pfm) + " --for godot --take-out-sun" + kQuick);
+  REQUIRE(manifest.at("sun").is_object());
+  const std::vector<float> rest = pixels_in(out / "environment.exr");
+  CHECK(rest[3 * (10 * 64 + 20)] < 1.0F);
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) changed += rest[i] != sunny.pixels[i] ? 1 : 0;
+  CHECK(changed <= 27);
+}
+
+TEST_CASE("bake --for: a lat-long of another size or of a cubemap is resampled once", "[tools][bake][lat_long]") {
+  const TemporaryFolder scratch;
+  const LatLongImage picture = noise(96, 48);
+  const auto pfm = scratch.path() / "picture.pfm";
+  write_environment(pfm, picture.view());
+  const auto out = scratch.path() / "out";
+  const std::string floats = " --for blender --ktx2-format rgba32f";
+  bake_into(out, quoted(pfm) + floats + " --background-size 16" + kQuick);
+  CHECK((pixels_in(out / "environment.exr") == to_lat_long(picture.view(), 64, 32).pixels));
+  bake_into(out, quoted(pfm) + floats + " --yaw 11" + kQuick);
+  CHECK((pixels_in(out / "environment.exr") == to_lat_long(picture.view(), 96, 48, turn_about_y(11.0)).pixels));
+  // With --formats the size is the background's, and the picture is not its.
+  bake_into(out, quoted(pfm) + " --formats pfm --size 8 --no-previews --no-brdf --irradiance 0");
+  CHECK((pixels_in(out / "environment.pfm") == to_lat_long(picture.view(), 32, 16).pixels));
+  const CubemapImage cube = to_cubemap(picture.view(), 24);
+  WriteOptions strip;
+  strip.layout = Layout::vertical_strip;
+  write_environment(pfm, cube.view(), strip);
+  bake_into(out, quoted(pfm) + floats + kQuick);
+  CHECK((pixels_in(out / "environment.exr") == to_lat_long(cube.view(), 96, 48).pixels));
+}
+
+TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan says so", "[tools][bake][lat_long]") {
+  const TemporaryFolder scratch;
+  const auto pass_of = [](const nlohmann::json& list, const std::string& name) {
+    const auto found =
+        std::find_if(list.begin(), list.end(), [&](const auto& pass) { return pass.at("name") == name; });
+    REQUIRE(found != list.end());
+    return *found;
+  };
+  for (const std::string& engine : engines()) {
+    INFO(engine);
+    const auto out = scratch.path() / engine;
+    const auto manifest = bake_into(out, "--sky --size 16 --for " + engine);
+    CHECK(manifest.at("specular").empty());
+    CHECK_FALSE(manifest.contains("brdf"));
+    for (const char* name : {"specular", "irradiance", "brdf"}) {
+      CHECK(pass_of(manifest.at("times"), name).at("action") == "skip");
+      CHECK(contains(pass_of(manifest.at("times"), name).at("reason").get<std::string>(), "no file of the folder"));
+    }
+    CHECK(std::filesystem::exists(out / "preview_environment.png"));
+    CHECK_FALSE(std::filesystem::exists(out / "preview_spheres.png"));
+    CHECK_FALSE(std::filesystem::exists(out / "preview_mips.png"));
+    CHECK(std::filesystem::exists(out / "sh.json"));
+  }
+  const nlohmann::json plan = nlohmann::json::parse(
+      run_welkin("bake --sky --for usd --no-previews --plan-only --json -o " + quoted(scratch.path() / "no")).output);
+  for (const char* name : {"specular", "background"}) {
+    CHECK(pass_of(plan.at("passes"), name).at("action") == "skip");
+    CHECK(contains(pass_of(plan.at("passes"), name).at("reason").get<std::string>(), "no file of the folder"));
+  }
+  // An octahedral map is such a file.
+  const auto octahedral = bake_into(scratch.path() / "o", "--sky --size 16 --for godot --octahedral 32");
+  CHECK(octahedral.at("specular").size() > 1);
+}
+
+TEST_CASE("The table of sharpness in docs/bake_folder.md", "[.sharpness]") {
+  const TemporaryFolder scratch;
+  for (const char* name : {"venice_sunset_1k.hdr", "potsdamer_platz_1k.hdr", "spruit_sunrise_4k.hdr"}) {
+    const auto path = std::filesystem::path(WELKIN_SHARED) / "hdr" / "env" / name;
+    if (!std::filesystem::exists(path)) continue;
+    const Environment source = read_environment(path);
+    std::printf("| %s | %.4f |", path.stem().c_str(), sharpness(source.lat_long()));
+    for (const std::string& engine : engines()) {
+      const auto out = scratch.path() / "out";
+      bake_into(out, quoted(path) + " --no-previews --for " + engine);
+      const Environment written = read_environment(picture_of(engine, out));
+      std::printf(" %.4f |", sharpness(written.lat_long()));
+      std::filesystem::remove_all(out);
+    }
+    for (const char* turn : {"--yaw 37.31", "--rotation 0.3,0.2,0.1,0.9"}) {
+      const auto out = scratch.path() / "out";
+      bake_into(out, quoted(path) + " --no-previews --for blender " + turn);
+      const Environment written = read_environment(out / "environment.exr");
+      std::printf(" %.4f |", sharpness(written.lat_long()));
+      std::filesystem::remove_all(out);
+    }
+    std::printf("\n");
+  }
+}

@@ -1,0 +1,193 @@
+// Which files of a folder `welkin bake` and `welkin importance` replace and remove: those that they wrote themselves.
+#include <fstream>
+
+#include "tools/baked_folder.h"
+#include "tools/command.h"
+
+using namespace welkin;
+using namespace welkin::test;
+
+namespace {
+
+constexpr const char* kSmall = " --size 8 --irradiance 4 --brdf 8 --no-previews ";
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string bake_line(const std::filesystem::path& folder, const std::string& options = "") {
+  return "bake --sky" + std::string(kSmall) + options + " -o " + quoted(folder);
+}
+
+/// Name and content of all files of a folder.
+std::vector<std::string> contents_of(const std::filesystem::path& folder) {
+  std::vector<std::string> all;
+  for (const std::string& name : names_in(folder)) {
+    const bool is_file = std::filesystem::is_regular_file(folder / name);
+    all.push_back(name + ": " + (is_file ? file_text(folder / name) : "no file"));
+  }
+  return all;
+}
+
+/// Refused before any work: names the file and what to do, and nothing is changed.
+void check_refused(const std::string& line, const std::filesystem::path& folder, const std::string& name) {
+  const std::vector<std::string> before = contents_of(folder);
+  const std::string message = failure(line, 1);
+  INFO(message);
+  CHECK(contains(message, name + ": is "));
+  CHECK(contains(message, "pass another folder to -o"));
+  CHECK(contents_of(folder) == before);
+}
+
+}  // namespace
+
+TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "[tools][bake][own_files]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "web";
+  std::filesystem::create_directory(folder);
+  for (const char* text : {R"({"name": "My app", "icons": []})", "", "{", R"({"welkin": 1, "files": []})",
+                           R"({"name": "welkin", "files": ["a.js"]})"}) {
+    write_text(folder / "manifest.json", text);
+    check_refused(bake_line(folder), folder, "manifest.json");
+    // Before any work: the input is not looked at.
+    CHECK(contains(failure("bake missing.hdr -o " + quoted(folder), 1), "m"));
+    CHECK(file_text(folder / "manifest.json") == text);
+  }
+  std::filesystem::remove(folder / "manifest.json");
+  std::filesystem::create_directory(folder / "manifest.json");
+  check_refused(bake_line(folder), folder, "manifest.json");
+}
+
+TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][bake][own_files][posix]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky") + kSmall);
+  for (const char* name : {"irradiance.ktx2", "sh.json", "manifest.json"}) {
+    const std::string was = file_text(folder / name);
+    std::filesystem::remove(folder / name);
+    std::filesystem::create_directory(folder / name);
+    check_refused(bake_line(folder), folder, name);
+    std::filesystem::remove(folder / name);
+    std::filesystem::create_symlink("/dev/null", folder / name);
+    check_refused(bake_line(folder), folder, name);
+    std::filesystem::remove(folder / name);
+    REQUIRE(run_program("mkfifo", quoted(folder / name)).exit_code == 0);
+    check_refused(bake_line(folder), folder, name);
+    std::filesystem::remove(folder / name);
+    write_text(folder / name, was);
+  }
+  bake_into(folder, std::string("--sky") + kSmall);
+}
+
+TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][own_files]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  std::filesystem::create_directory(folder);
+  for (const char* name : {"sh.json", "background.ktx2"}) {
+    write_text(folder / name, "somebody's");
+    check_refused(bake_line(folder), folder, name);
+    std::filesystem::remove(folder / name);
+  }
+  write_text(folder / "notes.txt", "somebody's");
+  bake_into(folder, std::string("--sky") + kSmall);
+  bake_into(folder, std::string("--sky") + kSmall);  // its own are
+  write_text(folder / "specular.dds", "somebody's");
+  check_refused(bake_line(folder, "--formats dds"), folder, "specular.dds");
+  bake_into(folder, std::string("--sky") + kSmall);
+  CHECK(file_text(folder / "notes.txt") == "somebody's");
+  CHECK(file_text(folder / "specular.dds") == "somebody's");
+}
+
+TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bake][own_files]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky --for unreal") + kSmall);
+  // As a killed bake with --formats ktx2 leaves it: with a list of what it replaces, and no manifest.
+  const std::string manifest = file_text(folder / "manifest.json");
+  nlohmann::json list = {{"welkin", "0"}, {"files", nlohmann::json::parse(manifest).at("files")}};
+  list["files"].push_back({{"name", "specular.ktx2"}, {"bytes", nullptr}});
+  write_text(folder / "unfinished_manifest.json", list.dump());
+  std::filesystem::remove(folder / "manifest.json");
+  write_text(folder / "specular.ktx2", "half of a bake");
+  const auto after = bake_into(folder, std::string("--sky") + kSmall);
+  CHECK(names_in(folder) == names_of(after));  // neither environment.hdr nor the list
+  write_text(folder / "unfinished_manifest.json", "somebody's");
+  check_refused(bake_line(folder), folder, "unfinished_manifest.json");
+}
+
+TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if it is as it was",
+          "[tools][bake][own_files]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  bake_into(folder, std::string("--sky") + kSmall);
+  const CommandResult result = run_welkin(bake_line(folder, "--for three"));
+  INFO(result.output << result.errors);
+  REQUIRE(result.exit_code == 0);
+  CHECK(names_in(folder) == names_of(manifest_of(folder)));
+  CHECK(contains(result.output, "note: removed, as an earlier 'bake' wrote it and this one does not: background.ktx2"));
+  // What has changed since stays, and is named.
+  write_text(folder / "specular.dds", "somebody's now");
+  const CommandResult other = run_welkin(bake_line(folder, "--for unreal"));
+  CHECK(contains(other.output,
+                 "left beside the new files, as it is read or has changed since an earlier 'bake' wrote it: "
+                 "specular.dds"));
+  CHECK(file_text(folder / "specular.dds") == "somebody's now");
+  // What is read stays, too.
+  bake_into(folder, quoted(folder / "environment.hdr") + kSmall);
+  CHECK(std::filesystem::exists(folder / "environment.hdr"));
+  // With a cache it is the same.
+  const auto input = scratch.path() / "in.hdr";
+  std::filesystem::copy_file(folder / "environment.hdr", input);
+  const auto cached = scratch.path() / "cached";
+  const std::string cache = kSmall + (" --cache " + quoted(scratch.path() / "cache"));
+  bake_into(cached, quoted(input) + cache);
+  bake_into(cached, quoted(input) + cache + " --for filament");
+  const auto again = bake_into(cached, quoted(input) + cache);
+  CHECK(again.at("times").size() == 1);
+  CHECK(names_in(cached) == names_of(again));
+}
+
+TEST_CASE("bake: a manifest that lies makes it remove nothing that is not a bake's",
+          "[tools][bake][own_files][posix]") {
+  const TemporaryFolder scratch;
+  const auto folder = scratch.path() / "out";
+  const auto outside = scratch.path() / "background.dds";
+  std::filesystem::create_directory(folder);
+  std::filesystem::create_directory(folder / "phong.dds");
+  write_text(outside, "12345");
+  for (const char* name : {"notes.txt", "photograph.hdr", "lambert.dds", "specular_mine.dds"})
+    write_text(folder / name, "12345");
+  std::filesystem::create_symlink(outside, folder / "charlie.dds");
+  nlohmann::json files = nlohmann::json::array({5, nullptr, nlohmann::json::object(), {{"name", 3}, {"bytes", 5}}});
+  for (const std::string& name :
+       {std::string("../background.dds"), outside.string(), std::string("./notes.txt"), std::string("notes.txt"),
+        std::string("photograph.hdr"), std::string("specular_mine.dds"), std::string("charlie.dds"),
+        std::string("phong.dds"), std::string(".."), std::string(), std::string("manifest.json")}) {
+    files.push_back({{"name", name}, {"bytes", 5}});
+  }
+  files.push_back({{"name", "lambert.dds"}, {"bytes", 6}});
+  files.push_back({{"name", "lambert.dds"}, {"bytes", -1}});
+  write_text(folder / "manifest.json", nlohmann::json({{"welkin", "0"}, {"files", files}}).dump());
+  bake_into(folder, std::string("--sky") + kSmall);
+  CHECK(file_text(outside) == "12345");
+  for (const char* name : {"notes.txt", "photograph.hdr", "lambert.dds", "charlie.dds", "specular_mine.dds"})
+    CHECK(file_text(folder / name) == "12345");
+  CHECK(std::filesystem::is_symlink(folder / "charlie.dds"));
+  CHECK(std::filesystem::is_directory(folder / "phong.dds"));
+}
+
+TEST_CASE("importance: tables of an earlier run are replaced and removed, and no other file", "[tools][own_files]") {
+  const TemporaryFolder scratch;
+  const auto input = scratch.path() / "in.pfm";
+  const auto folder = scratch.path() / "tables";
+  write_pfm(input, 8, 4, grey_picture(8, 4, 0.5F));
+  const std::string line = "importance " + quoted(input) + " -o " + quoted(folder);
+  REQUIRE(run_welkin(line + " --alias --pyramid").exit_code == 0);
+  REQUIRE(run_welkin(line).exit_code == 0);
+  CHECK(names_in(folder) ==
+        std::vector<std::string>{"column_cdf.npy", "function.npy", "importance.json", "row_cdf.npy"});
+  write_text(folder / "alias_rows.npy", "somebody's");
+  check_refused(line + " --alias", folder, "alias_rows.npy");
+  write_text(folder / "importance.json", "{}");
+  check_refused(line, folder, "importance.json");
+}

@@ -1,0 +1,15 @@
+// How much of an environment's light lies beyond what a file's format holds.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "welkin/image.h"
+
+namespace welkin::tool {
+
+/// The light that a clamp at `largest` takes away, as a share of all light: of luminance, by solid angle. 0 where there
+/// is no light. Pixels are RGB floats, negative ones without light.
+[[nodiscard]] double share_beyond(const LatLongView& picture, const glm::dvec3& largest);
+[[nodiscard]] double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest);
+
+}  // namespace welkin::tool
