@@ -196,7 +196,7 @@ std::set<std::string, std::less<>> all_bake_names() {
                                  Content::specular, Content::charlie,    Content::lambert,
                                  Content::phong,    Content::irradiance, Content::brdf};
   std::set<std::string, std::less<>> names = {
-      "sh.json", "sh.h", "sky.exr", "preview_environment.png", "preview_spheres.png", "preview_mips.png"};
+      "sh.json", "sh.h", "sh.cs", "sky.exr", "preview_environment.png", "preview_spheres.png", "preview_mips.png"};
   for (const Content content : kContents) {
     for (const Container container : kContainers) names.insert(std::string(name(content)) + '.' + name(container));
   }

@@ -46,8 +46,8 @@ Names with_common_files(const std::string& engine, Names names) {
   const bool is_lat_long = std::all_of(names.begin(), names.end(), [](const std::string& name) {
     return name == "environment.exr" || name == "environment.hdr" || name == "environment.usda";
   });
-  for (const char* name : {"README.md", "manifest.json", "preview_environment.png",
-                           engine == "unity" ? "sh.cs" : "sh.h", "sh.json"}) {
+  for (const char* name :
+       {"README.md", "manifest.json", "preview_environment.png", engine == "unity" ? "sh.cs" : "sh.h", "sh.json"}) {
     names.emplace_back(name);
   }
   if (!is_lat_long) names.insert(names.end(), {"preview_mips.png", "preview_spheres.png"});
@@ -204,6 +204,18 @@ TEST_CASE("bake --for: each engine's folder has its files and no other, and our 
     check_readme(folder);
     const std::string readme = file_text(folder / "README.md");
     for (const std::string& name : files) CHECK(contains(readme, name));
+  }
+}
+
+TEST_CASE("bake --for: one folder is baked for each engine in turn, and keeps no file of the one before",
+          "[tools][bake][engine_folders]") {
+  const TemporaryFolder scratch;
+  for (const auto& [engine, names] : folders()) {
+    for (const int run : {1, 2}) {
+      INFO(engine << ", run " << run);
+      bake_into(scratch.path() / "out", "--sky --size 16 --irradiance 4 --no-previews --for " + engine);
+      CHECK_FALSE(std::filesystem::exists(scratch.path() / "out" / (engine == "unity" ? "sh.h" : "sh.cs")));
+    }
   }
 }
 
