@@ -2,7 +2,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypedDict, overload
+from typing import Any, Literal, SupportsIndex, TypeAlias, TypedDict, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ _Path: TypeAlias = str | os.PathLike[str]
 _File: TypeAlias = _Path | bytes
 _Array: TypeAlias = NDArray[np.float32] | NDArray[np.float16] | NDArray[np.uint8]
 _Picture: TypeAlias = Environment | Chain | Bake | Irradiance
-_Pixels: TypeAlias = _Array | Sequence[_Array] | _Picture
+_Pixels: TypeAlias = _Array | Sequence[_Array] | _Picture | _File
 _Progress: TypeAlias = bool | Callable[[float], object] | None
 _Layout: TypeAlias = (
     Literal["lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross"] | None
@@ -300,7 +300,7 @@ class Irradiance:
     def _repr_png_(self) -> bytes | None: ...
 
 def project(
-    pixels: _Pixels | _File,
+    pixels: _Pixels,
     *,
     bands: int = 3,
     quadrature: _Quadrature = "exact",
@@ -323,6 +323,7 @@ def irradiance(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Irradiance: ...
@@ -333,6 +334,7 @@ def direct_irradiance(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float64]: ...
@@ -387,7 +389,10 @@ class Chain:
     @property
     def nbytes(self) -> int: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, level: int) -> NDArray[np.float32]: ...
+    @overload
+    def __getitem__(self, level: SupportsIndex) -> NDArray[np.float32]: ...
+    @overload
+    def __getitem__(self, level: slice) -> list[NDArray[np.float32]]: ...
     def _repr_png_(self) -> bytes | None: ...
 
 class Reflections(Chain):
@@ -428,6 +433,7 @@ def prefilter(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Reflections: ...
@@ -438,6 +444,7 @@ def reference_specular(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float64]: ...
@@ -457,6 +464,7 @@ def build_mips(
     levels: int | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Chain: ...
@@ -533,7 +541,7 @@ class Plan:
     def milliseconds(self, threads: int = 1) -> float: ...
 
 def bake(
-    pixels: _Pixels | _File,
+    pixels: _Pixels,
     *,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
@@ -558,6 +566,7 @@ def project_many(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ManyLights: ...
@@ -576,11 +585,12 @@ def bake_many(
     type: Literal["float16", "float32"] = "float16",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ManyLights: ...
 def plan(
-    pixels: _Pixels | _File | tuple[int, ...],
+    pixels: _Pixels | tuple[int, ...],
     *,
     needs: _Needs | None = None,
     background: bool | _Background = True,
@@ -626,6 +636,7 @@ class ImportanceTable:
         policy: PixelPolicy | None = None,
         layout: _Layout = None,
         encoding: _Encoding = None,
+        read: _Read | None = None,
         progress: _Progress = None,
         threads: int | None = None,
     ) -> tuple[float, float]: ...
@@ -640,6 +651,7 @@ def importance_table(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ImportanceTable: ...
@@ -792,6 +804,7 @@ def write(
     type: _SampleType = "automatic",
     *,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> _Written: ...
@@ -802,6 +815,7 @@ def encode(
     type: _SampleType = "automatic",
     *,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> bytes: ...
@@ -819,6 +833,7 @@ def write_texture(
     metadata: Mapping[str, str] | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> _Written: ...
@@ -834,6 +849,7 @@ def to_cubemap(
     filter: _Resampling = "area",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
@@ -845,6 +861,7 @@ def to_lat_long(
     filter: _Resampling = "area",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
@@ -856,6 +873,7 @@ def preview(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> bytes: ...
@@ -866,6 +884,7 @@ def tone_mapped(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
