@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+from importlib.util import find_spec
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
@@ -39,12 +40,22 @@ class BuildByCMake(build_ext):
             if shutil.which("ninja"):
                 options += ["-G", "Ninja"]
         subprocess.run(["cmake", "-S", TREE, "-B", BUILD, *options], check=True)
-        subprocess.run(["cmake", "--build", BUILD, "--target", "welkin_python", "--parallel"], check=True)
+        # Without a number it would overrule CMAKE_BUILD_PARALLEL_LEVEL.
+        parallel = [] if "CMAKE_BUILD_PARALLEL_LEVEL" in os.environ else ["--parallel"]
+        subprocess.run(["cmake", "--build", BUILD, "--target", "welkin_python", *parallel], check=True)
         place = pathlib.Path(self.get_ext_fullpath(ext.name))
         place.parent.mkdir(parents=True, exist_ok=True)
         built = BUILD / "extension" / ("_welkin" + sysconfig.get_config_var("EXT_SUFFIX"))
         shutil.copyfile(built, place)
 
+
+# setuptools has wheels of its own from 70.1 on.
+if not find_spec("wheel") and not find_spec("setuptools.command.bdist_wheel"):
+    sys.exit(
+        f"welkin: {sys.executable} has no package `wheel`, which pip needs to build this one. Install it there "
+        "(pip install wheel), let pip fetch it (leave out --no-build-isolation), or take Debian's Python, for which "
+        "scripts/install-dependencies --python installs all: /usr/bin/python3 -m venv --system-site-packages env"
+    )
 
 # What setuptools writes on the way stands beside it, and not among the sources.
 BUILD.mkdir(parents=True, exist_ok=True)

@@ -79,7 +79,7 @@ struct BabylonPolynomial {
 /// for every normal, no direction in it. Exactly `colour` in xx, yy and zz, zero elsewhere.
 [[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const dvec3& colour);
 
-/// The polynomial's value for a unit normal.
+/// Returns the polynomial's value for a normal. Throws `Error` (invalid_argument).
 [[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 
 // ---- Diffuse light in an engine's own form

@@ -13,11 +13,11 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Where a direction (of any length above 0) lies on the square from (0, 0) to (1, 1), column first: +z in its middle,
-/// +x to the right, +y down, -z in all four corners. With n = |x| + |y| + |z| it is ((x / n, y / n) + 1) / 2, and where
-/// z is below 0 that point is folded over the nearest side of the inner diamond (Meyer et al. 2010, "On Floating-Point
-/// Normal Vectors").
-[[nodiscard]] std::array<double, 2> octahedral_place(const dvec3& direction) noexcept;
+/// Returns where a direction lies on the square from (0, 0) to (1, 1), column first: +z in its middle, +x to the right,
+/// +y down, -z in all four corners. With n = |x| + |y| + |z| it is ((x / n, y / n) + 1) / 2, and where z is below 0
+/// that point is folded over the nearest side of the inner diamond (Meyer et al. 2010, "On Floating-Point Normal
+/// Vectors"). Throws `Error` (invalid_argument).
+[[nodiscard]] std::array<double, 2> octahedral_place(const dvec3& direction);
 
 /// The way back; of unit length. Beyond an edge of the square the sphere goes on: place (-a, b) is (a, 1 - b), up to a
 /// whole square beyond.

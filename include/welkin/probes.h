@@ -129,9 +129,8 @@ struct BakedProbes {
 ///
 /// - Radiance: `project_many`, with its bits and errors.
 /// - Distances: texels are averaged first in blocks, so that no more than 16 blocks lie along an edge (exactly, by
-/// solid
-///   angle). A map's texel is the mean of blocks by solid angle times max(0, cosine)^power of the angle between the
-///   texel's direction and the middle of the block.
+///   solid angle). A map's texel is the mean of blocks by solid angle times max(0, cosine)^power of the angle between
+///   the texel's direction and the middle of the block, corrected for what varies within it (docs/probes.md).
 /// - Validity: by the solid angles of texels.
 /// - Dilation: see `dilate`.
 /// - Visibility of the sky: as `project` with exact quadrature, so many bands as relighting needs.
@@ -177,7 +176,8 @@ void dilate(BakedProbes& probes, int most_passes = 4, const Control& control = {
 /// `dilation_passes`: as in the bake. With 0, what was filled stays, and has the change that its own probe sees.
 ///
 /// Cost: bands^2 x sky_bands^2 multiplications a probe and channel. Linear in `to` - `from`. The same bits everywhere.
-/// Throws `Error`: invalid_argument (no visibility was kept), cancelled: then `probes` is what it was.
+/// Throws `Error`: invalid_argument (no visibility was kept; a coefficient that is not finite or beyond 1e100, which
+/// the message names), cancelled: then `probes` is what it was.
 void relight(BakedProbes& probes, const SphericalHarmonics& from, const SphericalHarmonics& to, int dilation_passes = 4,
              const Control& control = {});
 
@@ -196,8 +196,9 @@ struct ProbeSampling {
 /// Irradiance (W/m2 where radiance is W/m2/sr) at a place on a surface, of three bands at most: the eight probes about
 /// it by trilinear weights, each times the weights that `sampling` asks for, their sum being 1. Outside of the
 /// grid the trilinear weights are those of the nearest place in it. Computed in floats by the code that
-/// `probe_sampling_code` gives. `normal`: unit length. Throws `Error` (invalid_argument) for probes whose arrays do not
-/// have the lengths that they must, and for a place, normal or bias that is not finite.
+/// `probe_sampling_code` gives; light that floats cannot sum is scaled first. Throws `Error` (invalid_argument) for
+/// probes whose arrays do not have the lengths that they must or hold coefficients that are not finite where they
+/// count, and for a place, normal or bias that is out of range.
 [[nodiscard]] dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const dvec3& normal,
                                      const ProbeSampling& sampling = {});
 

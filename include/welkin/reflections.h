@@ -95,9 +95,8 @@ struct PrefilteredSpecular {
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
                                                      const Control& control = {});
 
-/// The truth at chosen directions, in double over all of the source's texels as areas: one entry a direction, which
-/// need not be of unit length. Cost: some 10 ns a source texel and direction. Throws `Error` (invalid_argument,
-/// cancelled).
+/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per
+/// direction. Cost: some 10 ns per source texel and direction. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] std::vector<dvec3> reference_specular(const LatLongView& source, double roughness,
                                                     const std::vector<dvec3>& directions, const Control& control = {});
 [[nodiscard]] std::vector<dvec3> reference_specular(const CubemapView& source, double roughness,

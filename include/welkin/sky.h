@@ -159,9 +159,9 @@ class SkyView {
   /// The observer's, above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Radiance that arrives from a unit direction, sun towards the unit direction `sun`, without its disc. Not
-  /// negative, finite. Allocates nothing. Directions of any length are taken, one without is the zenith. Below the
-  /// lowest sun of the tables it is that one's sky, faded to nothing at the nadir. Cost: some 0.3 us.
+  /// Returns the radiance that arrives from a direction, the sun standing towards `sun`, without its disc. Not
+  /// negative, finite. Allocates nothing. Below the lowest sun of the tables it is that one's sky, faded to nothing at
+  /// the nadir. Cost: some 0.3 us.
   [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
   /// The same for many directions, in lanes: packed x y z, packed rgb. The bits of the call above for the same floats.
@@ -268,7 +268,8 @@ struct SkyCurveOptions {
 /// about the vertical. Band 0 and the sun's irradiance are never negative. Immutable; copies share it.
 ///
 /// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to
-/// -9, 2e-2 to -12, 1e-1 to -18, where the tables' own interpolation between suns is no smoother than that.
+/// -9, 2e-2 to -12, 1e-1 to -18, where the tables' own interpolation between suns is no smoother than that. The direct
+/// sun is that of the view to 1e-3, while its disc sets, too.
 class SkyCurve {
  public:
   /// Parallel over elevations; the same bits on any number of threads and instruction set.

@@ -125,7 +125,7 @@ class SkyLight {
 
   /// Degrees; azimuth from +z towards +x.
   void set_sun(double elevation_degrees, double azimuth_degrees);
-  /// Towards it, of any length.
+  /// Towards it.
   void set_sun(const dvec3& direction);
   /// A factor of all light, 0 to 1e12.
   void set_intensity(double intensity);

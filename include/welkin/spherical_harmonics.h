@@ -54,13 +54,13 @@ class SphericalHarmonics {
   std::vector<dvec3> values_;
 };
 
-/// Writes Y(l, m) of a unit direction for all l < bands to `values` (bands^2 of them).
+/// Writes Y(l, m) of a direction for all l < bands to `values` (bands^2 of them).
 /// Error below 5e-14 (5e-15 up to 8 bands), that of a rounded unit direction included. Cost: about 3 flops a value.
-/// Throws `Error` (invalid_argument) on a wrong band count or too short a span.
+/// Throws `Error` (invalid_argument) on a wrong band count, direction or too short a span.
 void evaluate_basis(const dvec3& direction, int bands, std::span<double> values);
 
-/// Sum over all coefficients times their basis functions at a unit direction: the radiance from there, or
-/// the irradiance on a surface that faces there, whichever the coefficients are of.
+/// Returns the sum over all coefficients times their basis functions at a direction: the radiance from there, or the
+/// irradiance on a surface that faces there, whichever the coefficients are of. Throws `Error` (invalid_argument).
 [[nodiscard]] dvec3 evaluate(const SphericalHarmonics& coefficients, const dvec3& direction);
 
 /// A_l, the cosine lobe's factor for band l: pi, 2 pi/3, pi/4, 0, -pi/24, 0, pi/64, ...

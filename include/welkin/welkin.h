@@ -44,7 +44,9 @@
  * Strings are UTF-8, end in a zero and are copied.
  *
  * Numbers. A direction is three doubles x, y, z; a colour is r, g, b; a 3 x 3 matrix is nine doubles, column after
- * column. docs/c.md leads through the whole with examples.
+ * column. A direction or normal that a call takes may have any length: it is normalised, unless its length is 1. One
+ * that is zero or not finite is WELKIN_INVALID_ARGUMENT. Directions that calls give have length 1. docs/c.md leads
+ * through the whole with examples.
  */
 /* NOLINTBEGIN(modernize-*): this is C */
 #ifndef WELKIN_WELKIN_H
@@ -287,7 +289,7 @@ WELKIN_API welkin_status welkin_project_file(const char* path, const welkin_read
  * `radiance`. */
 WELKIN_API welkin_status welkin_irradiance_from_radiance(int32_t bands, const double* radiance, double* irradiance);
 
-/* Their value for a unit `direction` (x, y, z): `value` gets r, g, b. */
+/* Their value for a `direction` (x, y, z): `value` gets r, g, b. */
 WELKIN_API welkin_status welkin_evaluate(int32_t bands, const double* coefficients, const double* direction,
                                          double* value);
 
@@ -412,7 +414,7 @@ WELKIN_API welkin_status welkin_engine_light_in_place(int32_t bands, const doubl
 /* Babylon.js's polynomial of a single ambient colour: r, g, b for every normal. */
 WELKIN_API welkin_status welkin_babylon_constant(const double* colour, welkin_engine_light* polynomial);
 
-/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a unit normal: `value` gets r, g, b. */
+/* The value of a polynomial, a light of WELKIN_ENGINE_BABYLON, for a normal: `value` gets r, g, b. */
 WELKIN_API welkin_status welkin_babylon_evaluate(const welkin_engine_light* polynomial, const double* normal,
                                                  double* value);
 
@@ -739,7 +741,7 @@ WELKIN_API welkin_status welkin_bake_result_copy_brdf(const welkin_bake_result* 
 
 /* ---- Sky ----
  * y is up; a sun's azimuth is counted from +z towards +x, its elevation from the horizon up. `sun` is a direction
- * towards it, of any length. docs/sky.md says what is computed. */
+ * towards it. docs/sky.md says what is computed. */
 
 /* An atmosphere: a planet's air, its ground and its sun. Not to be changed while another thread uses it. */
 typedef struct welkin_atmosphere welkin_atmosphere;
@@ -1307,7 +1309,7 @@ WELKIN_API welkin_status welkin_sky_light_create_with_tables(welkin_worker* work
 /* Stops what is being made; does not wait. */
 WELKIN_API void welkin_sky_light_destroy(welkin_sky_light* light);
 
-/* `sun`: three doubles towards it, of any length. This and the next three look, compare, and post a request only if
+/* `sun`: three doubles towards it. This and the next three look, compare, and post a request only if
  * there is something to make. */
 WELKIN_API welkin_status welkin_sky_light_set_sun(welkin_sky_light* light, const double* sun);
 

@@ -12,6 +12,7 @@
 
 #include "budget/budget.h"
 #include "jobs/tiles.h"
+#include "math/direction.h"
 #include "platform/float_environment.h"
 #include "welkin/core.h"
 
@@ -107,9 +108,7 @@ namespace welkin::budget {
 void check_suns(std::span<const glm::dvec3> suns) {
   if (suns.empty()) throw Error(ErrorCode::invalid_argument, "no sun is named; an estimate needs at least one");
   for (const glm::dvec3& sun : suns) {
-    const double square = glm::dot(sun, sun);
-    if (square > 0.0 && std::isfinite(square)) continue;
-    throw Error(ErrorCode::invalid_argument, "a direction towards the sun is not finite or has no length");
+    static_cast<void>(math::moderate_direction(sun, "a direction towards the sun"));
   }
 }
 

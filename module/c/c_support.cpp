@@ -255,7 +255,9 @@ std::vector<CubemapView> cubemap_views(const welkin_cubemap* mips, std::int32_t 
 }
 
 std::vector<CubemapView> probe_views(const welkin_cubemap* probes, std::int64_t probe_count) {
-  if (probe_count < 0) refuse("probe_count is " + std::to_string(probe_count) + "; it must not be negative");
+  if (probe_count < 0 || probe_count > std::numeric_limits<std::int32_t>::max()) {
+    refuse("probe_count is " + std::to_string(probe_count) + "; it must be from 0 to 2147483647");
+  }
   if (probe_count == 0) return {};
   return views_of(probes, static_cast<std::size_t>(probe_count), "probes");
 }
@@ -418,7 +420,10 @@ Target cubemap_target(const welkin_cubemap_target* target) {
 }
 
 std::vector<CubemapTarget> cubemap_targets(const welkin_cubemap_target* targets, std::int64_t count) {
-  if (count < 0) refuse("target_count is " + std::to_string(count) + "; it must not be negative");
+  constexpr std::int64_t most = std::int64_t{kMostLevels} * std::numeric_limits<std::int32_t>::max();
+  if (count < 0 || count > most) {
+    refuse("target_count is " + std::to_string(count) + "; it must be from 0 to " + std::to_string(most));
+  }
   std::vector<CubemapTarget> written;
   if (count == 0) return written;
   const std::size_t step =

@@ -6,6 +6,7 @@
 
 #include <numbers>
 
+#include "math/direction.h"
 #include "platform/float_environment.h"
 #include "welkin/engines.h"
 
@@ -74,9 +75,10 @@ BabylonPolynomial babylon_constant_polynomial(const glm::dvec3& colour) {
 
 glm::dvec3 evaluate(const BabylonPolynomial& polynomial, const glm::dvec3& normal) {
   const platform::FloatingPointScope floating_point;
-  const double x = normal.x;
-  const double y = normal.y;
-  const double z = normal.z;
+  const glm::dvec3 unit = math::as_unit_direction(normal, "normal");
+  const double x = unit.x;
+  const double y = unit.y;
+  const double z = unit.z;
   return polynomial.x * x + polynomial.y * y + polynomial.z * z + polynomial.xx * (x * x) + polynomial.yy * (y * y) +
          polynomial.zz * (z * z) + polynomial.yz * (y * z) + polynomial.zx * (z * x) + polynomial.xy * (x * y);
 }

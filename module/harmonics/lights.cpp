@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "math/basis.h"
+#include "math/direction.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
 #include "welkin/core.h"
@@ -54,12 +55,6 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
-glm::dvec3 unit(const glm::dvec3& direction) {
-  const double length = glm::length(direction);
-  if (!(length > 0.0) || !std::isfinite(length)) refuse("the sun's direction has no length that could be made 1");
-  return direction / length;
-}
-
 }  // namespace
 
 // A cap of radiance L and angular radius a around z has c(l, 0) = 2 pi L sqrt((2l + 1) / 4 pi) Int from c to 1 of P_l,
@@ -74,7 +69,7 @@ SphericalHarmonics sun_harmonics(const Sun& sun, int bands) {
   if (!(sun.solid_angle >= 0.0 && sun.solid_angle <= 4.0 * std::numbers::pi)) {
     refuse("the sun's solid angle is " + platform::number_text(sun.solid_angle) + " sr; it must be from 0 to 4 pi");
   }
-  const glm::dvec3 direction = unit(sun.direction);
+  const glm::dvec3 direction = math::unit_direction(sun.direction, "the sun's direction");
   std::vector<double> basis(harmonics.coefficients().size());
   math::evaluate_basis(direction.x, direction.y, direction.z, bands, basis.data());
 

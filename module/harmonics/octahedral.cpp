@@ -12,6 +12,7 @@
 #include "harmonics/octahedral_overlap.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "math/direction.h"
 #include "platform/float_environment.h"
 #include "welkin/image.h"
 
@@ -215,12 +216,13 @@ class Resampling {
 
 }  // namespace
 
-std::array<double, 2> octahedral_place(const dvec3& direction) noexcept {
+std::array<double, 2> octahedral_place(const dvec3& direction) {
   const platform::FloatingPointScope floating_point;
-  const double sum = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
-  const double x = direction.x / sum;
-  const double y = direction.y / sum;
-  if (direction.z >= 0.0) return {0.5 * x + 0.5, 0.5 * y + 0.5};
+  const dvec3 towards = math::moderate_direction(direction, "direction");
+  const double sum = std::abs(towards.x) + std::abs(towards.y) + std::abs(towards.z);
+  const double x = towards.x / sum;
+  const double y = towards.y / sum;
+  if (towards.z >= 0.0) return {0.5 * x + 0.5, 0.5 * y + 0.5};
   return {0.5 * std::copysign(1.0 - std::abs(y), x) + 0.5, 0.5 * std::copysign(1.0 - std::abs(x), y) + 0.5};
 }
 

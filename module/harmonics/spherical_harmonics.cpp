@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "math/basis.h"
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
@@ -50,13 +51,15 @@ void evaluate_basis(const glm::dvec3& direction, int bands, std::span<double> va
     throw Error(ErrorCode::invalid_argument, "room for " + std::to_string(values.size()) + " basis values; " +
                                                  std::to_string(bands) + " bands have " + std::to_string(count));
   }
-  math::evaluate_basis(direction.x, direction.y, direction.z, bands, values.data());
+  const glm::dvec3 unit = math::as_unit_direction(direction, "direction");
+  math::evaluate_basis(unit.x, unit.y, unit.z, bands, values.data());
 }
 
 glm::dvec3 evaluate(const SphericalHarmonics& coefficients, const glm::dvec3& direction) {
   const platform::FloatingPointScope floating_point;
+  const glm::dvec3 unit = math::as_unit_direction(direction, "direction");
   std::array<double, kMaximumCoefficients> basis;
-  math::evaluate_basis(direction.x, direction.y, direction.z, coefficients.bands(), basis.data());
+  math::evaluate_basis(unit.x, unit.y, unit.z, coefficients.bands(), basis.data());
   glm::dvec3 sum(0.0);
   std::size_t index = 0;
   for (const glm::dvec3& coefficient : coefficients.coefficients()) sum += coefficient * basis[index++];

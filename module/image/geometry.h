@@ -65,6 +65,7 @@ class TexelGrid {
   [[nodiscard]] static TexelGrid lat_long(int width, int height) noexcept { return {Kind::lat_long, width, height}; }
   [[nodiscard]] static TexelGrid cubemap(int size) noexcept { return {Kind::cubemap, size, 6 * size}; }
 
+  [[nodiscard]] Kind kind() const noexcept { return kind_; }
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return rows_; }
   [[nodiscard]] std::int64_t texels() const noexcept { return std::int64_t{columns_} * rows_; }

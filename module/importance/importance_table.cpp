@@ -8,6 +8,7 @@
 #include "image/pixels.h"
 #include "importance/row_weights.h"
 #include "jobs/tiles.h"
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "welkin/importance.h"
@@ -329,11 +330,7 @@ ImportanceSample ImportanceTable::sample(double across, double down) const {
 double ImportanceTable::density(const dvec3& direction) const {
   const platform::FloatingPointScope floating_point;
   importance::check_table(*this);
-  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-  if (!(largest > 0.0) || !std::isfinite(largest)) {
-    throw Error(ErrorCode::invalid_argument, "the direction has no length, or one that is not finite");
-  }
-  const dvec3 unit = glm::normalize(direction / largest);
+  const dvec3 unit = math::as_unit_direction(direction, "direction");
   const auto cell = [](double place, int cells) {
     return std::min(static_cast<std::size_t>(std::max(place, 0.0)), static_cast<std::size_t>(cells) - 1);
   };

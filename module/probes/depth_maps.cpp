@@ -15,6 +15,9 @@ namespace {
 /// Blocks along an edge of a face: 5.6 degrees each, a third of the width of a lobe of power 50.
 constexpr int kMostBlocks = 16;
 
+/// Lobes of a power up to this are wider than kMostBlocks' blocks.
+constexpr int kWideLobe = 65;
+
 /// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
 constexpr double kLeastWeight = 1e-9;
 
@@ -25,6 +28,16 @@ double power_of(double base, int power) noexcept {
     base *= base;
   }
   return result;
+}
+
+/// What the mean of distances over a block is multiplied by, relative to cosine^power at the block's middle. Over a
+/// block both vary: the lobe less (area / 24) of its Laplacian makes up for that, by parts, where distances are smooth.
+/// (The sum over the block's texels, so many along an edge, misses a share of 1 / texels^2 of it, too.)
+double lobe_correction(double cosine, int power, double steradians, double texels) noexcept {
+  if (power > kWideLobe) return 1.0;
+  const double tangent_square = 1.0 / (cosine * cosine) - 1.0;
+  const double laplacian = power * ((power - 1.0) * tangent_square - 2.0);
+  return std::max(0.0, 1.0 - (1.0 - 1.0 / (texels * texels)) * steradians / 24.0 * laplacian);
 }
 
 }  // namespace
@@ -72,13 +85,17 @@ void DepthMaps::gather_shares(int column, int row) {
   // Cosines are taken beside the largest, so that some weight is near 1 whatever the power.
   double nearest = 0.0;
   for (const dvec3& direction : directions_) nearest = std::max(nearest, glm::dot(axis, direction));
+  const double texels = static_cast<double>(size_) / edge_;
   double sum = 0.0;
   const std::size_t first = shares_.size();
   for (std::size_t block = 0; block < directions_.size(); ++block) {
     const double cosine = glm::dot(axis, directions_[block]);
-    const double weight = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
-    if (weight < kLeastWeight) continue;
-    shares_.push_back({static_cast<std::uint32_t>(block), weight * block_angles_[block % block_angles_.size()]});
+    const double lobe = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
+    if (lobe < kLeastWeight) continue;
+    const double steradians = block_angles_[block % block_angles_.size()];
+    const double weight = lobe * lobe_correction(cosine, rules_.distance_power, steradians, texels);
+    if (weight == 0.0) continue;
+    shares_.push_back({static_cast<std::uint32_t>(block), weight * steradians});
     sum += shares_.back().weight;
   }
   for (std::size_t k = first; k < shares_.size(); ++k) shares_[k].weight /= sum;

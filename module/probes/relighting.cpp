@@ -10,6 +10,7 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "platform/text.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
 #include "welkin/probes.h"
@@ -18,6 +19,8 @@ namespace welkin {
 namespace {
 
 using probes::kProbesPerTile;
+
+constexpr const char* kChannels[] = {"red", "green", "blue"};
 
 /// Calls work(probe) for all, in tiles.
 template <class Work>
@@ -43,12 +46,33 @@ std::vector<dvec3> transfer_of(const SphericalHarmonics& environment, int sky_ba
   return transfer;
 }
 
+/// No sum of products of coefficients within it overflows, and no float comes near it.
+constexpr double kLargestCoefficient = 1e100;
+
+/// Throws `Error` (invalid_argument), which names the first coefficient that nothing can be made of.
+void check_environment(const char* which, const SphericalHarmonics& environment) {
+  for (int l = 0; l < environment.bands(); ++l) {
+    for (int m = -l; m <= l; ++m) {
+      for (int c = 0; c < 3; ++c) {
+        const double value = environment.at(l, m)[c];
+        if (std::abs(value) <= kLargestCoefficient) continue;
+        throw Error(ErrorCode::invalid_argument, std::string("relight: coefficient (") + std::to_string(l) + ", " +
+                                                     std::to_string(m) + ") of `" + which + "` is " +
+                                                     platform::number_text(value) + " in " + kChannels[c] +
+                                                     "; it must be a number from -1e100 to 1e100");
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void relight(BakedProbes& probes, const SphericalHarmonics& from, const SphericalHarmonics& to, int dilation_passes,
              const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
+  check_environment("from", from);
+  check_environment("to", to);
   if (probes.sky_bands < probes.bands) {
     throw Error(ErrorCode::invalid_argument,
                 "the probes do not know where they see the environment; bake them with depths and environment_bands "

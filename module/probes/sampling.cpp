@@ -5,7 +5,9 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <string>
 
+#include "math/direction.h"
 #include "platform/float_environment.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
@@ -29,14 +31,14 @@ class Lookup {
   using vec3 = glm::vec<3, float, glm::packed_highp>;
   using ivec3 = glm::vec<3, int, glm::packed_highp>;
 
-  explicit Lookup(const BakedProbes& probes) : probes_(probes) {}
+  Lookup(const BakedProbes& probes, double scale) : probes_(probes), scale_(scale) {}
 
 #include "probes/probe_sampling.glsl"
 
  private:
   [[nodiscard]] vec3 probe_coefficient(int probe, int index) const {
-    return vec3(probes_.coefficients[static_cast<std::size_t>(probe) * squared(probes_.bands) +
-                                     static_cast<std::size_t>(index)]);
+    return vec3(scale_ * probes_.coefficients[static_cast<std::size_t>(probe) * squared(probes_.bands) +
+                                              static_cast<std::size_t>(index)]);
   }
   [[nodiscard]] vec2 probe_distance(int probe, int column, int row) const {
     const int edge = probes_.distance_edge();
@@ -49,19 +51,34 @@ class Lookup {
   }
 
   const BakedProbes& probes_;
+  double scale_;  ///< of light
 };
 
-/// The shaders' code makes indices of what it computes: a NaN would lead out of all arrays.
-void check_lookup(const dvec3& position, const dvec3& normal, const ProbeSampling& sampling) {
-  bool is_good = std::abs(sampling.normal_bias) <= 1e3;
-  for (int axis = 0; axis < 3; ++axis) {
-    is_good = is_good && std::abs(position[axis]) <= kFarthest && std::abs(normal[axis]) <= 1.0 + 1e-6;
+/// The largest magnitude of a coefficient. Throws `Error` (invalid_argument) if one is no number.
+double largest_coefficient(const BakedProbes& probes) {
+  double largest = 0.0;
+  const std::size_t functions = squared(probes.bands);
+  for (std::size_t k = 0; k < probes.coefficients.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const double value = std::abs(probes.coefficients[k][c]);
+      if (!std::isfinite(value)) {
+        throw Error(ErrorCode::invalid_argument, "probe_irradiance: coefficient " + std::to_string(k % functions) +
+                                                     " of probe " + std::to_string(k / functions) +
+                                                     " is not finite; bake the probe again");
+      }
+      largest = std::max(largest, value);
+    }
   }
+  return largest;
+}
+
+/// The shaders' code makes indices of what it computes: a NaN would lead out of all arrays.
+void check_lookup(const dvec3& position, const ProbeSampling& sampling) {
+  bool is_good = std::abs(sampling.normal_bias) <= 1e3;
+  for (int axis = 0; axis < 3; ++axis) is_good = is_good && std::abs(position[axis]) <= kFarthest;
   if (is_good) return;
-  throw Error(
-      ErrorCode::invalid_argument,
-      "probe_irradiance: a position must be within 1e15 of the origin, a normal of unit length, and normal_bias "
-      "at most 1000");
+  throw Error(ErrorCode::invalid_argument,
+              "probe_irradiance: a position must be within 1e15 of the origin, and normal_bias at most 1000");
 }
 
 }  // namespace
@@ -71,9 +88,9 @@ dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const d
                        const ProbeSampling& sampling) {
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
-  probes::check_lookup(position, normal, sampling);
+  probes::check_lookup(position, sampling);
+  const vec3 unit(math::as_unit_direction(normal, "normal"));
   const double spacing = std::min({probes.grid.spacing.x, probes.grid.spacing.y, probes.grid.spacing.z});
-  probes::Lookup lookup(probes);
   const probes::Lookup::ProbeVolume volume{
       .origin = vec3(probes.grid.origin),
       .spacing = vec3(probes.grid.spacing),
@@ -85,7 +102,13 @@ dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const d
       .facing = sampling.facing ? 1 : 0,
       .validity = sampling.validity ? 1 : 0,
   };
-  return lookup.probe_volume_light(volume, vec3(position), vec3(normal));
+  const auto light_at = [&](double scale) {
+    return dvec3(probes::Lookup(probes, scale).probe_volume_light(volume, vec3(position), unit));
+  };
+  const dvec3 light = light_at(1.0);
+  if (std::isfinite(light.x) && std::isfinite(light.y) && std::isfinite(light.z)) return light;
+  const double largest = probes::largest_coefficient(probes);  // beyond what floats sum
+  return largest * light_at(1.0 / largest);
 }
 
 }  // namespace welkin

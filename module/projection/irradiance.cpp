@@ -16,6 +16,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/basis.h"
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
@@ -118,16 +119,7 @@ bool fill_cosines(const projection::CosineTexels& texels, int row, const glm::dv
 
 std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
   projection::require_possible(static_cast<std::ptrdiff_t>(normals.size()));
-  std::vector<glm::dvec3> units;
-  for (const glm::dvec3& normal : normals) {
-    const double length = glm::length(normal);
-    if (!(length > 0.0) || !std::isfinite(length)) {
-      throw Error(ErrorCode::invalid_argument,
-                  "normal " + std::to_string(units.size()) + " has no length that could be made 1");
-    }
-    units.push_back(normal / length);
-  }
-  return units;
+  return math::unit_directions(normals, "normal");
 }
 
 /// Appends the irradiance of one batch of normals.

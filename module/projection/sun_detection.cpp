@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
+#include "projection/irradiance.h"
 #include "welkin/core.h"
 #include "welkin/directional_light.h"
 
@@ -68,6 +70,26 @@ std::vector<Replacement> replacements(const BrightRegion& region, const float* p
   return result;
 }
 
+/// Int d dw over each texel: near a lat-long's pole, and in a large texel, its centre is not the middle of its light.
+std::vector<glm::dvec3> first_moments_of(const image::TexelGrid& grid, const std::vector<std::int64_t>& texels) {
+  const std::unique_ptr<CosineTexels> rows = grid.kind() == image::TexelGrid::Kind::lat_long
+                                                 ? cosine_texels_of_lat_long(grid.columns(), grid.rows())
+                                                 : cosine_texels_of_cubemap(grid.columns());
+  MomentRow row;
+  for (auto* list : {&row.x, &row.y, &row.z, &row.horizon}) list->resize(static_cast<std::size_t>(grid.columns()));
+  std::vector<glm::dvec3> result;
+  std::int64_t known_row = -1;
+  for (const std::int64_t texel : texels) {
+    if (texel / grid.columns() != known_row) {
+      known_row = texel / grid.columns();
+      rows->fill(static_cast<int>(known_row), row);
+    }
+    const auto column = static_cast<std::size_t>(texel % grid.columns());
+    result.emplace_back(row.x[column], row.y[column], row.z[column]);
+  }
+  return result;
+}
+
 std::vector<std::int64_t> texels_of(const std::vector<Replacement>& changes) {
   std::vector<std::int64_t> texels;
   texels.reserve(changes.size());
@@ -81,11 +103,12 @@ Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion
   Sun sun;
   glm::dvec3 moment{};
   const std::vector<double> steradians = image::solid_angles_of(grid, texels_of(changes));
+  const std::vector<glm::dvec3> moments = first_moments_of(grid, texels_of(changes));
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto& [texel, after] = changes[i];
-    const glm::dvec3 taken = steradians[i] * (radiance_of(pixels + 3 * texel) - glm::dvec3(after));
-    sun.irradiance += taken;
-    moment += luminance(taken) * grid.direction(texel);
+    const glm::dvec3 taken = radiance_of(pixels + 3 * texel) - glm::dvec3(after);
+    sun.irradiance += steradians[i] * taken;
+    moment += luminance(taken) * moments[i];
   }
   const double length = std::sqrt(glm::dot(moment, moment));
   if (length > 0.0) sun.direction = moment / length;
@@ -275,10 +298,10 @@ void add_surroundings(const image::TexelGrid& grid, const float* pixels, std::ve
 double cosine_of_degrees(double degrees) { return math::sine_cosine_of_turns(degrees / 360.0).cosine; }
 
 glm::dvec3 mean_direction(const image::TexelGrid& grid, const float* pixels, const std::vector<std::int64_t>& texels) {
-  const std::vector<double> steradians = image::solid_angles_of(grid, texels);
+  const std::vector<glm::dvec3> moments = first_moments_of(grid, texels);
   glm::dvec3 sum{};
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    sum += steradians[i] * luminance(radiance_of(pixels + 3 * texels[i])) * grid.direction(texels[i]);
+    sum += luminance(radiance_of(pixels + 3 * texels[i])) * moments[i];
   }
   return sum / std::sqrt(glm::dot(sum, sum));
 }

@@ -11,6 +11,7 @@
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
@@ -118,16 +119,7 @@ std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& direction
     throw Error(ErrorCode::invalid_argument, std::to_string(directions.size()) + " directions; 1 to " +
                                                  std::to_string(kMostDirections) + " are possible");
   }
-  std::vector<glm::dvec3> units;
-  for (const glm::dvec3& direction : directions) {
-    const double length = glm::length(direction);
-    if (!(length > 0.0) || !std::isfinite(length)) {
-      throw Error(ErrorCode::invalid_argument,
-                  "direction " + std::to_string(units.size()) + " has no length that could be made 1");
-    }
-    units.push_back(direction / length);
-  }
-  return units;
+  return math::unit_directions(directions, "direction");
 }
 
 }  // namespace welkin::reflections

@@ -11,6 +11,8 @@
 #include "platform/float_environment.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
+#include "sky/sky_slice.h"
+#include "sky/sunlight.h"
 #include "sky/vertical_harmonics.h"
 #include "welkin/core.h"
 #include "welkin/sky.h"
@@ -48,8 +50,9 @@ struct SkyCurve::Nodes {
   int bands;
   sky::CurveAxis axis;
   sky::CurveValues sky;  ///< [(l, m)][channel]
-  sky::CurveAxis direct_axis;
-  sky::CurveValues direct;  ///< the sun's irradiance, [channel]
+  sky::SettingSun disc;
+  sky::CurveAxis direct_axis;  ///< from the horizon up
+  sky::CurveValues direct;     ///< the whole disc's irradiance, [channel]
 
   Nodes(const SkyView& view, const SkyCurveOptions& options, const SkyProjector& projector, const Control& control);
 
@@ -62,7 +65,8 @@ SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, cons
                        const Control& control)
     : bands(options.bands),
       axis(options.nodes, -1.0, horizon_of(view)),
-      direct_axis(kSunNodes * options.nodes, -1.0, horizon_of(view)) {
+      disc(view.tables()->atmosphere, view.altitude_m()),
+      direct_axis(kSunNodes * options.nodes, horizon_of(view), horizon_of(view)) {
   bake_sky(projector, control);
   bake_sun(view);
 }
@@ -110,13 +114,17 @@ void SkyCurve::Nodes::bake_sky(const SkyProjector& projector, const Control& con
   }
 }
 
+// The disc sets within half a degree and has a corner at the horizon: no cubic follows that. What the air lets through
+// of it is smooth.
 void SkyCurve::Nodes::bake_sun(const SkyView& view) {
+  const sky::SkySlice& slice = SkyViewAccess::slice(view);
   const int count = direct_axis.count();
   direct.functions = 3;
   direct.values.resize(static_cast<std::size_t>(count) * direct.functions * 2);
   for (int node = 0; node < count; ++node) {
-    const sky::SunAngles angles = at_azimuth_zero(direct_axis.sine(node));
-    const glm::dvec3 irradiance = view.sun({0.0, angles.zenith_cosine, angles.zenith_sine}).irradiance;
+    const glm::dvec3 through =
+        sky::sun_transmittance(*view.tables(), slice.mapping(), view.altitude_m(), direct_axis.sine(node));
+    const glm::dvec3 irradiance = slice.fold().sunlight() * through;
     for (int c = 0; c < 3; ++c) direct.value(node, static_cast<std::size_t>(c)) = std::max(irradiance[c], 0.0);
   }
   for (std::size_t c = 0; c < 3; ++c) sky::set_slopes_of_positive(direct, count, c);
@@ -157,7 +165,7 @@ glm::dvec3 SkyCurve::sun_irradiance(const glm::dvec3& sun) const {
   const sky::SunAngles angles = sky::sun_angles(sun);
   double results[3];
   nodes_->direct.at(nodes_->direct_axis.place(angles.zenith_cosine), results);
-  return {results[0], results[1], results[2]};
+  return nodes_->disc.visible_share(angles.zenith_cosine) * glm::dvec3(results[0], results[1], results[2]);
 }
 
 std::uint64_t SkyCurve::bytes() const noexcept {

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "math/direction.h"
 #include "math/quadrature.h"
 #include "platform/text.h"
 #include "welkin/core.h"
@@ -47,13 +48,8 @@ void check_direction(const char* what, const glm::dvec3& direction) {
 }
 
 SunAngles sun_angles(const glm::dvec3& sun) {
+  static_cast<void>(math::moderate_direction(sun, "the sun's direction"));
   const double largest = std::max({std::abs(sun.x), std::abs(sun.y), std::abs(sun.z)});
-  const bool finite = std::isfinite(sun.x) && std::isfinite(sun.y) && std::isfinite(sun.z);
-  if (!finite || !(largest > 0.0)) {
-    throw Error(ErrorCode::invalid_argument, "the sun's direction (" + platform::number_text(sun.x) + " " +
-                                                 platform::number_text(sun.y) + " " + platform::number_text(sun.z) +
-                                                 ") has no length that could be made 1; (0 1 0) is the zenith");
-  }
   const double x = sun.x / largest;  // no square overflows or vanishes
   const double y = sun.y / largest;
   const double z = sun.z / largest;

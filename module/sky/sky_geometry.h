@@ -12,7 +12,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "welkin/core.h"
+#include "math/direction.h"
 
 namespace welkin::sky {
 
@@ -69,23 +69,9 @@ namespace welkin::sky {
   return -tangent_distance(bottom_radius, altitude) / (bottom_radius + altitude);
 }
 
-// Directions as callers give them.
-
-/// The same direction at a length whose square neither overflows nor vanishes; one that is neither is left alone.
-[[nodiscard]] inline glm::dvec3 of_moderate_length(const glm::dvec3& direction) noexcept {
-  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-  if (largest > 1e-100 && largest < 1e100) return direction;
-  return largest > 0.0 ? direction / largest : direction;
-}
-
-/// Towards a sun, of length 1. Throws `Error` (invalid_argument) for one that has no direction.
+/// Towards a sun, of length 1. Throws `Error` (invalid_argument) for one that is zero or not finite.
 [[nodiscard]] inline glm::dvec3 sun_unit(const glm::dvec3& sun) {
-  const glm::dvec3 moderate = of_moderate_length(sun);
-  const double length = std::sqrt(glm::dot(moderate, moderate));
-  if (length > 0.0 && std::isfinite(length)) return moderate / length;
-  throw Error(ErrorCode::invalid_argument, "the sun's direction is (" + std::to_string(sun.x) + ", " +
-                                               std::to_string(sun.y) + ", " + std::to_string(sun.z) +
-                                               "); it must be finite and have a length, best 1");
+  return math::unit_direction(sun, "the sun's direction");
 }
 
 // The cubic through four neighbouring nodes: how tables of a sky are read between them.
@@ -148,7 +134,7 @@ struct SunAngles {
   double azimuth_sine = 0.0;
 };
 
-/// Of a direction of any length. Throws `Error` (invalid_argument) if it is not finite or has none.
+/// Of a direction of any length above 0. Throws `Error` (invalid_argument) if it is not finite or has none.
 [[nodiscard]] SunAngles sun_angles(const glm::dvec3& sun);
 
 }  // namespace welkin::sky

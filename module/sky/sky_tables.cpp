@@ -351,7 +351,7 @@ void Precomputation::add_straight_light(const WavelengthGroup& scaled, const Wav
       if (!(cosine > 0.0)) continue;
       const double length = sky::distance_to_top(air_.bottom_radius(), air_.thickness(), altitude, cosine);
       const Amounts lengths = sky::lengths_along(air_, {altitude, cosine, false, length}, panels);
-      const double level = cosine * sky::visible_share(air_.atmosphere(), altitude, cosine);
+      const double level = cosine * sky::SettingSun(air_.atmosphere(), altitude).visible_share(cosine);
       for (std::size_t k = 0; k < 3; ++k) {
         const double straight = math::exponential(-sky::optical_depth(scaled.extinctions[k], lengths)) -
                                 math::exponential(-sky::optical_depth(whole.extinctions[k], lengths));

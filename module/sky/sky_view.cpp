@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
@@ -85,7 +86,7 @@ double SkyView::altitude_m() const noexcept { return slice_->slice.altitude(); }
 glm::dvec3 SkyView::radiance(const glm::dvec3& direction, const glm::dvec3& sun) const {
   const platform::FloatingPointScope floating_point;
   const sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
-  const glm::dvec3 towards = sky::of_moderate_length(direction);
+  const glm::dvec3 towards = math::moderate_direction(direction, "direction");
   const double xyz[3] = {towards.x, towards.y, towards.z};
   float rgb[3];
   sky::view_kernels().radiance(run, xyz, 1, rgb);
@@ -113,9 +114,8 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
   for (std::size_t first = 0; first < directions.size(); first += kChunk) {
     const std::size_t count = std::min<std::size_t>(kChunk, directions.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
-      for (int c = 0; c < 3; ++c) {
-        xyz[3 * i + static_cast<std::size_t>(c)] = static_cast<double>(directions[first + i][c]);
-      }
+      const glm::dvec3 towards = math::moderate_direction(glm::dvec3(directions[first + i]), "direction");
+      for (int c = 0; c < 3; ++c) xyz[3 * i + static_cast<std::size_t>(c)] = towards[c];
     }
     kernels.radiance(run, xyz, static_cast<int>(count), out);
     for (std::size_t i = 0; i < count; ++i) rgb[first + i] = {out[3 * i], out[3 * i + 1], out[3 * i + 2]};

@@ -157,31 +157,37 @@ glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& map
   return result;
 }
 
-double visible_share(const Atmosphere& atmosphere, double altitude, double sun_zenith_cosine) noexcept {
-  const double bottom = atmosphere.bottom_radius_m;
-  const double radius = bottom + altitude;
-  const double elevation = (sun_zenith_cosine - horizon_cosine(bottom, altitude)) * (radius / bottom);
-  const double half = atmosphere.sun_angular_radius_degrees * (std::numbers::pi / 180.0);
-  if (!(half > 0.0)) return elevation > 0.0 ? 1.0 : 0.0;
-  const double t = std::clamp((elevation + half) / (2.0 * half), 0.0, 1.0);
+SettingSun::SettingSun(const Atmosphere& atmosphere, double altitude_m) noexcept
+    : horizon(horizon_cosine(atmosphere.bottom_radius_m, altitude_m)),
+      stretch((atmosphere.bottom_radius_m + altitude_m) / atmosphere.bottom_radius_m),
+      radius(atmosphere.sun_angular_radius_degrees * (std::numbers::pi / 180.0)) {}
+
+double SettingSun::visible_share(double sun_zenith_cosine) const noexcept {
+  const double elevation = (sun_zenith_cosine - horizon) * stretch;
+  if (!(radius > 0.0)) return elevation > 0.0 ? 1.0 : 0.0;
+  const double t = std::clamp((elevation + radius) / (2.0 * radius), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
+}
+
+glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mapping, double altitude,
+                             double sun_zenith_cosine) noexcept {
+  const double thickness = mapping.thickness();
+  const double mu =
+      std::clamp(std::max(sun_zenith_cosine, horizon_cosine(mapping.bottom_radius(), altitude)), -1.0, 1.0);
+  if (altitude <= thickness) return transmittance_to_top(tables, mapping, altitude, mu);
+  const double top = mapping.bottom_radius() + thickness;
+  const double nearest = (mapping.bottom_radius() + altitude) * std::sqrt(std::max(0.0, (1.0 - mu) * (1.0 + mu)));
+  if (mu >= 0.0 || nearest >= top) return glm::dvec3(1.0);
+  // The ray comes in on the far side: from there, towards the ground, it is as long as any.
+  const double entry = -std::sqrt((top - nearest) * (top + nearest)) / top;
+  return transmittance_to_top(tables, mapping, thickness, entry);
 }
 
 glm::dvec3 sun_share(const SkyTables& tables, const TableMapping& mapping, double altitude,
                      double sun_zenith_cosine) noexcept {
-  const double visible = visible_share(tables.atmosphere, altitude, sun_zenith_cosine);
+  const double visible = SettingSun(tables.atmosphere, altitude).visible_share(sun_zenith_cosine);
   if (!(visible > 0.0)) return {};
-  const double thickness = mapping.thickness();
-  // Towards the horizon if the centre is below it.
-  const double mu =
-      std::clamp(std::max(sun_zenith_cosine, horizon_cosine(mapping.bottom_radius(), altitude)), -1.0, 1.0);
-  if (altitude <= thickness) return visible * transmittance_to_top(tables, mapping, altitude, mu);
-  const double top = mapping.bottom_radius() + thickness;
-  const double nearest = (mapping.bottom_radius() + altitude) * std::sqrt(std::max(0.0, (1.0 - mu) * (1.0 + mu)));
-  if (mu >= 0.0 || nearest >= top) return glm::dvec3(visible);
-  // The ray comes in on the far side: from there, towards the ground, it is as long as any.
-  const double entry = -std::sqrt((top - nearest) * (top + nearest)) / top;
-  return visible * transmittance_to_top(tables, mapping, thickness, entry);
+  return visible * sun_transmittance(tables, mapping, altitude, sun_zenith_cosine);
 }
 
 namespace {

@@ -87,8 +87,20 @@ inline constexpr double kPoint = 1e-60;
 [[nodiscard]] glm::dvec3 transmittance_to_top(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                               double zenith_cosine) noexcept;
 
-/// Visible share of the sun's disc (welkin/atmosphere.h states the model). Any altitude.
-[[nodiscard]] double visible_share(const Atmosphere& atmosphere, double altitude, double sun_zenith_cosine) noexcept;
+/// The sun's disc over a horizon (welkin/atmosphere.h states the model), at any altitude.
+struct SettingSun {
+  double horizon = 0.0;  ///< cosine of its zenith angle
+  double stretch = 1.0;  ///< of elevations at the altitude beside those on the ground
+  double radius = 0.0;   ///< of the disc, radians
+
+  SettingSun(const Atmosphere& atmosphere, double altitude_m) noexcept;
+
+  [[nodiscard]] double visible_share(double sun_zenith_cosine) const noexcept;
+};
+
+/// What the air lets through of a sun at that elevation, of one below the horizon as of one on it. Any altitude.
+[[nodiscard]] glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mapping, double altitude,
+                                           double sun_zenith_cosine) noexcept;
 
 /// What arrives of the sun's light above the air, 0 to 1: through the air, past the horizon. Any altitude.
 [[nodiscard]] glm::dvec3 sun_share(const SkyTables& tables, const TableMapping& mapping, double altitude,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <new>
 #include <random>
 #include <set>
@@ -461,7 +462,11 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
     CHECK(welkin_project_many(probes.data(), 3, &c_options, nullptr, found.data(), nullptr) == WELKIN_OK);
   }
   CHECK(welkin_project_many(nullptr, 0, nullptr, nullptr, nullptr, nullptr) == WELKIN_OK);
-  CHECK(welkin_project_many(probes.data(), -1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
+  for (const std::int64_t count : {std::int64_t{-1}, std::int64_t{1} << 31, std::numeric_limits<std::int64_t>::max()}) {
+    double nowhere = 0.0;
+    CHECK(welkin_project_many(probes.data(), count, nullptr, nullptr, &nowhere, nullptr) == WELKIN_INVALID_ARGUMENT);
+    CHECK(std::string(welkin_last_error()).starts_with("probe_count is " + std::to_string(count)));
+  }
   CHECK(welkin_project_many(nullptr, 1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
   CHECK(welkin_project_many(probes.data(), 1, nullptr, nullptr, nullptr, nullptr) == WELKIN_INVALID_ARGUMENT);
   probes[1].faces[2] = nullptr;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -125,6 +126,30 @@ TEST_CASE("relight: invalid probes get their neighbours' new light", "[probes]")
   relight(probes, constant_radiance(dvec3(1.0)), constant_radiance(dvec3(4.0)));
   CHECK(probes.coefficients[9] == probes.coefficients[0]);
   CHECK(probes.coefficients[9].x == Approx(4.0 * std::sqrt(4.0 * std::numbers::pi)));
+}
+
+TEST_CASE("relight: refuses coefficients that are not finite or too large, names them, and changes nothing",
+          "[probes]") {
+  const SphericalHarmonics from = made_up(4, 0.3);
+  const Captures captures = captured(from);
+  BakedProbes probes = bake_probes(kGrid, captures.cubes, captures.depths, kOptions);
+  const BakedProbes before = probes;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double wrong : {nan, infinity, -infinity, 1e308, -1e101}) {
+    SphericalHarmonics light = from;
+    light.at(2, -1).y = wrong;
+    CAPTURE(wrong);
+    for (const bool is_new : {false, true}) {
+      const ThrownError error = thrown_by([&] { relight(probes, is_new ? from : light, is_new ? light : from); });
+      CHECK(error.code == ErrorCode::invalid_argument);
+      CHECK(error.says(is_new ? "coefficient (2, -1) of `to` is " : "coefficient (2, -1) of `from` is "));
+      CHECK(error.says("in green"));
+      CHECK(same_bytes<dvec3>(probes.coefficients, before.coefficients));
+    }
+  }
+  relight(probes, from, scale(from, dvec3(1e38)));
+  for (const dvec3& coefficient : probes.coefficients) CHECK(std::isfinite(coefficient.x + coefficient.y));
 }
 
 TEST_CASE("relight: refuses probes that know nothing of the sky", "[probes]") {

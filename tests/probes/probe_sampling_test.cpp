@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"
+#include "support/thrown_error.h"
 #include "welkin/octahedral.h"
 #include "welkin/probes.h"
 #include "welkin/spherical_harmonics.h"
@@ -162,6 +164,30 @@ TEST_CASE("probe_irradiance: what is not finite is refused, as far away as float
   BakedProbes elsewhere = probes;
   elsewhere.grid.origin.x = 1e39;
   CHECK_THROWS_AS(probe_irradiance(elsewhere, place, {0, 1, 0}), Error);
+}
+
+TEST_CASE("probe_irradiance: light beyond what floats sum is right, and coefficients that are no numbers are named",
+          "[probes]") {
+  BakedProbes probes;
+  probes.grid = {.counts = {2, 1, 1}};
+  probes.bands = 2;
+  probes.coefficients.assign(8, dvec3(0.25, -0.125, 0.5));
+  probes.coefficients[0] = probes.coefficients[4] = dvec3(3.0, 2.0, 1.0);
+  probes.validity.assign(2, 1.0F);
+  probes.passes.assign(2, 0);
+  const dvec3 place(0.3, 0.1, 0.0);
+  const dvec3 wanted = probe_irradiance(probes, place, {0, 1, 0});
+  for (const double bright : {1e37, 3e38, 1e100}) {
+    BakedProbes brighter = probes;
+    for (dvec3& coefficient : brighter.coefficients) coefficient *= bright;
+    const dvec3 light = probe_irradiance(brighter, place, {0, 1, 0});
+    CAPTURE(bright);
+    for (int c = 0; c < 3; ++c) CHECK(light[c] / bright == Approx(wanted[c]).epsilon(1e-5));
+  }
+  probes.coefficients[6].z = std::numeric_limits<double>::quiet_NaN();
+  const ThrownError error = thrown_by([&] { static_cast<void>(probe_irradiance(probes, place, {0, 1, 0})); });
+  CHECK(error.code == ErrorCode::invalid_argument);
+  CHECK(error.says("coefficient 2 of probe 1 is not finite"));
 }
 
 TEST_CASE("probe_irradiance: a wall between two probes keeps the light of the other side out", "[probes]") {

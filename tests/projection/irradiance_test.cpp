@@ -335,7 +335,8 @@ TEST_CASE("Formats, strides and pixel policies are those of project", "[sh][irra
 TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[sh][irradiance]") {
   const TestLatLong image = make_lat_long(Content::uniform, 8, 4, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const glm::dvec3& bad : {glm::dvec3(0.0), glm::dvec3(nan, 0, 0), glm::dvec3(1e308, 1e308, 1e308)}) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const glm::dvec3& bad : {glm::dvec3(0.0), glm::dvec3(nan, 0, 0), glm::dvec3(1, 1, infinity)}) {
     const ThrownError error = thrown_by([&] { (void)direct_irradiance(image.view(), bad); });
     CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.says("normal 0"));

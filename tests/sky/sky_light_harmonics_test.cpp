@@ -466,6 +466,20 @@ TEST_CASE("a curve's sun is the view's", "[sky][curve]") {
   }
 }
 
+TEST_CASE("a curve's sun is the view's while its disc sets, in every channel", "[sky][curve]") {
+  for (const double altitude : {0.0, 2000.0}) {
+    const SkyView view(small_earth(), altitude);
+    const SkyCurve curve(view);
+    const double horizon = -std::acos(6360.0 / (6360.0 + altitude / 1000.0)) * 180.0 / std::numbers::pi;
+    for (double above = -0.25; above <= 2.0; above += 0.01) {
+      CAPTURE(altitude, above);
+      const glm::dvec3 sun = sun_direction(horizon + above, 12.0);
+      const glm::dvec3 expected = view.sun(sun).irradiance;
+      for (int c = 0; c < 3; ++c) CHECK(curve.sun_irradiance(sun)[c] == Approx(expected[c]).epsilon(1e-3));
+    }
+  }
+}
+
 TEST_CASE("near the zenith nothing depends on which way the sun leans", "[sky][curve]") {
   const SkyCurve curve(SkyView(small_earth(), 0.0), {.bands = 8});
   const SphericalHarmonics zenith = curve.at(glm::dvec3(0, 1, 0));

@@ -21,7 +21,7 @@ constexpr Named<IrradianceMethod> kIrradiance[] = {{"harmonics", IrradianceMetho
 constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
 
 BackgroundOptions background_options(const py::dict& given) {
-  Options options("bake(background)", given);
+  Options options("bake", given, "background");
   BackgroundOptions how;
   options.read("size", how.size);
   options.read("mips", how.mips);
@@ -31,7 +31,7 @@ BackgroundOptions background_options(const py::dict& given) {
 }
 
 IrradianceOptions irradiance_options(const py::dict& given) {
-  Options options("bake(irradiance)", given);
+  Options options("bake", given, "irradiance");
   IrradianceOptions how;
   options.read("size", how.size);
   options.read("method", how.method, kIrradiance);
@@ -40,14 +40,14 @@ IrradianceOptions irradiance_options(const py::dict& given) {
 }
 
 PrefilterOptions specular_options(const py::dict& given) {
-  Options options("bake(specular)", given);
+  Options options("bake", given, "specular");
   const PrefilterOptions how = prefilter_options(options, false);
   options.finish();
   return how;
 }
 
 BrdfTableOptions table_options(const py::dict& given) {
-  Options options("bake(brdf)", given);
+  Options options("bake", given, "brdf");
   const BrdfTableOptions how = brdf_options(options);
   options.finish();
   return how;
@@ -148,11 +148,14 @@ BakeOptions bake_options(Options& options) {
 
 void bind_bake(py::module_& module) {
   py::class_<Baked>(module, "Bake", "What a bake made; None what was not asked for.")
-      .def_readonly("background", &Baked::background, "Radiance, sharp, as a `Chain`.")
-      .def_readonly("specular", &Baked::specular, "`Reflections`.")
+      .def_readonly("background", &Baked::background,
+                    "Radiance, W/m2/sr, sharp: a `Chain` of (6, n, n, 3) float32, n halving.")
+      .def_readonly(
+          "specular", &Baked::specular,
+          "Mean radiance in GGX lobes, W/m2/sr: `Reflections`, a level (6, n, n, 3) float32 for each roughness.")
       .def_readonly("irradiance", &Baked::irradiance, "(6, n, n, 3) float32: W/m2 where radiance is W/m2/sr.")
-      .def_readonly("radiance", &Baked::radiance, "`SphericalHarmonics` of radiance.")
-      .def_readonly("brdf", &Baked::brdf, "`BrdfTable`.")
+      .def_readonly("radiance", &Baked::radiance, "`SphericalHarmonics` of radiance, W/m2/sr: bands^2 coefficients.")
+      .def_readonly("brdf", &Baked::brdf, "`BrdfTable`: (64, 64, 3) float32 by default.")
       .def_readonly("diagnostics", &Baked::diagnostics, "Counts, total radiance, and each pass with its time.")
       .def_readonly("peak_bytes", &Baked::peak_bytes, "Bound on results and working memory together.")
       .def_property_readonly(
@@ -169,9 +172,14 @@ void bind_bake(py::module_& module) {
       "bake(pixels, *, background=True, specular=True, irradiance=True, brdf=True, bands=3, policy=None,\n"
       "     memory_limit=8589934592, plan=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n"
       "--\n\n"
-      "All that a renderer loads, as a `Bake`. Pixels, or a file (a path or its bytes). Each part is True, False or\n"
-      "a dictionary of options: background(size, mips, mip_filter), specular (as `prefilter`), irradiance(size,\n"
-      "method), brdf (as `brdf_table`). `plan`: what `plan` made of the same pixels, in place of these.");
+      "All that a renderer loads, as a `Bake`. Pixels, (height, width, channels) or (6, n, n, channels), or a file (a\n"
+      "path or its bytes; `read`: options of `read`). Each part is True, False or a dictionary of options:\n\n"
+      "background  size=None (texels along an edge; None: the reflections'), mips, mip_filter\n"
+      "specular    as `prefilter`: size=256, mips, roughness, method, rms_error, maximum_error, samples\n"
+      "irradiance  size=64, method=\"harmonics\" or \"direct\"\n"
+      "brdf        as `brdf_table`: width=64, height=64, model, sheen\n\n"
+      "Radiance is in the pixels' unit, W/m2/sr say, and irradiance then in W/m2. `memory_limit`: bytes. `plan`: what\n"
+      "`plan` made of the same pixels, in place of these.");
 }
 
 }  // namespace welkin::python

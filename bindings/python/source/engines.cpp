@@ -4,17 +4,30 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "harmonics.h"
+#include "options.h"
 
 namespace welkin::python {
 namespace {
 
+/// By its name, in capitals or not.
+Engine engine_of(const std::string& name) {
+  const auto lowered = py::str(name).attr("lower")().cast<std::string>();
+  std::vector<const char*> names;
+  for (const Convention& each : conventions()) {
+    if (lowered == each.name) return each.engine;
+    names.push_back(each.name);
+  }
+  throw_unknown_name("engine", name, names);
+}
+
 EngineLight light_of(const py::object& radiance, const std::string& engine, bool in_place) {
   const SphericalHarmonics harmonics = harmonics_of(radiance);
-  const Engine whose = convention(engine).engine;
+  const Engine whose = engine_of(engine);
   return in_place ? engine_light_in_place(harmonics, whose) : engine_light(harmonics, whose);
 }
 

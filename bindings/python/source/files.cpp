@@ -313,23 +313,23 @@ void bind_files(py::module_& module) {
              "measure(file, *, layout='automatic', part='', layer='', level=0, element=0, transfer='automatic',\n"
              "        primaries='rec709', memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "Range, mean by solid angle, NaN and the brightest texel of a file, streaming: a dictionary.");
-  module.def(
-      "write", &write_file, py::arg("path"), py::arg("pixels"), py::arg("layout") = "automatic",
-      py::arg("type") = "automatic",
-      "write(path, pixels, layout='automatic', type='automatic', *, encoding=None, progress=None, threads=None)\n"
-      "--\n\nTo .exr, .hdr, .pfm or .png, by the extension; complete or not there. `layout`: of the file.\n"
-      "`type`: \"half\", \"float\", \"uint8\", \"uint16\". Gives {\"files\", \"values_clamped\"}.");
-  module.def(
-      "encode", &encode, py::arg("name"), py::arg("pixels"), py::arg("layout") = "automatic",
-      py::arg("type") = "automatic",
-      "encode(name, pixels, layout='automatic', type='automatic', *, encoding=None, progress=None, threads=None)\n"
-      "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
+  module.def("write", &write_file, py::arg("path"), py::arg("pixels"), py::arg("layout") = "automatic",
+             py::arg("type") = "automatic",
+             "write(path, pixels, layout='automatic', type='automatic', *, encoding=None, read=None, progress=None, "
+             "threads=None)\n"
+             "--\n\nTo .exr, .hdr, .pfm or .png, by the extension; complete or not there. `layout`: of the file.\n"
+             "`type`: \"half\", \"float\", \"uint8\", \"uint16\". Gives {\"files\", \"values_clamped\"}.");
+  module.def("encode", &encode, py::arg("name"), py::arg("pixels"), py::arg("layout") = "automatic",
+             py::arg("type") = "automatic",
+             "encode(name, pixels, layout='automatic', type='automatic', *, encoding=None, read=None, progress=None, "
+             "threads=None)\n"
+             "--\n\nThe bytes that `write` would write; the extension of `name` says the format.");
   module.def("read_texture", &read_texture_file, py::arg("file"),
              "read_texture(file, *, memory_limit=8589934592, progress=None, threads=None)\n--\n\n"
              "A .ktx2, .ktx or .dds cubemap with all its mips, told by its first bytes, as a `Texture`.");
   module.def("write_texture", &write_texture_file, py::arg("path"), py::arg("texture"),
              "write_texture(path, texture, *, format='rgba16f', supercompression='none', bc6h_effort='normal',\n"
-             "              astc_effort='medium', metadata=None, layout=None, encoding=None, progress=None, "
+             "              astc_effort='medium', metadata=None, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n--\n\n"
              "A `Chain`, one cubemap, a list of levels (6, n, n, 3), a `BrdfTable` or an `OctahedralMap`, to .ktx2, "
              ".ktx, .dds or .exr.\n"

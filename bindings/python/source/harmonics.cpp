@@ -23,6 +23,11 @@ constexpr Named<Window> kWindows[] = {{"none", Window::none},
                                       {"min-laplacian", Window::min_laplacian}};
 
 SphericalHarmonics from_array(const py::object& value) {
+  if (py::hasattr(value, "radiance")) {
+    throw Error(ErrorCode::invalid_argument,
+                "coefficients: found a " + py::str(py::type::handle_of(value).attr("__name__")).cast<std::string>() +
+                    "; pass its .radiance");
+  }
   const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
   if (!numbers) PyErr_Clear();
   const py::ssize_t rows = numbers && numbers.ndim() == 2 && numbers.shape(1) == 3 ? numbers.shape(0) : 0;
@@ -42,8 +47,14 @@ py::array coefficients_of(const py::object& self) {
   return shown<double>({count, 3}, &harmonics.coefficients()[0].x, self, true);
 }
 
-py::array values_at(const SphericalHarmonics& harmonics, const py::object& directions) {
-  const Directions asked = directions_of(directions, "directions");
+/// Takes `directions` alone, which pybind11 would say in its own words.
+py::array values_at(const SphericalHarmonics& harmonics, const py::args& words, const py::kwargs& named) {
+  const bool is_named = named.contains("directions");
+  if (words.size() + named.size() != 1 || is_named != words.empty()) {
+    throw py::type_error("harmonics are called with directions of shape (..., 3), as in light((0, 1, 0)); found " +
+                         std::to_string(words.size() + named.size()) + " arguments");
+  }
+  const Directions asked = directions_of(is_named ? py::object(named["directions"]) : words[0], "directions");
   py::array_t<double> values(asked.shape);
   double* const out = values.mutable_data();
   const LockReleased released(asked.count());
@@ -54,11 +65,31 @@ py::array values_at(const SphericalHarmonics& harmonics, const py::object& direc
   return values;
 }
 
+/// A number, or one for each channel.
+dvec3 factor_of(const py::object& factor) {
+  if (py::isinstance<py::float_>(factor) || py::isinstance<py::int_>(factor)) return dvec3(factor.cast<double>());
+  return vector_of(factor, "factor");
+}
+
 SphericalHarmonics scaled(const SphericalHarmonics& harmonics, const py::object& factor) {
-  if (py::isinstance<py::float_>(factor) || py::isinstance<py::int_>(factor)) {
-    return scale(harmonics, dvec3(factor.cast<double>()));
-  }
-  return scale(harmonics, vector_of(factor, "factor"));
+  return scale(harmonics, factor_of(factor));
+}
+
+SphericalHarmonics divided(const SphericalHarmonics& harmonics, const py::object& divisor) {
+  const dvec3 by = factor_of(divisor);
+  SphericalHarmonics result = harmonics;
+  for (dvec3& value : result.coefficients()) value /= by;
+  return result;
+}
+
+/// 0 + light, with which `sum` begins.
+py::object added_to(const SphericalHarmonics& harmonics, const py::object& other) {
+  const bool is_zero = py::isinstance<py::int_>(other) && other.equal(py::int_(0));
+  return is_zero ? py::cast(harmonics) : py::reinterpret_borrow<py::object>(Py_NotImplemented);
+}
+
+bool are_equal(const SphericalHarmonics& a, const SphericalHarmonics& b) {
+  return std::equal(a.coefficients().begin(), a.coefficients().end(), b.coefficients().begin(), b.coefficients().end());
 }
 
 py::tuple minimum_of(const SphericalHarmonics& harmonics) {
@@ -109,7 +140,9 @@ void bind_harmonics(py::module_& module) {
       module, "SphericalHarmonics",
       "Coefficients of red, green and blue over real, orthonormal spherical harmonics without Condon-Shortley phase:\n"
       "(l, m) stands at l (l + 1) + m. Y(1, -1), Y(1, 0), Y(1, 1) are proportional to y, z, x.\n\n"
-      "SphericalHarmonics(bands) is dark; SphericalHarmonics(array) copies an array of shape (bands^2, 3).")
+      "SphericalHarmonics(bands) is dark; SphericalHarmonics(array) copies an array of shape (bands^2, 3).\n"
+      "light[i] is coefficient i, (3,), and len(light) is bands^2. + - * / work, factors being numbers or (3,), and\n"
+      "sum() of a list; == compares coefficients.")
       .def(py::init<int>())
       .def(py::init(&from_array))
       .def_property_readonly("bands", &SphericalHarmonics::bands, "How many bands: 1 to 16.")
@@ -117,8 +150,9 @@ void bind_harmonics(py::module_& module) {
                              "(bands^2, 3), float64, on the object's own memory: writing to it changes the object.")
       .def("__array__", [](const py::object& self, const py::args& words,
                            const py::kwargs& named) { return as_asked(coefficients_of(self), words, named); })
-      .def("__call__", &values_at, py::arg("directions"),
-           "__call__(self, directions)\n--\n\nThe sum at unit directions (..., 3): radiance or irradiance, (..., 3).")
+      .def("__call__", &values_at,
+           "__call__(self, directions)\n--\n\nThe sum at directions (..., 3) of any length above 0: radiance or "
+           "irradiance, (..., 3).")
       .def_property_readonly(
           "mean", [](const SphericalHarmonics& self) { return array_of(mean_radiance(self)); },
           "Mean over the sphere: (3,).")
@@ -167,12 +201,22 @@ void bind_harmonics(py::module_& module) {
           "__sub__",
           [](const SphericalHarmonics& a, const SphericalHarmonics& b) { return add(a, scale(b, dvec3(-1.0))); },
           py::is_operator())
+      .def("__radd__", &added_to)
       .def("__mul__", &scaled, py::is_operator())
       .def("__rmul__", &scaled, py::is_operator())
+      .def("__truediv__", &divided, py::is_operator())
+      .def("__neg__", [](const SphericalHarmonics& self) { return scale(self, dvec3(-1.0)); })
+      .def("__eq__", &are_equal, py::is_operator())
+      .def("__len__", [](const SphericalHarmonics& self) { return self.coefficients().size(); })
+      .def("__getitem__",
+           [](const py::object& self, const py::object& index) { return py::object(coefficients_of(self)[index]); })
+      .def("__iter__", [](const py::object& self) { return py::iter(coefficients_of(self)); })
       .def("__copy__", [](const SphericalHarmonics& self) { return SphericalHarmonics(self); })
       .def("__deepcopy__", [](const SphericalHarmonics& self, const py::object&) { return SphericalHarmonics(self); })
-      .def(py::pickle([](const py::object& self) { return py::make_tuple(coefficients_of(self)); },
-                      [](const py::tuple& state) { return from_array(state[0]); }))
+      .def("__reduce__",
+           [](const py::object& self) {
+             return py::make_tuple(py::type::of(self), py::make_tuple(coefficients_of(self).attr("copy")()));
+           })
       .def("__repr__", [](const SphericalHarmonics& self) {
         return "<welkin.SphericalHarmonics: " + std::to_string(self.bands()) + " bands, mean " +
                text(mean_radiance(self)) + ">";
@@ -198,7 +242,7 @@ void bind_harmonics(py::module_& module) {
         return values;
       },
       py::arg("directions"), py::arg("bands") = 3,
-      "basis(directions, bands=3)\n--\n\nY(l, m) at unit directions (..., 3): (..., bands^2).");
+      "basis(directions, bands=3)\n--\n\nY(l, m) at directions (..., 3) of any length above 0: (..., bands^2).");
 }
 
 }  // namespace welkin::python

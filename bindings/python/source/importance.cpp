@@ -175,7 +175,8 @@ void bind_importance(py::module_& module) {
            "pyramid(self, *, progress=None, threads=None)\n--\n\nProbabilities of ever larger blocks, (height, width)\n"
            "float32 and each level half the one before, to a single block.")
       .def("variance", &variance_of, py::arg("pixels"),
-           "variance(self, pixels, *, weight='luminance', policy=None, layout=None, encoding=None, progress=None,\n"
+           "variance(self, pixels, *, weight='luminance', policy=None, layout=None, encoding=None, read=None, "
+           "progress=None,\n"
            "         threads=None)\n--\n\n"
            "(uniform, table): variance of one sample's estimate of the pixels' total weight, over the total's\n"
            "square, with directions all alike and with the table's.")
@@ -185,7 +186,7 @@ void bind_importance(py::module_& module) {
       });
   module.def("importance_table", &table_of, py::arg("pixels"),
              "importance_table(pixels, *, width=0, height=0, weight='luminance', mis_compensation=False, policy=None,\n"
-             "                 layout=None, encoding=None, progress=None, threads=None)\n--\n\n"
+             "                 layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
              "By which a path tracer picks directions of a lat-long, as an `ImportanceTable`. `width`, `height`: up\n"
              "to the picture's, 0 for just these. `weight`: \"luminance\", \"mean\" or \"largest\" of the channels.\n"
              "`mis_compensation`: what lies below the mean counts as 0, for use beside samples of the material.");

@@ -9,6 +9,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "files.h"
 #include "results.h"
 #include "source.h"
 #include "welkin/bake.h"
@@ -35,7 +36,7 @@ struct Probes {
 };
 
 Probes probes_of(const py::object& pixels, Options& options) {
-  if (!py::isinstance<py::sequence>(pixels) && !py::isinstance<py::array>(pixels)) {
+  if (is_file(pixels) || (!py::isinstance<py::sequence>(pixels) && !py::isinstance<py::array>(pixels))) {
     throw py::type_error(options.called("probes") +
                          " takes an array (n, 6, size, size, channels) or a list of cubemaps");
   }
@@ -51,6 +52,7 @@ Probes probes_of(const py::object& pixels, Options& options) {
   if (made.sources.empty()) {  // nobody looked
     static_cast<void>(options.take("layout"));
     static_cast<void>(options.take("encoding"));
+    static_cast<void>(options.take("read"));
   }
   return made;
 }
@@ -158,16 +160,17 @@ void bind_many(py::module_& module) {
         return "<welkin.ManyLights: " + counted(self.count, "probe") +
                (self.specular.empty() ? "" : ", " + counted(self.specular.size(), "mip")) + ">";
       });
-  module.def("project_many", &project_all, py::arg("probes"),
-             "project_many(probes, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None,\n"
-             "             encoding=None, progress=None, threads=None)\n--\n\n"
-             "Harmonics of many cubemaps, the bits of `project` of each, as `ManyLights`: an array\n"
-             "(n, 6, size, size, channels), or a list of cubemaps of any sizes and types. Small ones (to 129 texels\n"
-             "an edge) are projected side by side, one thread each.");
+  module.def(
+      "project_many", &project_all, py::arg("probes"),
+      "project_many(probes, *, bands=3, quadrature='exact', target_size=None, policy=None, layout=None,\n"
+      "             encoding=None, read=None, progress=None, threads=None)\n--\n\n"
+      "Harmonics of many cubemaps, the bits of `project` of each, as `ManyLights`: an array\n"
+      "(n, 6, size, size, channels), or a list of cubemaps or files of any sizes and types. Small ones (to 129 texels\n"
+      "an edge) are projected side by side, one thread each.");
   module.def("bake_many", &bake_all, py::arg("probes"),
              "bake_many(probes, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
              "          maximum_error=1e-2, samples=1024, policy=None, bands=3, type='float16', layout=None,\n"
-             "          encoding=None, progress=None, threads=None)\n--\n\n"
+             "          encoding=None, read=None, progress=None, threads=None)\n--\n\n"
              "Reflections, by the options of `prefilter`, and harmonics (none with 0 bands) of many cubemaps, as\n"
              "`ManyLights`. `type`: of the reflections, \"float16\" or \"float32\"; alpha is 1.");
 }

@@ -2,6 +2,9 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <cstddef>
+#include <string>
+
 #include "bindings.h"
 #include "welkin/core.h"
 
@@ -16,6 +19,38 @@ void bind_machine(py::module_& module) {
       "instruction_set", [] { return name(active_instruction_set()); },
       "instruction_set()\n--\n\n"
       "The kernels in use: \"sse2\", \"avx2\", \"avx512\" or \"neon\". All give the same bits.");
+}
+
+/// pybind11 allocates an object that no constructor has made when it is first looked at, and reads what lay there. It
+/// asks this function for the memory, where a class has one.
+[[noreturn]] void* refuse_unmade(std::size_t /*size*/) {
+  throw py::type_error("this object was never initialised: call its class, or the function that gives such objects");
+}
+
+/// A constructor that is called again would be passed over in silence.
+void refuse_second_init(const py::object& kind) {
+  const py::object init = kind.attr("__init__");
+  kind.attr("__init__") = py::cpp_function(
+      [init](const py::object& self, const py::args& words, const py::kwargs& named) {
+        auto* const instance = reinterpret_cast<py::detail::instance*>(self.ptr());
+        if (instance->get_value_and_holder().holder_constructed()) {
+          throw py::type_error(py::str(py::type::handle_of(self).attr("__name__")).cast<std::string>() +
+                               ": the object is initialised already; make another one");
+        }
+        init(self, *words, **named);
+      },
+      py::is_method(kind), py::name("initialise"));  // of "__init__" pybind11 would do it
+}
+
+void guard_classes(py::module_& module) {
+  for (const auto& [name, kind] : module.attr("__dict__").cast<py::dict>()) {
+    if (!py::isinstance<py::type>(kind)) continue;
+    py::detail::type_info* const info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(kind.ptr()));
+    if (info == nullptr) continue;
+    info->operator_new = &refuse_unmade;
+    const py::object init = kind.attr("__dict__").attr("get")("__init__");
+    if (PyInstanceMethod_Check(init.ptr())) refuse_second_init(py::reinterpret_borrow<py::object>(kind));
+  }
 }
 
 }  // namespace
@@ -42,4 +77,5 @@ PYBIND11_MODULE(_welkin, module) {
   welkin::python::bind_files(module);
   welkin::python::bind_pictures(module);
   welkin::python::bind_timing(module);
+  welkin::python::guard_classes(module);
 }

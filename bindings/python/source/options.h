@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "welkin/core.h"
@@ -24,6 +25,9 @@ struct Named {
   const char* name;
   Value value;
 };
+
+/// Returns ` (did you mean "size"?)` for the nearest of the names, or nothing where none is near.
+[[nodiscard]] std::string suggestion(const std::string& found, const std::vector<const char*>& names);
 
 /// Throws `Error` (invalid_argument) that lists the names.
 [[noreturn]] void throw_unknown_name(const std::string& what, const std::string& found,
@@ -49,10 +53,26 @@ template <class Value>
   return "unknown";
 }
 
+/// Returns what an option of this type takes, in words; nothing for types that only programs know.
+template <class Value>
+[[nodiscard]] constexpr const char* taken_words() {
+  if constexpr (std::is_same_v<Value, bool>) return "True or False";
+  if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) return "a whole number";
+  if constexpr (std::is_floating_point_v<Value>) return "a number";
+  if constexpr (std::is_same_v<Value, std::string>) return "text";
+  if constexpr (std::is_same_v<Value, std::vector<double>>) return "a list of numbers";
+  if constexpr (
+      requires { typename Value::value_type; } && requires(Value value) { value.has_value(); }) {
+    return taken_words<typename Value::value_type>();
+  }
+  return "";
+}
+
 class Options {
  public:
-  /// `function`: for messages. `given` must outlive this.
-  Options(const char* function, const py::dict& given) : function_(function), given_(given) {}
+  /// `function` and `group`, the argument whose dictionary these are, are for messages. `given` must outlive this.
+  Options(const char* function, const py::dict& given, const char* group = nullptr)
+      : function_(function), group_(group), given_(given) {}
 
   /// The argument, or null; a null handle stands for `None` too.
   [[nodiscard]] py::handle take(const char* name);
@@ -68,7 +88,7 @@ class Options {
     try {
       value = given.cast<Value>();
     } catch (const py::cast_error&) {
-      throw_wrong_type(name, given);
+      throw_wrong_type(name, given, taken_words<Value>());
     }
   }
 
@@ -89,13 +109,14 @@ class Options {
 
   [[nodiscard]] const char* function() const noexcept { return function_; }
 
-  /// "prefilter(size=...)"
+  /// "prefilter(size=...)", "bake(specular={"size": ...})"
   [[nodiscard]] std::string called(const char* name) const;
 
  private:
-  [[noreturn]] void throw_wrong_type(const char* name, py::handle given) const;
+  [[noreturn]] void throw_wrong_type(const char* name, py::handle given, const char* taken) const;
 
   const char* function_;
+  const char* group_;
   const py::dict& given_;
   std::vector<const char*> known_;
 };

@@ -31,7 +31,7 @@ void read_glossy(Options& options, SceneNeeds& needs) {
 }
 
 SceneNeeds needs_of(const py::dict& given) {
-  Options options("plan(needs)", given);
+  Options options("plan", given, "needs");
   SceneNeeds needs;
   options.read("diffuse_bands", needs.diffuse_bands);
   options.read("irradiance_cubemap", needs.irradiance_cubemap);

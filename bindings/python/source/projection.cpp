@@ -251,15 +251,15 @@ void bind_projection(py::module_& module) {
   module.def(
       "irradiance", &irradiance_of, py::arg("light"),
       "irradiance(light, *, size=None, method='harmonics', bands=3, quadrature='exact', target_size=None,\n"
-      "           policy=None, layout=None, encoding=None, progress=None, threads=None)\n--\n\n"
+      "           policy=None, layout=None, encoding=None, read=None, progress=None, threads=None)\n--\n\n"
       "Light on a surface by its normal, as an `Irradiance`: of pixels, or of `SphericalHarmonics` of radiance.\n"
       "`size`: texels along an edge of a cubemap, 1 to 4096; `method=\"direct\"` makes it by direct integration of\n"
       "the pixels, the slow reference.");
-  module.def(
-      "direct_irradiance", &direct_irradiance_at, py::arg("pixels"), py::arg("normals"),
-      "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, progress=None, threads=None)\n"
-      "--\n\nThe truth: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
-      "Some 5 ns a texel, normal and thread.");
+  module.def("direct_irradiance", &direct_irradiance_at, py::arg("pixels"), py::arg("normals"),
+             "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, read=None, progress=None, "
+             "threads=None)\n"
+             "--\n\nThe truth: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
+             "Some 5 ns a texel, normal and thread.");
 }
 
 }  // namespace welkin::python

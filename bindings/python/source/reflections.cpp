@@ -52,6 +52,22 @@ py::list levels_of(const Chain& chain) {
   return levels;
 }
 
+/// A level by its number, from the end below 0, or a list of levels by a slice.
+py::object level_at(const Chain& chain, const py::object& index) {
+  if (py::isinstance<py::slice>(index)) return levels_of(chain)[index];
+  if (PyIndex_Check(index.ptr()) == 0) {
+    throw py::type_error("a chain's levels are numbers or slices, found " + py::repr(index).cast<std::string>());
+  }
+  const int count = chain.cubemap->levels();
+  const py::ssize_t asked = PyNumber_AsSsize_t(index.ptr(), nullptr);
+  const py::ssize_t level = asked < 0 ? asked + count : asked;
+  if (level < 0 || level >= count) {
+    throw py::index_error("level " + std::to_string(asked) + " of a chain of " +
+                          counted(static_cast<std::size_t>(count), "level"));
+  }
+  return level_of(chain.cubemap, static_cast<int>(level));
+}
+
 py::object pixels_of(const Chain& chain) {
   return chain.cubemap->levels() > 0 ? py::object(level_of(chain.cubemap, 0)) : py::none();
 }
@@ -176,13 +192,7 @@ void bind_chains(py::module_& module) {
       .def_property_readonly(
           "nbytes", [](const Chain& self) { return self.cubemap->bytes(); }, "Bytes of all levels.")
       .def("__len__", [](const Chain& self) { return self.cubemap->levels(); })
-      .def("__getitem__",
-           [](const Chain& self, int level) {
-             const int count = self.cubemap->levels();
-             if (level < 0) level += count;
-             if (level < 0 || level >= count) throw py::index_error("a chain of " + std::to_string(count) + " levels");
-             return level_of(self.cubemap, level);
-           })
+      .def("__getitem__", &level_at)
       .def("__repr__", [](const Chain& self) { return "<welkin.Chain: " + words(self) + ">"; });
   py::class_<Reflections, Chain>(module, "Reflections", "A chain of reflections: a mip for each roughness.")
       .def_readonly("mips", &Reflections::mips, "A `MipRecord` for each level.")
@@ -252,7 +262,7 @@ void bind_reflections(py::module_& module) {
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
       "prefilter(pixels, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
-      "          maximum_error=1e-2, samples=1024, kernels=None, policy=None, layout=None, encoding=None,\n"
+      "          maximum_error=1e-2, samples=1024, kernels=None, policy=None, layout=None, encoding=None, read=None,\n"
       "          progress=None, threads=None)\n--\n\n"
       "Reflections by GGX lobes, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule:\n"
       "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `method`: \"automatic\", "
@@ -262,7 +272,7 @@ void bind_reflections(py::module_& module) {
       "`ZonalKernel`, one for each mip, in place of GGX's lobes.");
   module.def(
       "reference_specular", &reference, py::arg("pixels"), py::arg("lobe"), py::arg("directions"),
-      "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, progress=None,\n"
+      "reference_specular(pixels, lobe, directions, *, layout=None, encoding=None, read=None, progress=None,\n"
       "                   threads=None)\n--\n\n"
       "The truth of `prefilter` at directions (..., 3), in double over all texels: (..., 3). `lobe`: GGX's by its\n"
       "roughness, or a `ZonalKernel`.");
@@ -271,10 +281,11 @@ void bind_reflections(py::module_& module) {
       "brdf_table(*, width=64, height=64, model='split-sum', sheen=True, progress=None, threads=None)\n--\n\n"
       "The other half of the split sum, as a `BrdfTable`; absolute error below 1e-5. Tables that were used last\n"
       "are kept and shared.");
-  module.def("build_mips", &mips_of, py::arg("pixels"),
-             "build_mips(pixels, *, filter='solid-angle', levels=None, layout=None, encoding=None, progress=None,\n"
-             "           threads=None)\n--\n\nA cubemap and its mips, as a `Chain`: \"solid-angle\" keeps the total\n"
-             "radiance, \"box\" is what graphics APIs do.");
+  module.def(
+      "build_mips", &mips_of, py::arg("pixels"),
+      "build_mips(pixels, *, filter='solid-angle', levels=None, layout=None, encoding=None, read=None, progress=None,\n"
+      "           threads=None)\n--\n\nA cubemap and its mips, as a `Chain`: \"solid-angle\" keeps the total\n"
+      "radiance, \"box\" is what graphics APIs do.");
   module.def(
       "roughness_of_mips",
       [](const std::string& schedule, int mips, int size) {

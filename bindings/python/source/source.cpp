@@ -5,9 +5,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "arrays.h"
+#include "call.h"
+#include "files.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::python {
@@ -211,13 +215,29 @@ Source source_of(const py::object& pixels, const std::string& layout, const std:
         py::isinstance<py::array>(inner) || py::isinstance<py::list>(inner) || py::isinstance<py::tuple>(inner);
     if (is_known) return source_of(inner, layout, encoding);
   }
-  throw py::type_error("pixels are a numpy array, six of them, or what welkin.read gave; found " +
-                       py::str(py::type::handle_of(pixels).attr("__name__")).cast<std::string>());
+  throw py::type_error(
+      "pixels are a numpy array, six of them, a file's path or bytes, or what welkin.read gave; found " +
+      py::str(py::type::handle_of(pixels).attr("__name__")).cast<std::string>());
+}
+
+/// A file's pixels, read whole.
+Source source_of_file(const py::object& file, Options& options) {
+  const FileInput input = input_of(file);
+  const ReadOptions how = read_group(options);
+  const py::dict nothing;
+  Options of_reading("read", nothing);
+  Call call("read", of_reading);
+  auto read = std::make_shared<const Environment>(
+      call.run([&](const Control& control) { return read_environment(input, how, control); }));
+  const py::capsule owner = keeper(read);
+  if (read->face_size() > 0) return {read->cubemap(), owner, {}};
+  return {read->lat_long(), owner, {}};
 }
 
 }  // namespace
 
 Source source_of(const py::object& pixels, Options& options) {
+  if (is_file(pixels)) return source_of_file(pixels, options);
   std::string layout;
   std::string encoding;
   options.read("layout", layout);

@@ -40,7 +40,8 @@ class Source {
 /// Takes
 /// - (height, width, channels): a lat-long, or what `layout` says (strips and crosses);
 /// - (6, size, size, channels), or six arrays (size, size, channels): a cubemap's faces;
-/// - an object with `pixels`: an `Environment`, a `Chain`.
+/// - an object with `pixels`: an `Environment`, a `Chain`;
+/// - a file, by its path or as bytes, which is read by `read` of the options.
 /// Channels are 3 or 4, values float32, float16 or uint8; of bytes `encoding` says whether they are "linear" or "srgb".
 /// Takes `layout` and `encoding` from the options. Throws `Error` (invalid_argument) for all else: nothing is
 /// converted.

@@ -112,7 +112,7 @@ def test_wrong_pixels_are_said(pixels, words):
 
 
 def test_wrong_arguments_are_said(picture, faces):
-    with pytest.raises(TypeError, match='takes no argument "band"; it takes bands'):
+    with pytest.raises(TypeError, match=r'takes no argument "band" \(did you mean "bands"\?\); it takes bands'):
         welkin.project(picture, band=2)
     with pytest.raises(TypeError, match=r"project\(bands=...\)"):
         welkin.project(picture, bands="many")
@@ -126,7 +126,7 @@ def test_wrong_arguments_are_said(picture, faces):
         welkin.project(faces, layout="lat-long")
     with pytest.raises(TypeError, match="numpy array"):
         welkin.project(7)
-    with pytest.raises(TypeError, match="bake\\(specular\\)\\(\\) takes no argument|bake\\(specular\\)"):
+    with pytest.raises(TypeError, match='takes no "sizes"'):
         welkin.bake(picture, specular={"sizes": 3})
 
 

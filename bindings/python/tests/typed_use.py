@@ -20,6 +20,8 @@ def harmonics() -> NDArray[np.float64]:
     if dominant is not None:
         direction, _ = dominant
         light = light.lerp(welkin.SphericalHarmonics(4), 0.5) * (1.0, 0.5, float(direction[1]))
+    light = -light / 2 + sum([light, light], welkin.SphericalHarmonics(4))
+    assert light == light and len(light) == 16 and [each.shape for each in light] == [(3,)] * 16
     return light.irradiance()([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
@@ -37,7 +39,9 @@ def reflections(folder: Path) -> list[NDArray[np.float32]]:
     again: welkin.Texture = welkin.read_texture(folder / "sheen.dds")
     many: welkin.ManyLights = welkin.bake_many([FACES, again], size=8, mips=2, type="float32")
     assert many.coefficients.shape == (2, 9, 3)
-    return light.specular.levels + octahedral.levels
+    welkin.write(folder / "sky.hdr", PANORAMA)
+    from_file: welkin.Reflections = welkin.prefilter(folder / "sky.hdr", size=8, read={"layout": "lat-long"})
+    return light.specular[1:] + octahedral.levels + [from_file[0]]
 
 
 def others() -> float:

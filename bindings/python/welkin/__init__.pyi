@@ -1,8 +1,8 @@
 """Types of the package; docstrings are the extension's own. tests/test_stubs.py holds the two together."""
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypedDict, overload
+from typing import Any, Literal, SupportsIndex, TypeAlias, TypedDict, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ _Path: TypeAlias = str | os.PathLike[str]
 _File: TypeAlias = _Path | bytes
 _Array: TypeAlias = NDArray[np.float32] | NDArray[np.float16] | NDArray[np.uint8]
 _Picture: TypeAlias = Environment | Chain | Bake | Irradiance
-_Pixels: TypeAlias = _Array | Sequence[_Array] | _Picture
+_Pixels: TypeAlias = _Array | Sequence[_Array] | _Picture | _File
 _Progress: TypeAlias = bool | Callable[[float], object] | None
 _Layout: TypeAlias = (
     Literal["lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross"] | None
@@ -179,13 +179,19 @@ class SphericalHarmonics:
     def dominant_light(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None: ...
     def window(self, window: _Window = "min-laplacian", width: float = 0.0) -> Windowed: ...
     def __add__(self, other: SphericalHarmonics) -> SphericalHarmonics: ...
+    def __radd__(self, other: Literal[0]) -> SphericalHarmonics: ...
     def __sub__(self, other: SphericalHarmonics) -> SphericalHarmonics: ...
     def __mul__(self, factor: ArrayLike) -> SphericalHarmonics: ...
     def __rmul__(self, factor: ArrayLike) -> SphericalHarmonics: ...
+    def __truediv__(self, divisor: ArrayLike) -> SphericalHarmonics: ...
+    def __neg__(self) -> SphericalHarmonics: ...
+    def __eq__(self, other: object) -> bool: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int | slice) -> NDArray[np.float64]: ...
+    def __iter__(self) -> Iterator[NDArray[np.float64]]: ...
     def __copy__(self) -> SphericalHarmonics: ...
     def __deepcopy__(self, memo: object) -> SphericalHarmonics: ...
-    def __getstate__(self) -> tuple[NDArray[np.float64]]: ...
-    def __setstate__(self, state: tuple[NDArray[np.float64]]) -> None: ...
+    def __reduce__(self) -> tuple[type[SphericalHarmonics], tuple[NDArray[np.float64]]]: ...
 
 class Windowed:
     @property
@@ -300,7 +306,7 @@ class Irradiance:
     def _repr_png_(self) -> bytes | None: ...
 
 def project(
-    pixels: _Pixels | _File,
+    pixels: _Pixels,
     *,
     bands: int = 3,
     quadrature: _Quadrature = "exact",
@@ -323,6 +329,7 @@ def irradiance(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Irradiance: ...
@@ -333,6 +340,7 @@ def direct_irradiance(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float64]: ...
@@ -387,7 +395,10 @@ class Chain:
     @property
     def nbytes(self) -> int: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, level: int) -> NDArray[np.float32]: ...
+    @overload
+    def __getitem__(self, level: SupportsIndex) -> NDArray[np.float32]: ...
+    @overload
+    def __getitem__(self, level: slice) -> list[NDArray[np.float32]]: ...
     def _repr_png_(self) -> bytes | None: ...
 
 class Reflections(Chain):
@@ -428,6 +439,7 @@ def prefilter(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Reflections: ...
@@ -438,6 +450,7 @@ def reference_specular(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float64]: ...
@@ -457,6 +470,7 @@ def build_mips(
     levels: int | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> Chain: ...
@@ -533,7 +547,7 @@ class Plan:
     def milliseconds(self, threads: int = 1) -> float: ...
 
 def bake(
-    pixels: _Pixels | _File,
+    pixels: _Pixels,
     *,
     background: bool | _Background = True,
     specular: bool | _Specular = True,
@@ -558,6 +572,7 @@ def project_many(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ManyLights: ...
@@ -576,11 +591,12 @@ def bake_many(
     type: Literal["float16", "float32"] = "float16",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ManyLights: ...
 def plan(
-    pixels: _Pixels | _File | tuple[int, ...],
+    pixels: _Pixels | tuple[int, ...],
     *,
     needs: _Needs | None = None,
     background: bool | _Background = True,
@@ -626,6 +642,7 @@ class ImportanceTable:
         policy: PixelPolicy | None = None,
         layout: _Layout = None,
         encoding: _Encoding = None,
+        read: _Read | None = None,
         progress: _Progress = None,
         threads: int | None = None,
     ) -> tuple[float, float]: ...
@@ -640,6 +657,7 @@ def importance_table(
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> ImportanceTable: ...
@@ -792,6 +810,7 @@ def write(
     type: _SampleType = "automatic",
     *,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> _Written: ...
@@ -802,6 +821,7 @@ def encode(
     type: _SampleType = "automatic",
     *,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> bytes: ...
@@ -819,6 +839,7 @@ def write_texture(
     metadata: Mapping[str, str] | None = None,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> _Written: ...
@@ -834,6 +855,7 @@ def to_cubemap(
     filter: _Resampling = "area",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
@@ -845,6 +867,7 @@ def to_lat_long(
     filter: _Resampling = "area",
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
@@ -856,6 +879,7 @@ def preview(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> bytes: ...
@@ -866,6 +890,7 @@ def tone_mapped(
     *,
     layout: _Layout = None,
     encoding: _Encoding = None,
+    read: _Read | None = None,
     progress: _Progress = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]: ...
