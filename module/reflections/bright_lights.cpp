@@ -232,9 +232,9 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
     const bool cut = sight == Block::Sight::cut;
     if (!cut && (leaf || (node.smooth.count > 0 && block.far_enough(node)))) {
       add_run(node.smooth, room.runs);
-    } else if (cut && !to_parts && (leaf || node.radius < block.radius)) {
+    } else if (cut && !to_parts && (leaf || node.parts.count > 0 || node.radius < block.radius)) {
       room.cut.push_back(index);
-    } else if (leaf) {
+    } else if (leaf || (cut && node.parts.count > 0)) {
       add_run(node.parts, room.parts);
     } else {
       room.stack.push_back(node.children[1]);
@@ -292,7 +292,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
   }
 }
 
-/// Adds the leaves that are `room`'s parts, and forgets them: texel by texel in double.
+/// Adds the rectangles that are `room`'s parts, and forgets them: texel by texel in double.
 void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
   const double whole = lobe_integral(lobe.alpha);
@@ -302,9 +302,9 @@ void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* 
       std::array<double, 3> sum{};
       for (const LobeRun& run : room.parts) {
         for (int k = run.first; k < run.first + run.count; ++k) {
-          const BrightTexel& leaf = leaves_[static_cast<std::size_t>(k)];
-          const double share = texels_->integral(leaf.row, leaf.column, normal, lobe.alpha) / whole;
-          for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(leaf.excess[c]);
+          const Rectangle& part = rectangles_[static_cast<std::size_t>(k)];
+          const double share = texels_->integral(part.texels, normal, lobe.alpha) / whole;
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(part.excess[c]);
         }
       }
       float* const texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + column);

@@ -39,7 +39,7 @@ enum class LightsOf { ggx, kernels };
 /// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
 /// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
 /// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
-/// the horizon cuts it; large texels, which a parallelogram is no part of, are integrated there.
+/// the horizon cuts it; large texels, of which a parallelogram is no part, are integrated there.
 class BrightLights {
  public:
   BrightLights() = default;
@@ -72,7 +72,12 @@ class BrightLights {
     double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
     std::array<int, 2> children{-1, -1};
     LobeRun smooth{};
-    LobeRun parts{};  ///< of a leaf, among the cut lights, or itself among the leaves
+    LobeRun parts{};  ///< of a leaf, among the cut lights; or itself among the rectangles
+  };
+  /// Texels of one radiance.
+  struct Rectangle {
+    TexelRectangle texels;
+    std::array<float, 3> excess{};
   };
   struct Block;
 
@@ -107,8 +112,8 @@ class BrightLights {
   std::vector<Node> nodes_;   ///< the first is the root
   std::vector<LobeLight> lights_;
   std::vector<CutLight> cut_lights_;
-  std::shared_ptr<const LobeTexels> texels_;  ///< null: there are cut lights. Else leaves are integrated
-  std::vector<BrightTexel> leaves_;           ///< of `texels_`
+  std::shared_ptr<const LobeTexels> texels_;  ///< null: there are cut lights. Else rectangles of them
+  std::vector<Rectangle> rectangles_;
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
 };

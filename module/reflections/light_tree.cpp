@@ -196,7 +196,7 @@ class LightTree {
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
-  /// Of texels that are cut already. `exact`: keeps the leaves' texels and no parts of them.
+  /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, bool exact,
             BrightLights& lights)
       : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
@@ -322,15 +322,35 @@ class LightTree {
       lights_.nodes_.emplace_back();
       build(static_cast<std::size_t>(children[k]), k == 0 ? first : middle, k == 0 ? middle : end);
     }
-    lights_.nodes_[index].children = children;
-    merge(lights_.nodes_[index], box);
+    BrightLights::Node& node = lights_.nodes_[index];
+    node.children = children;
+    if (parts_ == 0 && node.radius < kWidest) node.parts = rectangle_of(box, first, end);
+    merge(node, box);
+  }
+
+  LobeRun rectangle_of(const TexelRectangle& texels, const BrightTexel& texel) {
+    lights_.rectangles_.push_back({texels, texel.excess});
+    return {static_cast<int>(lights_.rectangles_.size()) - 1, 1};
+  }
+
+  /// None unless the texels fill their box with one radiance.
+  LobeRun rectangle_of(const Box& box, std::size_t first, std::size_t end) {
+    const int rows = box.end.row - box.first.row;
+    const int columns = box.end.column - box.first.column;
+    const BrightTexel& texel = *places_[first].texel;
+    const bool full = box.end.face - box.first.face == 1 && end - first == static_cast<std::size_t>(rows) * columns;
+    const bool even = full && std::all_of(places_.begin() + static_cast<std::ptrdiff_t>(first),
+                                          places_.begin() + static_cast<std::ptrdiff_t>(end),
+                                          [&](const Place& place) { return place.texel->excess == texel.excess; });
+    if (!even) return {};
+    const int face_row = shape_.cubemap ? box.first.face * shape_.columns : 0;
+    return rectangle_of({face_row + box.first.row, box.first.column, rows, columns}, texel);
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
     if (parts_ == 0) {
-      lights_.leaves_.push_back(texel);
       for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
-      return {static_cast<int>(lights_.leaves_.size()) - 1, 1};
+      return rectangle_of({texel.row, texel.column, 1, 1}, texel);
     }
     const double part = lights_.edge_ / parts_;
     const auto first = static_cast<int>(lights_.cut_lights_.size());
@@ -460,7 +480,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
 
 std::size_t BrightLights::bytes() const noexcept {
   return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight) +
-         leaves_.size() * sizeof(BrightTexel);
+         rectangles_.size() * sizeof(Rectangle);
 }
 
 }  // namespace welkin::reflections
