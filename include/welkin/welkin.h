@@ -542,7 +542,7 @@ typedef struct welkin_mip {
   int32_t bright_texels;          /* spectral: that were added one by one */
   int32_t samples;                /* sampled: a texel */
   double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (sampled, stored) */
-  double mean[3];                 /* by solid angle */
+  double mean[3];                 /* of the texels, by solid angle: lamps narrower than they are change it */
   double milliseconds;            /* wall time */
 } welkin_mip;
 

@@ -27,7 +27,8 @@ inline constexpr std::size_t kMostBright = 1U << 16U;  ///< for spectral mips
 inline constexpr std::size_t kMostBrightFar = 4096;    ///< for narrow lobes' far part, whose mips are large
 
 /// How many are found, and what the search for them takes. At most, unless they lie about a pole or are bright in one
-/// channel alone: they are 25 times as bright as the mean. `rows`: of a lat-long, or of a cubemap's six faces.
+/// channel alone, or outshine all the rest: they are 25 times as bright as the mean. `rows`: of a lat-long, or of a
+/// cubemap's six faces.
 struct BrightSearch {
   std::size_t texels = 0;
   std::size_t bytes = 0;

@@ -32,6 +32,13 @@ struct TexelRow {
   double radius = 0.0;              ///< radians: no point of a texel is farther from its centre
 };
 
+struct TexelRectangle {
+  int row = 0;
+  int column = 0;
+  int rows = 1;
+  int columns = 1;
+};
+
 /// Where the texels of a picture are. Rows of a cubemap are counted face after face.
 class LobeTexels {
  public:
@@ -46,6 +53,9 @@ class LobeTexels {
   /// Int k(n.l) dl over one texel, relative error below 1e-7. By Gauss rules on ever smaller parts; what the horizon
   /// cuts is integrated over what lies above.
   [[nodiscard]] virtual double integral(int row, int column, const glm::dvec3& normal, double alpha) const noexcept = 0;
+  /// The same over a rectangle of texels, of a cubemap on one face.
+  [[nodiscard]] virtual double integral(const TexelRectangle& texels, const glm::dvec3& normal,
+                                        double alpha) const noexcept = 0;
 };
 
 [[nodiscard]] std::unique_ptr<LobeTexels> lobe_texels_of_lat_long(int width, int height);

@@ -42,6 +42,13 @@ struct Part {
   double across, down;
 };
 
+/// `row`: the first, within its face.
+Part part_of(const TexelRectangle& texels, int row) noexcept {
+  const double across = 0.5 * texels.columns;
+  const double down = 0.5 * texels.rows;
+  return {texels.column + across, row + down, across, down};
+}
+
 /// 1 - cosine without cancellation: both are of unit length.
 double distance_of(const glm::dvec3& a, const glm::dvec3& b) noexcept {
   const glm::dvec3 chord = a - b;
@@ -251,6 +258,11 @@ class LatLongTexels final : public LobeTexels {
     return by_four(row, column, normal, lobe);
   }
 
+  [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& normal,
+                                double alpha) const noexcept override {
+    return integrate(*this, part_of(texels, texels.row), normal, Lobe(alpha), 0);
+  }
+
   [[nodiscard]] glm::dvec3 direction(double column, double row) const noexcept {
     return image::lat_long_direction(width_, height_, column, row);
   }
@@ -394,6 +406,12 @@ class CubemapTexels final : public LobeTexels {
   [[nodiscard]] double integral(int row, int column, const glm::dvec3& normal, double alpha) const noexcept override {
     const Face face{size_, row / size_};
     return integrate(face, {column + 0.5, row % size_ + 0.5, 0.5, 0.5}, normal, Lobe(alpha), 0);
+  }
+
+  [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& normal,
+                                double alpha) const noexcept override {
+    const Face face{size_, texels.row / size_};
+    return integrate(face, part_of(texels, texels.row % size_), normal, Lobe(alpha), 0);
   }
 
  private:

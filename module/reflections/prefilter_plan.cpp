@@ -95,9 +95,9 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 bool PrefilterPlan::is_summed(int face_size, const MipPlan& mip) const noexcept {
-  // Where texels are wider than the narrowest lobe, none are taken out as lights, however bright.
-  const bool takes_lights_out = 0.5 * std::numbers::pi <= 2.0 * least_alpha * face_size;
-  return sums && takes_lights_out && mip.method == MipMethod::spectral &&
+  // Larger texels are left to the transform, whose chains of them keep the bits that they had.
+  const bool small_texels = 0.5 * std::numbers::pi <= 2.0 * least_alpha * face_size;
+  return sums && small_texels && mip.method == MipMethod::spectral &&
          LobeTable::serves(face_size, {mip.size, mip.alpha});
 }
 

@@ -181,7 +181,8 @@ void bind_chains(py::module_& module) {
       .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")
       .def_property_readonly(
           "mean", [](const MipRecord& self) { return array_of(self.mean); },
-          "By solid angle, (3,): in truth the same on every mip.")
+          "Of the texels, by solid angle, (3,). Texels hold the values at their centres, so a lamp narrower than the "
+          "texels of a mip changes it; else it is the same on every mip.")
       .def_readonly("milliseconds", &MipRecord::milliseconds, "Wall time.")
       .def("__repr__", [](const MipRecord& self) { return text(self); });
   py::class_<Chain>(module, "Chain", "A cubemap with its mips. Arrays lie on the chain's own memory.")
