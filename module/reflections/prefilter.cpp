@@ -307,6 +307,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   }
   memory_.take(rings.bytes() + far.bright.bytes());
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.1));
+  far.spectrum = energies_of(spectrum);
   note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
   memory_.take(spectrum.bytes());
   memory_.give_back(rings.bytes());
@@ -348,7 +349,8 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  const double far_energy = far_part(source_.cubemap(), split, mip.alpha, 1).front();
+  const std::vector<double> zonal = far_part(source_.cubemap(), split, mip.alpha, split.bands);
+  const double far_energy = zonal.front();
   far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
   far.bright.add({mip.alpha, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
@@ -359,7 +361,9 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
   note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
   record(level).bright_texels = far.bright_texels;
-  record(level).error_estimate = narrow_error(source_, far.contrast, mip.alpha, mip.size);
+  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level), mip.size);
+  record(level).error_estimate =
+      narrow_error(source_, {mip.size, mip.alpha, rms, blurred_rms(far.spectrum, zonal)}, far.contrast);
   end_mip(level, watch, control);
 }
 
