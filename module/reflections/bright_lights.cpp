@@ -274,6 +274,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
     of.along[axis] = static_cast<float>(frame.u[axis]);
     of.down[axis] = static_cast<float>(frame.v[axis]);
   }
+  if (texels_) add_exactly(area, lobe, rgb, room);
   room.sums.fill(0.0F);
   const LobeKernels& kernels = lobe_kernels();
   kernels.sum_lobes(of, lights_.data(), room.runs.data(), static_cast<int>(room.runs.size()), room.sums.data());
@@ -289,6 +290,28 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
       texel[c] = static_cast<float>(static_cast<double>(texel[c]) + light);
     }
   }
+}
+
+/// Adds the leaves that are `room`'s parts, and forgets them: texel by texel in double.
+void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
+  if (room.parts.empty()) return;
+  const double whole = lobe_integral(lobe.alpha);
+  for (int row = area.row; row < area.end_row; ++row) {
+    for (int column = area.column; column < area.end_column; ++column) {
+      const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
+      std::array<double, 3> sum{};
+      for (const LobeRun& run : room.parts) {
+        for (int k = run.first; k < run.first + run.count; ++k) {
+          const BrightTexel& leaf = leaves_[static_cast<std::size_t>(k)];
+          const double share = texels_->integral(leaf.row, leaf.column, normal, lobe.alpha) / whole;
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(leaf.excess[c]);
+        }
+      }
+      float* const texel = rgb + 3 * (std::ptrdiff_t{row} * area.size + column);
+      for (std::size_t c = 0; c < 3; ++c) texel[c] = static_cast<float>(static_cast<double>(texel[c]) + sum[c]);
+    }
+  }
+  room.parts.clear();
 }
 
 /// Texel by texel in double, as a kernel is a table. A part that the horizon cuts is looked at in 4 x 4 places.
@@ -344,20 +367,21 @@ void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel
 }
 
 void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
-  const bool parted = area.end_column - area.column > kPartEdge || area.end_row - area.row > kPartEdge;
+  const int edge = texels_ ? 1 : kPartEdge;  // integrals are dear
+  const bool parted = area.end_column - area.column > edge || area.end_row - area.row > edge;
   room.cut.clear();
   room.stack.push_back(0);
   choose(block_of(area, lobe), !parted, room);
   add_runs(area, lobe, rgb, room);
   if (room.cut.empty()) return;
-  for (int row = area.row; row < area.end_row; row += kPartEdge) {
-    for (int column = area.column; column < area.end_column; column += kPartEdge) {
+  for (int row = area.row; row < area.end_row; row += edge) {
+    for (int column = area.column; column < area.end_column; column += edge) {
       const Area part{area.face,
                       area.size,
                       column,
                       row,
-                      std::min(column + kPartEdge, area.end_column),
-                      std::min(row + kPartEdge, area.end_row)};
+                      std::min(column + edge, area.end_column),
+                      std::min(row + edge, area.end_row)};
       room.stack.assign(room.cut.rbegin(), room.cut.rend());
       choose(block_of(part, lobe), true, room);
       add_runs(part, lobe, rgb, room);

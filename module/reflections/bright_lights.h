@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reflections/bright_texels.h"
+#include "reflections/direct.h"
 #include "reflections/lobe_kernels.h"
 #include "reflections/zonal_shape.h"
 #include "welkin/core.h"
@@ -31,16 +32,20 @@ struct LightsLobe {
   const ZonalShape* kernel = nullptr;  ///< not null: this and not GGX
 };
 
+/// What will blur lights: GGX lobes of some alpha, or kernels.
+enum class LightsOf { ggx, kernels };
+
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
 /// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
 /// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
 /// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
-/// the horizon cuts it.
+/// the horizon cuts it; large texels, which a parallelogram is no part of, are integrated there.
 class BrightLights {
  public:
   BrightLights() = default;
   /// `least_alpha`: of the narrowest lobe that will be asked for. `reach`: see `reach_for`.
-  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach);
+  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, double reach,
+               LightsOf use = LightsOf::ggx);
 
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -67,7 +72,7 @@ class BrightLights {
     double merged = 0.0;  ///< the same for the rule; 0: its lights are those of its leaves
     std::array<int, 2> children{-1, -1};
     LobeRun smooth{};
-    LobeRun parts{};  ///< of a leaf, among the cut lights
+    LobeRun parts{};  ///< of a leaf, among the cut lights, or itself among the leaves
   };
   struct Block;
 
@@ -86,6 +91,7 @@ class BrightLights {
   [[nodiscard]] Block block_of(const Area& area, const LightsLobe& lobe) const;
   void choose(const Block& block, bool to_parts, Room& room) const;
   void add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
+  void add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
   void add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const;
   void add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const;
 
@@ -101,6 +107,8 @@ class BrightLights {
   std::vector<Node> nodes_;   ///< the first is the root
   std::vector<LobeLight> lights_;
   std::vector<CutLight> cut_lights_;
+  std::shared_ptr<const LobeTexels> texels_;  ///< null: there are cut lights. Else leaves are integrated
+  std::vector<BrightTexel> leaves_;           ///< of `texels_`
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours
 };

@@ -29,6 +29,13 @@ constexpr double kPeak = 25.0;
 constexpr double kLeastPeak = 4.0;
 constexpr double kPart = 0.25;
 
+/// Lights of up to a third of the sphere are looked for by what the rest has, if they make the mean this much brighter.
+/// Beside what is blacker than that no float is right to a percent.
+constexpr double kDarker = 2.0 / 3.0;
+constexpr double kOutshone = 250.0;
+constexpr double kBlack = 1e-9;
+constexpr double kMostLookedAt = 16384.0;  ///< texels
+
 /// A cell is as wide as the lobe: a quarter at least of any light narrower than that lies in one.
 constexpr double kOfCell = 0.25;
 
@@ -37,9 +44,6 @@ double texel_height(bool cubemap, int rows) noexcept {
   const int face_rows = rows / 6;
   return cubemap ? 0.5 * kPi / face_rows : kPi / rows;
 }
-
-/// A texel about as wide as the lobe is no point of light; its edges are the harmonics' business.
-bool is_wide(double high, double wide, double alpha) noexcept { return std::max(high, wide) > 2.0 * alpha; }
 
 struct Cell {
   double blurred = 0.0;  ///< light at its middle, at most, of what lies in it
@@ -68,9 +72,9 @@ class Search {
     for (int row = 0; row < source.rows(); ++row)
       total += of_rows[static_cast<std::size_t>(grid_.class_of(row))] * source.range(row).mean;
     mean_ = std::max(0.0, total / (4.0 * kPi));
-    const double peak = lobe(1.0, alpha) / lobe_integral(alpha);
-    scale_ = peak;
-    threshold_ = mean_ * std::clamp(kPart * 4.0 * kPi * peak, kLeastPeak, kPeak);
+    scale_ = lobe(1.0, alpha) / lobe_integral(alpha);
+    dark_ = dark_mean();
+    threshold_ = dark_ * std::clamp(kPart * 4.0 * kPi * scale_, kLeastPeak, kPeak);
     const double texel = texel_height(source.cubemap(), source.rows());
     band_rows_ = std::clamp(static_cast<int>(2.0 * alpha / texel), 1, face_rows_);
     bands_a_face_ = (face_rows_ + band_rows_ - 1) / band_rows_;
@@ -129,7 +133,8 @@ class Search {
     for (const BrightTexel& texel : found) {
       for (const float value : texel.excess) taken += texel.steradians * static_cast<double>(value) / 3.0;
     }
-    const double mean_of_others = std::max(0.0, mean_ - taken / (4.0 * kPi));
+    const double mean = source_.cubemap() && dark_ < mean_ ? mean_of_faces() : mean_;
+    const double mean_of_others = std::max(0.0, mean - taken / (4.0 * kPi));
     for (BrightTexel& texel : found) {
       const double own = light(texel.row, texel.column);
       const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / own);
@@ -142,6 +147,53 @@ class Search {
   }
 
  private:
+  /// The mean, unless lights make nearly all of it: then that of the darker part of the sphere, which they outshine.
+  [[nodiscard]] double dark_mean() const noexcept {
+    struct Texels {
+      double steradians = 0.0;
+      double light = 0.0;
+    };
+    constexpr int kExponents = 300;  // of floats, from the least
+    std::array<Texels, kExponents> by_exponent{};
+    double whole = 0.0;
+    const auto texels = static_cast<double>(source_.rows()) * source_.columns();
+    const int step = std::max(1, static_cast<int>(std::sqrt(texels / kMostLookedAt)));
+    for (int row = std::min(step / 2, source_.rows() - 1); row < source_.rows(); row += step) {
+      for (int column = std::min(step / 2, source_.columns() - 1); column < source_.columns(); column += step) {
+        const double own = light(row, column);
+        int exponent = 0;
+        std::frexp(own, &exponent);
+        Texels& of = by_exponent[own > 0.0 ? static_cast<std::size_t>(exponent + 160) : 0];
+        of.steradians += angle_of(row, column);
+        of.light += own * angle_of(row, column);
+        whole += angle_of(row, column);
+      }
+    }
+    double left = kDarker * whole;
+    double sum = 0.0;
+    for (const Texels& of : by_exponent) {
+      if (!(of.steradians > 0.0)) continue;
+      sum += of.light * std::min(1.0, left / of.steradians);
+      left -= of.steradians;
+      if (left <= 0.0) break;
+    }
+    const double dark = sum / (kDarker * whole);
+    return mean_ > kOutshone * dark && dark > kBlack * mean_ ? dark : mean_;
+  }
+
+  /// `mean_` takes a row's texels as equally large, which a cubemap's are not: what is left of a lamp in a corner would
+  /// be a share of it.
+  [[nodiscard]] double mean_of_faces() const noexcept {
+    double sum = 0.0;
+    for (int row = 0; row < source_.rows(); ++row) {
+      const float* rgb = source_.row(row);
+      for (int column = 0; column < source_.columns(); ++column, rgb += 3) {
+        for (int c = 0; c < 3; ++c) sum += angle_of(row, column) * static_cast<double>(rgb[c]) / 3.0;
+      }
+    }
+    return sum / (4.0 * kPi);
+  }
+
   [[nodiscard]] double light(int row, int column) const noexcept {
     const float* const rgb = source_.row(row) + std::ptrdiff_t{3} * column;
     return static_cast<double>(std::max({rgb[0], rgb[1], rgb[2], 0.0F}));
@@ -184,6 +236,7 @@ class Search {
   int bands_a_face_ = 1;
   double scale_ = 0.0;
   double mean_ = 0.0;
+  double dark_ = 0.0;
   double threshold_ = 0.0;           ///< of blurred light
   std::vector<std::size_t> starts_;  ///< of each band's cells
 };
@@ -192,7 +245,6 @@ class Search {
 
 BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, double alpha, std::size_t most) noexcept {
   const double high = texel_height(cubemap, rows);
-  if (is_wide(high, cubemap ? high : 2.0 * kPi / columns, alpha)) return {};
   const int face_rows = cubemap ? columns : rows;
   const int band_rows = std::clamp(static_cast<int>(2.0 * alpha / high), 1, face_rows);
   const int bands = (face_rows + band_rows - 1) / band_rows * (cubemap ? 6 : 1);
@@ -206,8 +258,6 @@ BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, doubl
 
 std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha, std::size_t most,
                                             const Control& control) {
-  const double high = texel_height(source.cubemap(), source.rows());
-  if (is_wide(high, source.cubemap() ? high : 2.0 * kPi / source.columns(), alpha)) return {};
   const Search search(source, alpha);
   std::vector<int> bands;
   for (int band = 0; band < search.bands(); ++band) {

@@ -168,7 +168,8 @@ class KernelChain {
   void run_spectral(const Control& control) {
     const Control quiet{control.stop, {}};
     const std::vector<BrightTexel> texels = find_bright_texels(source_, plan_.light_alpha, kMostBrightFar, quiet);
-    const BrightLights lights(texels, PictureShape::of(source_), plan_.narrow_alpha, reach_for(1e-3, 1e-2));
+    const BrightLights lights(texels, PictureShape::of(source_), plan_.narrow_alpha, reach_for(1e-3, 1e-2),
+                              LightsOf::kernels);
     const int rows = source_.cubemap() ? rows_for(plan_, source_.columns()) : 0;
     Rings rings = rings_of(source_, texels, rows, quiet);
     const SpectralSource read{{}, source_.cubemap() ? source_.columns() : 0, rings.view.height};

@@ -42,14 +42,23 @@ double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
+/// Whether texels are so large that no parallelograms do for what the horizon cuts of them in a GGX lobe.
+bool is_coarse(const PictureShape& shape, LightsOf use) {
+  constexpr double kMostCut = 0.06;  // radians
+  return use == LightsOf::ggx && edge_of(shape) > kMostCut;
+}
+
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
-int cuts_of(const PictureShape& shape, double least_alpha, std::size_t texels) {
+int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
-  const double wanted = std::max(edge / (kOfWidth * 2.0 * least_alpha), edge / kOfSphere);
-  const double most = std::sqrt(kMostParts / static_cast<double>(texels));
-  return std::clamp(static_cast<int>(std::ceil(std::min(wanted, most))), 1, 16);
+  const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
+  const int needed = parts_of(2.0 * least_alpha);  // five points along an edge do
+  if (is_coarse(shape, use)) return needed;
+  const int wanted = parts_of(std::min(kOfWidth * 2.0 * least_alpha, kOfSphere));
+  const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
+  return std::max(needed, std::min({wanted, most, 16}));
 }
 
 /// The same light on a picture with `cuts` times as many rows and columns.
@@ -114,6 +123,15 @@ void add_points(const BrightTexel& texel, const PictureShape& shape, int count, 
   share_light(texel, first, samples);
 }
 
+/// How far below its middle the centroid of a row's part lies that is `high` rows high, in rows: about a pole, where
+/// rows are triangles.
+double below_middle(const PictureShape& shape, double row, double high) {
+  constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
+  if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
+  const math::SineCosine middle = math::sine_cosine_of_turns(row / (2.0 * shape.rows));
+  return high * high * kPi / (12.0 * shape.rows) * middle.cosine / middle.sine;
+}
+
 /// `count` x `count` equal parts of a texel.
 void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, std::vector<Sample>& samples) {
   const std::size_t first = samples.size();
@@ -122,6 +140,8 @@ void add_parts(const BrightTexel& texel, const PictureShape& shape, int count, s
       samples.push_back(sample_at(shape, texel, (i + 0.5) / count, (j + 0.5) / count, 1.0));
   }
   share_light(texel, first, samples);
+  for (std::size_t k = first; k < samples.size(); ++k)
+    samples[k].row += below_middle(shape, samples[k].row, 1.0 / count);
 }
 
 /// Points along an edge of `radians` for a smooth lobe: they may lie half its width apart, two stand for a quarter to
@@ -176,13 +196,15 @@ class LightTree {
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, BrightLights& lights)
+  /// Of texels that are cut already. `exact`: keeps the leaves' texels and no parts of them.
+  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha, bool exact,
+            BrightLights& lights)
       : shape_(shape), lights_(lights), rule_(math::gauss_legendre(kOrder)) {
     const double edge = edge_of(shape);
     smooth_ = smooth_points(edge, least_alpha);
     lights.edge_ = edge;
     lights.smooth_points_ = smooth_;
-    parts_ = parts_along(edge, texels.size());
+    parts_ = exact ? 0 : parts_along(edge, texels.size());
     places_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
@@ -305,6 +327,11 @@ class LightTree {
   }
 
   LobeRun cut_lights_of(const BrightTexel& texel) {
+    if (parts_ == 0) {
+      lights_.leaves_.push_back(texel);
+      for (std::size_t c = 0; c < 3; ++c) lights_.power_[c] += texel.steradians * static_cast<double>(texel.excess[c]);
+      return {static_cast<int>(lights_.leaves_.size()) - 1, 1};
+    }
     const double part = lights_.edge_ / parts_;
     const auto first = static_cast<int>(lights_.cut_lights_.size());
     cut_.clear();
@@ -401,30 +428,30 @@ class LightTree {
 };
 
 BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, double least_alpha,
-                           double reach)
+                           double reach, LightsOf use)
     : far_(kFar * std::sqrt(std::sqrt(math::exponential(std::max(0.0, reach - kDefaultReach))))) {
   if (texels.empty()) return;
-  const int cuts = cuts_of(shape, least_alpha, texels.size());
-  if (cuts == 1) {
-    LightTree(texels, shape, least_alpha, *this);
-  } else {
-    LightTree(cut_texels(texels, shape, cuts), {shape.cubemap, cuts * shape.columns, cuts * shape.rows}, least_alpha,
-              *this);
-  }
+  const int cuts = cuts_of(shape, least_alpha, use, texels.size());
+  const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
+  const bool exact = is_coarse(shape, use);
+  if (exact)
+    texels_ = cut.cubemap ? lobe_texels_of_cubemap(cut.columns) : lobe_texels_of_lat_long(cut.columns, cut.rows);
+  LightTree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
   make_rooms();
 }
 
 std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, double least_alpha) noexcept {
+  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, LightsOf::ggx, 1));
+  const auto needed = static_cast<std::size_t>(cuts_of(shape, least_alpha, LightsOf::ggx, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
   const double edge = std::sqrt(kMostParts) + std::sqrt(static_cast<double>(texels));
-  const auto cuts = static_cast<std::size_t>(cuts_of(shape, least_alpha, 1));
-  return std::min(texels * cuts * cuts, std::max(texels, static_cast<std::size_t>(edge * edge)));
+  return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
 std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
                                      double least_alpha) noexcept {
   if (texels == 0) return 0;
-  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, texels);
+  const double edge = edge_of(shape) / cuts_of(shape, least_alpha, LightsOf::ggx, texels);
   const std::size_t cut = std::max(static_cast<std::size_t>(kMostParts), leaves * (edge < kOnePart ? 1 : 4));
   // places are listed while solid angles are found
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
@@ -432,7 +459,8 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
 }
 
 std::size_t BrightLights::bytes() const noexcept {
-  return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight);
+  return nodes_.size() * sizeof(Node) + lights_.size() * sizeof(LobeLight) + cut_lights_.size() * sizeof(CutLight) +
+         leaves_.size() * sizeof(BrightTexel);
 }
 
 }  // namespace welkin::reflections
