@@ -134,13 +134,13 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   double edges = 0.0;
   if (cubemap) {
     constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`
-    edges = 4e-3 * mip.alpha;
+    edges = 4.5e-3 * mip.alpha;
     if (source.columns() % (2 * mip.size) == 0) edges += moved * 0.25 * kPi / source.columns() / mip.alpha;
   } else {
     edges = 1e-4 * std::sqrt(mip.alpha);  // of the step where a lobe is cut by an edge
   }
   // What the weights of texels err by at any distance, over themselves: no sum of light is farther off.
-  const double of_weights = cubemap ? 4.5e-3 : 5e-4;
+  const double of_weights = cubemap ? 5e-3 : 5e-4;
   double lost = edges * contrast / mip.rms;
   if (!source.has_negatives()) lost = std::min(lost, of_weights);
   constexpr double of_far = 1e-6;  // of float harmonics
