@@ -13,7 +13,7 @@ namespace welkin::perf {
 namespace {
 
 constexpr int kPictureSize = 64;
-constexpr int kAtATime = 500;  ///< environments from table to table
+constexpr int kAtATime = 100;  ///< environments from table to table
 
 CubemapImage reduced(const std::filesystem::path& file) {
   const Environment environment = read_environment(file);
@@ -53,7 +53,9 @@ std::string estimate_table(const std::vector<std::filesystem::path>& arguments) 
   test::EstimateTrials trials;
   for (int done = 0; done < count;) {
     const int some = std::min(kAtATime, count - done);
-    test::add_estimate_trials(seed + static_cast<std::uint32_t>(done), some, {0.02, 1.0}, pictures, trials);
+    const auto first = seed + static_cast<std::uint32_t>(done);
+    test::add_estimate_trials(first, some / 2, {0.02, 1.0}, pictures, trials);
+    test::add_family_trials(first + static_cast<std::uint32_t>(some / 2), some - some / 2, {0.02, 1.0}, true, trials);
     done += some;
     if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
   }

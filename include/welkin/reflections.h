@@ -39,8 +39,10 @@ struct PrefilterOptions {
 
   PrefilterMethod method = PrefilterMethod::automatic;  ///< how each mip is computed
 
-  double rms_error = 1e-3;      ///< bound on a mip's relative root mean square error, by solid angle
-  double maximum_error = 1e-2;  ///< bound on |result - truth| / truth at any texel
+  double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
+  /// Bound on |result - truth| / truth at any texel. A channel that is darker than 1e-6 / `maximum_error` of the root
+  /// mean square of its mip (without very bright lights) may miss it: the pass "mip N: dark channels" says so.
+  double maximum_error = 1e-2;
 
   int samples = 1024;  ///< of the sampled method, a texel
 

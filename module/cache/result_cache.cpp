@@ -33,8 +33,7 @@ void finished(const Control& control) {
 }
 
 bool keeps_faces(const CubemapView& cubemap, const ProjectionOptions& options, const LightChange& change) {
-  return change.keep_faces &&
-         (options.quadrature == Quadrature::exact || !projection::effective_target(cubemap.size, options));
+  return change.keep_faces && !projection::effective_target(cubemap.size, options);
 }
 
 EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {

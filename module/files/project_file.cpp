@@ -112,13 +112,13 @@ int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
   return info.layout == Layout::lat_long ? level.width : face_size(info.layout, level.width, level.height);
 }
 
-// What the projection of a level lost against the full size, besides what it says itself.
-double level_error(const Projection& projection, const EnvironmentInfo& level, const ProjectionOptions& options) {
+// What the projection of a level lost against the full size, and by itself.
+double level_error(const Projection& projection, const EnvironmentInfo& level) {
   const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
                                                        : face_size(level.layout, level.width, level.height);
-  return projection::estimate_error(
-      projection.radiance.coefficients(),
-      {options.quadrature == Quadrature::midpoint ? size : 0.0, size, level.layout == Layout::lat_long});
+  const double own = projection.diagnostics.error_estimate;
+  const double of_mip = projection::mip_error(projection.radiance.coefficients(), size);
+  return std::sqrt(own * own + of_mip * of_mip);
 }
 
 Projection project_level(const FileInput& input, const EnvironmentInfo& full, int level, ReadOptions read_options,
@@ -129,7 +129,7 @@ Projection project_level(const FileInput& input, const EnvironmentInfo& full, in
   const auto source = open_row_source(input, read_options);
   const EnvironmentInfo& info = source->info();
   Projection projection = project_source(*source, read_options, options, control);
-  if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info, options);
+  if (level > 0) projection.diagnostics.error_estimate = level_error(projection, info);
   put_first(projection,
             {{"reduce", PassAction::reuse,
               "level " + std::to_string(level) + " of the file's mip chain, " + std::to_string(info.width) + " x " +

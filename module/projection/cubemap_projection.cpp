@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <string>
@@ -12,6 +14,7 @@
 
 #include "jobs/tiles.h"
 #include "projection/chunk_projection.h"
+#include "projection/midpoint_error.h"
 #include "projection/project.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
@@ -24,17 +27,68 @@ namespace {
 constexpr int kFaces = 6;
 constexpr std::array<int, kFaces> kAllFaces{0, 1, 2, 3, 4, 5};
 
+/// [3][functions]
+std::vector<double> sum_of_tiles(const FaceSums& face) {
+  std::vector<double> sum(3 * face.functions);
+  for (std::size_t tile = 0; tile < face.records.size(); ++tile) {
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += face.tile(tile)[k];
+  }
+  return sum;
+}
+
 std::size_t tiles_of(int size, const ProjectionOptions& options, const TexelWeights& weights) {
   if (StripProjection::serves(size, options)) return static_cast<std::size_t>(StripProjection::tile_count(size));
   return static_cast<std::size_t>(ChunkProjection::tile_count(weights));
 }
 
-Projection projection_of(SphericalHarmonics radiance, const SanitizeRecord& record, int size) {
-  throw_if_rejected(record, true);
-  Projection projection{std::move(radiance), {}};
-  projection.diagnostics = cubemap_diagnostics(size, projection.radiance.coefficients(), record);
-  return projection;
+/// Of the midpoint rule; null of the other, and where an average's error is known by other means.
+std::shared_ptr<const MidpointError> midpoint_error_of(int size, const ProjectionOptions& options,
+                                                       const TexelWeights& weights) {
+  if (options.quadrature != Quadrature::midpoint || options.target_size) return nullptr;
+  return MidpointError::get(size, options.bands, weights);
 }
+
+/// The sums of tiles on their way to a projection: turned from the faces' frames to the world's.
+class WorldSums {
+ public:
+  WorldSums(std::size_t tiles, int size, const ProjectionOptions& options, const TexelWeights& weights)
+      : size_(size),
+        bands_(options.bands),
+        place_(weights.place().data()),
+        error_(midpoint_error_of(size, options, weights)),
+        sums_(tiles, bands_),
+        off_(error_ ? tiles : 0, bands_) {
+    // Shared tables are built here, not inside a tile.
+    for (int face = 0; face < kFaces; ++face) static_cast<void>(transforms::face_transform(face, bands_));
+  }
+
+  void add(std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
+    transforms::face_transform(face, bands_).add(face_sums, place_, sums_.values(tile));
+    if (error_) error_->add(face, face_sums, off_.values(tile));
+    sums_.record(tile).add(record);
+  }
+
+  [[nodiscard]] Projection projection() const {
+    const SanitizeRecord record = sums_.total_record();
+    throw_if_rejected(record, true);
+    Projection projection{sums_.total(), {}};
+    const std::span<const glm::dvec3> radiance = projection.radiance.coefficients();
+    projection.diagnostics = cubemap_diagnostics(size_, radiance, record);
+    projection.diagnostics.error_estimate =
+        error_ ? midpoint_estimate(radiance, off_.total().coefficients(), *error_) : relative_error(radiance, radiance);
+    return projection;
+  }
+
+ private:
+  int size_;
+  int bands_;
+  const int* place_;
+  std::shared_ptr<const MidpointError> error_;
+  TileSums sums_;
+  TileSums off_;  ///< by the midpoint rule
+};
+
+using NewFaceSums = std::array<std::shared_ptr<FaceSums>, kFaces>;
 
 /// Runs the tiles, by strips where they serve, else by chunks. The sums of a tile and a face turn from the face's frame
 /// to the world's, or are kept as they are.
@@ -52,18 +106,15 @@ class CubemapProjection {
         tile_count_(tiles_of(cubemap.size, options, weights)) {}
 
   Projection run(const Control& control) {
-    TileSums sums(tile_count_, bands_);
-    // Shared tables are built here, not inside a tile.
-    for (int face = 0; face < kFaces; ++face) static_cast<void>(transforms::face_transform(face, bands_));
+    WorldSums sums(tile_count_, cubemap_.size, options_, weights_);
     run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
-      transforms::face_transform(face, bands_).add(face_sums, weights_.place().data(), sums.values(tile));
-      sums.record(tile).add(record);
+      sums.add(tile, face, face_sums, record);
     });
-    return projection_of(sums.total(), sums.total_record(), cubemap_.size);
+    return sums.projection();
   }
 
-  SixFaceSums run_faces(const Control& control) {
-    std::array<std::shared_ptr<FaceSums>, kFaces> kept;
+  NewFaceSums run_faces(const Control& control) {
+    NewFaceSums kept;
     for (const int face : faces_) {
       kept[static_cast<std::size_t>(face)] = std::make_shared<FaceSums>(tile_count_, bands_);
     }
@@ -77,9 +128,7 @@ class CubemapProjection {
       for (const SanitizeRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
     }
     throw_if_rejected(all, true);
-    SixFaceSums result;
-    std::move(kept.begin(), kept.end(), result.begin());
-    return result;
+    return kept;
   }
 
  private:
@@ -133,6 +182,8 @@ ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> 
 }
 
 Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  if (options.target_size)
+    return total_of_faces(sum_faces(cubemap, options, kAllFaces, control), cubemap.size, options);
   const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
   return CubemapProjection(cubemap, options, kAllFaces, *weights).run(control);
 }
@@ -140,7 +191,25 @@ Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& 
 SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                       const Control& control) {
   const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
-  return CubemapProjection(cubemap, options, faces, *weights).run_faces(control);
+  CubemapProjection projection(cubemap, options, faces, *weights);
+  SixFaceSums result;
+  if (!options.target_size) {
+    const NewFaceSums sums = projection.run_faces(control);
+    std::copy(sums.begin(), sums.end(), result.begin());
+    return result;
+  }
+  const NewFaceSums sums = projection.run_faces(jobs::part_of(control, 0.0, 0.7));
+  ProjectionOptions whole = options;
+  whole.target_size.reset();
+  const auto whole_weights = TexelWeights::get(weights_key(cubemap.size, whole));
+  const NewFaceSums exact =
+      CubemapProjection(cubemap, whole, faces, *whole_weights).run_faces(jobs::part_of(control, 0.7, 1.0));
+  for (const int face : faces) {
+    const auto at = static_cast<std::size_t>(face);
+    sums[at]->exact = sum_of_tiles(*exact[at]);
+    result[at] = sums[at];
+  }
+  return result;
 }
 
 std::size_t tiles_of_face(int size, const ProjectionOptions& options) {
@@ -149,26 +218,35 @@ std::size_t tiles_of_face(int size, const ProjectionOptions& options) {
 
 Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
   const std::shared_ptr<const TexelWeights> weights = TexelWeights::get(weights_key(size, options));
-  TileSums sums(faces.front()->records.size(), options.bands);
+  WorldSums sums(faces.front()->records.size(), size, options, *weights);
+  TileSums exact(1, options.bands);
   for (std::size_t tile = 0; tile < faces.front()->records.size(); ++tile) {
     for (int face = 0; face < kFaces; ++face) {
       const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
-      transforms::face_transform(face, options.bands).add(kept.tile(tile), weights->place().data(), sums.values(tile));
-      sums.record(tile).add(kept.records[tile]);
+      sums.add(tile, face, kept.tile(tile), kept.records[tile]);
     }
   }
-  return projection_of(sums.total(), sums.total_record(), size);
+  Projection projection = sums.projection();
+  if (!options.target_size) return projection;
+  for (int face = 0; face < kFaces; ++face) {
+    const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
+    transforms::face_transform(face, options.bands).add(kept.exact.data(), weights->place().data(), exact.values(0));
+  }
+  projection.diagnostics.error_estimate =
+      relative_error(projection.radiance.coefficients(), exact.total().coefficients());
+  return projection;
 }
 
-double estimated_error(int size, std::span<const glm::dvec3> radiance, const ProjectionOptions& options) {
-  const bool midpoint = options.quadrature == Quadrature::midpoint;
-  return estimate_error(
-      radiance, {midpoint ? static_cast<double>(size) : 0.0, static_cast<double>(options.target_size.value_or(0))});
+double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> off,
+                         const MidpointError& error) {
+  std::array<glm::dvec3, std::size_t{kMaximumBands} * kMaximumBands> exact;
+  for (std::size_t f = 0; f < radiance.size(); ++f) exact[f] = radiance[f] - off[f];
+  const double flux = std::sqrt(4.0 * std::numbers::pi * glm::dot(radiance[0], radiance[0]));
+  return relative_error(radiance, {exact.data(), radiance.size()}, error.beyond() * flux);
 }
 
 void describe_projection(Projection& projection, int size, const ProjectionOptions& options) {
   ProjectionDiagnostics& diagnostics = projection.diagnostics;
-  diagnostics.error_estimate = estimated_error(size, projection.radiance.coefficients(), options);
   if (const int target = options.target_size.value_or(0); target > 0) {
     diagnostics.passes.push_back({"reduce", PassAction::skip,
                                   "averaging by solid angle to " + std::to_string(target) + " is part of the weights"});

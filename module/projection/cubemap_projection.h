@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "projection/midpoint_error.h"
 #include "projection/project.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -16,7 +17,7 @@ namespace welkin::projection {
 
 /// `cubemap` and `options` have been checked; `options.target_size` is none or below the cubemap's size, and then
 /// averages by solid angle. Throws `Error` (rejected_pixel, cancelled).
-/// The diagnostics lack passes and the error estimate, which `describe_projection` adds.
+/// The diagnostics lack passes, which `describe_projection` adds.
 [[nodiscard]] Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options,
                                          const Control& control);
 
@@ -32,14 +33,15 @@ using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 /// How many tiles' sums a face of that size has.
 [[nodiscard]] std::size_t tiles_of_face(int size, const ProjectionOptions& options);
 
-/// Adds the error estimate and the passes, "project" without its time being the last.
+/// Adds the passes, "project" without its time being the last.
 void describe_projection(Projection& projection, int size, const ProjectionOptions& options);
 
 /// The diagnostics of six faces of `size`, but for the passes and the error estimate.
 [[nodiscard]] ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
                                                         const SanitizeRecord& record);
 
-/// The error estimate that such a projection of six faces of `size` has.
-[[nodiscard]] double estimated_error(int size, std::span<const glm::dvec3> radiance, const ProjectionOptions& options);
+/// The error estimate of a projection by the midpoint rule. `off`: what `MidpointError::add` told.
+[[nodiscard]] double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> off,
+                                       const MidpointError& error);
 
 }  // namespace welkin::projection

@@ -198,16 +198,24 @@ struct Scratch {
       : planes(std::size_t{3} * kClasses * kChunk),
         runs(std::size_t{2} * 3 * kChunk),
         sum_lanes(static_cast<std::size_t>(3 * orders * kSumLanes)),
+        exact_lanes(sum_lanes.size()),
         chunk_sums(static_cast<std::size_t>(3 * orders)),
+        exact_chunk_sums(chunk_sums.size()),
         row_sums(chunk_sums.size()),
-        local_sums(static_cast<std::size_t>(3 * functions)) {}
+        exact_row_sums(chunk_sums.size()),
+        local_sums(static_cast<std::size_t>(3 * functions)),
+        exact_local_sums(local_sums.size()) {}
 
-  platform::AlignedBuffer<float> planes;      ///< [3][kClasses][kChunk]
-  platform::AlignedBuffer<float> runs;        ///< two decoded runs
-  platform::AlignedBuffer<double> sum_lanes;  ///< [3][orders][kSumLanes]
-  std::vector<double> chunk_sums;             ///< [3][orders]
-  std::vector<double> row_sums;               ///< [3][orders]
-  std::vector<double> local_sums;             ///< [3][functions], of a block
+  platform::AlignedBuffer<float> planes;        ///< [3][kClasses][kChunk]
+  platform::AlignedBuffer<float> runs;          ///< two decoded runs
+  platform::AlignedBuffer<double> sum_lanes;    ///< [3][orders][kSumLanes]
+  platform::AlignedBuffer<double> exact_lanes;  ///< likewise, of whole texels as areas, where cells are wider
+  std::vector<double> chunk_sums;               ///< [3][orders]
+  std::vector<double> exact_chunk_sums;
+  std::vector<double> row_sums;  ///< [3][orders]
+  std::vector<double> exact_row_sums;
+  std::vector<double> local_sums;        ///< [3][functions], of a block
+  std::vector<double> exact_local_sums;  ///< likewise, of whole texels as areas
 };
 
 /// A chunk of columns of one row; `second` is half a turn on, or nullptr.
@@ -218,6 +226,7 @@ struct ColumnRun {
   int first_column;
   int count;
   const float* weights;  ///< of the chunk
+  const float* exact;    ///< of whole texels as areas, where cells are wider; else nullptr
   double row_weight;     ///< solid angle per unit of a column's weight
 };
 
@@ -228,6 +237,12 @@ FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
     case PixelFormat::rgba16f: return kernels.fold_halves[fold_rgba16f];
     default: return nullptr;
   }
+}
+
+/// Means of cos(m lon) over columns, over its values at their centres.
+double mean_over_centre(int order, int width) {
+  if (order == 0) return 1.0;
+  return 2.0 * math::sine_cosine_of_turns(0.5 * order / width).sine / (order * 2.0 * kPi / width);
 }
 
 int rows_per_block_of(int width, int height) { return std::clamp(kTexelsPerBlock / width, 1, height); }
@@ -241,14 +256,19 @@ struct LatLongProjector::State {
         options(options_),
         sanitizer(options_.pixels),
         kernels(projection_kernels()),
-        weights(LatLongWeights::get({width_, height_, options_.bands, options_.quadrature == Quadrature::midpoint,
-                                     is_reduced(width_, height_, options_) ? *options_.target_size : 0})),
+        reduced(is_reduced(width_, height_, options_)),
+        midpoint(options_.quadrature == Quadrature::midpoint),
+        weights(LatLongWeights::get({width_, height_, options_.bands, midpoint, reduced ? *options_.target_size : 0})),
+        exact_weights(LatLongWeights::get({width_, height_, options_.bands, false, 0})),
         rows_per_block(rows_per_block_of(width_, height_)),
         block_count((height_ + rows_per_block - 1) / rows_per_block),
         orders(2 * options_.bands - 1),
         functions(options_.bands * options_.bands),
         identity(static_cast<std::size_t>(functions)),
-        sums(static_cast<std::size_t>(block_count), options_.bands) {
+        sums(static_cast<std::size_t>(block_count), options_.bands),
+        exact_sums(errs() ? static_cast<std::size_t>(block_count) : 0, options_.bands),
+        over_centre(static_cast<std::size_t>(options_.bands)) {
+    for (int m = 0; m < options_.bands; ++m) over_centre[static_cast<std::size_t>(m)] = mean_over_centre(m, width_);
     for (int f = 0; f < functions; ++f) identity[static_cast<std::size_t>(f)] = f;
     for (std::size_t worker = 0; worker < workers; ++worker) scratch.emplace_back(orders, functions);
     static_cast<void>(transforms::lat_long_transform(options_.bands));  // built here, not inside a block
@@ -258,12 +278,15 @@ struct LatLongProjector::State {
     return options.target_size && (4 * *options.target_size < width || 2 * *options.target_size < height);
   }
 
+  /// Whether it differs from the exact rule at the picture's own size, which is then summed beside it.
+  [[nodiscard]] bool errs() const noexcept { return reduced || midpoint; }
+
   void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;
   void sum_row(const std::byte* texels, const std::byte* next_row, PixelFormat format, int row, Scratch& room,
                SanitizeRecord& record) noexcept;
   [[nodiscard]] ColumnRun column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const;
-  static void clear_lanes(Scratch& room) noexcept;
-  bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept;
+  void clear_lanes(Scratch& room) const noexcept;
+  bool fold_lanes(Scratch& room, std::vector<double>& sums_of_orders, std::vector<double>& exact) const noexcept;
   [[nodiscard]] FetchAhead read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
                                      int chunk) const noexcept;
   void fold_directly(const ColumnRun& run, PixelFormat format, FoldHalves fold, const FetchAhead& ahead,
@@ -280,18 +303,24 @@ struct LatLongProjector::State {
   ProjectionOptions options;
   Sanitizer sanitizer;
   const ProjectionKernels& kernels;
+  bool reduced;
+  bool midpoint;
   std::shared_ptr<const LatLongWeights> weights;
+  std::shared_ptr<const LatLongWeights> exact_weights;
   int rows_per_block;
   int block_count;
   int orders;
   int functions;
   std::vector<int> identity;  ///< the local sums are in canonical order already
   TileSums sums;
+  TileSums exact_sums;
+  std::vector<double> over_centre;  ///< by order, see `mean_over_centre`
   std::vector<Scratch> scratch;
 };
 
 void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& room) noexcept {
   std::fill(room.local_sums.begin(), room.local_sums.end(), 0.0);
+  std::fill(room.exact_local_sums.begin(), room.exact_local_sums.end(), 0.0);
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(rows.format));
   const std::ptrdiff_t row_bytes = rows.row_stride_bytes != 0 ? rows.row_stride_bytes : texel_bytes * width;
   const auto* const pixels = static_cast<const std::byte*>(rows.pixels);
@@ -305,6 +334,9 @@ void LatLongProjector::State::project_block(int block, const LatLongView& rows, 
   }
   transforms::lat_long_transform(options.bands)
       .add(room.local_sums.data(), identity.data(), sums.values(static_cast<std::size_t>(block)));
+  if (!errs()) return;
+  transforms::lat_long_transform(options.bands)
+      .add(room.exact_local_sums.data(), identity.data(), exact_sums.values(static_cast<std::size_t>(block)));
 }
 
 ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const {
@@ -317,6 +349,7 @@ ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelForm
           .first_column = first_column,
           .count = std::min(kChunk, weights->column_count() - first_column),
           .weights = weights->chunk_weights(chunk),
+          .exact = reduced ? exact_weights->chunk_weights(chunk) : nullptr,
           // Row factor 0 is the row's extent times Y(0,0) = 1 / sqrt(4 pi).
           .row_weight = weights->row_weights(row)[0] * 2.0 * std::sqrt(std::numbers::pi)};
 }
@@ -334,9 +367,10 @@ void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* 
       fold_directly(run, format, fold, ahead, room);
       sum_planes(run, ahead, room);
     }
-    if (fold_lanes(room, room.row_sums)) return;
+    if (fold_lanes(room, room.row_sums, room.exact_row_sums)) return;
   }
   std::fill(room.row_sums.begin(), room.row_sums.end(), 0.0);
+  std::fill(room.exact_row_sums.begin(), room.exact_row_sums.end(), 0.0);
   for (int chunk = 0; chunk < weights->chunk_count(); ++chunk) {
     const ColumnRun run = column_run(texels, format, row, chunk);
     clear_lanes(room);
@@ -344,19 +378,25 @@ void LatLongProjector::State::sum_row(const std::byte* texels, const std::byte* 
     sanitize(run, format, room, record);
     fold_decoded(run, 0, room);
     sum_planes(run, {}, room);
-    if (!fold_lanes(room, room.chunk_sums)) sum_in_double(run, room);
-    for (std::size_t k = 0; k < room.row_sums.size(); ++k) room.row_sums[k] += room.chunk_sums[k];
+    if (!fold_lanes(room, room.chunk_sums, room.exact_chunk_sums)) sum_in_double(run, room);
+    for (std::size_t k = 0; k < room.row_sums.size(); ++k) {
+      room.row_sums[k] += room.chunk_sums[k];
+      room.exact_row_sums[k] += room.exact_chunk_sums[k];
+    }
   }
 }
 
-void LatLongProjector::State::clear_lanes(Scratch& room) noexcept {
+void LatLongProjector::State::clear_lanes(Scratch& room) const noexcept {
   std::fill_n(room.sum_lanes.data(), room.sum_lanes.size(), 0.0);
+  if (reduced) std::fill_n(room.exact_lanes.data(), room.exact_lanes.size(), 0.0);
 }
 
 /// False if the sums are not all finite.
-bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders) const noexcept {
+bool LatLongProjector::State::fold_lanes(Scratch& room, std::vector<double>& sums_of_orders,
+                                         std::vector<double>& exact) const noexcept {
   kernels.fold_sum_lanes(room.sum_lanes.data(), 3 * orders, sums_of_orders.data());
-  return all_finite(sums_of_orders);
+  if (reduced) kernels.fold_sum_lanes(room.exact_lanes.data(), 3 * orders, exact.data());
+  return all_finite(sums_of_orders) && all_finite(exact);
 }
 
 /// What is read after a run: the next chunk of the row, or the next row's first, if there is one; each of its
@@ -421,8 +461,12 @@ void LatLongProjector::State::fold_decoded(const ColumnRun& run, int position, S
 }
 
 void LatLongProjector::State::sum_planes(const ColumnRun& run, const FetchAhead& ahead, Scratch& room) noexcept {
-  kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(),
-                        (run.count + kLanes - 1) / kLanes, ahead, room.sum_lanes.data());
+  const int groups = (run.count + kLanes - 1) / kLanes;
+  kernels.weighted_sums(room.planes.data(), kClasses, run.weights, weights->class_counts(), groups, ahead,
+                        room.sum_lanes.data());
+  if (!reduced) return;
+  kernels.weighted_sums(room.planes.data(), kClasses, run.exact, weights->class_counts(), groups, {},
+                        room.exact_lanes.data());
 }
 
 /// Leaves a run's sums in room.chunk_sums. Its decoded texels are finite, but their sums fit a double only.
@@ -440,17 +484,31 @@ void LatLongProjector::State::sum_in_double(const ColumnRun& run, Scratch& room)
     }
   }
   weighted_sums_in_double(planes, kClasses, run.weights, weights->class_counts(), run.count, room.chunk_sums.data());
+  if (!reduced) return;
+  std::fill(room.exact_chunk_sums.begin(), room.exact_chunk_sums.end(), 0.0);
+  weighted_sums_in_double(planes, kClasses, run.exact, weights->class_counts(), run.count,
+                          room.exact_chunk_sums.data());
 }
 
 /// local(l, m) += row's factor of (l, |m|) times its sum of order m.
 void LatLongProjector::State::add_row(int row, Scratch& room) noexcept {
   const double* const factors = weights->row_weights(row);
+  const double* const exact_factors = exact_weights->row_weights(row);
   for (int channel = 0; channel < 3; ++channel) {
-    const double* const row_sums = room.row_sums.data() + static_cast<std::ptrdiff_t>(channel) * orders;
-    double* const local = room.local_sums.data() + static_cast<std::ptrdiff_t>(channel) * functions;
+    const auto first_order = static_cast<std::ptrdiff_t>(channel) * orders;
+    const auto first_function = static_cast<std::ptrdiff_t>(channel) * functions;
+    const double* const row_sums = room.row_sums.data() + first_order;
+    double* const local = room.local_sums.data() + first_function;
+    const double* const exact_sums_of_row = (reduced ? room.exact_row_sums : room.row_sums).data() + first_order;
+    double* const exact_local = room.exact_local_sums.data() + first_function;
     for (int l = 0; l < options.bands; ++l) {
       for (int m = -l; m <= l; ++m) {
-        local[l * (l + 1) + m] += factors[l * (l + 1) / 2 + (m < 0 ? -m : m)] * row_sums[weights->place(m)];
+        const int order = m < 0 ? -m : m;
+        const int factor = l * (l + 1) / 2 + order;
+        local[l * (l + 1) + m] += factors[factor] * row_sums[weights->place(m)];
+        if (!errs()) continue;
+        const double to_mean = reduced ? 1.0 : over_centre[static_cast<std::size_t>(order)];
+        exact_local[l * (l + 1) + m] += exact_factors[factor] * to_mean * exact_sums_of_row[weights->place(m)];
       }
     }
   }
@@ -478,13 +536,9 @@ Projection LatLongProjector::finish() {
   projection.diagnostics = diagnostics_of(projection.radiance.coefficients(), record, 1.0);
   projection.diagnostics.texels =
       static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
-  const bool reduced = State::is_reduced(state_->width, state_->height, state_->options);
-  projection.diagnostics.error_estimate = estimate_error(
-      projection.radiance.coefficients(), {.midpoint_size = state_->options.quadrature == Quadrature::midpoint
-                                                                ? std::min(state_->width / 4.0, state_->height / 2.0)
-                                                                : 0.0,
-                                           .reduced_size = reduced ? *state_->options.target_size : 0.0,
-                                           .lat_long = true});
+  const std::span<const glm::dvec3> radiance = projection.radiance.coefficients();
+  const SphericalHarmonics exact = state_->errs() ? state_->exact_sums.total() : projection.radiance;
+  projection.diagnostics.error_estimate = relative_error(radiance, exact.coefficients());
   return projection;
 }
 

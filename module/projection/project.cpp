@@ -192,27 +192,34 @@ void check_chain(std::span<const CubemapView> mips) {
   }
 }
 
+/// By Babylon.js's reduction; what the texels give as areas tells what that lost.
+Projection project_boxes(const CubemapView& cubemap, int target, const ProjectionOptions& options,
+                         const Control& control) {
+  const Stopwatch reducing;
+  const projection::ReducedCubemap reduced =
+      projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, 0.6));
+  const double milliseconds = reducing.milliseconds();
+  ProjectionOptions whole = options;
+  whole.quadrature = Quadrature::exact;
+  const Projection exact = projection::project_cubemap(cubemap, whole, jobs::part_of(control, 0.6, 0.9));
+  const Stopwatch projecting;
+  Projection projection = projection::project_cubemap(reduced.view, options, jobs::part_of(control, 0.9, 1.0));
+  projection::describe_projection(projection, target, options);
+  projection.diagnostics.passes.back().milliseconds = projecting.milliseconds();
+  projection.diagnostics.texels = exact.diagnostics.texels;
+  projection.diagnostics.error_estimate =
+      projection::relative_error(projection.radiance.coefficients(), exact.radiance.coefficients());
+  projection.diagnostics.passes.insert(
+      projection.diagnostics.passes.begin(),
+      {"reduce", PassAction::run, "plain box to " + std::to_string(target) + ", before gamma and clamp", milliseconds});
+  return projection;
+}
+
 Projection project_level(const CubemapView& cubemap, ProjectionOptions options, const Control& control) {
   const std::optional<int> target = projection::effective_target(cubemap.size, options);
   const bool midpoint = options.quadrature == Quadrature::midpoint;
   options.target_size = midpoint ? std::nullopt : target;
-  if (target && midpoint) {
-    const Stopwatch reducing;
-    constexpr double reading_share = 0.9;
-    const projection::ReducedCubemap reduced =
-        projection::reduce_by_box(cubemap, *target, options, jobs::part_of(control, 0.0, reading_share));
-    const double milliseconds = reducing.milliseconds();
-    Projection projection = project_level(reduced.view, options, jobs::part_of(control, reading_share, 1.0));
-    projection.diagnostics.texels =
-        std::uint64_t{6} * static_cast<std::uint64_t>(cubemap.size) * static_cast<std::uint64_t>(cubemap.size);
-    projection.diagnostics.error_estimate = projection::estimate_error(
-        projection.radiance.coefficients(), {static_cast<double>(*target), static_cast<double>(*target)});
-    projection.diagnostics.passes.insert(
-        projection.diagnostics.passes.begin(),
-        {"reduce", PassAction::run, "plain box to " + std::to_string(*target) + ", before gamma and clamp",
-         milliseconds});
-    return projection;
-  }
+  if (target && midpoint) return project_boxes(cubemap, *target, options, control);
   const Stopwatch projecting;
   Projection projection = projection::project_cubemap(cubemap, options, control);
   projection::describe_projection(projection, cubemap.size, options);
@@ -241,10 +248,11 @@ Projection project(std::span<const CubemapView> mips, const ProjectionOptions& o
   ProjectionOptions at_level = options;
   at_level.target_size.reset();
   Projection projection = project_level(level, at_level, control);
-  projection.diagnostics.error_estimate =
-      projection::estimate_error(projection.radiance.coefficients(),
-                                 {options.quadrature == Quadrature::midpoint ? static_cast<double>(level.size) : 0.0,
-                                  level.size < mips[0].size ? static_cast<double>(level.size) : 0.0});
+  if (level.size < mips[0].size) {
+    double& error = projection.diagnostics.error_estimate;
+    const double of_mip = projection::mip_error(projection.radiance.coefficients(), level.size);
+    error = std::sqrt(error * error + of_mip * of_mip);
+  }
   projection.diagnostics.passes.insert(
       projection.diagnostics.passes.begin(),
       {"reduce", PassAction::reuse, "the mip chain has a level of size " + std::to_string(level.size)});
@@ -302,13 +310,26 @@ std::span<const double> band_norms(std::span<const glm::dvec3> radiance, BandNor
 
 }  // namespace
 
-double estimate_error(std::span<const glm::dvec3> radiance, const ErrorSources& sources) {
+double relative_error(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> exact, double beyond) {
+  double exact_squared = 0.0;
+  double off_squared = 0.0;
+  for (std::size_t f = 0; f < radiance.size(); ++f) {
+    const glm::dvec3 off = radiance[f] - exact[f];
+    exact_squared += glm::dot(exact[f], exact[f]);
+    off_squared += glm::dot(off, off);
+  }
+  const double lost = std::sqrt(off_squared) + beyond;
+  if (exact_squared == 0.0) return lost > 0.0 ? 1.0 : 0.0;
+  return kRounding + lost / std::sqrt(exact_squared);
+}
+
+double mip_error(std::span<const glm::dvec3> radiance, double size) {
   BandNorms room;
   const std::span<const double> norms = band_norms(radiance, room);
   double total_squared = 0.0;
   for (const double norm : norms) total_squared += norm * norm;
   if (total_squared == 0.0) return 0.0;
-  double error_squared = kRounding * kRounding * total_squared;
+  double error_squared = 0.0;
   const auto add = [&](double error) { error_squared += error * error; };
   // Without a band 2 nothing is known of how concentrated the light is; band 1 is the next best witness.
   const std::size_t witness = std::min<std::size_t>(2, norms.size() - 1);
@@ -316,24 +337,12 @@ double estimate_error(std::span<const glm::dvec3> radiance, const ErrorSources& 
   const double point_share = norms[0] > 0.0 ? std::min(1.0, norms[witness] / point_norm) : 1.0;
   double varied_squared = 0.0;
   for (std::size_t band = 1; band < norms.size(); ++band) varied_squared += norms[band] * norms[band];
-  const double varied = std::min(norms[0], 100.0 * std::sqrt(varied_squared));
-  if (sources.midpoint_size > 0.0) {
-    const double square = sources.midpoint_size * sources.midpoint_size;
-    add(0.12 * varied / square);
-    if (sources.lat_long && norms.size() > 2) add(0.33 * norms[0] / square);
-  }
-  if (sources.reduced_size > 0.0) {
-    const double split = sources.lat_long ? 0.15 : 0.45;
-    add(split * varied / (sources.reduced_size * sources.reduced_size));
-  }
+  add(0.45 * std::min(norms[0], 100.0 * std::sqrt(varied_squared)) / (size * size));
+  const double cell = 0.5 * std::numbers::pi / size;
   for (std::size_t band = 1; band < norms.size(); ++band) {
     const auto l = static_cast<double>(band);
-    if (sources.midpoint_size > 0.0) add(0.5 * l * l / (sources.midpoint_size * sources.midpoint_size) * norms[band]);
-    if (sources.reduced_size > 0.0) {
-      const double cell = 0.5 * std::numbers::pi / sources.reduced_size;
-      add(l * (l + 1.0) * cell * cell / 7.0 * norms[band]);
-      add(0.35 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
-    }
+    add(l * (l + 1.0) * cell * cell / 7.0 * norms[band]);
+    add(0.35 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
   }
   return std::sqrt(error_squared / total_squared);
 }

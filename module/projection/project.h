@@ -23,10 +23,13 @@ struct FaceSums {
   std::vector<double> values;           ///< of each tile, [3][functions] in the order of the weights
   std::vector<SanitizeRecord> records;  ///< of each tile
 
+  /// What the texels add as areas, [3][functions] in the same order, where `values` are of averages; else empty.
+  std::vector<double> exact;
+
   [[nodiscard]] double* tile(std::size_t index) noexcept { return values.data() + index * 3 * functions; }
   [[nodiscard]] const double* tile(std::size_t index) const noexcept { return values.data() + index * 3 * functions; }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return sizeof *this + values.size() * sizeof(double) + records.size() * sizeof(SanitizeRecord);
+    return sizeof *this + (values.size() + exact.size()) * sizeof(double) + records.size() * sizeof(SanitizeRecord);
   }
 };
 
@@ -67,25 +70,20 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 /// Of many probes together: counts and total radiance are added up, the error estimate is the largest.
 void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one);
 
-// How far off a projection probably is.
+// How far off a projection is.
 
-/// What a projection did that costs accuracy; 0: did not.
-struct ErrorSources {
-  double midpoint_size = 0.0;  ///< edge of the face that the midpoint rule was applied to
-  double reduced_size = 0.0;   ///< edge of the face that the source was averaged to
-  bool lat_long = false;       ///< whether the source is one
-};
+/// Relative error |c - c*| / |c*| of coefficients c where c* are `exact`, known while the pixels are read, but for
+/// `beyond` at most; besides, sums are rounded. (midpoint_error.h, `FaceSums::exact`, `LatLongProjector`)
+[[nodiscard]] double relative_error(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> exact,
+                                    double beyond = 0.0);
 
-/// Estimated relative error |c - c*| / |c*|.
-///
-/// Rounding: 2e-7. Midpoint rule: band l is off by up to 0.5 l^2 / N^2 of itself, a lat-long's band 2 by a share of
-/// band 0 as well, for equal steps of latitude do not give the integral of a constant's products. Averaging over cells
-/// of angle d = pi/2 / N: smooth content loses up to l (l + 1) d^2 / 7 of band l (a cell blurs twice, when it is
-/// averaged and when it is read as an area); light from a point lands up to half a cell away, which moves band l by up
-/// to 0.35 l d of what a point puts there. How much of the light is a point's is told from band 2: a point has |c_2|^2
-/// = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of N^-2, unless the picture is
-/// nearly uniform. Factors are such that the estimate holds for 99 % of random environments: docs/projection.md.
-[[nodiscard]] double estimate_error(std::span<const glm::dvec3> radiance, const ErrorSources& sources);
+/// Estimated relative error of coefficients of a mip against those of its chain's first one, `size` being a face's
+/// edge: nobody reads that one, so it is a guess. Smooth content loses up to l (l + 1) d^2 / 7 of band l, d = pi/2 /
+/// size (a cell blurs twice, when it is averaged and when it is read as an area); light from a point lands up to half a
+/// cell away, which moves band l by up to 0.35 l d of what a point puts there. How much of the light is a point's is
+/// told from band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a
+/// share of size^-2, unless the picture is nearly uniform. A pattern that the mip averages away deceives it.
+[[nodiscard]] double mip_error(std::span<const glm::dvec3> radiance, double size);
 
 // Which size of an environment a projection reads.
 

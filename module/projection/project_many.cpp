@@ -18,6 +18,7 @@
 #include "platform/standard_library.h"
 #include "projection/chunk_projection.h"
 #include "projection/cubemap_projection.h"
+#include "projection/midpoint_error.h"
 #include "projection/project.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
@@ -68,10 +69,10 @@ class SmallCubemaps {
     for (const int face : kAllFaces) static_cast<void>(transforms::face_transform(face, options.bands));
   }
 
-  /// Whether they take cubemaps of that size: those that `project` itself leaves to the calling thread, but for the
-  /// midpoint rule's reductions, which need memory of their own.
+  /// Whether they take cubemaps of that size: those that `project` itself leaves to the calling thread, but for
+  /// those that are reduced, which need memory of their own.
   [[nodiscard]] static bool serves(int size, const ProjectionOptions& options) noexcept {
-    if (options.quadrature == Quadrature::midpoint && effective_target(size, options)) return false;
+    if (effective_target(size, options)) return false;
     return jobs::placement_for(texels_of(size)) == jobs::Placement::calling_thread &&
            !StripProjection::serves(size, options);
   }
@@ -79,7 +80,11 @@ class SmallCubemaps {
   void prepare(int size) {
     const auto at = static_cast<std::size_t>(size);
     if (weights_.size() <= at) weights_.resize(at + 1);
-    if (!weights_[at]) weights_[at] = TexelWeights::get(weights_key(size, options_at(size)));
+    errors_.resize(weights_.size());
+    if (weights_[at]) return;
+    weights_[at] = TexelWeights::get(weights_key(size, options_at(size)));
+    if (options_.quadrature == Quadrature::midpoint)
+      errors_[at] = MidpointError::get(size, options_.bands, *weights_[at]);
   }
 
   void make_rooms(std::size_t workers) {
@@ -98,16 +103,23 @@ class SmallCubemaps {
     const ProjectionOptions options = options_at(cubemap.size);
     const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
     const ChunkProjection chunks(cubemap, options, kAllFaces, sanitizer_, weights, one_of_many_);
+    const MidpointError* const error = errors_[static_cast<std::size_t>(cubemap.size)].get();
     std::fill(room.sums.begin(), room.sums.end(), 0.0);
+    std::fill(room.off.begin(), room.off.end(), 0.0);
     for (int tile = 0; tile < ChunkProjection::tile_count(weights); ++tile) {
-      record.add(add_tile(chunks, tile, weights.place().data(), room));
+      record.add(add_tile(chunks, tile, weights.place().data(), error, room));
     }
     const std::size_t functions = radiance.size();
-    for (std::size_t f = 0; f < functions; ++f) {
-      radiance[f] = {room.sums[f], room.sums[functions + f], room.sums[2 * functions + f]};
-    }
+    const auto at = [functions](const std::vector<double>& sums, std::size_t f) {
+      return dvec3(sums[f], sums[functions + f], sums[2 * functions + f]);
+    };
+    for (std::size_t f = 0; f < functions; ++f) radiance[f] = at(room.sums, f);
     ProjectionDiagnostics diagnostics = cubemap_diagnostics(cubemap.size, radiance, record);
-    diagnostics.error_estimate = estimated_error(cubemap.size, radiance, options);
+    diagnostics.error_estimate = relative_error(radiance, radiance);
+    if (error == nullptr) return diagnostics;
+    std::array<dvec3, std::size_t{kMaximumBands} * kMaximumBands> off;
+    for (std::size_t f = 0; f < functions; ++f) off[f] = at(room.off, f);
+    diagnostics.error_estimate = midpoint_estimate(radiance, {off.data(), functions}, *error);
     return diagnostics;
   }
 
@@ -115,11 +127,17 @@ class SmallCubemaps {
   /// What a worker needs.
   struct Room {
     Room(int functions, std::size_t weight_floats)
-        : scratch(functions, weight_floats), slot(static_cast<std::size_t>(3 * functions)), sums(slot.size()) {}
+        : scratch(functions, weight_floats),
+          slot(static_cast<std::size_t>(3 * functions)),
+          sums(slot.size()),
+          off_slot(slot.size()),
+          off(slot.size()) {}
 
     ChunkProjection::Scratch scratch;
-    std::vector<double> slot;  ///< of a tile, [3][functions]
-    std::vector<double> sums;  ///< of all, likewise
+    std::vector<double> slot;      ///< of a tile, [3][functions]
+    std::vector<double> sums;      ///< of all, likewise
+    std::vector<double> off_slot;  ///< what the midpoint rule errs by in a tile
+    std::vector<double> off;       ///< and in all
   };
 
   [[nodiscard]] ProjectionOptions options_at(int size) const {
@@ -128,17 +146,23 @@ class SmallCubemaps {
     return options;
   }
 
-  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* place, Room& room) const {
+  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* place, const MidpointError* error,
+                          Room& room) const {
     std::fill(room.slot.begin(), room.slot.end(), 0.0);
+    std::fill(room.off_slot.begin(), room.off_slot.end(), 0.0);
     SanitizeRecord of_tile;
     chunks.sum_tile(tile, room.scratch);
     for (const int face : kAllFaces) {
       SanitizeRecord of_face;
       const std::span<const double> sums = chunks.face_sums(tile, face, room.scratch, of_face);
       transforms::face_transform(face, options_.bands).add(sums.data(), place, room.slot.data());
+      if (error != nullptr) error->add(face, sums.data(), room.off_slot.data());
       of_tile.add(of_face);
     }
-    for (std::size_t k = 0; k < room.sums.size(); ++k) room.sums[k] += room.slot[k];
+    for (std::size_t k = 0; k < room.sums.size(); ++k) {
+      room.sums[k] += room.slot[k];
+      room.off[k] += room.off_slot[k];
+    }
     return of_tile;
   }
 
@@ -146,6 +170,7 @@ class SmallCubemaps {
   Sanitizer sanitizer_;
   bool one_of_many_;
   std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size
+  std::vector<std::shared_ptr<const MidpointError>> errors_;  ///< by size, of the midpoint rule
   std::vector<Room> rooms_;                                   ///< of each worker
 };
 

@@ -106,7 +106,8 @@ namespace {
 
 constexpr int kMostEdge = 8;
 constexpr int kMostTexels = kMostEdge * kMostEdge;
-constexpr int kPartEdge = 4;  ///< of parts of a block, about each of which is decided what the horizon cuts
+constexpr int kWideBlocks = 8;  ///< of mips up to this a block of parts would be as wide as from a peak to its horizon
+constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is decided what the horizon cuts
 
 double place_on_face(int texel, int size) { return (2.0 * texel + 1.0) / size - 1.0; }
 
@@ -367,7 +368,8 @@ void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel
 }
 
 void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
-  const int edge = texels_ ? 1 : kPartEdge;  // integrals are dear
+  // Integrals are dear; and over a wide block parts, which stand for their middles, would serve texels at the peak.
+  const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
   const bool parted = area.end_column - area.column > edge || area.end_row - area.row > edge;
   room.cut.clear();
   room.stack.push_back(0);

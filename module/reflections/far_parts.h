@@ -27,9 +27,10 @@ struct FarParts {
   std::vector<double> alphas;    ///< see `far_alphas`
   std::vector<double> energies;  ///< of even light that each of their parts takes
   std::vector<image::SphereGrid> grids;
-  BrightLights bright;    ///< taken out of the grids
-  int bright_texels = 0;  ///< how many texels those are
-  double contrast = 0.0;  ///< see `contrast_of`
+  BrightLights bright;           ///< taken out of the grids
+  int bright_texels = 0;         ///< how many texels those are
+  double contrast = 0.0;         ///< see `contrast_of`
+  std::vector<double> spectrum;  ///< energies by degrees, see `energies_of`
 
   /// `energy`: what the part of `alpha` takes of even light. The near part has the rest, so it is met exactly.
   void sample(double alpha, double energy, int size, const std::array<float*, 6>& faces, const Control& control) const;

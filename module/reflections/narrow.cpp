@@ -75,7 +75,6 @@ namespace {
 struct Steps {
   double across = 0.0;
   double down = 0.0;
-  double own = 0.0;
 };
 
 /// `below`: the next row, or `here` where there is none; `left`: what is left of the first texel.
@@ -87,20 +86,20 @@ Steps steps_of(const float* here, const float* below, const float* left, int col
     const double down = value - static_cast<double>(below[k]);
     steps.across += across * across;
     steps.down += down * down;
-    steps.own += value * value;
   }
   return steps;
 }
 
+/// Of which all texels count alike, as near enough their solid angles do.
 double contrast_of_cubemap(const projection::SanitizedSource& source) {
   Steps all;
   for (int row = 0; row < source.rows(); ++row) {
     const bool face_ends = (row + 1) % source.columns() == 0;
     const float* const here = source.row(row);
     const Steps own = steps_of(here, face_ends ? here : source.row(row + 1), here, source.columns());
-    all = {all.across + own.across, all.down + own.down, all.own + own.own};
+    all = {all.across + own.across, all.down + own.down};
   }
-  return all.own > 0.0 ? std::sqrt((all.across + all.down) / all.own) : 0.0;
+  return std::sqrt((all.across + all.down) / (static_cast<double>(source.rows()) * source.columns()));
 }
 
 /// Edges of meridians are a row high at all latitudes, those of rows as long as their columns are wide.
@@ -117,9 +116,9 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
     const double middle = math::sine_cosine_of_turns(0.5 * (row + 0.5) / source.rows()).sine;
     const double end = math::sine_cosine_of_turns(0.5 * (row + 1.0) / source.rows()).sine;
     edges += columns_a_radian * own.across + rows_a_radian * end * own.down;
-    whole += middle * own.own;
+    whole += middle * source.columns();
   }
-  return whole > 0.0 ? std::sqrt(edges / whole) : 0.0;
+  return std::sqrt(edges / whole);
 }
 
 }  // namespace
@@ -128,17 +127,24 @@ double contrast_of(const projection::SanitizedSource& source) {
   return source.cubemap() ? contrast_of_cubemap(source) : edges_of_lat_long(source);
 }
 
-double narrow_error(const projection::SanitizedSource& source, double contrast, double alpha, int size) noexcept {
-  if (!source.cubemap()) {
-    constexpr double rounding = 2e-7;
-    constexpr double of_edges = 8e-5;  // of the step where a lobe is cut by an edge
-    return rounding + of_edges * std::sqrt(alpha) * contrast;
+double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast) {
+  const bool cubemap = source.cubemap();
+  const double rounding = cubemap ? 4e-7 : 2e-7;
+  if (!(mip.rms > 0.0)) return rounding;
+  double edges = 0.0;
+  if (cubemap) {
+    constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`
+    edges = 4.5e-3 * mip.alpha;
+    if (source.columns() % (2 * mip.size) == 0) edges += moved * 0.25 * kPi / source.columns() / mip.alpha;
+  } else {
+    edges = 1e-4 * std::sqrt(mip.alpha);  // of the step where a lobe is cut by an edge
   }
-  constexpr double rounding = 4e-7;
-  constexpr double moved = 0x1p-23;  // of a texel: see `clear_of_lines`
-  double error = 4e-3 * alpha;
-  if (source.columns() % (2 * size) == 0) error += moved * 0.25 * kPi / source.columns() / alpha;
-  return rounding + error * contrast;
+  // What the weights of texels err by at any distance, over themselves: no sum of light is farther off.
+  const double of_weights = cubemap ? 5e-3 : 5e-4;
+  double lost = edges * contrast / mip.rms;
+  if (!source.has_negatives()) lost = std::min(lost, of_weights);
+  constexpr double of_far = 1e-6;  // of float harmonics
+  return rounding + of_far * mip.far_rms / mip.rms + lost;
 }
 
 namespace {

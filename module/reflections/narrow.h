@@ -39,16 +39,22 @@ inline constexpr double kFarLights = 3.0;
 /// Rows of the lat-long, twice as wide, on which a cubemap's far part is found.
 [[nodiscard]] int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept;
 
-/// Over the texels' own root mean square: of cubemaps the root mean square of what neighbouring texels differ by, both
-/// ways; of lat-longs the root of what the edges between texels hold, their steps' squares by their length, for each
-/// unit of solid angle: a lobe of width w is cut by an edge on w times that length.
+/// Of cubemaps the root mean square of what neighbouring texels differ by, both ways; of lat-longs the root of what the
+/// edges between texels hold, their steps' squares by their length, for each unit of solid angle: a lobe of width w is
+/// cut by an edge on w times that length.
 [[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
 
-/// What the root mean square error of a mip of `size` is estimated to be, over its own: docs/reflections.md has what
-/// was measured. A share of the contrast, of cubemaps as alpha and of lat-longs as its root, and where all centres lie
-/// on a cubemap's lines what it costs to clear them.
-[[nodiscard]] double narrow_error(const projection::SanitizedSource& source, double contrast, double alpha,
-                                  int size) noexcept;
+struct NarrowMip {
+  int size = 0;
+  double alpha = 0.0;
+  double rms = 0.0;      ///< of the mip: of the texels that it has, which may miss every lamp
+  double far_rms = 0.0;  ///< of its far part, over the whole sphere
+};
+
+/// What the root mean square error of a mip is estimated to be, over its own: docs/reflections.md has what was
+/// measured. A share of the steps, of cubemaps as alpha and of lat-longs as its root, and where all centres lie on a
+/// cubemap's lines what it costs to clear them; but no more than the weights of any texel err by.
+[[nodiscard]] double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast);
 
 /// Adds the near part about the centre of each texel to six packed RGB faces that hold the far part: the source's
 /// texels as areas. alpha in (0, 0.01]. An even source stays even. Of a lat-long without negative values no result is

@@ -20,6 +20,8 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/memory.h"
+#include "platform/text.h"
+#include "projection/projection_kernels.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
@@ -149,6 +151,7 @@ class Prefilter {
   void run_sampled(const Control& control);
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
+  void note_darkness(std::size_t level, double field);
   void end_mip(std::size_t level, const Stopwatch& watch, const Control& control);
   void finish();
 
@@ -163,6 +166,23 @@ class Prefilter {
   std::vector<PassRecord> passes_;
   Memory memory_;
 };
+
+/// Says so if a channel is too dark beside `field`, the root mean square of what was summed in floats, for the bound on
+/// its error.
+template <class View>
+void Prefilter<View>::note_darkness(std::size_t level, double field) {
+  constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
+  const CubemapChain& chain = result_.cubemap;
+  const int values = 3 * chain.level_size(static_cast<int>(level));
+  const float* row = chain.face(static_cast<int>(level), 0);
+  float least = std::numeric_limits<float>::max();
+  for (int k = 0; k < 2 * values; ++k, row += values)
+    least = std::min(least, projection::projection_kernels().measure_row(row, values).least);
+  const double share = kFloatNoise / plan_.maximum_error;
+  if (static_cast<double>(least) >= share * field) return;
+  note("mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip)) + ": dark channels",
+       "below " + platform::number_text(share) + " of the mip, where floats err by more than maximum_error", 0.0);
+}
 
 template <class View>
 void Prefilter<View>::end_mip(std::size_t level, const Stopwatch& watch, const Control& control) {
@@ -215,7 +235,9 @@ void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Con
     if (!plan_.is_summed(source_.columns(), mip)) continue;
     const auto finish_mip = [&, level, summed](const Control& part) {
       const Stopwatch own;
+      const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
       bright_.add({mip.alpha}, mip.size, faces[summed], {part.stop});
+      note_darkness(level, field);
       record(level).bright_texels = static_cast<int>(extracted_);
       const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
       record(level).error_estimate =
@@ -278,7 +300,9 @@ void Prefilter<View>::spectral_mip(std::size_t level, const transforms::Spectrum
   memory_.give_back(grid.bytes());
   note(name + ": faces", std::to_string(mip.size) + " texels along an edge", sampling.milliseconds());
   const Stopwatch splatting;
+  const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
   bright_.add({mip.alpha}, mip.size, faces, jobs::part_of(control, 0.8, 1.0));
+  note_darkness(level, field);
   note(name + ": lobes", std::to_string(extracted_) + " bright texels", splatting.milliseconds());
   record(level).bands = mip.bands.bands();
   record(level).bright_texels = static_cast<int>(extracted_);
@@ -307,6 +331,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   }
   memory_.take(rings.bytes() + far.bright.bytes());
   const transforms::Spectrum spectrum = transforms::analyse(rings.view, split.bands, jobs::part_of(control, 0.0, 0.1));
+  far.spectrum = energies_of(spectrum);
   note("narrow: analyse", std::to_string(split.bands) + " bands of the far part", watch.milliseconds());
   memory_.take(spectrum.bytes());
   memory_.give_back(rings.bytes());
@@ -348,18 +373,23 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
   const Stopwatch watch;
   const MipPlan& mip = plan_.mips[level];
   const Faces faces = image::faces_of(result_.cubemap, static_cast<int>(level));
-  const double far_energy = far_part(source_.cubemap(), split, mip.alpha, 1).front();
+  const std::vector<double> zonal = far_part(source_.cubemap(), split, mip.alpha, split.bands);
+  const double far_energy = zonal.front();
   far.sample(mip.alpha, far_energy, mip.size, faces, jobs::part_of(control, 0.0, 0.1));
+  const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
   far.bright.add({mip.alpha, split.split}, mip.size, faces, jobs::part_of(control, 0.1, 0.2));
   const std::string name = "mip " + std::to_string(level + static_cast<std::size_t>(plan_.first_mip));
   note(name + ": far part", std::to_string(mip.size) + " texels along an edge", watch.milliseconds());
   const Stopwatch near;
   add_near_parts(source_, split, mip.alpha, mip.size, faces, jobs::part_of(control, 0.2, 1.0));
   if (source_.cubemap() && !source_.has_negatives()) make_not_negative(mip.size, faces);
+  note_darkness(level, field);
   note(name + ": near part", std::to_string(split.columns) + " texels a turn", near.milliseconds());
   record(level).bands = split.bands;
   record(level).bright_texels = far.bright_texels;
-  record(level).error_estimate = narrow_error(source_, far.contrast, mip.alpha, mip.size);
+  const double rms = rms_of_level(result_.cubemap, static_cast<int>(level), mip.size);
+  record(level).error_estimate =
+      narrow_error(source_, {mip.size, mip.alpha, rms, blurred_rms(far.spectrum, zonal)}, far.contrast);
   end_mip(level, watch, control);
 }
 

@@ -17,7 +17,6 @@ namespace welkin::reflections {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kMostSamples = 32;  ///< along an edge of a face
 
 /// Share of degree l that a cubic spline over `rings` rings loses half way between samples: a fit to the figures of
 /// `transforms::grid_for_bands` (6e-5 at an eighth, 2.8e-2 at a half, 0.24 at three quarters), each met within 15 %.
@@ -37,7 +36,7 @@ constexpr double kScattered = 0.0042;   ///< of l h^2, by which such edges scatt
 constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are spread over rings of a `RingTable` lose
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
-constexpr double kTableRounding = 4e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
+constexpr double kTableRounding = 5e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
 
 constexpr double kSummedSafety = 2.4;  ///< of sums over the texels of faces up to 24, each of which is looked at
 constexpr double kBlockSafety = 4.2;   ///< of larger ones, where an edge may lie between the places looked at
@@ -161,9 +160,15 @@ double summed_rms_error(int face_size, double of_weights, double of_lights, doub
   return kSumRounding + safety * std::sqrt(of_weights * of_weights + of_lights * of_lights) / rms;
 }
 
-double rms_of_level(const CubemapChain& chain, int level) {
+double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {
+  double sum = 0.0;
+  for (std::size_t l = 0; l < std::min(energies.size(), zonal.size()); ++l) sum += energies[l] * zonal[l] * zonal[l];
+  return std::sqrt(sum / (4.0 * kPi));
+}
+
+double rms_of_level(const CubemapChain& chain, int level, int samples) {
   const int size = chain.level_size(level);
-  const int step = (size + kMostSamples - 1) / kMostSamples;
+  const int step = (size + samples - 1) / samples;
   std::vector<double> angles(static_cast<std::size_t>(size));
   double squares = 0.0;
   double whole = 0.0;

@@ -160,6 +160,7 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   plan.chain_mips = mips;
   plan.samples = options.samples;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
+  plan.maximum_error = options.maximum_error;
   // their weights are made for the default bounds
   const PrefilterOptions usual;
   plan.sums = options.method == PrefilterMethod::automatic &&

@@ -19,12 +19,13 @@ struct MipPlan {
 };
 
 struct PrefilterPlan {
-  int size = 0;               ///< of the whole chain
-  int chain_mips = 0;         ///< of the whole chain
-  std::vector<MipPlan> mips;  ///< that are made
-  int first_mip = 0;          ///< the first of them, counted in the whole chain
-  int samples = 0;            ///< of the sampled method
-  double reach = 0.0;         ///< see `choose_bands`
+  int size = 0;                 ///< of the whole chain
+  int chain_mips = 0;           ///< of the whole chain
+  std::vector<MipPlan> mips;    ///< that are made
+  int first_mip = 0;            ///< the first of them, counted in the whole chain
+  int samples = 0;              ///< of the sampled method
+  double reach = 0.0;           ///< see `choose_bands`
+  double maximum_error = 1e-2;  ///< asked for
 
   /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
   /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of

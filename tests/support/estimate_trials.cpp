@@ -18,7 +18,7 @@
 namespace welkin::test {
 namespace {
 
-constexpr int kProbes = 48;         ///< texels of a mip that are held to the truth; of up to 96 texels, all
+constexpr int kProbes = 96;         ///< texels of a mip that are held to the truth; of up to 192 texels, all
 constexpr int kNormals = 100;       ///< of irradiance
 constexpr double kRounding = 1e-7;  ///< true errors below this say nothing of how careful an estimate is
 
@@ -164,20 +164,29 @@ int size_for(double roughness, RandomEnvironments& random) {
 
 class Trial {
  public:
-  Trial(std::uint32_t seed, const RoughnessSpan& roughness, RandomEnvironments& random, EstimateTrials& trials)
-      : seed_(seed), roughness_(roughness), random_(random), trials_(trials) {}
+  /// `family`: whether the environment is of one.
+  Trial(std::uint32_t seed, bool family, const RoughnessSpan& roughness, RandomEnvironments& random,
+        EstimateTrials& trials)
+      : seed_(seed),
+        family_(family),
+        roughness_(family && roughness.least < 0.1 && random.chance(0.4)
+                       ? RoughnessSpan{std::max(0.02, roughness.least), 0.1}
+                       : roughness),
+        bands_(random.chance(0.5) ? 3 : random.whole(1, family ? 9 : 6)),
+        random_(random),
+        trials_(trials) {}
 
   void run(const CubemapView& view) {
     project_it(view, "cubemap");
     prefilter_it(view, "cubemap");
     if (random_.chance(0.3)) project_levels(view);
-    if (random_.chance(0.2)) pick_bands(view);
+    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
   void run(const LatLongView& view) {
     project_it(view, "lat-long");
     prefilter_it(view, "lat-long");
-    if (random_.chance(0.2)) pick_bands(view);
+    if (!family_ && random_.chance(0.2)) pick_bands(view);
   }
 
  private:
@@ -191,18 +200,20 @@ class Trial {
 
   template <class View>
   void project_it(const View& view, const std::string& layout) {
-    const SphericalHarmonics truth = reference_projection(view);
-    ProjectionOptions options;
+    const SphericalHarmonics truth = reference_projection(view, {.bands = bands_});
+    ProjectionOptions options{.bands = bands_};
     std::string kind = "projection, exact";
-    if (random_.chance(0.3)) {
+    if (random_.chance(0.4)) {
       options.quadrature = Quadrature::midpoint;
       kind = "projection, midpoint rule";
-    } else if (random_.chance(0.4)) {
+    }
+    if (random_.chance(0.4)) {
       options.target_size = random_.whole(2, 12);
       kind = "projection, target size";
     }
     const Projection projection = project(view, options);
-    add(kind + ", " + layout, distance_between(projection.radiance, truth), projection.diagnostics.error_estimate, "");
+    add(kind + ", " + layout, distance_between(projection.radiance, truth), projection.diagnostics.error_estimate,
+        ", " + std::to_string(bands_) + " bands, target " + std::to_string(options.target_size.value_or(0)));
   }
 
   /// A level of a mip chain, by `project` and by a budget.
@@ -239,15 +250,23 @@ class Trial {
     PrefilterOptions options{.mips = 1};
     options.roughness = {random_.scale(roughness_.least, roughness_.most)};
     options.size = size_for(options.roughness[0], random_);
+    judge(view, layout, options, 0);
+    if (!family_ || !random_.chance(0.3)) return;
+    // a whole chain, whose narrowest lobe decides for all
+    judge(view, layout, {.size = random_.chance(0.5) ? 16 : 64}, random_.whole(1, 4));
+  }
+
+  template <class View>
+  void judge(const View& view, const std::string& layout, const PrefilterOptions& options, int level) {
     const PrefilteredSpecular result = prefilter_specular(view, options);
-    const std::string place =
-        " roughness " + std::to_string(options.roughness[0]) + ", " + std::to_string(options.size) + " texels";
-    const MipRecord& mip = result.mips[0];
+    const MipRecord& mip = result.mips[static_cast<std::size_t>(level)];
+    const std::string place = " roughness " + std::to_string(mip.roughness) + ", " + std::to_string(mip.size) +
+                              " texels of a chain of " + std::to_string(options.size);
     if (mip.error_estimate.value_or(0.0) == 0.0) return;
-    const MipTruth truth(result.cubemap, 0, random_);
+    const MipTruth truth(result.cubemap, level, random_);
     add(std::string("prefilter, ") + name(mip.method) + ", " + layout, truth.error(view, mip.roughness),
         *mip.error_estimate, place);
-    if (mip.method != MipMethod::spectral || !random_.chance(0.1)) return;
+    if (family_ || mip.method != MipMethod::spectral || !random_.chance(0.1)) return;
     pick_bounds(view, options, place);
   }
 
@@ -260,7 +279,9 @@ class Trial {
   }
 
   std::uint32_t seed_;
+  bool family_;
   RoughnessSpan roughness_;
+  int bands_;
   RandomEnvironments& random_;
   EstimateTrials& trials_;
 };
@@ -269,6 +290,13 @@ CubemapImage picture_of(const std::vector<CubemapImage>& pictures, RandomEnviron
   const CubemapImage& picture =
       pictures[static_cast<std::size_t>(random.whole(0, static_cast<int>(pictures.size()) - 1))];
   return to_cubemap(picture.view(), random.whole(6, 20), turn_about_y(random.between(0.0, 360.0)));
+}
+
+/// Small sources, those of a power of two, and now and then an odd large one.
+int rows_of_family(RandomEnvironments& random, bool large) {
+  constexpr int kOdd[] = {67, 72, 88};
+  if (large && random.chance(0.2)) return kOdd[random.whole(0, 2)];
+  return random.chance(0.3) ? 1 << random.whole(2, large ? 5 : 4) : random.whole(4, large ? 24 : 16);
 }
 
 }  // namespace
@@ -288,7 +316,7 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
     if (random.chance(0.5)) {
       if (!real) cube = random.cubemap(4, large ? 40 : 16);
       expose(cube.pixels);
-      Trial(own, roughness, random, trials).run(cube.view());
+      Trial(own, false, roughness, random, trials).run(cube.view());
     } else {
       LatLongImage image;
       if (real) {
@@ -297,7 +325,24 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
         image = random.lat_long(6, large ? 64 : 24);
       }
       expose(image.pixels);
-      Trial(own, roughness, random, trials).run(image.view());
+      Trial(own, false, roughness, random, trials).run(image.view());
+    }
+  }
+}
+
+void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
+                       EstimateTrials& trials) {
+  for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
+    RandomEnvironments random(own);
+    const auto family = static_cast<Family>(own % static_cast<std::uint32_t>(Family::count));
+    const int rows = rows_of_family(random, large);
+    if (random.chance(0.5)) {
+      const CubemapImage cube = random.cubemap(family, rows);
+      Trial(own, true, roughness, random, trials).run(cube.view());
+    } else {
+      const LatLongImage image =
+          random.lat_long(family, random.chance(0.8) ? 2 * rows : random.whole(4, 4 * rows), rows);
+      Trial(own, true, roughness, random, trials).run(image.view());
     }
   }
 }

@@ -24,8 +24,14 @@ struct RoughnessSpan {
 /// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; now and then one of `pictures`, turned into such a one),
 /// projects each, prefilters each to a mip of a roughness within `roughness`, and adds what was estimated and what is
 /// true. Errors of projections are relative to the norm of the coefficients, those of mips (if their record has an
-/// estimate) to their root mean square over the sphere, at 24 of its texels.
+/// estimate) to their root mean square over the sphere, at up to 192 of its texels.
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
                          const std::vector<CubemapImage>& pictures, EstimateTrials& trials);
+
+/// The same of environments of each `Family` in turn, by up to nine bands. Their sources have 4 to 16 rows, or with
+/// `large` up to 24, and now and then 67, 72 or 88. Where `roughness` begins below 0.1, two fifths are below that. Now
+/// and then a mip of a chain of 16 or 64 is judged, too.
+void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
+                       EstimateTrials& trials);
 
 }  // namespace welkin::test

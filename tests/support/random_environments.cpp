@@ -25,6 +25,18 @@ void fill(const image::TexelGrid& grid, std::vector<float>& pixels,
 
 }  // namespace
 
+const char* name(Family family) noexcept {
+  switch (family) {
+    case Family::uniform: return "uniform";
+    case Family::checkers: return "checkers";
+    case Family::lamps: return "lamps";
+    case Family::half_black: return "half black";
+    case Family::log_normal: return "log-normal";
+    case Family::count: break;
+  }
+  return "";
+}
+
 double RandomEnvironments::scale(double low, double high) { return low * std::pow(high / low, number()); }
 
 glm::dvec3 RandomEnvironments::direction() {
@@ -133,6 +145,100 @@ RandomEnvironments::Radiance RandomEnvironments::environment(double size) {
   if (chance(0.4)) return [=](const glm::dvec3& d, double u, double v) { return base + one(d, u, v); };
   const Radiance two = part(size);
   return [=](const glm::dvec3& d, double u, double v) { return base + one(d, u, v) + two(d, u, v); };
+}
+
+/// Columns and rows change by turns; one of the two periods may be endless.
+RandomEnvironments::Radiance RandomEnvironments::checkers(int rows) {
+  const int period = chance(0.4) ? 1 : whole(1, std::max(1, rows / 3));
+  const bool stripes = chance(0.3);
+  const bool across = chance(0.5);
+  const glm::dvec3 dark = chance(0.5) ? glm::dvec3(0.0) : scale(0.01, 1.0) * colour();
+  const glm::dvec3 bright = scale(0.1, 100.0) * colour();
+  return [=](const glm::dvec3&, double u, double v) {
+    const int column = static_cast<int>(u) / period;
+    const int row = static_cast<int>(v) / period;
+    return (stripes ? (across ? column : row) : column + row) % 2 == 0 ? dark : bright;
+  };
+}
+
+/// One to three squares of one to three texels.
+RandomEnvironments::Radiance RandomEnvironments::lamps(int columns, int rows) {
+  struct Lamp {
+    int column;
+    int row;
+    int width;
+    glm::dvec3 radiance;
+  };
+  std::vector<Lamp> all(static_cast<std::size_t>(whole(1, 3)));
+  for (Lamp& lamp : all) {
+    lamp = {whole(0, columns - 1), whole(0, rows - 1), chance(0.7) ? 1 : whole(2, 3), scale(1e4, 1e8) * colour()};
+  }
+  return [all](const glm::dvec3&, double u, double v) {
+    glm::dvec3 sum(0.0);
+    for (const Lamp& lamp : all) {
+      const bool inside =
+          u >= lamp.column && u < lamp.column + lamp.width && v >= lamp.row && v < lamp.row + lamp.width;
+      if (inside) sum += lamp.radiance;
+    }
+    return sum;
+  };
+}
+
+RandomEnvironments::Radiance RandomEnvironments::log_normal() {
+  const auto generator = std::make_shared<std::mt19937>(engine_());
+  const double sigma = chance(0.5) ? 4.0 : between(0.5, 4.0);
+  const bool grey = chance(0.5);
+  return [=](const glm::dvec3&, double, double) {
+    const auto draw = [&] { return (static_cast<double>((*generator)()) + 0.5) * 0x1p-32; };
+    const auto value = [&] {
+      const double radius = std::sqrt(-2.0 * std::log(draw()));
+      return std::exp(sigma * radius * std::cos(2.0 * std::numbers::pi * draw()));
+    };
+    glm::dvec3 rgb(value());
+    if (!grey) rgb = {rgb.x, value(), value()};
+    return rgb;
+  };
+}
+
+RandomEnvironments::Radiance RandomEnvironments::of_family(Family family, int columns, int rows) {
+  description_ += std::string(" ") + name(family);
+  switch (family) {
+    case Family::uniform: {
+      const glm::dvec3 even = scale(1e-3, 1e3) * colour();
+      const Radiance ripple = gradient(chance(0.5) ? 0.0 : scale(1e-6, 1e-2));
+      return [=](const glm::dvec3& d, double u, double v) { return even * (glm::dvec3(1.0) + ripple(d, u, v)); };
+    }
+    case Family::checkers: return checkers(rows);
+    case Family::lamps: {
+      const Radiance background = chance(0.5) ? gradient(1.0) : horizon();
+      const double dark = chance(0.5) ? 1.0 : scale(1e-3, 1.0);
+      const Radiance own = lamps(columns, rows);
+      return [=](const glm::dvec3& d, double u, double v) { return dark * background(d, u, v) + own(d, u, v); };
+    }
+    case Family::half_black: {
+      const glm::dvec3 axis = direction();
+      const glm::dvec3 lit = colour();
+      const Radiance own = lamps(columns, rows);
+      return [=](const glm::dvec3& d, double u, double v) {
+        return (glm::dot(axis, d) > 0.0 ? lit : glm::dvec3(0.0)) + own(d, u, v);
+      };
+    }
+    default: return log_normal();
+  }
+}
+
+CubemapImage RandomEnvironments::cubemap(Family family, int size) {
+  description_ = "cubemap " + std::to_string(size) + ":";
+  CubemapImage image{size, {}};
+  fill(image::TexelGrid::cubemap(size), image.pixels, of_family(family, size, 6 * size));
+  return image;
+}
+
+LatLongImage RandomEnvironments::lat_long(Family family, int width, int height) {
+  description_ = "lat-long " + std::to_string(width) + " x " + std::to_string(height) + ":";
+  LatLongImage image{width, height, {}};
+  fill(image::TexelGrid::lat_long(width, height), image.pixels, of_family(family, width, height));
+  return image;
 }
 
 CubemapImage RandomEnvironments::cubemap(int least_size, int most_size) {

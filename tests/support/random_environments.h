@@ -12,6 +12,17 @@
 
 namespace welkin::test {
 
+/// Environments that deceived estimates once, each at any strength.
+enum class Family {
+  uniform,     ///< of one colour, now and then but for a millionth
+  checkers,    ///< of texels or blocks of any period
+  lamps,       ///< up to three texels of 1e4 to 1e8 over an even or soft background
+  half_black,  ///< one half of the sphere is 0; a lamp anywhere
+  log_normal,  ///< noise of up to sigma 4, a value a texel
+  count,
+};
+[[nodiscard]] const char* name(Family family) noexcept;
+
 class RandomEnvironments {
  public:
   explicit RandomEnvironments(std::uint32_t seed) : engine_(seed) {}
@@ -20,6 +31,10 @@ class RandomEnvironments {
   [[nodiscard]] CubemapImage cubemap(int least_size, int most_size);
   /// Twice as wide as high as a rule, now and then of another shape.
   [[nodiscard]] LatLongImage lat_long(int least_height, int most_height);
+
+  /// Those of a family.
+  [[nodiscard]] CubemapImage cubemap(Family family, int size);
+  [[nodiscard]] LatLongImage lat_long(Family family, int width, int height);
 
   /// Of the last one: kinds and size.
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
@@ -43,6 +58,10 @@ class RandomEnvironments {
   Radiance suns();
   Radiance horizon();
   Radiance environment(double size);
+  Radiance checkers(int rows);
+  Radiance lamps(int columns, int rows);
+  Radiance log_normal();
+  Radiance of_family(Family family, int columns, int rows);
 
   std::mt19937 engine_;
   std::string description_;
