@@ -9,6 +9,7 @@
 #include "subjects.h"
 #include "tools/previews.h"
 #include "welkin/bake.h"
+#include "welkin/exposure.h"
 
 namespace welkin::perf {
 
