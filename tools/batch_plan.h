@@ -58,8 +58,8 @@ void write_batch_plan(const BatchPlan& plan);
 [[nodiscard]] std::vector<std::string> file_names_of(const BatchPlan& plan);
 
 /// The options of one job as `welkin bake` reads them; files that they name are looked for in `plan`'s folder.
-/// `settle_files` has been called. Throws `Error` (invalid_argument), and file_access for such a file that is no regular
-/// one: a batch reads it more than once.
+/// `settle_files` has been called. Throws `Error` (invalid_argument), and file_access for such a file that is no
+/// regular one: a batch reads it more than once.
 [[nodiscard]] BakeCommandOptions bake_options_of(const BatchPlan& plan, const std::vector<std::string>& words);
 
 /// The jobs of each shard, costliest first. Costliest first, every job goes to the shard that has least to do by then;

@@ -141,7 +141,8 @@ struct ReadOptions {
   /// else the only layer in colour, else the only layer.
   std::string layer{};
 
-  /// Of a file with a mip chain (OpenEXR, KTX2, KTX, DDS, .env): 0 is the full size. Rip maps have the levels that shrink both ways.
+  /// Of a file with a mip chain (OpenEXR, KTX2, KTX, DDS, .env): 0 is the full size. Rip maps have the levels that
+  /// shrink both ways.
   int level = 0;
 
   /// Of a KTX2, KTX or DDS array: which of its cubemaps or pictures, from 0.
