@@ -15,15 +15,22 @@
 namespace welkin::test {
 namespace {
 
+double largest_median(const std::string& kind) {
+  // Few of the levels that are picked have an error to speak of, and smooth pictures of odd sizes more than their
+  // share.
+  if (kind == "budget, level of a mip chain") return 12.0;
+  // A bound for any picture: on faces of 4 to 16 texels with many bands it is loose.
+  if (kind == "projection, midpoint rule, cubemap") return 8.0;
+  return 5.0;
+}
+
 void check(const EstimateTrials& trials) {
   for (const auto& [kind, honesty] : trials) {
     CAPTURE(kind, honesty->count(), honesty->worst(), honesty->worst_case());
     const auto count = static_cast<double>(honesty->count());
     CHECK((1.0 - honesty->share()) * count <= 1.001 + 0.02 * count);  // 1 % is wanted: of so few, one or two
     CHECK(honesty->worst() < 2.0);
-    // few of 50 levels that are picked have an error to speak of, and smooth pictures of odd sizes more than their
-    // share
-    CHECK(honesty->median() <= (kind == "budget, level of a mip chain" ? 12.0 : 5.0));
+    CHECK(honesty->median() <= largest_median(kind));
   }
 }
 
