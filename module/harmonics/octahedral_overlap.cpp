@@ -97,7 +97,7 @@ Polygon<glm::dvec2> part_on_face(Polygon<glm::dvec3> part, int face, int size) n
 
 RingedCube::RingedCube(const CubemapView& view)
     : size_(view.size), pixels_(std::size_t{18} * static_cast<std::size_t>((size_ + 2) * (size_ + 2))) {
-  const auto at = [this](int face, int column, int row) { return const_cast<float*>(texel(face, column, row)); };
+  const auto at = [this](int face, int column, int row) { return pixels_.data() + start(face, column, row); };
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size_; ++row)
       image::decode_texels(view.format, image::row_of(view, face, row), size_, at(face, 1, row + 1));

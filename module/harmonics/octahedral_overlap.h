@@ -26,12 +26,16 @@ class RingedCube {
   [[nodiscard]] int size() const noexcept { return size_; }
   /// Column and row are counted from 0 in the ring.
   [[nodiscard]] const float* texel(int face, int column, int row) const noexcept {
-    const auto edge = static_cast<std::size_t>(size_) + 2;
-    return pixels_.data() + 3 * ((static_cast<std::size_t>(face) * edge + static_cast<std::size_t>(row)) * edge +
-                                 static_cast<std::size_t>(column));
+    return pixels_.data() + start(face, column, row);
   }
 
  private:
+  [[nodiscard]] std::size_t start(int face, int column, int row) const noexcept {
+    const auto edge = static_cast<std::size_t>(size_) + 2;
+    return 3 * ((static_cast<std::size_t>(face) * edge + static_cast<std::size_t>(row)) * edge +
+                static_cast<std::size_t>(column));
+  }
+
   int size_;
   std::vector<float> pixels_;
 };
