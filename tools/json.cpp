@@ -81,7 +81,10 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint, 
   const std::filesystem::file_status status = std::filesystem::status(path, unknown);
   const bool is_readable =
       std::filesystem::is_regular_file(status) || (pipes == Pipes::read && std::filesystem::is_fifo(status));
-  if (std::filesystem::exists(status) && !is_readable) fail(ErrorCode::file_access, "is not a regular file; " + hint);
+  if (std::filesystem::exists(status) && !is_readable) {
+    const char* const found = std::filesystem::is_directory(status) ? "is a directory; " : "is not a regular file; ";
+    fail(ErrorCode::file_access, found + hint);
+  }
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(ErrorCode::file_access, "cannot be read (" + reason() + "); " + hint);
