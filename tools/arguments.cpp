@@ -20,7 +20,7 @@
 namespace welkin::tool {
 namespace {
 
-/// CLI11 alone would let "-1" wrap around to the largest number, and make that of whatever is larger.
+/// CLI11 alone would let "-1" wrap around to the largest number, and clamp larger numbers to it.
 CLI::Validator size_in_bytes() {
   return {[](std::string& text) {
             if (text.find('-') != std::string::npos) return text + " is not a size";
@@ -40,7 +40,7 @@ std::string bound_text(double bound) {
   return is_short_and_whole ? std::to_string(static_cast<std::int64_t>(bound)) : significant(bound);
 }
 
-/// `value_in` says which number a text states; `kind` what it must be: "a whole number".
+/// `value_in` returns the number that a text states; `kind`: what it must be, such as "a whole number".
 template <class ValueIn>
 CLI::Validator range(const Bounds& bounds, const char* kind, const ValueIn& value_in) {
   return {[=](const std::string& text) {
@@ -184,7 +184,7 @@ ExitCode complain(ExitCode code, const std::string& message) {
 }
 
 /// What nobody asked for, if that is what is wrong: an option or a command that is not there, an argument too many.
-/// `command`: that was named, or null.
+/// `command`: the one that was named, or null.
 std::string unknown_words(const CLI::App& program, const Command* command, const std::vector<std::string>& arguments) {
   const std::vector<std::string> left = program.remaining(true);
   const auto is_left = [&](const std::string& word) { return std::ranges::find(left, word) != left.end(); };
@@ -203,7 +203,7 @@ std::string unknown_words(const CLI::App& program, const Command* command, const
   return "";
 }
 
-/// Null if the program has no such command.
+/// Returns null if the program has no such command.
 const Command* command_of(const Program& program, const std::string& name) {
   const auto found = std::ranges::find(program.commands, name, &Command::name);
   return found == program.commands.end() ? nullptr : &*found;
@@ -364,7 +364,7 @@ std::vector<std::string> without_help_command(std::vector<std::string> arguments
 
 namespace {
 
-/// Whether the word is an option, of any command, that the next word is the value of.
+/// Returns whether the word is an option of any command that takes the next word as its value.
 bool awaits_value(const Program& program, const std::string& word) {
   const auto takes_it = [&word](const Option& option) {
     return has_value(option) && (',' + option.names + ',').find(',' + word + ',') != std::string::npos;

@@ -62,7 +62,8 @@ struct Option {
   std::string text{};                ///< for --help, which breaks its lines
   std::string type{};                ///< what --help calls the value
   std::vector<std::string> words{};  ///< the only values that are taken; empty: others decide
-  /// What to say of another word, such as "; did you mean 'plan hdr/'?"; empty text or none: the nearest word is named.
+  /// Returns the hint for another word, such as "; did you mean 'plan hdr/'?"; if empty or none, the nearest word is
+  /// named.
   std::function<std::string(const std::string& word)> hint{};
   Bounds bounds{};  ///< of each value
   List list = List::none;

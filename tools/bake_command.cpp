@@ -143,7 +143,7 @@ std::vector<std::string> names_to_write(const BakeCommandOptions& options, const
   return names;
 }
 
-/// Throws `Error` (file_access) for what stands in the way of a file and is not of an earlier bake.
+/// Throws `Error` (file_access) if a file that is not of an earlier bake has the name of one to be written.
 void check_places(const BakeCommandOptions& options, const BakeOptions& bake) {
   const std::filesystem::path folder = platform::path_of(options.directory);
   OwnFiles(folder, kBakeFiles).require(names_to_write(options, bake));
@@ -258,7 +258,7 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
   return words;
 }
 
-/// Where to look first; nothing without previews.
+/// Returns the line that names the preview to look at first; nothing without previews.
 std::string preview_line(const OutputFolder& folder) {
   for (const char* const name : {"preview_spheres.png", "preview_environment.png"}) {
     if (std::ranges::find(folder.files(), name, &WrittenFile::name) == folder.files().end()) continue;

@@ -11,13 +11,13 @@
 
 namespace welkin::tool {
 
-/// What it takes in memory; 0: there is none. `whole`: of `library_options`.
+/// Returns the bytes of the lat-long; 0 if there is none. `whole`: from `library_options`.
 [[nodiscard]] std::uint64_t lat_long_bytes(const SourceShape& source, const BakeCommandOptions& options,
                                            const BakeOptions& whole);
 
-/// In an engine's folder it is as large as the source, of a cubemap four times as wide as a face, where no option names
-/// a size; else four times as wide as the background cubemap. A lat-long source of that size gives its pixels as they
-/// are, but for those that the pixel policy changes. Without width if there is none.
+/// Returns the lat-long of a bake, without width if there is none. In an engine's folder, if no option names a size, it
+/// is as large as the source, or four times as wide as a cubemap's face; else it is four times as wide as the
+/// background cubemap. A lat-long source of that size keeps its pixels, except for those that the pixel policy changes.
 [[nodiscard]] LatLongImage lat_long_of(const LatLongView& source, const BakeCommandOptions& options,
                                        const BakeOptions& whole, const Control& control);
 [[nodiscard]] LatLongImage lat_long_of(const CubemapView& source, const BakeCommandOptions& options,

@@ -23,7 +23,7 @@ struct WrittenFile {
   std::string format;  ///< for a person: "KTX2 rgba16f"
   std::uint64_t bytes = 0;
   std::uint64_t values_clamped = 0;
-  std::string range;           ///< what it was that they were clamped to; empty if the format holds every value
+  std::string range;           ///< words for the range that they were clamped to; empty if the format holds every value
   Json details;                ///< more members for the manifest: sizes, roughness, axes
   std::string caution{};       ///< what else its format costs, if a person should know
   double share_clamped = 0.0;  ///< of all light, that the clamped values lost

@@ -330,8 +330,8 @@ bool writes_reflections(const BakeCommandOptions& options) noexcept {
 
 namespace {
 
-/// Whether the mips have another roughness than those that the engine's shaders look up. (What is for Babylon.js and
-/// glTF's viewers alone, .env and .glb, always has its own.)
+/// Returns whether the mips have another roughness than those that the engine's shaders look up. (What is for
+/// Babylon.js and glTF's viewers alone, .env and .glb, always has its own.)
 bool contradicts_engine(const BakeCommandOptions& options) {
   if (!is_engine_folder(options) || !contains(options.files, Content::specular)) return false;
   if (!options.roughness.schedule && options.roughness.table.empty()) return false;

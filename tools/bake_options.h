@@ -86,13 +86,14 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 /// The file beside sh.json that a compiler reads: sh.h, or sh.cs in Unity's folder.
 [[nodiscard]] const char* harmonics_name(const BakeCommandOptions& options) noexcept;
 
-/// Whether the engine gets a lat-long from which it makes all light itself; it is as large as the source then.
+/// Returns whether the engine gets a lat-long from which it computes all light itself; it is then as large as the
+/// source.
 [[nodiscard]] bool is_lat_long_folder(const BakeCommandOptions& options) noexcept;
 
-/// Whether a file holds the specular chain; else it is not baked.
+/// Returns whether a file holds the specular chain; if not, it is not baked.
 [[nodiscard]] bool writes_reflections(const BakeCommandOptions& options) noexcept;
 
-/// What options ask for that the engine's folder does not have, or that its shaders contradict: remarks for a person.
+/// Returns remarks about options that the engine's folder ignores or that its shaders contradict.
 [[nodiscard]] std::vector<std::string> option_notes(const BakeCommandOptions& options);
 
 /// The turn of the cubemaps' faces to those of the engine; the identity where no cubemap is written. Throws `Error`

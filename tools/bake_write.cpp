@@ -72,7 +72,7 @@ std::string range_of(TexelFormat format) {
   return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
 }
 
-/// Above that its values are clamped.
+/// The value above which the format clamps.
 glm::dvec3 largest_of(TexelFormat format) {
   switch (format) {
     case TexelFormat::b10g11r11: return {65024.0, 65024.0, 64512.0};
@@ -85,7 +85,7 @@ glm::dvec3 largest_of(TexelFormat format) {
 
 constexpr const char* kWithoutSun = "--take-out-sun makes the sun a light of its own";
 
-/// What keeps the light that a format does not hold.
+/// Returns the options that keep the light that a format does not hold.
 std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options) {
   const bool holds_floats = file.container != Container::hdr && file.container != Container::env &&
                             file.container != Container::glb && file.format != TexelFormat::rgba32f;

@@ -296,8 +296,8 @@ void use_stored_light(Baked& baked, const Control& control) {
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }
 
-/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them. Of an engine that makes its
-/// light of a lat-long nothing is baked that stands in no file: the background is for the preview.
+/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them. For an engine that computes its
+/// light from a lat-long, only what a file holds is baked: the background is for the preview.
 SceneNeeds needs_of(const BakeCommandOptions& options) {
   constexpr int kPolynomialBands = 3;
   SceneNeeds needs = options.scene.needs();
@@ -337,7 +337,7 @@ EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, 
   return chain;
 }
 
-/// Says of a pass that no scene leaves out why there is none.
+/// States for each pass that no scene leaves out why it is not run.
 void explain_folder(const BakeCommandOptions& options, Plan& planned) {
   if (!is_lat_long_folder(options)) return;
   for (PlannedPass& pass : planned.passes) {

@@ -182,7 +182,7 @@ void status_action(const BatchCommandOptions& options) {
               counted(status.troubles.size(), "job") + " of " + std::to_string(status.jobs) + " failed or differ");
 }
 
-/// A line for each result that is not in order.
+/// Returns a line for each result that is not in order.
 std::string problems_text(const BatchPlan& plan, const MergedBatch& merged) {
   std::string text;
   for (std::size_t job = 0; job < plan.jobs.size(); ++job) {

@@ -9,15 +9,15 @@ namespace {
 
 // Processor time beside the passes that a plan knows, measured on an EPYC (Zen 4, one thread, user time) whose cores
 // others used too: bakes of a photograph of 1024 x 512 with `--size 256`, less what the same bake costs without. They
-// decide what is a fair share, and no more.
-constexpr double kSecondsOfAJob = 0.004;           // opening, hashing and naming some eight files
+// only decide what is a fair share.
+constexpr double kSecondsOfAJob = 0.004;           // opening, hashing and naming eight files
 constexpr double kSecondsOfATexel = 20e-9;         // reading one
 constexpr double kSecondsOfAByte = 2e-9;           // writing one, of the results in memory
-constexpr double kSecondsOfPreviews = 0.12;        // of balls of the default size
+constexpr double kSecondsOfPreviews = 0.12;        // of spheres of the default size
 constexpr double kSecondsOfLatLongTexel = 240e-9;  // resampled from the background
 constexpr double kSecondsOfPhongTexel = 100e-9;    // of a chain
 constexpr double kSecondsOfCharlieTexel = 470e-9;
-constexpr double kSecondsOfCharlie = 0.5;  // of its chain besides: its sharpest lobe wants many bands
+constexpr double kSecondsOfCharlie = 0.5;  // of its chain as well: its sharpest lobe needs many bands
 
 double texels_of_chain(double size) { return 6.0 * size * size * 4.0 / 3.0; }
 
@@ -40,7 +40,7 @@ double encoding_of(const OutputFile& file) {
   return seconds;
 }
 
-/// Of a lat-long that stands alone in an engine's folder the picture's own size, else the background's.
+/// Returns the picture's own size for a lat-long that stands alone in an engine's folder, else the background's.
 double lat_long_texels(const Prediction& prediction, const BakeCommandOptions& options) {
   const double face = std::max(1, options.background_size > 0 ? options.background_size : options.specular.size);
   const bool is_alone = is_engine_folder(options) && !contains(options.files, Content::background);
@@ -63,7 +63,7 @@ double texels_in(const OutputFile& file, const Prediction& prediction, const Bak
   }
 }
 
-/// Whether the scene leaves it out.
+/// Returns whether the scene leaves it out.
 bool is_needed(Content content, const SceneNeeds& needs) {
   switch (content) {
     case Content::lat_long:

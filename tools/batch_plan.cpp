@@ -165,7 +165,7 @@ void add_list(const fs::path& list, const std::vector<std::string>& options, std
   });
 }
 
-/// The name, with a number where it is taken. `taken`: of each name the number that is to be tried next.
+/// Returns the name, with a number where it is taken. `taken`: of each name the number that is to be tried next.
 std::string numbered(const std::string& name, std::map<std::string, int>& taken) {
   if (taken.emplace(name, 2).second) return name;
   std::string unique;
@@ -174,7 +174,7 @@ std::string numbered(const std::string& name, std::map<std::string, int>& taken)
   return unique;
 }
 
-/// The name without its ending, and with a number where another job has it.
+/// Returns the name without its ending, with a number where another job has it.
 std::string unique_name(const Wish& wish, std::map<std::string, int>& taken) {
   std::string name = wish.name;
   if (name.empty()) name = platform::utf8(platform::path_of(wish.input).filename());

@@ -53,8 +53,8 @@ void write_batch_plan(const BatchPlan& plan);
 /// Throws `Error`: file_access, limit_exceeded; corrupt_file for what is no plan of this version.
 [[nodiscard]] BatchPlan read_batch_plan(const std::filesystem::path& file);
 
-/// For each job a name that a file may have and no other job gets: the job's own, with _ in the place of what separates
-/// folders. It follows from the plan alone.
+/// Returns for each job a file name that no other job has: the job's own, with _ in place of what separates folders. It
+/// follows from the plan alone.
 [[nodiscard]] std::vector<std::string> file_names_of(const BatchPlan& plan);
 
 /// The options of one job as `welkin bake` reads them; files that they name are looked for in `plan`'s folder.

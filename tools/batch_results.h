@@ -38,7 +38,7 @@ using ResultFiles = std::vector<ResultFile>;
 /// `inspect_environment`.
 [[nodiscard]] ContentHash result_key_of(const BakeCommandOptions& options, const std::vector<std::string>& words);
 
-/// The key of a job's result. Throws likewise, and invalid_argument for the job's options.
+/// Returns the key of a job's result. Throws the same, and invalid_argument for the job's options.
 [[nodiscard]] ContentHash result_key_of(const BatchPlan& plan, const BatchJob& job);
 
 /// What a result's folder says of its files. Nothing if there is none, or no sound result.json. Files are not looked

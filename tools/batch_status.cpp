@@ -101,7 +101,7 @@ bool is_whole(const fs::path& result) {
   return files && has_files(result, *files);
 }
 
-/// The result of the input as it is now.
+/// Returns the result of the input as it is now.
 bool has_result(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
   try {
     return is_whole(results / result_key_of(plan, job).text());
@@ -113,7 +113,7 @@ bool has_result(const BatchPlan& plan, const BatchJob& job, const fs::path& resu
 Standing standing_of(const BatchPlan& plan, std::size_t job, const Known& known, const fs::path& results) {
   if (!known.last) return Standing::left;
   if (known.last->state == JobState::failed) {
-    // Which came last, clocks of several machines cannot say: one may be ahead. The input tells.
+    // Clocks of several machines do not show which came last, as one may be ahead. The input decides.
     return known.is_made && has_result(plan, plan.jobs[job], results) ? Standing::done : Standing::failed;
   }
   if (!hash_in(known.last->result)) return Standing::left;

@@ -7,8 +7,8 @@
 
 namespace welkin::tool {
 
-/// The light that a clamp at `largest` takes away, as a share of all light: of luminance, by solid angle. 0 where there
-/// is no light. Pixels are RGB floats, negative ones without light.
+/// Returns the light that a clamp at `largest` takes away as a share of all luminance, by solid angle; 0 if there is no
+/// light. Pixels are RGB floats; negative values count as no light.
 [[nodiscard]] double share_beyond(const LatLongView& picture, const glm::dvec3& largest);
 [[nodiscard]] double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest);
 

@@ -53,7 +53,7 @@ std::string first_clause(const std::string& text) {
   return text.substr(0, end);
 }
 
-/// The first clause and, where a later one states it, the default: "Texels along an edge (default 256)".
+/// Returns the first clause and, if a later one states it, the default: "Texels along an edge (default 256)".
 std::string short_text(const std::string& text) {
   constexpr std::string_view kWord = "efault";  // with or without a capital
   const std::string clause = first_clause(text);

@@ -102,7 +102,7 @@ std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std:
 /// Writes files and lists them.
 class TableFolder {
  public:
-  /// Until the new index is there nobody shall take the folder for whole.
+  /// Without an index the folder does not pass for complete until the new one is written.
   TableFolder(std::filesystem::path path, const std::vector<std::string>& names) : path_(std::move(path)) {
     check_output_folder(path_);
     std::filesystem::create_directories(path_);

@@ -76,7 +76,7 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint, 
   const auto fail = [&](ErrorCode code, const std::string& what) {
     throw Error(code, platform::utf8(path) + ": " + what);
   };
-  const auto reason = [] { return std::string(errno != 0 ? std::strerror(errno) : "the system does not say why"); };
+  const auto reason = [] { return std::string(errno != 0 ? std::strerror(errno) : "unknown reason"); };
   std::error_code unknown;
   const std::filesystem::file_status status = std::filesystem::status(path, unknown);
   const bool is_readable =

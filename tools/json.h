@@ -129,8 +129,8 @@ void read_list(const Json& list, const std::string& where,
 
 inline constexpr std::uintmax_t kMostJsonBytes = std::uintmax_t{1} << 20U;
 
-/// Whether a file that a person names may be a pipe, which is read once. Where others may put one it would be waited
-/// for.
+/// Whether a file may be a pipe, which is read once. A person may name one; where others can put one, reading it would
+/// block.
 enum class Pipes { refused, read };
 
 /// Reads and parses a regular file of at most `most` bytes that nests no deeper than 8. Throws `Error`: file_access

@@ -19,9 +19,7 @@ constexpr std::size_t kLongestLine = std::size_t{1} << 20U;
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30U;
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
 
-std::string system_reason() {
-  return errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
-}
+std::string system_reason() { return errno != 0 ? std::generic_category().message(errno) : "unknown reason"; }
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr const char* kRemedy = "; move it away, or pass another folder to -o";
   throw Error(ErrorCode::file_access, platform::utf8(path) + ": " + what + kRemedy);
 }
 
-/// What a link leads to counts: that is what would be replaced.
+/// The target of a link counts, as it would be replaced.
 void require_replaceable(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::filesystem::file_status status = std::filesystem::status(path, unknown);
@@ -39,7 +39,7 @@ const Json* member(const Json& object, std::string_view name) {
   return found == object.members().end() ? nullptr : &found->second;
 }
 
-/// Its list of files; none if the file is not one of ours.
+/// Returns its list of files; none if the file is not a list of the command.
 std::optional<Json> files_listed_in(const std::filesystem::path& path) {
   try {
     const Json list = read_json_file(path, "");
@@ -65,13 +65,13 @@ std::string names_text(const std::vector<std::string>& names) {
 }  // namespace
 
 OwnFiles::OwnFiles(std::filesystem::path folder, const FileSet& set) : folder_(std::move(folder)), set_(set) {
-  // Another run may begin or end meanwhile: whenever it does, one of these is there.
+  // Another run may begin or end meanwhile; one of these is there at any time.
   for (const std::filesystem::path& list : {folder_ / set_.index, unfinished(), folder_ / set_.index}) add_listed(list);
 }
 
 std::filesystem::path OwnFiles::unfinished() const { return folder_ / (std::string("unfinished_") + set_.index); }
 
-/// A list may be anybody's: names of other files, or in other places, are passed over.
+/// A list may be forged: names that the command does not give, or in other folders, are ignored.
 void OwnFiles::add_listed(const std::filesystem::path& list) {
   if (!is_there(list)) return;
   require_replaceable(list);

@@ -1,4 +1,4 @@
-// Files that a command writes as a set into a folder: which of those that are there an earlier run wrote.
+// Files that a command writes as a set into a folder, and which of those present an earlier run wrote.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +19,20 @@ struct FileSet {
 };
 
 /// The files of a set in one folder. Those that the index lists are the command's own and may be replaced; any other
-/// file of a name that is to be written is somebody's, and is refused.
+/// file with a name that is to be written is refused.
 ///
 /// While a set is written there is no index, but `unfinished_NAME`, which lists what the earlier index listed and what
-/// is being written. So a run that was killed leaves a folder in which the next one knows its files.
+/// is being written. So a run that was killed leaves a list for the next one.
 class OwnFiles {
  public:
   /// Reads the lists of an earlier run. Throws `Error` (file_access) if the index is there and is not the command's.
   OwnFiles(std::filesystem::path folder, const FileSet& set);
 
-  /// Throws `Error` (file_access), naming the file, if one of these names is that of something that cannot be replaced
-  /// (a folder, a pipe, a device) or of a file that no list has.
+  /// Throws `Error` (file_access), naming the file, if one of these names belongs to something that cannot be replaced
+  /// (a folder, a pipe, a device) or to a file that is on no list.
   void require(const std::vector<std::string>& names) const;
 
-  /// Lists these names as unfinished, and takes the index away. Throws as `require`.
+  /// Lists these names as unfinished, and removes the index. Throws as `require`.
   void begin(const std::vector<std::string>& names) const;
 
   /// Writes the index, and removes the files of the earlier run that are not among `written`: regular files of this
@@ -47,7 +47,7 @@ class OwnFiles {
 
   std::filesystem::path folder_;
   FileSet set_;
-  std::map<std::string, std::optional<std::uint64_t>> listed_;  ///< with its length, where the run lived to see it
+  std::map<std::string, std::optional<std::uint64_t>> listed_;  ///< with its length, if the run recorded it
 };
 
 }  // namespace welkin::tool

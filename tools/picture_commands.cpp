@@ -99,14 +99,14 @@ Examples:
 
 Units: linear radiance in no particular unit, from 0 to 28000 in the sun.)";
 
-// What they share.
+// Shared by these commands.
 
 struct OutputOptions {
   std::string path;            ///< "-": standard output
   std::string format = "exr";  ///< of standard output, whose name does not tell
   WriteOptions write;
   int size = 0;                 ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
-  const char* if_clamped = "";  ///< what the note about clamped values says besides
+  const char* if_clamped = "";  ///< what the note about clamped values also says
 };
 
 /// A lat-long's height for its width: half, rounded up.
@@ -232,7 +232,7 @@ struct ConvertOptions {
   std::optional<double> exposure_stops;  ///< none: by the picture
 };
 
-/// Puts what a screen shows, from 0 to 1, in the place of radiance, if the options ask for it. `reduced`: returns the
+/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `reduced`: returns the
 /// picture as a cubemap of so many texels.
 template <class Reduced>
 void tone_map(const ConvertOptions& options, const Reduced& reduced, std::span<float> rgb) {
@@ -263,7 +263,7 @@ void require_memory(const ConvertOptions& options, const Environment& source, st
                   "; ask for a smaller --size or raise --memory-limit");
 }
 
-/// All texels of what was read.
+/// Returns all texels of what was read.
 std::span<float> values_of(const Environment& source) {
   const auto face = static_cast<std::size_t>(source.face_size());
   const std::size_t texels =
@@ -416,7 +416,7 @@ std::string draw_and_write(const TestmapOptions& options) {
   return write_output(output, map.view(), writing);
 }
 
-/// The name. Throws `Error` (file_access) if a file of that name is there.
+/// Returns the name. Throws `Error` (file_access) if a file of that name exists.
 std::string new_file(const std::string& name) {
   std::error_code unknown;
   if (!std::filesystem::exists(std::filesystem::symlink_status(name, unknown))) return name;

@@ -250,7 +250,7 @@ Hit traced(const std::vector<Box>& boxes, const dvec3& from, const dvec3& unit) 
   return first;
 }
 
-/// Whether nothing but a lamp is in the way.
+/// Returns whether nothing but a lamp is in the way.
 bool is_free(const std::vector<Box>& boxes, const dvec3& from, const dvec3& unit, double distance) {
   const dvec3 inverse = inverse_of(unit);
   return std::none_of(boxes.begin(), boxes.end(),
@@ -272,7 +272,7 @@ struct Square {
   bool is_inside = false;  ///< else it is on the outside of the house
 };
 
-/// Which face of a box, of -x +x -y +y -z +z.
+/// A face of a box: of -x +x -y +y -z +z.
 struct Side {
   explicit Side(int face) : axis(face / 2), u((axis + 1) % 3), v((axis + 2) % 3), is_high(face % 2 == 1) {
     normal[axis] = is_high ? 1.0 : -1.0;

@@ -118,7 +118,7 @@ std::string engine_lines(const EngineLight& light) {
   return text + indented(light.formula);
 }
 
-/// What is said of an engine that takes no harmonics.
+/// Returns the lines about an engine that takes no harmonics.
 std::string no_form_lines(const ShReport& report) {
   if (has_engine_light(report.engine)) return "";
   const Convention& engine = convention(report.engine);
@@ -351,7 +351,7 @@ std::string sh_json(const ShReport& report) {
 
 namespace {
 
-/// Whether an engine's form stands in place of the canonical coefficients, which are Welkin's own.
+/// Returns whether an engine's form is printed in place of the canonical coefficients, which are Welkin's own.
 bool asks_for_form(const ShReport& report) { return report.engine_light && report.engine != Engine::welkin; }
 
 std::string remark(const std::string& text) {
@@ -520,7 +520,7 @@ std::string arrays(const std::string& name, const ShReport& report) {
   return text;
 }
 
-/// The comment at the head of a file, and in it the `remark`.
+/// Returns the comment at the head of a file, with the `remark` in it.
 std::string head(const ShReport& report, const std::string& remark) {
   return comment("Light of " + printable(portable_path(report.source.path)) +
                  ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes + remark);

@@ -51,7 +51,7 @@ struct Bc6hCubemap {
 /// threads. Throws `Error`: invalid_argument (an uneven chain), cancelled.
 /// Error halves where the size of the faces doubles. A level of fewer than 32 texels has little in a block that is
 /// alike: of 256 texels' chains with `normal`, 2.6 % at 16 texels, 4 to 5 % below. The ends of a level's brightest
-/// blocks are chosen so that the mean of each channel is right from 16 texels on, within 0.5 % (signed: 0.8).
+/// blocks are chosen so that from 16 texels on the mean of each channel is within 0.5 % (signed: 0.8 %).
 [[nodiscard]] Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& options = {},
                                       const Control& control = {});
 

@@ -47,7 +47,7 @@ using vec3 = glm::vec<3, float, glm::packed_highp>;
 /// Three doubles without padding: a direction (x, y, z) or a colour (r, g, b).
 ///
 /// A direction or normal that a call takes may have any length: it is normalised, unless its length is 1 already. One
-/// that is zero or not finite is an `Error` (invalid_argument). Directions that calls give have length 1.
+/// that is zero or not finite is refused with an `Error` (invalid_argument). Returned directions have length 1.
 using dvec3 = glm::vec<3, double, glm::packed_highp>;
 /// Four doubles without padding.
 using dvec4 = glm::vec<4, double, glm::packed_highp>;

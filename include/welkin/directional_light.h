@@ -49,7 +49,7 @@ struct SunOptions {
 
 /// A sun that was taken out of an environment.
 struct Sun {
-  dvec3 direction{};         ///< unit, towards the centre of its light: the mean over texels' areas, by luminance
+  dvec3 direction{};         ///< unit, towards the centre of its light: mean over its texels' areas, by luminance
   dvec3 irradiance{};        ///< of the directional light: what was taken out, integral of (L - what was left) dw
   dvec3 radiance{};          ///< its mean: irradiance / solid angle
   double solid_angle = 0.0;  ///< of the texels of the spot, steradians

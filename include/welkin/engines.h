@@ -79,7 +79,7 @@ struct BabylonPolynomial {
 /// for every normal, no direction in it. Exactly `colour` in xx, yy and zz, zero elsewhere.
 [[nodiscard]] BabylonPolynomial babylon_constant_polynomial(const dvec3& colour);
 
-/// Returns the polynomial's value for a normal. Throws `Error` (invalid_argument).
+/// Returns the polynomial's value for a normal. Throws `Error` (invalid_argument) for one that is zero or not finite.
 [[nodiscard]] dvec3 evaluate(const BabylonPolynomial& polynomial, const dvec3& normal);
 
 // ---- Diffuse light in an engine's own form
@@ -109,7 +109,8 @@ struct EngineLight {
   std::vector<EngineVector> vectors;
 };
 
-/// Whether the engine has a form: not openexr, blender, bevy, usd. The `formula` of Welkin's own is a GLSL function.
+/// Returns whether the engine has a form: openexr, blender, bevy and usd have none. The `formula` of Engine::welkin is
+/// a GLSL function.
 [[nodiscard]] bool has_engine_light(Engine engine) noexcept;
 
 /// The terms of an engine's form from radiance in Welkin's axes: turned to the engine's axes

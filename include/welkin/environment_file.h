@@ -128,8 +128,8 @@ enum class Primaries {
   as_stored,  ///< the file's numbers as they are (XYZ stays XYZ)
 };
 
-/// How a file is read. A part, layer, level or element that the file does not have is refused (unsupported_file), also
-/// where its format has none; part "0", level 0 and element 0 are in every file.
+/// How a file is read. A part, layer, level or element that the file does not have is refused (unsupported_file), even
+/// if its format has no such thing; part "0", level 0 and element 0 are in every file.
 struct ReadOptions {
   Layout layout = Layout::automatic;  ///< how the picture holds the sphere; automatic: header, shape or name tell
 

@@ -18,13 +18,13 @@ namespace WELKIN_EXPORT welkin {
 [[nodiscard]] double exposure_of(const SphericalHarmonics& radiance);
 
 /// Returns the exposure of `welkin bake`'s previews. It takes the 75th percentile of the lit texels' luminance, by
-/// solid angle, to 0.36, a stop above middle grey. Lit are texels of at least 1/32 of the mean, for which luminance
-/// above its 99th percentile counts as that percentile: neither the black around a studio's lamps nor a sun moves the
-/// result. What is not a number, or below 0, counts as black. Returns 1 if there is no light. Costs a sort of the
-/// texels, with 16 bytes each; a mip of 32 texels per edge gives nearly the same. Throws `Error` (invalid_argument) for
+/// solid angle, to 0.36, a stop above middle grey. Lit texels are those of at least 1/32 of the mean, for which
+/// luminance above its 99th percentile counts as that percentile: neither the black around a studio's lamps nor a sun
+/// changes the result. NaN and values below 0 count as black. Returns 1 if there is no light. Sorts the texels, with 16
+/// bytes of memory per texel; a mip of 32 texels per edge gives nearly the same. Throws `Error` (invalid_argument) for
 /// a view that is not valid.
 [[nodiscard]] double exposure_of(const CubemapView& picture);
-/// Returns the same of a lat-long.
+/// Returns the same for a lat-long.
 [[nodiscard]] double exposure_of(const LatLongView& picture);
 
 }  // namespace welkin

@@ -81,8 +81,8 @@ struct ImportanceTable {
   /// beside a bright one and pick others for them. Cost: two binary searches.
   [[nodiscard]] ImportanceSample sample(double across, double down) const;
 
-  /// Returns the density at a direction: what `sample` gives with it. 0 where nothing is sampled. Throws `Error`
-  /// (invalid_argument).
+  /// Returns the density per steradian at a direction, as `sample` gives it: 0 where nothing is sampled. Throws `Error`
+  /// (invalid_argument) for a direction that is zero or not finite.
   [[nodiscard]] double density(const dvec3& direction) const;
 };
 

@@ -25,7 +25,7 @@ namespace WELKIN_EXPORT welkin {
 /// each taken at its centre. Error: below 1e-5 of pi times the radiance near the horizon at every size, below 1e-6 from
 /// 512 x 256 or 256 x 256 texels on.
 ///
-/// `pixels` acts as in `project`. Cost: some 5 ns per texel, normal and thread. The same bits on any number of threads.
+/// `pixels` acts as in `project`. Cost: 5 ns per texel, normal and thread. The same bits on any number of threads.
 /// Throws `Error`: invalid_argument (view, policy, normals, none or more than 100 000 of them), rejected_pixel,
 /// cancelled.
 [[nodiscard]] std::vector<dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const dvec3> normals,

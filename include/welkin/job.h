@@ -161,7 +161,7 @@ class Job : public JobHandle {
   bool taken_ = false;
 };
 
-/// The job that a posted request gives: `JobOf<BakeFile>`.
+/// The type of the job that posting a request returns, such as `JobOf<BakeFile>`.
 template <class Request>
 using JobOf = Job<detail::ResultOf<std::decay_t<Request>>>;
 

@@ -16,7 +16,7 @@ namespace WELKIN_EXPORT welkin {
 /// Returns where a direction lies on the square from (0, 0) to (1, 1), column first: +z in its middle, +x to the right,
 /// +y down, -z in all four corners. With n = |x| + |y| + |z| it is ((x / n, y / n) + 1) / 2, and where z is below 0
 /// that point is folded over the nearest side of the inner diamond (Meyer et al. 2010, "On Floating-Point Normal
-/// Vectors"). Throws `Error` (invalid_argument).
+/// Vectors"). Throws `Error` (invalid_argument) for a direction that is zero or not finite.
 [[nodiscard]] std::array<double, 2> octahedral_place(const dvec3& direction);
 
 /// The way back; of unit length. Beyond an edge of the square the sphere goes on: place (-a, b) is (a, 1 - b), up to a
@@ -59,7 +59,7 @@ struct OctahedralMap {
 /// Makes each level of the map from the chain's level of that number. A texel is the mean, by solid angle, of the
 /// cubemap's bilinear interpolation over the part of the sphere that the texel covers. Uniform light stays uniform, and
 /// each texel of the cubemap keeps its light: within 0.6 % from 32 texels along an edge of the cubemap on, within 5 %
-/// from 4 on. Texels of the border are copies. Takes memory for a copy of the cubemap's level.
+/// from 4 on. Texels of the border are copies. Allocates a copy of the cubemap's level.
 /// The same bits on any number of threads and instruction set. Throws `Error`: invalid_argument (options, too few
 /// levels), cancelled.
 [[nodiscard]] OctahedralMap to_octahedral(const CubemapChain& chain, const OctahedralOptions& options = {},

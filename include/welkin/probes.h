@@ -130,7 +130,7 @@ struct BakedProbes {
 /// - Radiance: `project_many`, with its bits and errors.
 /// - Distances: texels are averaged first in blocks, so that no more than 16 blocks lie along an edge (exactly, by
 ///   solid angle). A map's texel is the mean of blocks by solid angle times max(0, cosine)^power of the angle between
-///   the texel's direction and the middle of the block, corrected for what varies within it (docs/probes.md).
+///   the texel's direction and the middle of the block, corrected for variation within the block (docs/probes.md).
 /// - Validity: by the solid angles of texels.
 /// - Dilation: see `dilate`.
 /// - Visibility of the sky: as `project` with exact quadrature, so many bands as relighting needs.
@@ -197,8 +197,8 @@ struct ProbeSampling {
 /// it by trilinear weights, each times the weights that `sampling` asks for, their sum being 1. Outside of the
 /// grid the trilinear weights are those of the nearest place in it. Computed in floats by the code that
 /// `probe_sampling_code` gives; light that floats cannot sum is scaled first. Throws `Error` (invalid_argument) for
-/// probes whose arrays do not have the lengths that they must or hold coefficients that are not finite where they
-/// count, and for a place, normal or bias that is out of range.
+/// probes whose arrays do not have the lengths that they must or hold coefficients in use that are
+/// not finite, and for a place, normal or bias that is out of range.
 [[nodiscard]] dvec3 probe_irradiance(const BakedProbes& probes, const dvec3& position, const dvec3& normal,
                                      const ProbeSampling& sampling = {});
 

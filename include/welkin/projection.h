@@ -125,7 +125,7 @@ struct ProjectionDiagnostics {
   dvec3 total_radiance{};               ///< the same as it was projected
 
   /// Estimated relative error |c - c*| / |c*| of the radiance coefficients, c* being the exact integral of
-  /// the source's texels as areas. Not below the true one, but for a level of a mip chain, where it is a guess.
+  /// the source's texels as areas. Not below the true error, except for a level of a mip chain, where it is a guess.
   double error_estimate = 0.0;
 
   std::vector<PassRecord> passes;  ///< wall time of each step
@@ -169,7 +169,7 @@ struct Projection {
 /// `coefficients[bands^2 k]` on, in the order of `SphericalHarmonics::coefficients`.
 ///
 /// Small ones (to 129 texels an edge) are projected whole by one thread each, side by side, and take no memory of
-/// their own (but where they are reduced to a target size); larger ones one after the other by all
+/// their own (except where they are reduced to a target size); larger ones one after the other by all
 /// threads. The diagnostics are of all probes together: counts and total radiance are sums, the error estimate is the
 /// largest. The same bits on any number of threads.
 ///

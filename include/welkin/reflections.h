@@ -41,7 +41,7 @@ struct PrefilterOptions {
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle
   /// Bound on |result - truth| / truth at any texel. A channel that is darker than 1e-6 / `maximum_error` of the root
-  /// mean square of its mip (without very bright lights) may miss it: the pass "mip N: dark channels" says so.
+  /// mean square of its mip (without very bright lights) may exceed it: the pass "mip N: dark channels" reports it.
   double maximum_error = 1e-2;
 
   int samples = 1024;  ///< of the sampled method, a texel
@@ -100,8 +100,8 @@ struct PrefilteredSpecular {
 [[nodiscard]] PrefilteredSpecular prefilter_specular(const CubemapView& source, const PrefilterOptions& options = {},
                                                      const Control& control = {});
 
-/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per
-/// direction. Cost: some 10 ns per source texel and direction. Throws `Error` (invalid_argument, cancelled).
+/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction.
+/// Cost: 10 ns per source texel and direction. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] std::vector<dvec3> reference_specular(const LatLongView& source, double roughness,
                                                     const std::vector<dvec3>& directions, const Control& control = {});
 [[nodiscard]] std::vector<dvec3> reference_specular(const CubemapView& source, double roughness,

@@ -40,8 +40,9 @@ enum class ResampleFilter {
 /// From a cubemap to a lat-long by `area`, likewise turned: each texel is the mean of the cube's texels, as areas of
 /// one value each, over its own area. Total radiance is kept to rounding; where the result is finer, the cube's texels
 /// show.
-/// From a lat-long to one of its size, turned about y by a share of a texel or so mirrored: each row is resampled along
-/// itself by cubic convolution, each result limited to the four texels around it, the row's sum kept to rounding.
+/// From a lat-long to one of the same size, rotated about y by a fraction of a texel and mirrored or not: each row is
+/// resampled along itself by cubic convolution. Each result is limited to the range of the four texels around it, and
+/// the row's sum is kept to rounding.
 /// Else each texel of the result is the mean, by solid angle, of the source's bilinear interpolation over the texel's
 /// area, at evenly spaced samples. Along either edge these are the source's texels a radian where they lie closest
 /// (cube: size; lat-long: width / 2 pi or height / pi, the larger) over the result's where they lie widest apart (cube:

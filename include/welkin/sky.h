@@ -159,9 +159,9 @@ class SkyView {
   /// The observer's, above the ground.
   [[nodiscard]] double altitude_m() const noexcept;
 
-  /// Returns the radiance that arrives from a direction, the sun standing towards `sun`, without its disc. Not
-  /// negative, finite. Allocates nothing. Below the lowest sun of the tables it is that one's sky, faded to nothing at
-  /// the nadir. Cost: some 0.3 us.
+  /// Returns the radiance that arrives from a direction, without the sun's disc; `sun`: towards the sun. It is finite
+  /// and not negative. Below the lowest sun of the tables it is the sky of that sun, faded to nothing at the nadir.
+  /// Allocates nothing. Cost: 0.3 us. Throws `Error` (invalid_argument) for directions that are zero or not finite.
   [[nodiscard]] dvec3 radiance(const dvec3& direction, const dvec3& sun) const;
 
   /// The same for many directions, in lanes: packed x y z, packed rgb. The bits of the call above for the same floats.
@@ -269,7 +269,7 @@ struct SkyCurveOptions {
 ///
 /// Against the projection it is made of, at the default 256 nodes on the ground: 4e-4 from 90 to -6 degrees, 6e-3 to
 /// -9, 2e-2 to -12, 1e-1 to -18, where the tables' own interpolation between suns is no smoother than that. The direct
-/// sun is that of the view to 1e-3, while its disc sets, too.
+/// sun agrees with the view's to 1e-3, also while its disc sets.
 class SkyCurve {
  public:
   /// Parallel over elevations; the same bits on any number of threads and instruction set.

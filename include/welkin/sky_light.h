@@ -13,7 +13,7 @@
 //   intensity            a factor
 //   sun's elevation      the curve, at once; reflections anew, later, once it moved by `specular_threshold_degrees`
 //   altitude             a new curve (milliseconds) and new reflections, later
-//   atmosphere           new tables (seconds), curve and reflections, later; other jobs pass them
+//   atmosphere           new tables (seconds), curve and reflections, later; other jobs run in between
 //   below the threshold  nothing
 #pragma once
 
@@ -100,9 +100,9 @@ struct SkyLightCounters {
 /// atmosphere that changes every frame is seen as it was when the last tables were begun, and a storm of moves costs no
 /// more than one.
 ///
-/// While tables are made, each thread of the worker that makes them runs other jobs of the worker first, one after each
-/// piece of some milliseconds: an environment that is posted later does not wait for the tables. (In a lent executor
-/// only the threads that jobs are run on do so.)
+/// While tables are made, each thread of the worker that makes them runs one waiting job after each piece, which takes
+/// milliseconds: an environment that is posted later does not wait for the tables. (In a lent executor only the threads
+/// that run jobs do so.)
 ///
 /// If the worker lets go of a request (it is full, or was terminated), `error()` says so, the light stays what it was,
 /// and the next call of any `set_` asks again.
@@ -125,7 +125,7 @@ class SkyLight {
 
   /// Degrees; azimuth from +z towards +x.
   void set_sun(double elevation_degrees, double azimuth_degrees);
-  /// Towards it.
+  /// Sets the direction towards the sun.
   void set_sun(const dvec3& direction);
   /// A factor of all light, 0 to 1e12.
   void set_intensity(double intensity);

@@ -45,8 +45,8 @@
  *
  * Numbers. A direction is three doubles x, y, z; a colour is r, g, b; a 3 x 3 matrix is nine doubles, column after
  * column. A direction or normal that a call takes may have any length: it is normalised, unless its length is 1. One
- * that is zero or not finite is WELKIN_INVALID_ARGUMENT. Directions that calls give have length 1. docs/c.md leads
- * through the whole with examples.
+ * that is zero or not finite is WELKIN_INVALID_ARGUMENT. Returned directions have length 1. docs/c.md leads through the
+ * whole with examples.
  */
 /* NOLINTBEGIN(modernize-*): this is C */
 #ifndef WELKIN_WELKIN_H
@@ -68,9 +68,10 @@
 extern "C" {
 #endif
 
-/* The version of this interface. It rises when something is added; nothing is taken away or changed. A program runs
- * with every library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as
- * it leaves what is new alone. */
+/* The version of this interface. It rises when something is added. Nothing is taken away or changed, with one
+ * exception: the value 0 of `welkin_thread_priority` has another meaning since version 3. A program runs with every
+ * library whose `welkin_c_version()` is not below its own WELKIN_C_VERSION, and with older ones as long as it leaves
+ * what is new alone. */
 #define WELKIN_C_VERSION 3
 
 /* The library's own WELKIN_C_VERSION, which may differ from the one that the program was compiled with. */
@@ -175,8 +176,8 @@ enum {
   WELKIN_PRIMARIES_AS_STORED = 1 /* the file's numbers as they are */
 };
 
-/* How a file is read. A part, layer, level or element that the file does not have is refused (unsupported file), also
- * where its format has none; part "0", level 0 and element 0 are in every file. */
+/* How a file is read. A part, layer, level or element that the file does not have is refused (unsupported file), even
+ * if its format has no such thing; part "0", level 0 and element 0 are in every file. */
 typedef struct welkin_read_options {
   uint32_t struct_size;
   welkin_layout layout; /* how the picture holds the sphere */
@@ -1003,7 +1004,7 @@ typedef struct welkin_job welkin_job;
 /* How the system ranks a worker's threads against all others. */
 typedef int32_t welkin_thread_priority;
 enum {
-  WELKIN_THREAD_PRIORITY_DEFAULT = 0, /* below; IDLE until version 2 */
+  WELKIN_THREAD_PRIORITY_DEFAULT = 0, /* BELOW; it was IDLE in versions 1 and 2 */
   WELKIN_THREAD_PRIORITY_BELOW = 1,   /* a tenth of a normal thread's share */
   WELKIN_THREAD_PRIORITY_NORMAL = 2,
   WELKIN_THREAD_PRIORITY_IDLE = 3 /* runs only on processors that nothing else wants, if there are any */
@@ -1047,7 +1048,7 @@ typedef struct welkin_worker_load {
   uint64_t undrained;               /* callbacks that the next drain would call */
   uint64_t jobs;                    /* in flight, as `max_jobs` counts them */
   uint64_t bytes;                   /* in flight, as `max_bytes` counts them */
-  uint64_t oldest_wait_nanoseconds; /* how long the longest of those that wait has waited; 0: none waits */
+  uint64_t oldest_wait_nanoseconds; /* for which the oldest that waits has waited; 0: none waits */
 } welkin_worker_load;
 
 /* Makes a worker; `options` may be null. WELKIN_INVALID_ARGUMENT, WELKIN_OUT_OF_MEMORY, WELKIN_INTERNAL if no thread

@@ -74,8 +74,8 @@ struct WorkerOptions {
   /// the worker may run on.
   int threads = 0;
 
-  /// Of the worker's threads against all others of the machine. `idle` disturbs frames least, and delivers nothing
-  /// for as long as other programs keep all processors busy.
+  /// The rank of the worker's threads among all threads of the machine. `idle` disturbs frames least, and delivers
+  /// nothing while other programs keep all processors busy.
   ThreadPriority thread_priority = ThreadPriority::below;
 
   /// Of the threads, as debuggers and profilers show it; a number is put behind it. Linux keeps 15 characters.
@@ -113,8 +113,8 @@ struct WorkerLoad {
   std::size_t waiting =
       0;  ///< computations that no thread has started, continuations of unfinished jobs not among them
   std::size_t running = 0;  ///< computations
-  /// How long the computation that has waited longest has waited for a thread; 0 if none waits. It rises for seconds
-  /// where the worker's threads get no processor, or a long request has them all.
+  /// The time for which the oldest waiting computation has waited for a thread; 0 if none waits. It rises to seconds if
+  /// the worker's threads get no processor, or long requests occupy them all.
   std::chrono::nanoseconds oldest_wait{0};
   std::size_t undrained = 0;  ///< callbacks that the next `drain()` would call
   std::size_t jobs = 0;       ///< in flight, as `max_jobs` counts them
@@ -184,7 +184,7 @@ class Worker {
   /// Waits until nothing waits or runs; not for callbacks. Not on the worker's own threads: it returns at once.
   void wait_until_idle();
 
-  /// What the worker has in hand at this moment. Looks at each computation that waits.
+  /// Returns what the worker has in hand at this moment. Cost: proportional to the number of waiting computations.
   [[nodiscard]] WorkerLoad load() const;
 
   /// How many jobs it runs at once: its threads, or what its executor says.

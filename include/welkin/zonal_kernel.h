@@ -100,8 +100,8 @@ struct KernelChainOptions {
 [[nodiscard]] PrefilteredSpecular prefilter_by_kernels(const CubemapView& source, const KernelChainOptions& options,
                                                        const Control& control = {});
 
-/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per
-/// direction. Slow. Throws `Error` (invalid_argument, cancelled).
+/// The truth at chosen directions, in double over all of the source's texels as areas: one entry per direction. Slow.
+/// Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] std::vector<dvec3> reference_by_kernel(const LatLongView& source, const ZonalKernel& kernel,
                                                      const std::vector<dvec3>& directions, const Control& control = {});
 [[nodiscard]] std::vector<dvec3> reference_by_kernel(const CubemapView& source, const ZonalKernel& kernel,

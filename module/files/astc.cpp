@@ -96,7 +96,7 @@ float quality_of(AstcEffort effort) {
   throw Error(ErrorCode::invalid_argument, "the effort for ASTC is not one of the enumerators; pass one of them");
 }
 
-/// Smaller levels have so few blocks that a mean that is right takes visible changes.
+/// In smaller levels, which have few blocks, visible changes would be needed to keep the mean.
 constexpr int kBalancedWidth = 16;
 
 /// Blocks of one picture that are encoded together: neighbours in one row of blocks.
@@ -141,7 +141,7 @@ Area area_of(const LatLongView& view, const Tile& tile, int edge) {
   return {left, top, std::min(tile.blocks * edge, view.width - left), std::min(edge, view.height - top)};
 }
 
-/// Texels of a picture as floats that halves hold, and returns how many were clamped.
+/// Writes texels of a picture as floats that halves hold, and returns how many were clamped.
 std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& picture) {
   const auto [left, top, width, height] = area;
   std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(width));
@@ -175,8 +175,8 @@ void add_light(const Area& area, int edge, const float* rgba, image::BlockLight*
   }
 }
 
-/// Encodes a level's brightest blocks again until each channel's mean is as the level's, as far as they can: astcenc is
-/// given texels that are scaled by what it lost of them.
+/// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: astcenc gets texels that
+/// are scaled by what it lost of them.
 class Balancer {
  public:
   Balancer(const std::vector<LatLongView>& pictures, int edge, astcenc_context* context,
@@ -208,7 +208,7 @@ class Balancer {
   using Sums = image::ChannelSums;
   static constexpr int kSweeps = 3;
   static constexpr int kTrials = 32;
-  /// Means that are off by so much in all are worth a level's mean squared relative error of 1.
+  /// A total error of the means of this size costs as much as a mean squared relative error of 1.
   static constexpr double kWorth = 0.01;
 
   [[nodiscard]] int across() const { return (pictures_.front().width + edge_ - 1) / edge_; }

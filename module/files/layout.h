@@ -100,7 +100,7 @@ void copy_segment(const float* from, float* to, int size, bool mirrored) noexcep
 
 /// Throws `Error` (unsupported_file) for a level that is not there. Needs `info.path`.
 void require_level(const EnvironmentInfo& info, int levels, int level);
-/// Throws `Error` (unsupported_file) for an element that is not there.
+/// Throws `Error` (unsupported_file) for an element that the file does not have.
 void require_element(const std::filesystem::path& path, int elements, int element);
 
 /// Fills in layout and sizes for a file whose format says that it holds six faces: a vertical strip of the level that

@@ -112,7 +112,7 @@ int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
   return info.layout == Layout::lat_long ? level.width : face_size(info.layout, level.width, level.height);
 }
 
-// What the projection of a level lost against the full size, and by itself.
+// The error of a level's projection against the full size, and its own.
 double level_error(const Projection& projection, const EnvironmentInfo& level) {
   const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
                                                        : face_size(level.layout, level.width, level.height);

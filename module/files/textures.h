@@ -35,10 +35,10 @@ namespace welkin::files {
 void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
             const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const stop_token& stop = {});
 
-/// What `require_unpacks` looks at: more than the first block of either library takes.
+/// The bytes that `require_unpacks` reads: more than the first block of either library takes.
 inline constexpr std::size_t kFirstPackedBytes = std::size_t{1} << 18U;
 
-/// Unpacks the first block of a packed level, to refuse what is no such level before room for the whole is allocated.
+/// Unpacks the first block of a packed level, to refuse a damaged one before memory for the whole is allocated.
 /// `first`: the level's first `kFirstPackedBytes`, or all of it where it is shorter; `unpacked_bytes`: of the whole.
 /// Throws `Error` (corrupt_file).
 void require_unpacks(Supercompression supercompression, const std::vector<std::uint8_t>& first,

@@ -116,8 +116,8 @@ struct Centre {
   int a, b;
 };
 
-/// Those texels whose images under the map's symmetries are all the texels. With an even number of them fold the
-/// square's halves of z above and below 0 onto each other.
+/// Returns the texels whose images under the map's symmetries are all texels. If `inner` is even, the symmetries
+/// include the exchange of the square's halves with z above and below 0.
 std::vector<Centre> texels_of_their_own(int inner) {
   std::vector<Centre> centres;
   for (int a = 1 - inner % 2; a < inner; a += 2) {

@@ -16,7 +16,7 @@ namespace {
 /// Cells of smaller cubes are cut into so many along a face: a piece's density of solid angle is then nearly straight.
 constexpr int kFewestCells = 32;
 
-/// Convex. Four corners, and at most one more for each of the nine lines that cut it.
+/// A convex polygon: four corners, and at most one more for each of the nine lines that cut it.
 template <class Point>
 struct Polygon {
   std::array<Point, 16> corners;
@@ -26,7 +26,7 @@ struct Polygon {
   [[nodiscard]] std::span<const Point> all() const noexcept { return {corners.data(), count}; }
 };
 
-/// Writes what lies on either side of the line on which `distance`, linear in the point, is 0.
+/// Writes the parts on either side of the line on which `distance`, linear in the point, is 0.
 template <class Point, class Distance>
 void split(const Polygon<Point>& from, const Distance& distance, Polygon<Point>& below,
            Polygon<Point>& above) noexcept {
@@ -47,7 +47,7 @@ void split(const Polygon<Point>& from, const Distance& distance, Polygon<Point>&
   }
 }
 
-/// What lies where `distance` is not below 0.
+/// Returns the part where `distance` is not below 0.
 template <class Point, class Distance>
 void keep(Polygon<Point>& polygon, const Distance& distance) noexcept {
   Polygon<Point> below;

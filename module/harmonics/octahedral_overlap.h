@@ -3,8 +3,8 @@
 // An octant of the octahedron is a plane, and so is a face of the cube: the edges of both maps' texels lie on great
 // circles, which are straight lines in either plane. So a texel of the map is a few convex polygons on the cube's
 // faces, which are cut along the lines between the centres of the cube's texels. Within such a cell bilinear
-// interpolation is a product of two straight lines, and its integral over the piece by solid angle is what the cell's
-// four texels count.
+// interpolation is a product of two straight lines, and its integral over the piece by solid angle gives the weights of
+// the cell's four texels.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace welkin::octahedral {
 
-/// A level of a cubemap in which each face has a ring of its neighbours' texels: where bilinear interpolation goes on.
-/// In a corner of the ring, where no texel is, it has the mean of the three that meet there.
+/// A level of a cubemap in which each face has a ring of its neighbours' texels for bilinear interpolation. A corner of
+/// the ring, where there is no texel, holds the mean of the three that meet there.
 class RingedCube {
  public:
   explicit RingedCube(const CubemapView& view);
@@ -40,8 +40,8 @@ class RingedCube {
   std::vector<float> pixels_;
 };
 
-/// What a rectangle of a face's texels counts, row after row from `first` on in the weights. Column and row are counted
-/// from 0 in the ring.
+/// A rectangle of a face's texels, whose weights are stored row by row from `first` on. Column and row count from 0 in
+/// the ring.
 struct Patch {
   int face;
   int column, row;
@@ -55,8 +55,8 @@ class TexelOverlap {
  public:
   TexelOverlap(int inner, int size) noexcept;
 
-  /// Of the map's texel whose centre is (a, b) in half texels from the middle. The weights' sum is proportional to its
-  /// solid angle.
+  /// Computes the weights of the map's texel whose centre is (a, b) in half texels from the middle. Their sum is
+  /// proportional to its solid angle.
   void find(int a, int b);
 
   [[nodiscard]] const std::vector<Patch>& patches() const noexcept { return patches_; }
@@ -83,8 +83,8 @@ struct Symmetry {
   friend bool operator==(const Symmetry&, const Symmetry&) = default;
 };
 
-/// Where a face's texels lie after a symmetry: in `face`, the one at (0, 0) at (column, row), those to its right and
-/// below it by these steps.
+/// The position of a face's texels after a symmetry: in `face`, the one at (0, 0) at (column, row), those to its right
+/// and below it by these steps.
 struct FaceImage {
   int face;
   int column, row;

@@ -57,21 +57,21 @@ void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
 /// 16 x 3 halves, row by row. Reserved modes give black.
 void decode_bc6h(const std::uint8_t* block, Bc6hRange range, std::uint16_t* halves) noexcept;
 
-/// The stored numbers of the ends, differences added to the first: [end][channel], negative ones only with a sign.
+/// The stored numbers of the ends, differences added to the first: [end][channel]; negative only in the signed format.
 using Bc6hNumbers = std::array<std::array<std::int32_t, 3>, 4>;
 [[nodiscard]] Bc6hNumbers bc6h_numbers(const Bc6hFields& fields, Bc6hRange range) noexcept;
 
-/// What the decoder makes of a stored number: an end of 16 bits (and a sign).
+/// Returns the decoder's end of 16 bits (and a sign) for a stored number.
 [[nodiscard]] std::int32_t bc6h_end(std::int32_t number, int mode, Bc6hRange range) noexcept;
 
-/// How far along its line an index is, in 64ths.
+/// Returns the position of an index along its line, in 64ths.
 [[nodiscard]] std::int32_t bc6h_weight(std::int32_t index, int mode) noexcept;
 
-/// Stores one channel's numbers. False, and nothing is stored, if the block's mode cannot say them.
+/// Stores one channel's numbers. Returns false and stores nothing if the block's mode cannot hold them.
 [[nodiscard]] bool store_bc6h_numbers(const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
                                       Bc6hFields& fields) noexcept;
 
-/// One channel's 16 halves of a block of mode 1 to 14 with these numbers.
+/// Returns one channel's 16 halves of a block of mode 1 to 14 with these numbers.
 void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
                          std::uint16_t* halves) noexcept;
 

@@ -11,17 +11,17 @@
 namespace welkin::image {
 namespace {
 
-/// Of the blocks with a large share: what one makes up for may turn out to be the next one's to mend.
+/// Passes over the blocks with a large share: a change of one block changes what is best for the next.
 constexpr int kSweeps = 3;
 
-/// Beyond the tolerance, a mean that is off by 0.2 % counts as much as this part of the level's squared error.
+/// Beyond the tolerance, an error of 0.2 % of a mean costs as much as this share of the level's squared error.
 constexpr double kWorth = 0.0005;
 
 /// Steps that an end is moved either way.
 constexpr int kReach = 3;
 constexpr int kChoices = 2 * kReach + 1;
 
-/// What a block should hold.
+/// The texels that a block should hold.
 struct Wanted {
   std::array<float, 48> values;         ///< clamped to what halves hold
   std::array<std::int32_t, 48> halves;  ///< as numbers, negative ones negative

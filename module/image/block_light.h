@@ -1,7 +1,7 @@
 // The light of blocks of texels: which of a level's have so much that their errors show in its mean.
 //
-// A channel's mean over a level is off by what few blocks leave out: where a sun lies in two of them, a step of an end,
-// which is 3 % of a value in BC6H, is 1 % of all light. The errors of all other blocks cancel out.
+// The error of a channel's mean over a level comes from few blocks: if a sun lies in two of them, one step of an end, 3
+// % of a value in BC6H, is 1 % of all light. The errors of all other blocks cancel.
 #pragma once
 
 #include <array>
@@ -17,22 +17,23 @@ using ChannelSums = std::array<double, 3>;
 
 [[nodiscard]] ChannelSums total_light(std::span<const BlockLight> lights) noexcept;
 
-/// A block and the part of a level's light that it has, of the channel of which it has most.
+/// A block and its share of a level's light, in the channel in which that share is largest.
 struct BlockShare {
   double share;
   std::size_t block;
 };
 
-/// From here on a block is tried several times over.
+/// The share from which on a block is tried several times.
 inline constexpr double kLargeShare = 0.15;
 
-/// A mean that is off by less is good enough.
+/// The relative error of a mean below which nothing is changed.
 inline constexpr double kMeanTolerance = 0.002;
 
-/// The blocks with a hundredth or more, those with most first.
+/// Returns the blocks with a hundredth or more of the light, in descending order.
 [[nodiscard]] std::vector<BlockShare> brightest_blocks(std::span<const BlockLight> lights, const ChannelSums& total);
 
-/// How much more than the tolerance a channel's mean is off: the sum of values by `off`, of `total`.
+/// Returns by how much the relative error of a channel's mean exceeds the tolerance: its sum of values is off by `off`,
+/// of `total`.
 [[nodiscard]] double excess_of_mean(double off, double total) noexcept;
 
 }  // namespace welkin::image

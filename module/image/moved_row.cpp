@@ -12,7 +12,7 @@ struct Range {
   double largest;
 };
 
-/// Of the four texels around a place; `texel` is the one before it.
+/// The range of the four texels around a position; `texel` is the one before it.
 Range range_at(const double* texel) noexcept {
   return {std::min(std::min(texel[-1], texel[0]), std::min(texel[1], texel[2])),
           std::max(std::max(texel[-1], texel[0]), std::max(texel[1], texel[2]))};

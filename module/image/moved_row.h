@@ -1,4 +1,4 @@
-// A row of a lat-long that is moved along itself by a share of a texel.
+// A row of a lat-long that is moved along itself by a fraction of a texel.
 #pragma once
 
 #include <cstddef>
@@ -6,14 +6,14 @@
 
 namespace welkin::image {
 
-/// One channel of a row. Linear interpolation keeps the row's sum and every range, and blurs. What cubic convolution
-/// (Catmull-Rom) adds to it is a flux between neighbours, p (a - b) + q (b - c) from texel b's place to a's, which
-/// keeps the sum as well. Of each flux as much is taken as leaves every result between the least and the largest of the
-/// four texels around its place (S. T. Zalesak, "Fully multidimensional flux-corrected transport algorithms for
-/// fluids", 1979). Where a texel is NaN or infinite the interpolation stays linear.
+/// One channel of a row. Linear interpolation keeps the row's sum and every range, but blurs. Cubic convolution
+/// (Catmull-Rom) adds a flux between neighbours, p (a - b) + q (b - c) from texel b to a, which keeps the sum as well.
+/// Each flux is limited so that every result stays between the minimum and the maximum of the four texels around its
+/// position (S. T. Zalesak, "Fully multidimensional flux-corrected transport algorithms for fluids", 1979). Where a
+/// texel is NaN or infinite the interpolation remains linear.
 class MovedRow {
  public:
-  /// Every result lies by `share`, from 0 to 1, of a texel after the texel of its own number.
+  /// Result i lies `share` of a texel, from 0 to 1, after texel i.
   MovedRow(int width, double share);
 
   double& texel(int column) noexcept { return texels_[static_cast<std::size_t>(column + kBorder)]; }
@@ -31,9 +31,9 @@ class MovedRow {
   int width_;
   double share_;
   std::vector<double> texels_;
-  // Of place i at i + kBorder, from -kBorder to the width.
+  // Texel i is at i + kBorder, from -kBorder to the width.
   std::vector<double> linear_;
-  std::vector<double> flux_;  ///< into each place from the next one
+  std::vector<double> flux_;  ///< into each texel from the next one
   std::vector<double> rise_;  ///< the shares of what flows in
   std::vector<double> fall_;  ///< and out that keep the result within its range
 };

@@ -71,7 +71,7 @@ class CubemapSampler final : public Sampler {
 [[nodiscard]] std::optional<LatLongImage> turned_exactly(const LatLongView& source, const glm::dmat3& turn,
                                                          const Control& control);
 
-/// The same where the columns move by a share of a texel: each row is resampled along itself, its sum kept.
+/// Does the same if the columns move by a fraction of a texel: each row is resampled along itself and keeps its sum.
 [[nodiscard]] std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& turn,
                                                            const Control& control);
 

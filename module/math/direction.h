@@ -9,11 +9,11 @@
 
 namespace welkin::math {
 
-/// Returns a direction that is very short or long at another length. Throws `Error` (invalid_argument), which calls it
+/// Returns a very short or very long direction rescaled. Throws `Error` (invalid_argument), in whose message it is
 /// `what`, for a direction that is zero or not finite.
 [[nodiscard]] dvec3 rescaled_direction(const dvec3& direction, const char* what);
 
-/// Returns the same direction at a length whose square neither overflows nor vanishes. Throws as above.
+/// Returns the same direction at a length whose square neither overflows nor vanishes. Throws as `rescaled_direction`.
 [[nodiscard]] inline dvec3 moderate_direction(const dvec3& direction, const char* what) {
   const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
   return square > 1e-200 && square < 1e200 ? direction : rescaled_direction(direction, what);
@@ -22,11 +22,11 @@ namespace welkin::math {
 /// Returns the direction at length 1. Throws as `moderate_direction`.
 [[nodiscard]] dvec3 unit_direction(const dvec3& direction, const char* what);
 
-/// The same for many, which messages number.
+/// Returns many directions at length 1. Messages name the index of a refused one.
 [[nodiscard]] std::vector<dvec3> unit_directions(std::span<const dvec3> directions, const char* what);
 
-/// Returns a direction of length 1, but for rounding, as it is, and any other as `unit_direction`: for calls that cost
-/// little more than a square root.
+/// Returns a direction that has length 1, except for rounding, unchanged, and any other one as `unit_direction` does.
+/// For calls that cost little more than a square root.
 [[nodiscard]] inline dvec3 as_unit_direction(const dvec3& direction, const char* what) {
   constexpr double kRounding = 0x1p-48;  // of a square: 16 units in the last place
   const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;

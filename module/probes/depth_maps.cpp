@@ -15,7 +15,7 @@ namespace {
 /// Blocks along an edge of a face: 5.6 degrees each, a third of the width of a lobe of power 50.
 constexpr int kMostBlocks = 16;
 
-/// Lobes of a power up to this are wider than kMostBlocks' blocks.
+/// The largest power whose lobes are wider than the blocks of kMostBlocks.
 constexpr int kWideLobe = 65;
 
 /// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
@@ -30,9 +30,10 @@ double power_of(double base, int power) noexcept {
   return result;
 }
 
-/// What the mean of distances over a block is multiplied by, relative to cosine^power at the block's middle. Over a
-/// block both vary: the lobe less (area / 24) of its Laplacian makes up for that, by parts, where distances are smooth.
-/// (The sum over the block's texels, so many along an edge, misses a share of 1 / texels^2 of it, too.)
+/// Returns the weight of the mean of distances over a block, relative to cosine^power at the block's middle. Both vary
+/// over a block. Where distances are smooth, subtracting (area / 24) of the lobe's Laplacian corrects for that
+/// (integration by parts). The sum over the block's texels, `texels` along an edge, misses a share of 1 / texels^2 of
+/// the correction.
 double lobe_correction(double cosine, int power, double steradians, double texels) noexcept {
   if (power > kWideLobe) return 1.0;
   const double tangent_square = 1.0 / (cosine * cosine) - 1.0;

@@ -46,10 +46,10 @@ std::vector<dvec3> transfer_of(const SphericalHarmonics& environment, int sky_ba
   return transfer;
 }
 
-/// No sum of products of coefficients within it overflows, and no float comes near it.
+/// The bound on coefficients: no sum of their products overflows, and it is far above the largest float.
 constexpr double kLargestCoefficient = 1e100;
 
-/// Throws `Error` (invalid_argument), which names the first coefficient that nothing can be made of.
+/// Throws `Error` (invalid_argument) that names the first coefficient that is not finite or out of range.
 void check_environment(const char* which, const SphericalHarmonics& environment) {
   for (int l = 0; l < environment.bands(); ++l) {
     for (int m = -l; m <= l; ++m) {

@@ -54,7 +54,7 @@ class Lookup {
   double scale_;  ///< of light
 };
 
-/// The largest magnitude of a coefficient. Throws `Error` (invalid_argument) if one is no number.
+/// Returns the largest magnitude of a coefficient. Throws `Error` (invalid_argument) if one is not finite.
 double largest_coefficient(const BakedProbes& probes) {
   double largest = 0.0;
   const std::size_t functions = squared(probes.bands);

@@ -41,7 +41,7 @@ std::size_t tiles_of(int size, const ProjectionOptions& options, const TexelWeig
   return static_cast<std::size_t>(ChunkProjection::tile_count(weights));
 }
 
-/// Of the midpoint rule; null of the other, and where an average's error is known by other means.
+/// The error of the midpoint rule; null for the exact rule, and where an average's error is known by other means.
 std::shared_ptr<const MidpointError> midpoint_error_of(int size, const ProjectionOptions& options,
                                                        const TexelWeights& weights) {
   if (options.quadrature != Quadrature::midpoint || options.target_size) return nullptr;

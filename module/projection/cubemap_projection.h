@@ -40,7 +40,7 @@ void describe_projection(Projection& projection, int size, const ProjectionOptio
 [[nodiscard]] ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
                                                         const SanitizeRecord& record);
 
-/// The error estimate of a projection by the midpoint rule. `off`: what `MidpointError::add` told.
+/// The error estimate of a projection by the midpoint rule. `off`: what `MidpointError::add` returned.
 [[nodiscard]] double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> off,
                                        const MidpointError& error);
 

@@ -209,7 +209,7 @@ struct Scratch {
   platform::AlignedBuffer<float> planes;        ///< [3][kClasses][kChunk]
   platform::AlignedBuffer<float> runs;          ///< two decoded runs
   platform::AlignedBuffer<double> sum_lanes;    ///< [3][orders][kSumLanes]
-  platform::AlignedBuffer<double> exact_lanes;  ///< likewise, of whole texels as areas, where cells are wider
+  platform::AlignedBuffer<double> exact_lanes;  ///< the same of whole texels as areas, where cells are wider
   std::vector<double> chunk_sums;               ///< [3][orders]
   std::vector<double> exact_chunk_sums;
   std::vector<double> row_sums;  ///< [3][orders]
@@ -239,7 +239,7 @@ FoldHalves direct_fold(PixelFormat format, const ProjectionKernels& kernels) {
   }
 }
 
-/// Means of cos(m lon) over columns, over its values at their centres.
+/// Returns the ratios of the mean of cos(m lon) over a column to its value at the centre.
 double mean_over_centre(int order, int width) {
   if (order == 0) return 1.0;
   return 2.0 * math::sine_cosine_of_turns(0.5 * order / width).sine / (order * 2.0 * kPi / width);
@@ -278,7 +278,7 @@ struct LatLongProjector::State {
     return options.target_size && (4 * *options.target_size < width || 2 * *options.target_size < height);
   }
 
-  /// Whether it differs from the exact rule at the picture's own size, which is then summed beside it.
+  /// Returns whether it differs from the exact rule at the picture's own size, which is then summed as well.
   [[nodiscard]] bool errs() const noexcept { return reduced || midpoint; }
 
   void project_block(int block, const LatLongView& rows, Scratch& room) noexcept;

@@ -135,7 +135,7 @@ void MidpointError::combine(const Samples& samples) {
       }
     }
     for (std::size_t a = 0; a < n; ++a) gram[a * n + a] += kRidge * trace / static_cast<double>(n);
-    if (trace > 0.0) solve(gram, count, rows);  // a lone texel's centre tells nothing of odd functions
+    if (trace > 0.0) solve(gram, count, rows);  // a lone texel's centre has no odd functions
     for (std::size_t s = 0; s < samples.count(); ++s) {
       const double* const centre = samples.centres.data() + s * functions + first;
       for (std::size_t a = 0; a < n; ++a) {

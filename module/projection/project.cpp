@@ -192,7 +192,7 @@ void check_chain(std::span<const CubemapView> mips) {
   }
 }
 
-/// By Babylon.js's reduction; what the texels give as areas tells what that lost.
+/// Projects by Babylon.js's reduction; its loss is the difference to the sums of texels as areas.
 Projection project_boxes(const CubemapView& cubemap, int target, const ProjectionOptions& options,
                          const Control& control) {
   const Stopwatch reducing;

@@ -23,7 +23,7 @@ struct FaceSums {
   std::vector<double> values;           ///< of each tile, [3][functions] in the order of the weights
   std::vector<SanitizeRecord> records;  ///< of each tile
 
-  /// What the texels add as areas, [3][functions] in the same order, where `values` are of averages; else empty.
+  /// The sums of the texels as areas, [3][functions] in the same order, where `values` are of averages; else empty.
   std::vector<double> exact;
 
   [[nodiscard]] double* tile(std::size_t index) noexcept { return values.data() + index * 3 * functions; }
@@ -70,19 +70,19 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 /// Of many probes together: counts and total radiance are added up, the error estimate is the largest.
 void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one);
 
-// How far off a projection is.
+// The error of a projection.
 
-/// Relative error |c - c*| / |c*| of coefficients c where c* are `exact`, known while the pixels are read, but for
-/// `beyond` at most; besides, sums are rounded. (midpoint_error.h, `FaceSums::exact`, `LatLongProjector`)
+/// Returns the relative error |c - c*| / |c*| of coefficients c, rounding of sums included. `exact`: c* as known from
+/// the pixels read, to within `beyond`. (midpoint_error.h, `FaceSums::exact`, `LatLongProjector`)
 [[nodiscard]] double relative_error(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> exact,
                                     double beyond = 0.0);
 
-/// Estimated relative error of coefficients of a mip against those of its chain's first one, `size` being a face's
-/// edge: nobody reads that one, so it is a guess. Smooth content loses up to l (l + 1) d^2 / 7 of band l, d = pi/2 /
-/// size (a cell blurs twice, when it is averaged and when it is read as an area); light from a point lands up to half a
-/// cell away, which moves band l by up to 0.35 l d of what a point puts there. How much of the light is a point's is
-/// told from band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a
-/// share of size^-2, unless the picture is nearly uniform. A pattern that the mip averages away deceives it.
+/// Returns a guess of the relative error of a mip's coefficients against those of its chain's first mip, which is not
+/// read. `size`: texels along a face's edge. Smooth content loses up to l (l + 1) d^2 / 7 of band l, d = pi/2 / size (a
+/// cell blurs twice, when it is averaged and when it is read as an area). Light from a point lands up to half a cell
+/// away, which moves band l by up to 0.35 l d of what a point puts there. The point's share of the light follows from
+/// band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of
+/// size^-2, unless the picture is nearly uniform. The guess misses a pattern that the mip averages away.
 [[nodiscard]] double mip_error(std::span<const glm::dvec3> radiance, double size);
 
 // Which size of an environment a projection reads.

@@ -70,7 +70,8 @@ std::vector<Replacement> replacements(const BrightRegion& region, const float* p
   return result;
 }
 
-/// Int d dw over each texel: near a lat-long's pole, and in a large texel, its centre is not the middle of its light.
+/// Returns Int d dw over each texel: near a lat-long's pole, and in a large texel, the light's centroid is not at the
+/// centre.
 std::vector<glm::dvec3> first_moments_of(const image::TexelGrid& grid, const std::vector<std::int64_t>& texels) {
   const std::unique_ptr<CosineTexels> rows = grid.kind() == image::TexelGrid::Kind::lat_long
                                                  ? cosine_texels_of_lat_long(grid.columns(), grid.rows())

@@ -293,7 +293,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
   }
 }
 
-/// Adds the rectangles that are `room`'s parts, and forgets them: texel by texel in double.
+/// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
 void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
   const double whole = lobe_integral(lobe.alpha);
@@ -368,7 +368,8 @@ void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel
 }
 
 void BrightLights::add_to_area(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
-  // Integrals are dear; and over a wide block parts, which stand for their middles, would serve texels at the peak.
+  // Integrals are costly. Over a wide block, parts, which are placed at their middles, would be used for texels at the
+  // peak.
   const int edge = texels_ || area.size <= kWideBlocks ? 1 : kPartEdge;
   const bool parted = area.end_column - area.column > edge || area.end_row - area.row > edge;
   room.cut.clear();

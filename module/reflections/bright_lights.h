@@ -32,7 +32,7 @@ struct LightsLobe {
   const ZonalShape* kernel = nullptr;  ///< not null: this and not GGX
 };
 
-/// What will blur lights: GGX lobes of some alpha, or kernels.
+/// The lobes that will blur lights: GGX lobes of some alpha, or kernels.
 enum class LightsOf { ggx, kernels };
 
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside

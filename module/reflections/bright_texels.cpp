@@ -29,8 +29,8 @@ constexpr double kPeak = 25.0;
 constexpr double kLeastPeak = 4.0;
 constexpr double kPart = 0.25;
 
-/// Lights of up to a third of the sphere are looked for by what the rest has, if they make the mean this much brighter.
-/// Beside what is blacker than that no float is right to a percent.
+/// Lights of up to a third of the sphere are compared with the mean of the rest if they make the whole mean this much
+/// brighter. Beside a darker rest no float is right to a percent.
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;
@@ -147,7 +147,7 @@ class Search {
   }
 
  private:
-  /// The mean, unless lights make nearly all of it: then that of the darker part of the sphere, which they outshine.
+  /// Returns the mean or, if lights make up nearly all of it, that of the darker part of the sphere.
   [[nodiscard]] double dark_mean() const noexcept {
     struct Texels {
       double steradians = 0.0;

@@ -42,7 +42,7 @@ double edge_of(const PictureShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
-/// Whether texels are so large that no parallelograms do for what the horizon cuts of them in a GGX lobe.
+/// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
 bool is_coarse(const PictureShape& shape, LightsOf use) {
   constexpr double kMostCut = 0.06;  // radians
   return use == LightsOf::ggx && edge_of(shape) > kMostCut;
@@ -54,7 +54,7 @@ int cuts_of(const PictureShape& shape, double least_alpha, LightsOf use, std::si
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
   const auto parts_of = [edge](double part) { return std::max(1, static_cast<int>(std::ceil(edge / part))); };
-  const int needed = parts_of(2.0 * least_alpha);  // five points along an edge do
+  const int needed = parts_of(2.0 * least_alpha);  // five points along an edge suffice
   if (is_coarse(shape, use)) return needed;
   const int wanted = parts_of(std::min(kOfWidth * 2.0 * least_alpha, kOfSphere));
   const auto most = static_cast<int>(std::ceil(std::sqrt(kMostParts / static_cast<double>(texels))));
@@ -123,8 +123,8 @@ void add_points(const BrightTexel& texel, const PictureShape& shape, int count, 
   share_light(texel, first, samples);
 }
 
-/// How far below its middle the centroid of a row's part lies that is `high` rows high, in rows: about a pole, where
-/// rows are triangles.
+/// Returns by how many rows the centroid of a part, `high` rows high, lies below its middle. Near a pole rows are
+/// triangles.
 double below_middle(const PictureShape& shape, double row, double high) {
   constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
   if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
@@ -333,7 +333,7 @@ class LightTree {
     return {static_cast<int>(lights_.rectangles_.size()) - 1, 1};
   }
 
-  /// None unless the texels fill their box with one radiance.
+  /// Returns none unless the texels fill their box with one radiance.
   LobeRun rectangle_of(const Box& box, std::size_t first, std::size_t end) {
     const int rows = box.end.row - box.first.row;
     const int columns = box.end.column - box.first.column;

@@ -42,7 +42,7 @@ struct Part {
   double across, down;
 };
 
-/// `row`: the first, within its face.
+/// `row`: the first one, within its face.
 Part part_of(const TexelRectangle& texels, int row) noexcept {
   const double across = 0.5 * texels.columns;
   const double down = 0.5 * texels.rows;

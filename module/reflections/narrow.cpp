@@ -90,7 +90,7 @@ Steps steps_of(const float* here, const float* below, const float* left, int col
   return steps;
 }
 
-/// Of which all texels count alike, as near enough their solid angles do.
+/// All texels count alike, as their solid angles nearly do.
 double contrast_of_cubemap(const projection::SanitizedSource& source) {
   Steps all;
   for (int row = 0; row < source.rows(); ++row) {
@@ -139,7 +139,7 @@ double narrow_error(const projection::SanitizedSource& source, const NarrowMip& 
   } else {
     edges = 1e-4 * std::sqrt(mip.alpha);  // of the step where a lobe is cut by an edge
   }
-  // What the weights of texels err by at any distance, over themselves: no sum of light is farther off.
+  // The largest relative error of texels' weights at any distance, which no sum of light exceeds.
   const double of_weights = cubemap ? 5e-3 : 5e-4;
   double lost = edges * contrast / mip.rms;
   if (!source.has_negatives()) lost = std::min(lost, of_weights);

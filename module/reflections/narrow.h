@@ -39,21 +39,21 @@ inline constexpr double kFarLights = 3.0;
 /// Rows of the lat-long, twice as wide, on which a cubemap's far part is found.
 [[nodiscard]] int rows_for_far_part(int face_size, const NarrowSplit& split) noexcept;
 
-/// Of cubemaps the root mean square of what neighbouring texels differ by, both ways; of lat-longs the root of what the
-/// edges between texels hold, their steps' squares by their length, for each unit of solid angle: a lobe of width w is
-/// cut by an edge on w times that length.
+/// Returns the contrast of a source. For cubemaps it is the root mean square of the differences between neighbouring
+/// texels along both axes. For lat-longs it is the root of the sum over edges between texels of squared step times
+/// length, per unit of solid angle: a lobe of width w is cut by an edge on w times that length.
 [[nodiscard]] double contrast_of(const projection::SanitizedSource& source);
 
 struct NarrowMip {
   int size = 0;
   double alpha = 0.0;
-  double rms = 0.0;      ///< of the mip: of the texels that it has, which may miss every lamp
+  double rms = 0.0;      ///< of the mip's texels, which may miss every lamp
   double far_rms = 0.0;  ///< of its far part, over the whole sphere
 };
 
-/// What the root mean square error of a mip is estimated to be, over its own: docs/reflections.md has what was
-/// measured. A share of the steps, of cubemaps as alpha and of lat-longs as its root, and where all centres lie on a
-/// cubemap's lines what it costs to clear them; but no more than the weights of any texel err by.
+/// Returns the estimated root mean square error of a mip over its own root mean square (docs/reflections.md has
+/// measurements): a share of the steps, proportional to alpha for cubemaps and to its root for lat-longs, plus the cost
+/// of clearing a cubemap's lines if all centres lie on them, and no more than the error of any texel's weight.
 [[nodiscard]] double narrow_error(const projection::SanitizedSource& source, const NarrowMip& mip, double contrast);
 
 /// Adds the near part about the centre of each texel to six packed RGB faces that hold the far part: the source's

@@ -167,8 +167,8 @@ class Prefilter {
   Memory memory_;
 };
 
-/// Says so if a channel is too dark beside `field`, the root mean square of what was summed in floats, for the bound on
-/// its error.
+/// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
+/// floats, for the bound on its error.
 template <class View>
 void Prefilter<View>::note_darkness(std::size_t level, double field) {
   constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats

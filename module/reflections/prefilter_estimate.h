@@ -40,11 +40,11 @@ struct KernelFactors {
 /// As `spectral_rms_error`, of a mip that is a sum of texels. `of_weights`: `LobeErrors::rms`.
 [[nodiscard]] double summed_rms_error(int face_size, double of_weights, double of_lights, double rms);
 
-/// Root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
+/// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);
 
-/// Root mean square over the sphere of a level's radiance, all three channels together, from at most `samples` x
-/// `samples` texels a face. Of lobes that are wider than the texels between them those of 128 tell enough.
+/// Returns the root mean square over the sphere of a level's radiance, all three channels together, from at most
+/// `samples` x `samples` texels per face. For lobes that are wider than the distance between these texels 128 suffice.
 [[nodiscard]] double rms_of_level(const CubemapChain& chain, int level, int samples = 128);
 
 }  // namespace welkin::reflections

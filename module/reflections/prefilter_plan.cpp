@@ -95,7 +95,7 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 }
 
 bool PrefilterPlan::is_summed(int face_size, const MipPlan& mip) const noexcept {
-  // Larger texels are left to the transform, whose chains of them keep the bits that they had.
+  // Larger texels are left to the transform.
   const bool small_texels = 0.5 * std::numbers::pi <= 2.0 * least_alpha * face_size;
   return sums && small_texels && mip.method == MipMethod::spectral &&
          LobeTable::serves(face_size, {mip.size, mip.alpha});

@@ -98,7 +98,7 @@ struct SettingSun {
   [[nodiscard]] double visible_share(double sun_zenith_cosine) const noexcept;
 };
 
-/// What the air lets through of a sun at that elevation, of one below the horizon as of one on it. Any altitude.
+/// Returns what the air transmits of a sun at that elevation, at any altitude; below the horizon as on it.
 [[nodiscard]] glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                            double sun_zenith_cosine) noexcept;
 

@@ -264,9 +264,9 @@ class ThreadRole {
   const ThreadRole* outer_;
 };
 
-/// What a long request calls between its pieces, on a thread of its worker: runs here the first of the computations
-/// that wait, if there is one, so that it need not wait for this request. Does nothing on other threads. What it runs
-/// may be such a request itself; that goes on to a depth of 8.
+/// Runs the first of the waiting computations, if there is one, on the calling thread. A long request calls this
+/// between its pieces, so that others need not wait for it. Does nothing on threads that no worker owns. Requests may
+/// nest in this way to a depth of 8.
 void let_another_pass();
 
 }  // namespace welkin::detail

@@ -14,7 +14,7 @@
 namespace welkin::python {
 namespace {
 
-/// By its name, in capitals or not.
+/// Returns the engine of a name, whatever its case.
 Engine engine_of(const std::string& name) {
   const auto lowered = py::str(name).attr("lower")().cast<std::string>();
   std::vector<const char*> names;

@@ -259,7 +259,7 @@ void bind_projection(py::module_& module) {
              "direct_irradiance(pixels, normals, *, policy=None, layout=None, encoding=None, read=None, progress=None, "
              "threads=None)\n"
              "--\n\nThe truth: irradiance by direct integration over all texels, for normals (..., 3): (..., 3).\n"
-             "Some 5 ns a texel, normal and thread.");
+             "5 ns per texel, normal and thread.");
 }
 
 }  // namespace welkin::python

@@ -176,7 +176,7 @@ class Computation {
 
   // Guarded by the scheduler's mutex.
   TaskPriority priority = TaskPriority::normal;  ///< the highest of its jobs'
-  /// Posted then; or, of one that follows a job, free to start since then.
+  /// When it was posted or, if it follows a job, became free to start.
   std::chrono::steady_clock::time_point waiting_since{};
   JobList jobs;                            ///< that want the result
   std::shared_ptr<JobRecord> parent;       ///< the job that it follows, until that is done
