@@ -105,8 +105,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] int threads() const noexcept { return threads_; }
 
   // What threads do that run computations.
-  /// Runs the first of those that wait and have this priority or a higher one; false if there is none. `lent`: as a task
-  /// of the executor's.
+  /// Runs the first of those that wait and have this priority or a higher one; false if there is none. `lent`: as a
+  /// task of the executor's.
   bool run_next(bool lent = false, TaskPriority least = TaskPriority::low);
   [[nodiscard]] bool has_waiting();
 
@@ -266,8 +266,8 @@ class ThreadRole {
 };
 
 /// What a long request of this priority calls between its pieces, on a thread of its worker: runs here the first of the
-/// computations that wait, if there is one of no lower priority, so that it need not wait for this request. Does nothing
-/// on other threads. What it runs may be such a request itself; that goes on to a depth of 8.
+/// computations that wait, if there is one of no lower priority, so that it need not wait for this request. Does
+/// nothing on other threads. What it runs may be such a request itself; that goes on to a depth of 8.
 void let_another_pass(TaskPriority priority);
 
 }  // namespace welkin::detail
