@@ -233,7 +233,10 @@ std::vector<std::string> OutputFolder::format_notes() const {
     if (file.values_clamped > 0) {
       std::string note = file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range;
       if (file.share_clamped > 0.0) {
-        note += ", which takes " + significant(100.0 * file.share_clamped, 2) + " % of the light away";
+        constexpr double kNearlyAll = 0.99;  // two digits of more would be "1e+02"
+        const bool nearly_all = file.share_clamped > kNearlyAll;
+        note += ", which takes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
+                " % of the light away";
         if (!file.remedy.empty()) note += "; " + file.remedy;
       }
       notes.push_back(note);

@@ -197,7 +197,10 @@ class Planner {
     BakeCommandOptions options = whole;
     options.input = wish.input;
     try {
-      if (is_stream(wish.input)) throw Error(ErrorCode::unsupported_file, "pipes are read once; a batch wants files");
+      if (is_stream(wish.input)) {
+        throw Error(ErrorCode::unsupported_file,
+                    printable(wish.input) + ": is read once only, as a pipe; a batch wants files");
+      }
       if (platform::utf8(platform::path_of(wish.input)) != wish.input) {
         throw Error(ErrorCode::unsupported_file,
                     printable(wish.input) + ": a plan names no file whose name is not UTF-8");

@@ -84,7 +84,7 @@ Scheduler* ThreadRole::scheduler() noexcept {
   return role != nullptr && role->kind_ == worker ? role->scheduler_ : nullptr;
 }
 
-void let_another_pass() {
+void let_another_pass(TaskPriority priority) {
   constexpr int kDeepest = 8;  // each is so much stack
   thread_local int depth = 0;
   Scheduler* const scheduler = ThreadRole::scheduler();
@@ -93,7 +93,7 @@ void let_another_pass() {
     Deeper() { ++depth; }
     ~Deeper() { --depth; }
   } const deeper;
-  scheduler->run_next();
+  scheduler->run_next(false, priority);
 }
 
 bool ThreadRole::is_inside(const Computation& computation) noexcept {
@@ -224,13 +224,14 @@ void Scheduler::run_task(void* task) {
   --scheduler.lent_;
 }
 
-bool Scheduler::run_next(bool lent) {
+bool Scheduler::run_next(bool lent, TaskPriority least) {
   const jobs::ActivityScope computing;
   std::shared_ptr<Computation> next;
   {
     const Books books(*this);
     if (lent) --unstarted_;
-    for (auto list = waiting_.rbegin(); list != waiting_.rend() && !next; ++list) {
+    const auto end = std::prev(waiting_.rend(), static_cast<std::ptrdiff_t>(least));
+    for (auto list = waiting_.rbegin(); list != end && !next; ++list) {
       if (!list->empty()) next = list->front();
     }
     if (!next) return false;

@@ -105,8 +105,9 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] int threads() const noexcept { return threads_; }
 
   // What threads do that run computations.
-  /// Runs the first of those that wait; false if there is none. `lent`: as a task of the executor's.
-  bool run_next(bool lent = false);
+  /// Runs the first of those that wait and have this priority or a higher one; false if there is none. `lent`: as a
+  /// task of the executor's.
+  bool run_next(bool lent = false, TaskPriority least = TaskPriority::low);
   [[nodiscard]] bool has_waiting();
 
  private:
@@ -264,9 +265,9 @@ class ThreadRole {
   const ThreadRole* outer_;
 };
 
-/// Runs the first of the waiting computations, if there is one, on the calling thread. A long request calls this
-/// between its pieces, so that others need not wait for it. Does nothing on threads that no worker owns. Requests may
-/// nest in this way to a depth of 8.
-void let_another_pass();
+/// Runs the first of the waiting computations on the calling thread, if there is one of no lower priority than
+/// `priority`. A long request calls this between its pieces with its own priority, so that others need not wait for it.
+/// Does nothing on threads that no worker owns. Requests may nest in this way to a depth of 8.
+void let_another_pass(TaskPriority priority);
 
 }  // namespace welkin::detail

@@ -153,9 +153,9 @@ void SkyBakery::make(Step step, const SkyWish& wish, const Control& control) {
     case Step::none: return;
     case Step::tables: {
       // It takes seconds; a first environment, perhaps on the worker's only thread, must not wait for it.
-      const auto piece_done = [&control](double done) {
+      const auto piece_done = [this, &control](double done) {
         control.progress(done);
-        detail::let_another_pass();
+        detail::let_another_pass(options_.priority);
       };
       tables = PrecomputeSky{*wish.atmosphere, options_.tables}({.stop = control.stop, .progress = piece_done});
       const std::scoped_lock lock(mutex_);

@@ -47,4 +47,7 @@ TEST_CASE("bake: the note on clamped values says how much light that is and what
   CHECK_FALSE(contains(notes("--for blender --ktx2-format rgba32f"), "clamped"));
   CHECK(contains(notes("--formats ktx2"), "% of the light away"));
   CHECK(contains(notes("--for babylon"), "RGBD ends there, which takes "));
+  for (std::size_t c = 0; c < 3; ++c) pixels[3 * (16 * 64 + 20) + c] = 1e4F * 65504.0F;
+  write_pfm(input, 64, 32, pixels);
+  CHECK(contains(notes("--for blender"), "takes over 99 % of the light away"));
 }

@@ -441,6 +441,16 @@ TEST_CASE("what is posted behind a dynamic sky does not wait for its tables", "[
   }
 }
 
+TEST_CASE("what has a lower priority than a dynamic sky waits for its tables", "[dynamic_sky]") {
+  Worker worker(options_with(1));
+  Hold hold(worker);
+  SkyLight sky(worker, earth(), quick());
+  auto tables =
+      worker.post([&sky](const Control&) { return sky.counters().tables_baked; }, {.priority = TaskPriority::low});
+  hold.let_go();
+  CHECK(tables.get() == 1);
+}
+
 TEST_CASE("dynamic skies that wait for one another on one thread all come", "[dynamic_sky]") {
   Worker worker(options_with(1));
   Hold hold(worker);

@@ -31,7 +31,10 @@ void bind_machine(py::module_& module) {
 void refuse_second_init(const py::object& kind) {
   const py::object init = kind.attr("__init__");
   kind.attr("__init__") = py::cpp_function(
-      [init](const py::object& self, const py::args& words, const py::kwargs& named) {
+      [init, kind](const py::object& self, const py::args& words, const py::kwargs& named) {
+        if (!py::isinstance(self, kind)) {
+          throw py::type_error(kind.attr("__name__").cast<std::string>() + ".__init__ takes an object of that class");
+        }
         auto* const instance = reinterpret_cast<py::detail::instance*>(self.ptr());
         if (instance->get_value_and_holder().holder_constructed()) {
           throw py::type_error(py::str(py::type::handle_of(self).attr("__name__")).cast<std::string>() +

@@ -13,6 +13,7 @@
 #include "tools/preview_light.h"
 #include "welkin/directional_light.h"
 #include "welkin/environment_file.h"
+#include "welkin/exposure.h"
 #include "welkin/resampling.h"
 
 namespace welkin::python {
@@ -69,7 +70,7 @@ Shown shown_as(const Source& source, int height, double exposure, const Control&
   if (exposure <= 0.0) {
     const CubemapImage small =
         to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
-    made.exposure = tool::tone_map_of(small.view()).exposure;
+    made.exposure = exposure_of(small.view());
   }
   const tool::ToneMap curve{made.exposure};
   for (std::size_t texel = 0; texel + 2 < made.picture.pixels.size(); texel += 3) {

@@ -48,6 +48,9 @@ def test_an_object_is_initialised_once():
     with pytest.raises(TypeError, match="PixelPolicy: the object is initialised already"):
         welkin.PixelPolicy().__init__(clamp=3)
     assert not hasattr(light, "__setstate__")
+    for other in (5, "text", object(), welkin.PixelPolicy()):
+        with pytest.raises(TypeError, match="SphericalHarmonics.__init__ takes an object of that class"):
+            welkin.SphericalHarmonics.__init__(other, 3)
 
 
 def test_harmonics_are_pickled_and_copied(picture):
