@@ -44,7 +44,7 @@ double edge_of(const PictureShape& shape) {
 
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
 bool is_coarse(const PictureShape& shape, LightsOf use) {
-  constexpr double kMostCut = 0.06;  // radians
+  constexpr double kMostCut = 0.11;  // radians
   return use == LightsOf::ggx && edge_of(shape) > kMostCut;
 }
 
