@@ -1,4 +1,5 @@
-/** Environments to light, in a Web Worker (in Node.js: a worker thread). Every call returns at once. */
+/** Environments to light, in a Web Worker (in Node.js: a worker thread). Every call returns at once. An option that a call
+ * does not have is refused. */
 
 /** Welkin's error codes, and three of this package's own. */
 export type ErrorCode =
@@ -95,6 +96,8 @@ export function projectEquirect(pixels: Pixels, options: ProjectionOptions & { w
 export type RoughnessSchedule = 'linear' | 'filament' | 'babylon' | 'unity' | 'unreal';
 
 export interface ChainOptions {
+  /** What an engine needs: 'three' sets `mirrorX` and the schedule 'filament', 'babylon' `mirrorX` and 'babylon'. */
+  for?: 'three' | 'babylon';
   /** Texels along an edge of mip 0, 1 to 4096. Default: 256. */
   size?: number;
   mips?: number;
@@ -182,9 +185,9 @@ export interface BakeOptions extends CallOptions, PixelOptions, LightOptions {
   takeOutSun?: boolean;
 }
 
-/** Bakes an environment out of a file's bytes: Radiance .hdr, PFM, KTX2 and DDS; OpenEXR, PNG, Babylon.js's .env (with
+/** Bakes an environment out of a file's bytes, or those of a Blob or a Response: Radiance .hdr, PFM, KTX2 and DDS; OpenEXR, PNG, Babylon.js's .env (with
  * PNG pictures) and KTX2 packed by zlib take the module of codecs. */
-export function bakeEnvironment(bytes: ArrayBuffer | ArrayBufferView, options?: BakeOptions):
+export function bakeEnvironment(file: ArrayBuffer | ArrayBufferView | Blob | Response, options?: BakeOptions):
   Promise<Light & { source: { width: number; height: number } }>;
 
 export interface SkyOptions extends CallOptions, LightOptions {

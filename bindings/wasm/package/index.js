@@ -1,5 +1,6 @@
 // What a page calls. Each call posts one job to a worker and resolves with its result; nothing is computed here.
 import { configurePlatform, makeWorker } from '#platform';
+import { checkedOptions } from './options.js';
 
 /** What calls are rejected with; `code` is one of Welkin's: 'invalid_argument', 'corrupt_file', ... */
 export class WelkinError extends Error {
@@ -157,36 +158,41 @@ function plain({ signal, onProgress, transfer, ...options }) {
   return options;
 }
 
-/** An error in the arguments is a rejected promise too. */
-const promised = (call) => async (...given) => call(...given);
+const refusal = (message) => new WelkinError('invalid_argument', message);
 
-export const projectCubemap = promised((faces, options = {}) => {
-  const source = cubemapSource(faces, options);
-  return run('project', { ...plain(options), ...source }, options, source.pixels);
+/** A call whose options are checked by its name; an error in the arguments is a rejected promise too. */
+const checked = (name, call) => async (input, options = {}) => call(input, checkedOptions(name, options, refusal));
+
+const ofSource = (name, operation, sourceOf) => checked(name, (input, options) => {
+  const source = sourceOf(input, options);
+  return run(operation, { ...plain(options), ...source }, options, source.pixels);
 });
 
-export const projectEquirect = promised((pixels, options = {}) => {
-  const source = equirectSource(pixels, options);
-  return run('project', { ...plain(options), ...source }, options, source.pixels);
+export const projectCubemap = ofSource('projectCubemap', 'project', cubemapSource);
+export const projectEquirect = ofSource('projectEquirect', 'project', equirectSource);
+export const prefilterCubemap = ofSource('prefilterCubemap', 'prefilter', cubemapSource);
+export const prefilterEquirect = ofSource('prefilterEquirect', 'prefilter', equirectSource);
+
+/** The bytes of a file: as they are, or those of a Blob or of a Response that succeeded. */
+async function bytesOf(file) {
+  if (file instanceof ArrayBuffer || ArrayBuffer.isView(file)) return file;
+  if (typeof file?.arrayBuffer !== 'function') {
+    throw refusal('the file must be an ArrayBuffer, a typed array of its bytes, a Blob or a Response');
+  }
+  if (file.ok === false) throw new WelkinError('file_access', `${file.url || 'the file'}: the server answered ${file.status}`);
+  return file.arrayBuffer();
+}
+
+export const bakeEnvironment = checked('bakeEnvironment', async (file, options) => {
+  const bytes = await bytesOf(file);
+  const transfer = options.transfer || bytes !== file; // nobody else has the bytes of a Blob
+  return run('bake', { ...plain(options), bytes }, { ...options, transfer }, [bytes]);
 });
 
-export const prefilterCubemap = promised((faces, options = {}) => {
-  const source = cubemapSource(faces, options);
-  return run('prefilter', { ...plain(options), ...source }, options, source.pixels);
-});
-
-export const prefilterEquirect = promised((pixels, options = {}) => {
-  const source = equirectSource(pixels, options);
-  return run('prefilter', { ...plain(options), ...source }, options, source.pixels);
-});
-
-export const bakeEnvironment = promised((bytes, options = {}) => {
-  const view = bytes instanceof ArrayBuffer || ArrayBuffer.isView(bytes) ? bytes : null;
-  if (view === null) throw new WelkinError('invalid_argument', 'the file must be an ArrayBuffer or a typed array of its bytes');
-  return run('bake', { ...plain(options), bytes: view }, options, [view]);
-});
-
-export const sky = promised((options = {}) => run('sky', plain(options), options, []));
+export const sky = async (options = {}) => {
+  const known = checkedOptions('sky', options, refusal);
+  return run('sky', plain(known), known, []);
+};
 
 // Coefficients, small enough to be computed here.
 

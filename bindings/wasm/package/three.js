@@ -15,25 +15,46 @@ export function setLightProbe(probe, { radiance }, { mirrored = false } = {}) {
   return probe;
 }
 
+const typeOf = (THREE, format) => (format === 'rgba32f' ? THREE.FloatType : THREE.HalfFloatType);
+
+function mirroredFaces(faces) {
+  if (!faces) throw new Error('the result has no such faces: they were not asked for');
+  if (!faces.mirrored) throw new Error("three.js needs mirrored faces: bake with for: 'three'");
+  return faces;
+}
+
 /**
- * A texture for `scene.environment` out of a chain that was made with `mirrorX: true` (schedule 'filament', the
- * default), which three.js uses as it is: its PMREMGenerator does not run. The last mip is that of roughness 1, whose lobe is the cosine's, so that it is the
- * diffuse light too.
+ * A texture for `scene.environment` out of a chain that was made with `for: 'three'`, which three.js uses as it is: its
+ * PMREMGenerator does not run. The last mip has roughness 1, whose lobe is the cosine, so it is the diffuse light too.
  */
 export function environmentTexture(THREE, { specular }) {
-  if (!specular.mirrored) throw new Error('three.js needs a chain that was made with mirrorX: true');
+  const { size: edge, format, mips } = mirroredFaces(specular);
   const images = Array.from({ length: 6 }, (_, face) => ({
-    width: specular.size,
-    height: specular.size,
-    mipmaps: specular.mips.map(({ size, faces }) => ({ data: faces[face], width: size, height: size })),
+    width: edge,
+    height: edge,
+    mipmaps: mips.map(({ size, faces }) => ({ data: faces[face], width: size, height: size })),
   }));
-  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat,
-    specular.format === 'rgba32f' ? THREE.FloatType : THREE.HalfFloatType);
+  const texture = new THREE.CompressedCubeTexture(images, THREE.RGBAFormat, typeOf(THREE, format));
   texture.minFilter = THREE.LinearMipmapLinearFilter;
   texture.magFilter = THREE.LinearFilter;
   texture.generateMipmaps = false;
   texture.colorSpace = THREE.LinearSRGBColorSpace;
   texture.isPMREMTexture = true;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** A texture for `scene.background` out of a result that was made with `for: 'three'` and `background`. */
+export function backgroundTexture(THREE, { background }) {
+  const { size, format, faces } = mirroredFaces(background);
+  const type = typeOf(THREE, format);
+  const texture = new THREE.CubeTexture(faces.map((data) => new THREE.DataTexture(data, size, size, THREE.RGBAFormat, type)));
+  texture.format = THREE.RGBAFormat;
+  texture.type = type;
+  texture.colorSpace = THREE.LinearSRGBColorSpace;
+  texture.minFilter = THREE.LinearFilter;
+  texture.magFilter = THREE.LinearFilter;
+  texture.generateMipmaps = false;
   texture.needsUpdate = true;
   return texture;
 }

@@ -88,6 +88,22 @@ test('mirrored faces are those of the mirrored picture', async () => {
   }
 });
 
+test('an engine by name sets what its shaders need', async () => {
+  const given = faces(8, 4);
+  for (const [engine, schedule] of [['three', 'filament'], ['babylon', 'babylon']]) {
+    assert.deepEqual(await welkin.prefilterCubemap(given, { for: engine, size: 8 }),
+      await welkin.prefilterCubemap(given, { mirrorX: true, schedule, size: 8 }));
+  }
+});
+
+test('a Blob and a Response are files as their bytes are', async () => {
+  const file = radianceFile(64, 32, (x) => [x, 2, 3]);
+  const wanted = await welkin.bakeEnvironment(file, { specular: false });
+  for (const one of [new Blob([file]), new Response(file)]) {
+    assert.deepEqual(await welkin.bakeEnvironment(one, { specular: false }), wanted);
+  }
+});
+
 test('a .hdr file is baked: harmonics, reflections, KTX2', async () => {
   const file = radianceFile(64, 32, () => [2, 2, 2]);
   const shares = [];
@@ -135,6 +151,12 @@ test('errors are rejections with a code and words', async () => {
   await rejects(welkin.bakeEnvironment(radianceFile(64, 32, () => [1, 1, 1]).subarray(0, 999)), 'corrupt_file', /environment/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { size: 9000 }), 'invalid_argument', /9000/);
   await rejects(welkin.prefilterCubemap(even(4, 3, 1), { schedule: 'steep' }), 'invalid_argument', /steep/);
+  await rejects(welkin.prefilterCubemap(even(4, 3, 1), { sise: 256 }), 'invalid_argument', /no option sise; did you mean size\?/);
+  await rejects(welkin.sky({ sun: 20 }), 'invalid_argument', /did you mean sunElevation\?/);
+  await rejects(welkin.projectCubemap(even(4, 3, 1), { size: 4 }), 'invalid_argument', /no option size; it has signal,.*targetSize/);
+  await rejects(welkin.sky({ for: 'unity' }), 'invalid_argument', /three, babylon/);
+  await rejects(welkin.sky({ for: 'three', mirrorX: false }), 'invalid_argument', /sets mirrorX to true/);
+  await rejects(welkin.bakeEnvironment(new Response('', { status: 404 })), 'file_access', /404/);
   // and the worker goes on
   near((await welkin.projectCubemap(even(4, 3, 2))).radiance[0], c00, 1e-6);
 });

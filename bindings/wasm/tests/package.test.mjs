@@ -13,7 +13,7 @@ test('npm packs what the package needs, and nothing else', () => {
     { cwd: packageFolder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }));
   const names = files.map(({ path: name }) => name).sort();
   const wanted = ['LICENSE', 'README.md', 'babylon.d.ts', 'babylon.js', 'balls.png', 'engine.js', 'index.d.ts', 'index.js',
-    'package.json', 'platform-browser.js', 'platform-node.js', 'script/welkin.js', 'three.d.ts', 'three.js',
+    'options.js', 'package.json', 'platform-browser.js', 'platform-node.js', 'script/welkin.js', 'three.d.ts', 'three.js',
     'welkin-codecs.wasm', 'welkin-environment.wasm', 'welkin-prefilter.wasm', 'welkin-project.wasm', 'worker-node.js', 'worker.js'];
   assert.deepEqual(names, wanted);
 });
@@ -43,6 +43,9 @@ test('the types fit a program that uses them', () => {
     await sky({ sunElevation: 20, aerosol: 'dusty' }).catch((error: WelkinError) => error.code === 'limit_exceeded');
     // @ts-expect-error: there is no such aerosol
     await sky({ aerosol: 'green' });
+    await sky({ for: 'three', background: 64 });
+    // @ts-expect-error: there is no such option
+    await sky({ sise: 256 });
     export { red, setSphericalPolynomial, type BaseTexture };
   `);
   execFileSync(process.execPath, [path.join(modules, 'node_modules/typescript/bin/tsc'), '--noEmit', '--strict', '--target', 'es2022',
