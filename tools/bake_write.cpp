@@ -59,8 +59,7 @@ Json details_of(const Cubemap& cubemap, const Job& job) {
 
 std::string range_of(TexelFormat format) {
   switch (format) {
-    case TexelFormat::rgba16f:
-      return "beyond +-65504 clamped: halves end there";
+    case TexelFormat::rgba16f: return "beyond +-65504 clamped: halves end there";
     case TexelFormat::rgba32f: return "that are not finite replaced";
     case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
     case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";

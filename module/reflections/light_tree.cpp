@@ -338,7 +338,8 @@ class LightTree {
     const int rows = box.end.row - box.first.row;
     const int columns = box.end.column - box.first.column;
     const BrightTexel& texel = *places_[first].texel;
-    const bool full = box.end.face - box.first.face == 1 && end - first == static_cast<std::size_t>(rows) * columns;
+    const bool full = box.end.face - box.first.face == 1 &&
+                      end - first == static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
     const bool even = full && std::all_of(places_.begin() + static_cast<std::ptrdiff_t>(first),
                                           places_.begin() + static_cast<std::ptrdiff_t>(end),
                                           [&](const Place& place) { return place.texel->excess == texel.excess; });
@@ -456,7 +457,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   const bool exact = is_coarse(shape, use);
   if (exact)
     texels_ = cut.cubemap ? lobe_texels_of_cubemap(cut.columns) : lobe_texels_of_lat_long(cut.columns, cut.rows);
-  LightTree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
+  const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
   make_rooms();
 }
 
