@@ -62,8 +62,8 @@ std::string short_text(const std::string& text) {
     std::size_t value = at + kWord.size();
     if (text.compare(value, 1, ":") == 0) ++value;
     if (text.compare(value, 1, " ") != 0) continue;
-    const std::string stated = first_clause(text.substr(value + 1));
-    return clause + " (default " + stated + ')';
+    std::string stated = clause;
+    return stated.append(" (default ").append(first_clause(text.substr(value + 1))).append(")");
   }
   return clause;
 }

@@ -63,7 +63,8 @@ void Options::finish() const {
     for (const char* const known : sorted) list += (list.empty() ? "" : ", ") + std::string(known);
     std::string words = function_;
     words += group_ == nullptr ? "() takes no argument \"" : '(' + std::string(group_) + "={...}) takes no \"";
-    throw py::type_error(words + name + '"' + suggestion(name, known_) + "; it takes " + list);
+    words.append(name).append("\"").append(suggestion(name, known_)).append("; it takes ").append(list);
+    throw py::type_error(words);
   }
 }
 
