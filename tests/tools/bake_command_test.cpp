@@ -500,6 +500,7 @@ TEST_CASE("bake: the examples of --help-all work", "[tools][bake]") {
       const std::size_t at = arguments.find(" " + path);
       if (at != std::string::npos) arguments.replace(at + 1, path.size(), quoted(scratch.path() / path));
     }
+    if (arguments.find(" -o ") == std::string::npos) arguments += " -o " + quoted(scratch.path() / "city");
     const CommandResult result = run_welkin(arguments);
     INFO(arguments << '\n' << result.errors);
     CHECK(result.exit_code == 0);
