@@ -50,7 +50,8 @@ void add_row(PixelFormat format, const void* texels, const WeightOf& weight_of, 
   }
 }
 
-/// Of the samples, which rise, whose luminance is at least `least`: what `share` of their solid angle does not exceed.
+/// Returns the luminance that `share` of the solid angle does not exceed, counting only samples of at least `least`.
+/// `samples` are sorted by luminance.
 double percentile(const std::vector<Sample>& samples, double share, double least) {
   double whole = 0.0;
   for (const Sample& sample : samples) whole += sample.luminance >= least ? sample.weight : 0.0;

@@ -100,7 +100,7 @@ class Balancer {
     }
   }
 
-  /// Of the block that was read last, by channels.
+  /// The channels of the block that was read last.
   [[nodiscard]] std::array<ChannelError, 3> errors_of(std::size_t block) const {
     std::array<std::uint16_t, 3 * kBlockTexels> halves{};
     decode_bc6h(bytes_of(block), range_, halves.data());
@@ -224,7 +224,7 @@ class Balancer {
     return {unpack_bc6h(bytes.data()), fields_of(pair_, 0)};
   }
 
-  /// `anew`: the block may be encoded in another way, too.
+  /// `anew`: the block may also be encoded again in another way.
   double improve(std::size_t block, bool anew) {
     read(block);
     double growth = 0.0;
