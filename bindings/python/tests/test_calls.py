@@ -132,8 +132,12 @@ def work(large):
     "alias", "bake_many", "preview", "harmonics", "basis",
 ])  # fmt: skip
 def test_other_threads_run_meanwhile(work, name):
-    ticks = during(work[name])
-    assert sum(0.2 < tick < 0.8 for tick in ticks) >= 2, ticks
+    # A busy machine may give the other thread no processor during a call; a call that holds the lock never lets it run.
+    for _ in range(50):
+        ticks = during(work[name])
+        if sum(0.2 < tick < 0.8 for tick in ticks) >= 2:
+            return
+    pytest.fail(f"no other thread ran during 50 calls; the last one's ticks: {ticks}")
 
 
 def test_calls_run_side_by_side(large):
