@@ -19,7 +19,7 @@
 namespace WELKIN_EXPORT welkin {
 
 enum class PrefilterMethod {
-  automatic,  ///< for each mip the fastest within both bounds: spectral, summed or narrow
+  automatic,  ///< for each mip the fastest within both bounds: spectral or narrow
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
   sampled,    ///< filtered importance sampling (Krivanek and Colbert 2008; Karis 2013): one list of taps a mip
   reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
@@ -59,10 +59,9 @@ enum class MipMethod {
   reference,  ///< as `PrefilterMethod::reference`
   stored,     ///< it was in the file that was baked
   narrow,     ///< texels near by as areas, the lobe's far part by harmonics: below roughness 0.055 at default bounds
-  summed,     ///< sums over the texels of a small cubemap, by weights that are kept for its size
 };
 
-/// "copy", "spectral", "sampled", "reference", "stored", "narrow", "summed"
+/// "copy", "spectral", "sampled", "reference", "stored", "narrow"
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
 /// How one mip was made, and how good it is.
@@ -71,7 +70,7 @@ struct MipRecord {
   double roughness = 0.0;              ///< perceptual
   MipMethod method = MipMethod::copy;  ///< how it was made
   int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
-  int bright_texels = 0;               ///< spectral, narrow, summed: texels whose lobes were added beside the rest
+  int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the rest
   int samples = 0;                     ///< sampled: taps a texel
   /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of sampled and stored mips.
   std::optional<double> error_estimate = std::nullopt;

@@ -496,8 +496,7 @@ enum {
   WELKIN_PREFILTER_SAMPLED = 2,
   WELKIN_PREFILTER_REFERENCE = 3, /* the integral, texel by texel: slow */
   WELKIN_PREFILTER_COPY = 4,      /* of a mip that was made: roughness 0 */
-  WELKIN_PREFILTER_NARROW = 5,    /* of a mip that was made: texels near by as areas, the far part by harmonics */
-  WELKIN_PREFILTER_SUMMED = 6     /* of a mip that was made: sums over the texels of a small cubemap */
+  WELKIN_PREFILTER_NARROW = 5     /* of a mip that was made: texels near by as areas, the far part by harmonics */
 };
 
 /* Ways to spread roughness over a chain; reflections.h has the formulas. */

@@ -16,8 +16,6 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/lobe.h"
-#include "reflections/lobe_errors.h"
-#include "reflections/lobe_table.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
@@ -71,32 +69,8 @@ struct Errors {
   double worst = 0.0;
 };
 
-/// Of mips that are sums over a small cubemap's texels: what their weights err by, of the picture's blocks.
-struct Sums {
-  std::optional<reflections::BlockLight> light;  ///< without the bright texels; none of a lat-long
-  int face_size = 0;
-
-  Sums(const SanitizedSource& source, const std::vector<reflections::BrightTexel>& bright) {
-    if (!source.cubemap() || !reflections::LobeTable::serves(source.columns(), {1, 1.0})) return;
-    face_size = source.columns();
-    const CubemapImage rest{face_size, reflections::pixels_without(bright, source)};
-    light.emplace(face_size).read(rest.view());
-  }
-
-  [[nodiscard]] double error(const PrefilterPlan& plan, const MipPlan& mip, double of_lights, double rms,
-                             const Control& control) const {
-    const reflections::LobeTableKey key{face_size, plan.summed_mips(face_size)};
-    const auto place =
-        std::find(key.mips.begin(), key.mips.end(), reflections::LobeMip{mip.size, mip.alpha}) - key.mips.begin();
-    const auto table = reflections::LobeTable::get(key, {control.stop});
-    const double of_weights = table->errors(static_cast<std::size_t>(place)).rms(*light);
-    return reflections::summed_rms_error(face_size, of_weights, of_lights, rms);
-  }
-};
-
 /// The energies reach as far as the narrowest lobe that is spectral at the finest bounds: others have no estimate.
-Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies,
-                 const Sums& sums, const Control& control) {
+Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const budget::EnvironmentEnergies& energies) {
   Errors errors;
   const reflections::BrightLights lights(energies.bright, energies.shape, plan.least_alpha, plan.reach);
   for (std::size_t k = 0; k < plan.mips.size(); ++k) {
@@ -110,10 +84,6 @@ Errors errors_of(const PrefilterPlan& plan, const PrefilterPlan& finest, const b
       }
       const bool known = mip.bands.bands() > 0 && finest.mips[k].bands.bands() > 0;
       error = known ? kSafety * budget::spectral_mip_error(mip, energies, lights) + kRounding : kUnknown;
-      if (known && plan.is_summed(sums.face_size, mip)) {
-        const double rms = budget::blurred_rms(mip.alpha, energies.whole);
-        error = sums.error(plan, mip, lights.error(mip.alpha), rms, control) + kRounding;
-      }
     }
     errors.mips.push_back(error);
     errors.worst = std::max(errors.worst, error);
@@ -174,12 +144,11 @@ PrefilterChoice choose_for(const View& view, const SanitizedSource& source, cons
   choice.relative_to = "root mean square of the mip over the sphere, of the worst mip";
   budget::EnvironmentEnergies energies;
   if (finest.bands > 0) energies = budget::analyse_energies(source, finest, finest.bands, control);
-  const Sums sums(source, energies.bright);
   std::vector<Errors> errors;
   for (const double bound : kBounds) {
     const PrefilterOptions setting = with_bounds(options, bound);
     const PrefilterPlan plan = reflections::plan_prefilter(setting);
-    errors.push_back(errors_of(plan, finest, energies, sums, control));
+    errors.push_back(errors_of(plan, finest, energies));
     choice.tried.push_back({setting, errors.back().worst, predicted(plan, source)});
   }
   budget::settle(choice, budget);

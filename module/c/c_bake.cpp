@@ -110,7 +110,6 @@ welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
     case welkin::MipMethod::sampled: return WELKIN_PREFILTER_SAMPLED;
     case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
     case welkin::MipMethod::narrow: return WELKIN_PREFILTER_NARROW;
-    case welkin::MipMethod::summed: return WELKIN_PREFILTER_SUMMED;
     case welkin::MipMethod::copy:
     case welkin::MipMethod::stored: break;
   }

@@ -28,7 +28,6 @@
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
 #include "reflections/far_parts.h"
-#include "reflections/lobe_table.h"
 #include "reflections/narrow.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
@@ -143,7 +142,6 @@ class Prefilter {
   }
 
   void run_spectral(const Control& control);
-  void sum_mips(const std::vector<BrightTexel>& bright, const Control& control);
   void run_rings(const std::vector<BrightTexel>& texels, const Control& control);
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
   void run_narrow(const Control& control);
@@ -204,51 +202,7 @@ void Prefilter<View>::run_spectral(const Control& control) {
   extracted_ = texels.size();
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(extracted_) + " extracted", watch.milliseconds());
-  const int face_size = source_.cubemap() ? source_.columns() : 0;
-  const bool rings = plan_.needs_rings(face_size);
-  if (!plan_.summed_mips(face_size).empty()) sum_mips(texels, jobs::part_of(control, 0.0, rings ? 0.2 : 1.0));
-  if (rings) run_rings(texels, control);
-}
-
-template <class View>
-void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Control& control) {
-  const Stopwatch watch;
-  const auto table = LobeTable::get({source_.columns(), plan_.summed_mips(source_.columns())}, {control.stop});
-  const CubemapImage rest{source_.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source_)};
-  platform::AlignedBuffer<float> room(table->room_floats());
-  memory_.take(room.bytes() + rest.pixels.size() * sizeof(float));
-  std::vector<Faces> faces;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    if (!plan_.is_summed(source_.columns(), plan_.mips[level])) continue;
-    faces.push_back(image::faces_of(result_.cubemap, static_cast<int>(level)));
-  }
-  const CubemapView& view = bright.empty() ? source_.cube() : rest.view();
-  table->fill(view, room.data(), faces, !source_.has_negatives(), jobs::part_of(control, 0.0, 0.8));
-  BlockLight light(source_.columns());
-  light.read(view);
-  memory_.give_back(room.bytes() + rest.pixels.size() * sizeof(float));
-  note("sums", std::to_string(faces.size()) + " mips from their texels", watch.milliseconds());
-  jobs::TaskGraph graph;
-  std::size_t summed = 0;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (!plan_.is_summed(source_.columns(), mip)) continue;
-    const auto finish_mip = [&, level, summed](const Control& part) {
-      const Stopwatch own;
-      const double field = rms_of_level(result_.cubemap, static_cast<int>(level));
-      bright_.add({mip.alpha}, mip.size, faces[summed], {part.stop});
-      note_darkness(level, field);
-      record(level).bright_texels = static_cast<int>(extracted_);
-      const double rms = rms_of_level(result_.cubemap, static_cast<int>(level));
-      record(level).error_estimate =
-          summed_rms_error(source_.columns(), table->errors(summed).rms(light), bright_.error(mip.alpha), rms);
-      end_mip(level, own, part);
-      record(level).method = MipMethod::summed;
-    };
-    graph.add(static_cast<double>(mip.size) * mip.size, finish_mip);
-    ++summed;
-  }
-  graph.run(jobs::part_of(control, 0.8, 1.0));
+  run_rings(texels, control);
 }
 
 template <class View>
@@ -274,7 +228,7 @@ void Prefilter<View>::run_rings(const std::vector<BrightTexel>& texels, const Co
   jobs::TaskGraph graph;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     const MipPlan& mip = plan_.mips[level];
-    if (mip.bands.bands() == 0 || (source_.cubemap() && plan_.is_summed(source_.columns(), mip))) continue;
+    if (mip.bands.bands() == 0) continue;
     graph.add(static_cast<double>(mip.size) * mip.size + mip.bands.bands() * mip.bands.bands(),
               [this, level, &spectrum, rows](const Control& part) { spectral_mip(level, spectrum, rows, part); });
   }
@@ -484,10 +438,8 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 }
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
-  if (const std::vector<LobeMip> mips = plan.summed_mips(face_size); !mips.empty())
-    LobeTable::get({face_size, mips}, {control.stop});
   const RingTableKey rings{face_size, plan.rows_for_cubemap(face_size)};
-  if (plan.needs_rings(face_size) && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
+  if (plan.bands > 0 && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
@@ -522,7 +474,6 @@ const char* name(MipMethod method) noexcept {
     case MipMethod::reference: return "reference";
     case MipMethod::stored: return "stored";
     case MipMethod::narrow: return "narrow";
-    case MipMethod::summed: return "summed";
   }
   return "copy";
 }

@@ -9,7 +9,6 @@
 
 #include "image/geometry.h"
 #include "reflections/lobe.h"
-#include "reflections/lobe_errors.h"
 #include "reflections/ring_table.h"
 #include "transform/transform_kernels.h"
 
@@ -37,10 +36,6 @@ constexpr double kSpreadOrder = 0.017;  ///< of (l h)^4, which points that are s
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kRounding = 2e-7;          ///< of float harmonics
 constexpr double kTableRounding = 5e-7;     ///< of a `RingTable`'s weights where a lobe is three rings wide
-
-constexpr double kSummedSafety = 2.4;  ///< of sums over the texels of faces up to 24, each of which is looked at
-constexpr double kBlockSafety = 4.2;   ///< of larger ones, where an edge may lie between the places looked at
-constexpr double kSumRounding = 4e-7;  ///< of float sums
 
 /// Rings of height h that a cubemap was read on.
 struct Rings {
@@ -152,12 +147,6 @@ double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, doub
 double spectral_rms_error(const KernelFactors& factors, const SpectralSource& source, double of_lights, double rms) {
   if (!(rms > 0.0)) return kRounding;
   return spectral_error(factors, source, source.face_size > 0 ? kTableRounding : 0.0, of_lights, rms);
-}
-
-double summed_rms_error(int face_size, double of_weights, double of_lights, double rms) {
-  if (!(rms > 0.0)) return kSumRounding;
-  const double safety = CubeBlocks(face_size).edge == 1 ? kSummedSafety : kBlockSafety;
-  return kSumRounding + safety * std::sqrt(of_weights * of_weights + of_lights * of_lights) / rms;
 }
 
 double blurred_rms(std::span<const double> energies, std::span<const double> zonal) {
