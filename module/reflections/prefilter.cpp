@@ -63,7 +63,7 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
   return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
 }
 
-constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
+constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 
 using Faces = std::array<float*, 6>;
 
