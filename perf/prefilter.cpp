@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "perf/report/importance_sampling.h"
 #include "subjects.h"
 #include "welkin/image.h"
 #include "welkin/octahedral.h"
@@ -56,6 +57,17 @@ void add_cubemap(const std::string& variant, int size, int threads, const Prefil
                 });
 }
 
+void add_sampled(int size, int threads) {
+  const double texels = 6.0 * size * size * 4.0 / 3.0;
+  const std::vector<double> roughness =
+      roughness_of_mips(RoughnessSchedule::filament, mips_of_chain(RoughnessSchedule::filament, size), size);
+  add_benchmark("Prefilter", "sampled", std::to_string(size), threads, texels, 12.0 * texels,
+                [=]() -> std::function<void()> {
+                  const LatLongView view = noise_lat_long(PixelFormat::rgb32f, kWidth, kHeight);
+                  return [=] { benchmark::DoNotOptimize(report::importance_sampled(view, size, roughness, 64)); };
+                });
+}
+
 /// Charlie sheen as glTF's sample renderer has it.
 KernelChainOptions sheen(int size) {
   KernelChainOptions options{.size = size};
@@ -99,7 +111,7 @@ void add_prefilter(const std::vector<int>& thread_counts) {
     add_octahedral(512, threads);
     add_cubemap("cubemap", 256, threads, {.size = 256});
     add_cubemap("cubemap-narrow", 256, threads, narrow(256));
-    add("sampled", 256, threads, {.size = 256, .method = PrefilterMethod::sampled, .samples = 64}, false);
+    add_sampled(256, threads);
   }
 }
 

@@ -23,11 +23,10 @@ namespace {
 struct Settings {
   int texels = 256;
   int size = 512;
-  int samples = 1024;
   int width = 1024;               ///< of pictures that are made up
   int face = 0;                   ///< texels along an edge of the cubemap that each picture is turned into; 0: it stays
   std::vector<double> roughness;  ///< of single mips, each of `size`; none: the default chain
-  std::vector<PrefilterMethod> methods{PrefilterMethod::automatic, PrefilterMethod::sampled};
+  std::vector<PrefilterMethod> methods{PrefilterMethod::automatic};
 };
 
 struct Picture {
@@ -91,7 +90,6 @@ std::string rows_of(const Picture& picture, const View& view, const PrefilterOpt
   for (const PrefilterMethod method : settings.methods) {
     PrefilterOptions options = chain;
     options.method = method;
-    options.samples = settings.samples;
     const PrefilteredSpecular result = prefilter_specular(view, options);
     for (std::size_t level = 0; level < result.mips.size(); ++level) {
       const MipRecord& mip = result.mips[level];
@@ -147,8 +145,6 @@ Settings settings_of(std::vector<std::filesystem::path>& files, bool& synthetic)
       settings.texels = std::atoi(texels->c_str());
     } else if (const auto size = value("--size")) {
       settings.size = std::atoi(size->c_str());
-    } else if (const auto samples = value("--samples")) {
-      settings.samples = std::atoi(samples->c_str());
     } else if (const auto width = value("--width")) {
       settings.width = std::atoi(width->c_str());
     } else if (const auto face = value("--cubemap")) {
@@ -161,8 +157,7 @@ Settings settings_of(std::vector<std::filesystem::path>& files, bool& synthetic)
       settings.methods.clear();
       std::stringstream list(*methods);
       for (std::string word_in_list; std::getline(list, word_in_list, ',');) {
-        for (const auto method : {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::sampled,
-                                  PrefilterMethod::reference}) {
+        for (const auto method : {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}) {
           if (word_in_list == name(method)) settings.methods.push_back(method);
         }
       }

@@ -68,7 +68,6 @@ Json options_json(const Baked& baked, const BakeCommandOptions& options) {
                {"mips", specular.mips.value()},
                {"roughness", roughness_words(options)},
                {"method", welkin::name(specular.method)},
-               {"samples", specular.samples},
                {"rms_error", specular.rms_error},
                {"maximum_error", specular.maximum_error},
                {"background_size", options.background_size},
@@ -109,7 +108,6 @@ Json mip_json(const MipRecord& mip, std::size_t number) {
           {"method", name(mip.method)},
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
-          {"samples", mip.samples},
           {"error_estimate", mip.error_estimate ? Json(*mip.error_estimate) : Json(nullptr)},
           {"mean", json_triple(mip.mean)}};
 }

@@ -18,7 +18,6 @@ constexpr int kLargestTable = 4096;
 constexpr int kMostMips = 14;  // of the largest face
 constexpr int kSmallestBall = 8;
 constexpr int kLargestBall = 1024;
-constexpr int kMostSamples = 1 << 20;
 constexpr double kMostStops = 60.0;
 
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
@@ -202,12 +201,9 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       "--method", options.specular.method,
       {{"automatic", PrefilterMethod::automatic},
        {"spectral", PrefilterMethod::spectral},
-       {"sampled", PrefilterMethod::sampled},
        {"reference", PrefilterMethod::reference}},
       "How to prefilter: automatic (default: what is fastest within the error bounds), spectral, "
-      "sampled (as most tools do), reference (the integral itself; slow)"));
-  table.push_back(size_option("--samples", options.specular.samples, 1, kMostSamples,
-                              "Directions for each texel of the sampled method; default 1024"));
+      "reference (the integral itself; slow)"));
 }
 
 /// What is made beside the specular cubemap.

@@ -20,12 +20,12 @@ namespace WELKIN_EXPORT welkin {
 /// Irradiance by direct cosine integration, in double: the sum over all texels of radiance times the texel's integral
 /// of max(0, normal . direction). W/m2 where radiance is W/m2/sr.
 ///
-/// Texels are areas. One that lies wholly on one side of the horizon is integrated exactly; one that the horizon cuts
-/// is divided into 4 x 4 cells and more on small maps (1024 along a lat-long's width or round a cube's four sides),
-/// each taken at its centre. Error: below 1e-5 of pi times the radiance near the horizon at every size, below 1e-6 from
-/// 512 x 256 or 256 x 256 texels on.
+/// Texels are areas. One that lies wholly on one side of the horizon is integrated in closed form; of one that the
+/// horizon cuts, what lies above it is integrated by Gauss rules. Relative error: below 1e-8 at every size.
 ///
-/// `pixels` acts as in `project`. Cost: 5 ns per texel, normal and thread. The same bits on any number of threads.
+/// `pixels` acts as in `project`; pixels that are not valid RGB floats already are copied. Cost per texel, normal and
+/// thread: 6 ns for maps of 1024 x 512, 12 ns for 256 x 128, where the horizon cuts a larger share of the texels, and
+/// 60 ns for 64 x 32. The same bits on any number of threads.
 /// Throws `Error`: invalid_argument (view, policy, normals, none or more than 100 000 of them), rejected_pixel,
 /// cancelled.
 [[nodiscard]] std::vector<dvec3> direct_irradiance(const CubemapView& cubemap, std::span<const dvec3> normals,
@@ -69,7 +69,7 @@ struct IrradianceError {
 [[nodiscard]] CubemapImage irradiance_cubemap(const SphericalHarmonics& irradiance, int size,
                                               const Control& control = {});
 
-/// The reference: direct cosine integration in double, as `direct_irradiance`, at each texel's centre. Cost: some 5 ns
+/// The reference: direct cosine integration in double, as `direct_irradiance`, at each texel's centre. Cost: some 6 ns
 /// a source texel, result texel and thread.
 [[nodiscard]] CubemapImage direct_irradiance_cubemap(const CubemapView& source, int size, const Control& control = {});
 [[nodiscard]] CubemapImage direct_irradiance_cubemap(const LatLongView& source, int size, const Control& control = {});

@@ -89,7 +89,6 @@ struct CostModel {
   double legendre_term = 0.37;         ///< a ring's share of one degree and order, either way, three channels
   double face_texel = 8.0;             ///< a texel of a mip, looked up in rings
   double near_texel = 1000.0;          ///< a texel of a narrow mip: a cubemap's texels near by, each as an area
-  double tap = 4.2;                    ///< a tap of a texel of the sampled method
   double reference_pair = 26.0;        ///< a texel of the source for a texel of the reference method,
   double reference_direction = 2.6e6;  ///< and once for each of these: source texels near its peak are divided
 

@@ -21,11 +21,10 @@ namespace WELKIN_EXPORT welkin {
 enum class PrefilterMethod {
   automatic,  ///< for each mip the fastest within both bounds: spectral or narrow
   spectral,   ///< product with the kernel's spectrum in harmonics; the brightest texels each by its own lobe
-  sampled,    ///< filtered importance sampling (Krivanek and Colbert 2008; Karis 2013): one list of taps a mip
   reference,  ///< the integral, texel by texel in double: the truth that the others are measured against. Slow.
 };
 
-/// "automatic", "spectral", "sampled", "reference"
+/// "automatic", "spectral", "reference"
 [[nodiscard]] const char* name(PrefilterMethod method) noexcept;
 
 /// Sizes, roughness and bounds of a chain.
@@ -44,8 +43,6 @@ struct PrefilterOptions {
   /// mean square of its mip (without very bright lights) may exceed it: the pass "mip N: dark channels" reports it.
   double maximum_error = 1e-2;
 
-  int samples = 1024;  ///< of the sampled method, a texel
-
   PixelPolicy pixels{};  ///< what becomes of the source's values first, as in `project`
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
@@ -55,13 +52,12 @@ struct PrefilterOptions {
 enum class MipMethod {
   copy,       ///< the source resampled by area: roughness 0
   spectral,   ///< as `PrefilterMethod::spectral`
-  sampled,    ///< as `PrefilterMethod::sampled`
   reference,  ///< as `PrefilterMethod::reference`
   stored,     ///< it was in the file that was baked
   narrow,     ///< texels near by as areas, the lobe's far part by harmonics: below roughness 0.055 at default bounds
 };
 
-/// "copy", "spectral", "sampled", "reference", "stored", "narrow"
+/// "copy", "spectral", "reference", "stored", "narrow"
 [[nodiscard]] const char* name(MipMethod method) noexcept;
 
 /// How one mip was made, and how good it is.
@@ -71,8 +67,7 @@ struct MipRecord {
   MipMethod method = MipMethod::copy;  ///< how it was made
   int bands = 0;                       ///< spectral and narrow: harmonic bands that were used
   int bright_texels = 0;               ///< spectral, narrow: texels whose lobes were added beside the rest
-  int samples = 0;                     ///< sampled: taps a texel
-  /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of sampled and stored mips.
+  /// Predicted rms error over the mip's rms; 0 of copies. None where nothing is known: of stored mips.
   std::optional<double> error_estimate = std::nullopt;
   /// Mean of the texels, by solid angle. The kernel keeps energy, so the blurred light has the same mean on every mip.
   /// A texel holds the value at its centre: where a lamp's blurred light is narrower than the texels, centres meet or

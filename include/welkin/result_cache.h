@@ -119,7 +119,6 @@ struct LightChange {
 /// all in which its bits are the same: same source and policies for its pixels, same size and roughness, same method,
 /// and
 /// - copied (roughness below 0.001), narrow and reference mips: nothing else;
-/// - sampled ones: same `samples`, same size of mip 0, whose mips the taps read;
 /// - spectral ones: same error bounds, and the same narrowest lobe among all spectral mips of the chain, those that are
 ///   left out too. It decides which bright texels are taken out, and which rings a cubemap goes through.
 /// So a mip can be added or removed at the rough end, or changed there, and ends can be left out: only what is missing

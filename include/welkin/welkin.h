@@ -493,8 +493,7 @@ typedef int32_t welkin_prefilter_method;
 enum {
   WELKIN_PREFILTER_AUTOMATIC = 0, /* for each mip the fastest within both bounds */
   WELKIN_PREFILTER_SPECTRAL = 1,
-  WELKIN_PREFILTER_SAMPLED = 2,
-  WELKIN_PREFILTER_REFERENCE = 3, /* the integral, texel by texel: slow */
+  WELKIN_PREFILTER_REFERENCE = 2, /* the integral, texel by texel: slow */
   WELKIN_PREFILTER_COPY = 4,      /* of a mip that was made: roughness 0 */
   WELKIN_PREFILTER_NARROW = 5     /* of a mip that was made: texels near by as areas, the far part by harmonics */
 };
@@ -526,7 +525,6 @@ typedef struct welkin_prefilter_options {
   int32_t leave_out_sharp;           /* mips that are not made at the chain's sharp end, and */
   int32_t leave_out_rough;           /* at its rough end; the others are made as a chain of their own */
   welkin_prefilter_method method;    /* of all mips */
-  int32_t samples;                   /* a texel, of the sampled method; 0: 1024 */
   double rms_error;                  /* bound on a mip's relative root mean square error; 0: 1e-3 */
   double maximum_error;              /* bound on the relative error at any texel; 0: 1e-2 */
   const welkin_pixel_policy* pixels; /* null: the defaults. In a bake and of a sky it must be null */
@@ -540,8 +538,7 @@ typedef struct welkin_mip {
   welkin_prefilter_method method; /* never automatic */
   int32_t bands;                  /* spectral */
   int32_t bright_texels;          /* spectral: that were added one by one */
-  int32_t samples;                /* sampled: a texel */
-  double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (sampled, stored) */
+  double error_estimate;          /* predicted rms error over the mip's rms; NaN: nothing is known (stored) */
   double mean[3];                 /* of the texels, by solid angle: lamps narrower than they are change it */
   double milliseconds;            /* wall time */
 } welkin_mip;

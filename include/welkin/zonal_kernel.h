@@ -81,7 +81,7 @@ struct KernelChainOptions {
   std::vector<ZonalKernel> kernels{};  ///< one a mip: at least one, no more than the cubemap has levels
 
   /// `automatic` and `spectral` are the same: a product with the kernel's spectrum in harmonics, bright texels each by
-  /// the kernel. `reference`: the integral texel by texel in double, slow. `sampled` is refused.
+  /// the kernel. `reference`: the integral texel by texel in double, slow.
   PrefilterMethod method = PrefilterMethod::automatic;
 
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, by solid angle

@@ -63,7 +63,6 @@ std::span<const CostUnit> cost_units() noexcept {
                                         CostUnit{"fourier_texel", &CostModel::fourier_texel},
                                         CostUnit{"legendre_term", &CostModel::legendre_term},
                                         CostUnit{"face_texel", &CostModel::face_texel},
-                                        CostUnit{"tap", &CostModel::tap},
                                         CostUnit{"reference_pair", &CostModel::reference_pair},
                                         CostUnit{"reference_direction", &CostModel::reference_direction},
                                         CostUnit{"irradiance_term", &CostModel::irradiance_term},
@@ -164,17 +163,14 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
 
 /// What the prefilter holds when all of its mips are being made.
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const bool sampled = plan.uses(MipMethod::sampled);
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
   if (plan.uses(MipMethod::narrow)) bytes += narrow_bytes(source, plan);
   for (const reflections::MipPlan& mip : plan.mips) {
-    if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
+    if (mip.method == MipMethod::copy) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
     bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
   }
-  // The chain that is sampled, with a border, from level 0 down.
-  if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
   return bytes;
 }
 
@@ -231,9 +227,6 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     cost += transforming(far_rings, far_columns, split.bands, costs) +
             far_parts * transforming(grid.rings, grid.columns, split.bands, costs);
   }
-  if (plan.uses(MipMethod::sampled)) {
-    cost += resampling(source, plan.size, costs) + (costs.mip_texel + costs.copy_texel) * cube_texels(plan.size);
-  }
   for (const reflections::MipPlan& mip : plan.mips) {
     const double texels = cube_texels(mip.size);
     cost += projecting(texels, 1, costs);  // its mean
@@ -241,8 +234,6 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
       cost += resampling(source, mip.size, costs);
     } else if (mip.method == MipMethod::narrow) {
       cost += (std::min(far_parts, 2.0) * costs.face_texel + near_texel) * texels;
-    } else if (mip.method == MipMethod::sampled) {
-      cost += costs.tap * texels * plan.samples;
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {

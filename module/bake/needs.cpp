@@ -169,15 +169,6 @@ void pick_bands(const BudgetChoice<int>& choice, double budget, NeededOptions& n
   needed.chosen[BakePass::project] = std::move(words);
 }
 
-std::string unmet_words(const PrefilterChoice& choice, double budget) {
-  const std::string words = "bounds as they were: ";
-  const std::vector<reflections::MipPlan> mips = reflections::plan_prefilter(choice.setting).mips;
-  if (platform::ranges::any_of(mips, [](const auto& mip) { return mip.method == MipMethod::sampled; }))
-    return words + "a mip that is sampled has no estimate for the budget";
-  return words + "of none is the estimated error under the budget of " + percent(budget) + ", the minimum is " +
-         percent(choice.error_estimate);
-}
-
 void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& needed) {
   std::string words;
   if (choice.met) {
@@ -187,7 +178,8 @@ void pick_bounds(const PrefilterChoice& choice, double budget, NeededOptions& ne
     words = "rms bound " + percent(specular.rms_error) + " picked: estimated error of the worst mip " +
             percent(choice.error_estimate) + ", budget " + percent(budget);
   } else {
-    words = unmet_words(choice, budget);
+    words = "bounds as they were: of none is the estimated error under the budget of " + percent(budget) +
+            ", the minimum is " + percent(choice.error_estimate);
   }
   needed.chosen[BakePass::specular] = std::move(words);
 }

@@ -35,7 +35,7 @@ constexpr std::array<double, 7> kBounds{1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4
 /// Of the energies' sum against texels' differences, and what is not in it: docs/error_budget.md.
 constexpr double kSafety = 1.5;
 constexpr double kRounding = 5e-6;
-constexpr double kUnknown = 1.0;               ///< a sampled mip: no estimate
+constexpr double kUnknown = 1.0;               ///< a mip of the reference method: no estimate
 constexpr double kNarrow = 1e-3;               ///< rms of a narrow mip, at most: docs/reflections.md
 constexpr double kMultiplyNanoseconds = 0.05;  ///< of the transforms, DESIGN.md: 2.2 ms for 50 million
 constexpr double kTexelNanoseconds = 15.0;     ///< of a mip: interpolation and lobes of bright texels

@@ -101,13 +101,11 @@ welkin_status welkin_cubemap_chain_copy(const welkin_cubemap_chain* chain, int32
 namespace {
 
 static_assert(WELKIN_PREFILTER_SPECTRAL == static_cast<int>(welkin::PrefilterMethod::spectral));
-static_assert(WELKIN_PREFILTER_SAMPLED == static_cast<int>(welkin::PrefilterMethod::sampled));
 static_assert(WELKIN_PREFILTER_REFERENCE == static_cast<int>(welkin::PrefilterMethod::reference));
 
 welkin_prefilter_method method_of(const welkin::MipRecord& mip) {
   switch (mip.method) {
     case welkin::MipMethod::spectral: return WELKIN_PREFILTER_SPECTRAL;
-    case welkin::MipMethod::sampled: return WELKIN_PREFILTER_SAMPLED;
     case welkin::MipMethod::reference: return WELKIN_PREFILTER_REFERENCE;
     case welkin::MipMethod::narrow: return WELKIN_PREFILTER_NARROW;
     case welkin::MipMethod::copy:
@@ -129,7 +127,6 @@ welkin_status welkin_cubemap_chain_get_mip(const welkin_cubemap_chain* chain, in
     values.method = method_of(record);
     values.bands = record.bands;
     values.bright_texels = record.bright_texels;
-    values.samples = record.samples;
     values.error_estimate = record.error_estimate.value_or(std::numeric_limits<double>::quiet_NaN());
     write_triple(record.mean, values.mean);
     values.milliseconds = record.milliseconds;
@@ -209,7 +206,6 @@ PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int 
     wanted.roughness.assign(given.roughness, given.roughness + given.roughness_count);
   }
   wanted.method = enumerator("method", given.method, PrefilterMethod::reference);
-  set_unless_zero(wanted.samples, given.samples);
   set_unless_zero(wanted.rms_error, given.rms_error);
   set_unless_zero(wanted.maximum_error, given.maximum_error);
   if (pixels) {

@@ -34,10 +34,6 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
     writer.put(reflections::narrow_reach(plan));
     for (const double alpha : plan.narrow_alphas) writer.put(alpha);
   }
-  if (mip.method == MipMethod::sampled) {
-    writer.put(plan.size);  // the chain that the taps read has the size of mip 0
-    writer.put(plan.samples);
-  }
   return hash_bytes(writer.bytes().data(), writer.bytes().size());
 }
 

@@ -30,8 +30,7 @@ void one(Archive& archive, Pass& pass) requires std::is_same_v<std::remove_const
 
 template <class Archive, class Mip>
 void one(Archive& archive, Mip& mip) requires std::is_same_v<std::remove_const_t<Mip>, MipRecord> {
-  archive(mip.size, mip.roughness, mip.method, mip.bands, mip.bright_texels, mip.samples, mip.error_estimate,
-          mip.milliseconds);
+  archive(mip.size, mip.roughness, mip.method, mip.bands, mip.bright_texels, mip.error_estimate, mip.milliseconds);
   vector_3(archive, mip.mean);
 }
 
@@ -318,10 +317,12 @@ ContentHash cache::pixel_key(const PixelPolicy& pixels) {
 }
 
 ContentHash hash_options(const PrefilterOptions& options) {
-  const auto& [size, mips, roughness, method, rms_error, maximum_error, samples, pixels] = options;
-  constexpr int removed = 0;  // stands where two options stood once, so that recorded hashes stay the same
+  const auto& [size, mips, roughness, method, rms_error, maximum_error, pixels] = options;
+  // Stand where options stood once, so that recorded hashes stay the same.
+  constexpr int removed = 0;
+  constexpr int removed_samples = 1024;
   OptionWriter writer("prefilter");
-  writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, samples,
+  writer.all(size, mips.value_or(0), roughness, removed, removed, method, rms_error, maximum_error, removed_samples,
              cache::pixel_key(pixels));
   return writer.hash();
 }

@@ -196,7 +196,7 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 /// The key of a result of this version. `what`: the call. Raise the number with every change of results' bits, of their
 /// form as bytes, or of the files and previews of `welkin bake`.
 [[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
-  const std::string call = what + " " WELKIN_VERSION_STRING " 6";
+  const std::string call = what + " " WELKIN_VERSION_STRING " 7";
   std::vector<ContentHash> all{hash_bytes(call.data(), call.size())};
   all.insert(all.end(), parts);
   return combine(all);

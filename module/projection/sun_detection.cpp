@@ -17,7 +17,7 @@
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
-#include "projection/irradiance.h"
+#include "projection/kernel_integrals.h"
 #include "welkin/core.h"
 #include "welkin/directional_light.h"
 
@@ -73,11 +73,10 @@ std::vector<Replacement> replacements(const BrightRegion& region, const float* p
 /// Returns Int d dw over each texel: near a lat-long's pole, and in a large texel, the light's centroid is not at the
 /// centre.
 std::vector<glm::dvec3> first_moments_of(const image::TexelGrid& grid, const std::vector<std::int64_t>& texels) {
-  const std::unique_ptr<CosineTexels> rows = grid.kind() == image::TexelGrid::Kind::lat_long
-                                                 ? cosine_texels_of_lat_long(grid.columns(), grid.rows())
-                                                 : cosine_texels_of_cubemap(grid.columns());
-  MomentRow row;
-  for (auto* list : {&row.x, &row.y, &row.z, &row.horizon}) list->resize(static_cast<std::size_t>(grid.columns()));
+  const std::unique_ptr<TexelIntegrals> rows = grid.kind() == image::TexelGrid::Kind::lat_long
+                                                   ? texels_of_lat_long(grid.columns(), grid.rows())
+                                                   : texels_of_cubemap(grid.columns());
+  TexelRow row(static_cast<std::size_t>(grid.columns()));
   std::vector<glm::dvec3> result;
   std::int64_t known_row = -1;
   for (const std::int64_t texel : texels) {
@@ -86,7 +85,7 @@ std::vector<glm::dvec3> first_moments_of(const image::TexelGrid& grid, const std
       rows->fill(static_cast<int>(known_row), row);
     }
     const auto column = static_cast<std::size_t>(texel % grid.columns());
-    result.emplace_back(row.x[column], row.y[column], row.z[column]);
+    result.push_back(row.moment[column] * glm::dvec3(row.x[column], row.y[column], row.z[column]));
   }
   return result;
 }

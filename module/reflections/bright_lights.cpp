@@ -297,6 +297,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
 void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
   const double whole = lobe_integral(lobe.alpha);
+  const GgxFunction ggx(lobe.alpha);
   for (int row = area.row; row < area.end_row; ++row) {
     for (int column = area.column; column < area.end_column; ++column) {
       const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
@@ -304,7 +305,7 @@ void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* 
       for (const LobeRun& run : room.parts) {
         for (int k = run.first; k < run.first + run.count; ++k) {
           const Rectangle& part = rectangles_[static_cast<std::size_t>(k)];
-          const double share = texels_->integral(part.texels, normal, lobe.alpha) / whole;
+          const double share = texels_->integral(part.texels, normal, ggx) / whole;
           for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(part.excess[c]);
         }
       }

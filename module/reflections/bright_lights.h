@@ -76,7 +76,7 @@ class BrightLights {
   };
   /// Texels of one radiance.
   struct Rectangle {
-    TexelRectangle texels;
+    projection::TexelRectangle texels;
     std::array<float, 3> excess{};
   };
   struct Block;
@@ -112,7 +112,7 @@ class BrightLights {
   std::vector<Node> nodes_;   ///< the first is the root
   std::vector<LobeLight> lights_;
   std::vector<CutLight> cut_lights_;
-  std::shared_ptr<const LobeTexels> texels_;  ///< null: there are cut lights. Else rectangles of them
+  std::shared_ptr<const projection::TexelIntegrals> texels_;  ///< null: there are cut lights. Else rectangles of them
   std::vector<Rectangle> rectangles_;
   std::array<double, 3> power_{};
   std::array<double, 3> cut_{};  ///< sizes of parts^2 times colours

@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <glm/geometric.hpp>
+#include <numbers>
 #include <string>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
-#include "jobs/tiles.h"
 #include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
@@ -23,77 +21,85 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr std::size_t kBatch = 512;  ///< directions at a time: bounds the memory, 12 MiB of slots
-constexpr std::size_t kMostTiles = 1024;
 constexpr std::size_t kMostDirections = 10'000'000;
 
-/// One worker's room.
-struct Scratch {
-  explicit Scratch(std::size_t columns) : integrals(columns), red(columns), green(columns), blue(columns) {
-    for (auto* list : {&centres.x, &centres.y, &centres.z, &centres.solid_angle}) list->resize(columns);
-  }
-  TexelRow centres;
-  std::vector<double> integrals;
-  std::vector<double> red, green, blue;
-};
-
-void integrate_batch(const projection::SanitizedSource& source, const LobeTexels& texels, double alpha,
-                     std::span<const glm::dvec3> directions, const Control& control, std::vector<glm::dvec3>& result) {
-  const auto rows = static_cast<std::size_t>(source.rows());
-  const auto columns = static_cast<std::size_t>(source.columns());
-  const std::size_t rows_per_tile = (rows + kMostTiles - 1) / kMostTiles;
-  const std::size_t tiles = (rows + rows_per_tile - 1) / rows_per_tile;
-  const jobs::Placement placement = jobs::placement_for(static_cast<std::int64_t>(rows * columns * directions.size()));
-  const std::size_t workers = jobs::worker_count(placement);
-  std::vector<Scratch> scratch(workers, Scratch(columns));
-  std::vector<glm::dvec3> slots(tiles * directions.size(), glm::dvec3(0.0));
-
-  jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
-    Scratch& room = scratch[worker];
-    glm::dvec3* const slot = slots.data() + tile * directions.size();
-    for (std::size_t row = tile * rows_per_tile; row < std::min(rows, (tile + 1) * rows_per_tile); ++row) {
-      const float* const rgb = source.row(static_cast<int>(row));
-      for (std::size_t i = 0; i < columns; ++i) {
-        room.red[i] = static_cast<double>(rgb[3 * i]);
-        room.green[i] = static_cast<double>(rgb[3 * i + 1]);
-        room.blue[i] = static_cast<double>(rgb[3 * i + 2]);
-      }
-      texels.fill(static_cast<int>(row), room.centres);
-      for (std::size_t n = 0; n < directions.size(); ++n) {
-        if (!fill_lobe_integrals(texels, static_cast<int>(row), room.centres, directions[n], alpha, room.integrals))
-          continue;
-        slot[n] += glm::dvec3(math::dot(room.integrals, room.red), math::dot(room.integrals, room.green),
-                              math::dot(room.integrals, room.blue));
-      }
-    }
-  });
-
-  const std::size_t first = result.size();
-  result.resize(first + directions.size(), glm::dvec3(0.0));
-  for (std::size_t k = 0; k < slots.size(); ++k) result[first + k % directions.size()] += slots[k];
+/// Points of the Gauss rule for a part of radius h whose nearest pole is l away: its error falls like (2 l / h)^(-2 n).
+int order_for(double reach) noexcept {  // l / h
+  if (reach > 2000.0) return 1;
+  if (reach > 50.0) return 2;
+  if (reach > 11.0) return 3;
+  if (reach > 5.0) return 4;
+  if (reach > 3.0) return 6;
+  return reach >= 2.0 ? 8 : 0;
 }
+
+/// A zonal kernel as it is integrated over texels.
+class ShapeFunction final : public projection::KernelFunction {
+ public:
+  explicit ShapeFunction(const ZonalShape& shape) : shape_(shape) {
+    const auto x_of = [](double s) { return 2.0 * s * s; };
+    first = x_of(shape.nearest());
+    last = x_of(shape.farthest());
+    hemisphere = shape.hemisphere();
+    for (const double s : shape.breaks()) {
+      if (!hemisphere || std::abs(x_of(s) - 1.0) > 1e-9) breaks.push_back(x_of(s));
+    }
+  }
+
+  [[nodiscard]] double at(double x) const noexcept override { return shape_.value(1.0 - x); }
+  void evaluate(std::span<double> x) const noexcept override {
+    for (double& value : x) value = shape_.value(1.0 - value);
+  }
+  [[nodiscard]] int order(double x, double radius) const noexcept override {
+    constexpr double widest = 0.1;  // the mapping itself is smooth enough over that
+    const double s = std::sqrt(0.5 * x);
+    const bool cut = std::any_of(breaks.begin(), breaks.end(),
+                                 [&](double at) { return std::abs(std::sqrt(0.5 * at) - s) <= 0.5 * radius; });
+    if (radius > widest || radius > (cut ? 1.0 / 32 : 0.8) * shape_.scale()) return 0;
+    return !cut && radius < 0.02 * shape_.scale() ? 2 : 4;
+  }
+  [[nodiscard]] double far(double radius) const noexcept override {
+    return radius < 0.002 * shape_.scale() ? 0.0 : 3.0;
+  }
+
+ private:
+  const ZonalShape& shape_;
+};
 
 int clamped(double place, int count) noexcept { return std::clamp(static_cast<int>(std::floor(place)), 0, count - 1); }
 
 }  // namespace
 
+GgxFunction::GgxFunction(double alpha)
+    : square_(alpha * alpha), slope_(0.5 * (1.0 - square_)), scale_(square_ / std::numbers::pi) {
+  hemisphere = true;
+  last = 1.0;
+}
+
+void GgxFunction::evaluate(std::span<double> x) const noexcept {
+  for (double& value : x) value = at(value);
+}
+
+int GgxFunction::order(double x, double radius) const noexcept {
+  return order_for(std::sqrt(2.0 * x + 4.0 * square_) / radius);
+}
+
+double GgxFunction::far(double radius) const noexcept {
+  const double reach = radius / 0.007;
+  return std::max(0.0, 0.5 * (reach * reach - 4.0 * square_));
+}
+
 std::vector<glm::dvec3> integrate_lobes(const projection::SanitizedSource& source, double alpha,
                                         std::span<const glm::dvec3> directions, const Control& control) {
-  const auto texels = source.cubemap() ? lobe_texels_of_cubemap(source.columns())
-                                       : lobe_texels_of_lat_long(source.columns(), source.rows());
-  const auto share_done = [&](std::size_t count) {
-    return static_cast<double>(count) / static_cast<double>(directions.size());
-  };
-  std::vector<glm::dvec3> result;
-  while (result.size() < directions.size()) {
-    const std::size_t first = result.size();
-    const std::size_t count = std::min(kBatch, directions.size() - first);
-    const Control part = jobs::part_of(control, share_done(first), share_done(first + count));
-    integrate_batch(source, *texels, alpha, directions.subspan(first, count), part, result);
-  }
+  std::vector<glm::dvec3> result = projection::integrate_kernel(source, GgxFunction(alpha), directions, control);
   const double whole = lobe_integral(alpha);
   for (glm::dvec3& value : result) value /= whole;
   return result;
+}
+
+std::vector<glm::dvec3> integrate_shape(const projection::SanitizedSource& source, const ZonalShape& kernel,
+                                        std::span<const glm::dvec3> directions, const Control& control) {
+  return projection::integrate_kernel(source, ShapeFunction(kernel), directions, control);
 }
 
 glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm::dvec3& d) noexcept {

@@ -22,7 +22,6 @@
 #include "reflections/bright_lights.h"
 #include "reflections/cube_rings.h"
 #include "reflections/direct.h"
-#include "reflections/kernel_reference.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
@@ -230,7 +229,7 @@ class KernelChain {
       }
     }
     float* to = result_.cubemap.face(static_cast<int>(level), 0);
-    for (const glm::dvec3& value : integrate_kernel(source_, *mip.kernel, directions, control)) {
+    for (const glm::dvec3& value : integrate_shape(source_, *mip.kernel, directions, control)) {
       for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(value[c]);
     }
     result_.mips[level].method = MipMethod::reference;
@@ -276,7 +275,7 @@ std::vector<glm::dvec3> reference(const View& view, const ZonalKernel& kernel,
                                   const std::vector<glm::dvec3>& directions, const Control& control) {
   image::check_view(view);
   const projection::SanitizedSource source(view, {}, {control.stop, {}});
-  return integrate_kernel(source, kernel.shape(), unit_directions(directions), control);
+  return integrate_shape(source, kernel.shape(), unit_directions(directions), control);
 }
 
 }  // namespace

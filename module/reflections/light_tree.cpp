@@ -328,7 +328,7 @@ class LightTree {
     merge(node, box);
   }
 
-  LobeRun rectangle_of(const TexelRectangle& texels, const BrightTexel& texel) {
+  LobeRun rectangle_of(const projection::TexelRectangle& texels, const BrightTexel& texel) {
     lights_.rectangles_.push_back({texels, texel.excess});
     return {static_cast<int>(lights_.rectangles_.size()) - 1, 1};
   }
@@ -456,7 +456,8 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const bool exact = is_coarse(shape, use);
   if (exact)
-    texels_ = cut.cubemap ? lobe_texels_of_cubemap(cut.columns) : lobe_texels_of_lat_long(cut.columns, cut.rows);
+    texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
+                          : projection::texels_of_lat_long(cut.columns, cut.rows);
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, least_alpha, exact, *this);
   make_rooms();
 }

@@ -32,7 +32,6 @@
 #include "reflections/prefilter_estimate.h"
 #include "reflections/radiance_scale.h"
 #include "reflections/ring_table.h"
-#include "reflections/sampled.h"
 #include "transform/spectrum.h"
 #include "welkin/resampling.h"
 
@@ -63,7 +62,7 @@ int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source
   return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
 }
 
-constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
+constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
 
 using Faces = std::array<float*, 6>;
 
@@ -121,7 +120,6 @@ class Prefilter {
     jobs::TaskGraph graph;
     if (plan_.bands > 0) graph.add(2.0, [this](const Control& part) { run_spectral(part); });
     if (plan_.uses(MipMethod::narrow)) graph.add(50.0, [this](const Control& part) { run_narrow(part); });
-    if (plan_.uses(MipMethod::sampled)) graph.add(100.0, [this](const Control& part) { run_sampled(part); });
     for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
       const MipMethod method = plan_.mips[level].method;
       if (method == MipMethod::copy) graph.add(1.0, [this, level](const Control& part) { copy_mip(level, part); });
@@ -146,7 +144,6 @@ class Prefilter {
   void spectral_mip(std::size_t level, const transforms::Spectrum& spectrum, int rows, const Control& control);
   void run_narrow(const Control& control);
   void narrow_mip(std::size_t level, const NarrowSplit& split, const FarParts& far, const Control& control);
-  void run_sampled(const Control& control);
   void copy_mip(std::size_t level, const Control& control);
   void integrate_mip(std::size_t level, const Control& control);
   void note_darkness(std::size_t level, double field);
@@ -348,33 +345,6 @@ void Prefilter<View>::narrow_mip(std::size_t level, const NarrowSplit& split, co
 }
 
 template <class View>
-void Prefilter<View>::run_sampled(const Control& control) {
-  const Stopwatch watch;
-  CubemapChain base(plan_.size, full_chain_levels(plan_.size));
-  fill_level(view_, base, 0, {control.stop, {}});
-  fill_mips(base, MipFilter::solid_angle, {control.stop, {}});
-  const PaddedCube cube(base);
-  memory_.take(base.bytes() + cube.bytes());
-  note("sampled: mip chain", "of the source at its full size", watch.milliseconds());
-  jobs::TaskGraph graph;
-  for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
-    const MipPlan& mip = plan_.mips[level];
-    if (mip.method != MipMethod::sampled) continue;
-    const auto work = [this, level, &cube, &base](const Control& part) {
-      const Stopwatch mip_watch;
-      const MipPlan& plan = plan_.mips[level];
-      const std::vector<Tap> taps = make_taps(plan.alpha, plan_.samples, base.size(), base.levels());
-      sample_mip(cube, taps, plan.size, image::faces_of(result_.cubemap, static_cast<int>(level)), part);
-      record(level).samples = static_cast<int>(taps.size());
-      end_mip(level, mip_watch, part);
-    };
-    graph.add(static_cast<double>(mip.size) * mip.size, work);
-  }
-  graph.run(control);
-  memory_.give_back(base.bytes() + cube.bytes());
-}
-
-template <class View>
 void Prefilter<View>::copy_mip(std::size_t level, const Control& control) {
   const Stopwatch watch;
   fill_level(view_, result_.cubemap, static_cast<int>(level), control);
@@ -460,7 +430,6 @@ const char* name(PrefilterMethod method) noexcept {
   switch (method) {
     case PrefilterMethod::automatic: return "automatic";
     case PrefilterMethod::spectral: return "spectral";
-    case PrefilterMethod::sampled: return "sampled";
     case PrefilterMethod::reference: return "reference";
   }
   return "automatic";
@@ -470,7 +439,6 @@ const char* name(MipMethod method) noexcept {
   switch (method) {
     case MipMethod::copy: return "copy";
     case MipMethod::spectral: return "spectral";
-    case MipMethod::sampled: return "sampled";
     case MipMethod::reference: return "reference";
     case MipMethod::stored: return "stored";
     case MipMethod::narrow: return "narrow";

@@ -22,7 +22,6 @@ namespace welkin::reflections {
 namespace {
 
 constexpr int kLargestSize = 8192;
-constexpr int kMostSamples = 1 << 20;
 constexpr double kLeastAlpha = 1e-6;     ///< below, a lobe is narrower than any texel by far: a copy
 constexpr double kLeastRings = 256.0;    ///< of a `RingTable`
 constexpr double kRingsOfAlpha = 9.5;    ///< times 1 / alpha: a third of the narrowest lobe's alpha is a ring's height
@@ -35,7 +34,7 @@ void check_error_bound(const char* what, double value, double least, PrefilterMe
   if (!(value > 0.0 && value <= 1.0))
     refuse(ErrorCode::invalid_argument,
            std::string(what) + " is " + platform::number_text(value) + "; it must be above 0, at most 1");
-  if (value >= least || method == PrefilterMethod::reference || method == PrefilterMethod::sampled) return;
+  if (value >= least || method == PrefilterMethod::reference) return;
   refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
                                         " is more than float arithmetic gives; the reference method has no bound");
 }
@@ -67,7 +66,6 @@ int mips_of(const PrefilterOptions& options) {
 
 MipMethod method_for(const PrefilterOptions& options, double reach, const MipPlan& mip) {
   if (mip.alpha < kLeastAlpha) return MipMethod::copy;
-  if (options.method == PrefilterMethod::sampled) return MipMethod::sampled;
   if (options.method == PrefilterMethod::reference) return MipMethod::reference;
   const int bands = bands_for(mip.alpha, reach);
   if (bands <= transforms::kMaximumSpectrumBands) return MipMethod::spectral;
@@ -130,14 +128,12 @@ PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   }
   check_error_bound("rms_error", options.rms_error, kLeastRmsError, options.method);
   check_error_bound("maximum_error", options.maximum_error, kLeastMaximumError, options.method);
-  image::require_range("samples", options.samples, 1, kMostSamples);
   projection::check_policy(options.pixels);
   const int mips = mips_of(options);
   const std::vector<double> roughness = roughness_of(options, mips);
   PrefilterPlan plan;
   plan.size = options.size;
   plan.chain_mips = mips;
-  plan.samples = options.samples;
   plan.reach = reach_for(options.rms_error, options.maximum_error);
   plan.maximum_error = options.maximum_error;
   for (int level = 0; level < mips; ++level) {

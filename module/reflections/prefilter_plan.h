@@ -22,7 +22,6 @@ struct PrefilterPlan {
   int chain_mips = 0;           ///< of the whole chain
   std::vector<MipPlan> mips;    ///< that are made
   int first_mip = 0;            ///< the first of them, counted in the whole chain
-  int samples = 0;              ///< of the sampled method
   double reach = 0.0;           ///< see `choose_bands`
   double maximum_error = 1e-2;  ///< asked for
 

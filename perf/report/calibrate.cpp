@@ -290,10 +290,6 @@ class Calibration {
   }
 
   void measure_slow_prefilters() {
-    constexpr int kSamples = 256;
-    const PrefilteredSpecular sampled = prefiltered(
-        image_.view(), {.size = 32, .roughness = {0.3}, .method = PrefilterMethod::sampled, .samples = kSamples});
-    costs_.tap = nanoseconds_of(sampled.pixels.passes, kFirstMip) / (kSamples * cube_texels(32));
     const std::vector<glm::dvec3> directions(8, glm::dvec3(0.6, 0.0, 0.8));
     const Line line = line_of_sources(static_cast<double>(directions.size()), [&](const LatLongView& source) {
       static_cast<void>(reference_specular(source, 0.5, directions, quiet()));

@@ -11,13 +11,13 @@ namespace welkin::report {
 /// One setting of one method of one pass.
 struct Measurement {
   std::string pass;            ///< `Pass::id`
-  std::string method;          ///< "exact", "sampled", ...
-  std::string setting;         ///< "target 64", "256 taps", ...: with pass, method and peer it names the measurement
+  std::string method;          ///< "exact", "spectral", ...
+  std::string setting;         ///< "target 64", "256 samples", ...: with pass, method and peer it names the measurement
   double error_rms = 0.0;      ///< relative, 0.01 is 1 %: as `Pass::error_meaning` says
   double error_maximum = 0.0;  ///< likewise
   double seconds = 0.0;        ///< of one call, by `Machine::clock`: the least of several runs
   std::string truth;           ///< what the error is measured against
-  std::string peer{};          ///< the other program's name and version; empty: Welkin itself
+  std::string peer{};          ///< the other program's name and version, or another method's code; empty: Welkin itself
 
   friend bool operator==(const Measurement&, const Measurement&) = default;
 };

@@ -29,7 +29,7 @@ struct Scale {
   int cube_size = 0;            ///< of the cubemap that is projected
   int chain_size = 0;           ///< of the specular chain from a file
   int probes = 0;               ///< places at which a prefiltered mip is compared with the truth, an error estimate's n
-  int most_samples = 0;         ///< of the sampled prefilter
+  int most_samples = 0;         ///< of importance sampling
   int most_bands = 0;           ///< of the irradiance
   int largest_table = 0;        ///< edge of the largest BRDF table
   int table_truth = 0;          ///< edge of the BRDF table that others are compared with

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "perf/report/error_norms.h"
+#include "perf/report/importance_sampling.h"
 #include "perf/report/passes.h"
 #include "perf/report/words.h"
 #include "welkin/core.h"
@@ -30,6 +31,7 @@ struct Way {
   std::string method;
   std::string setting;
   PrefilterOptions options;
+  int samples = 0;  ///< of importance sampling, which is not the library's; 0: the library prefilters
 };
 
 std::vector<int> sample_counts(int most) {
@@ -50,10 +52,7 @@ std::vector<Way> ways(const Scale& scale) {
     }
   }
   for (const int samples : sample_counts(scale.most_samples)) {
-    PrefilterOptions options;
-    options.method = PrefilterMethod::sampled;
-    options.samples = samples;
-    all.push_back({name(options.method), std::to_string(samples) + " taps", options});
+    all.push_back({"importance sampling", std::to_string(samples) + " samples", {}, samples});
   }
   return all;
 }
@@ -105,17 +104,23 @@ class ChainTruth {
   std::optional<glm::dvec3> mean_;
 };
 
-/// None where no method reaches the bounds.
-template <typename Source>
+/// None where no method reaches the bounds. `shape`: size and roughness of each mip. `read` gives the lat-long's view,
+/// whose time counts.
+template <typename Read>
 std::optional<Measurement> measured(const Way& way, const Stopwatch& stopwatch, ChainTruth& truth,
-                                    const Source& prefilter) {
+                                    const PrefilterOptions& shape, const Read& read) {
   try {
-    PrefilteredSpecular result;
-    const double seconds = stopwatch.seconds([&] { result = prefilter(way.options); });
-    std::vector<double> roughness;
-    for (const MipRecord& mip : result.mips) roughness.push_back(mip.roughness);
-    const ErrorNorms errors = truth.errors(result.cubemap, roughness);
-    return Measurement{"", way.method, way.setting, errors.rms, errors.maximum, seconds, kTruth};
+    PrefilterOptions options = way.options;
+    options.size = shape.size;
+    options.roughness = shape.roughness;
+    CubemapChain result;
+    const double seconds = stopwatch.seconds([&] {
+      result = way.samples > 0 ? importance_sampled(read(), options.size, options.roughness, way.samples)
+                               : prefilter_specular(read(), options).cubemap;
+    });
+    const ErrorNorms errors = truth.errors(result, options.roughness);
+    return Measurement{
+        "", way.method, way.setting, errors.rms, errors.maximum, seconds, kTruth, way.samples > 0 ? kSamplingPeer : ""};
   } catch (const Error& error) {
     if (error.code() != ErrorCode::limit_exceeded) throw;
     return std::nullopt;
@@ -128,12 +133,8 @@ std::vector<Measurement> one_roughness(const PassContext& context, const Blur& b
   const std::vector<Way> all_ways = ways(context.scale);
   std::vector<Measurement> all;
   for (std::size_t k = 0; k < all_ways.size(); ++k) {
-    const auto one = measured(all_ways[k], context.stopwatch, truth, [&](PrefilterOptions options) {
-      options.size = blur.size * context.scale.chain_size / 256;
-      options.mips = 1;
-      options.roughness = {blur.roughness};
-      return prefilter_specular(source, options);
-    });
+    const PrefilterOptions shape{.size = blur.size * context.scale.chain_size / 256, .roughness = {blur.roughness}};
+    const auto one = measured(all_ways[k], context.stopwatch, truth, shape, [&] { return source; });
     if (one) all.push_back(*one);
     progress(context, k + 1, all_ways.size());
   }
@@ -148,12 +149,9 @@ std::vector<Measurement> whole_chain(const PassContext& context) {
   const std::vector<double> roughness = roughness_of_mips(RoughnessSchedule::filament, mips, size);
   std::vector<Measurement> all;
   for (const Way& way : ways(context.scale)) {
-    const auto one = measured(way, context.stopwatch, truth, [&](PrefilterOptions options) {
-      options.size = size;
-      options.mips = mips;
-      options.roughness = roughness;
-      return prefilter_specular(read_environment(context.file).lat_long(), options);
-    });
+    std::optional<Environment> picture;
+    const auto one = measured(way, context.stopwatch, truth, {.size = size, .roughness = roughness},
+                              [&] { return picture.emplace(read_environment(context.file)).lat_long(); });
     if (one) all.push_back(*one);
   }
   progress(context, 2, 3);

@@ -187,9 +187,9 @@ TEST_CASE("options: every field of a prefilter counts, but what it does not use 
            [](Options& o) {
              o.roughness = {0.5, 0.5};
            },
-           [](Options& o) { o.method = PrefilterMethod::sampled; }, [](Options& o) { o.rms_error = 0.5; },
-           [](Options& o) { o.maximum_error = 0.5; }, [](Options& o) { o.samples = 4; },
-           [](Options& o) { o.pixels.gamma = true; }, [](Options& o) { o.pixels.clamp = RadianceClamp{}; }});
+           [](Options& o) { o.method = PrefilterMethod::spectral; }, [](Options& o) { o.rms_error = 0.5; },
+           [](Options& o) { o.maximum_error = 0.5; }, [](Options& o) { o.pixels.gamma = true; },
+           [](Options& o) { o.pixels.clamp = RadianceClamp{}; }});
 }
 
 TEST_CASE("options: every field of a bake counts, but its limit and what is not used") {

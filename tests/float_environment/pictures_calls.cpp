@@ -207,15 +207,11 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const CubemapImage
   calls.call("mip_of_roughness(", [&] { return mip_of_roughness(table, 0.37); });
 
   const PrefilterOptions spectral{.size = 8, .roughness = {0.0, 0.3, 0.9}, .method = PrefilterMethod::spectral};
-  PrefilterOptions sampled = spectral;
-  sampled.method = PrefilterMethod::sampled;
-  sampled.samples = 16;
   PrefilterOptions reference = spectral;
   reference.method = PrefilterMethod::reference;
   reference.size = 2;
   reference.roughness = {0.4, 0.9};
   calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), spectral); });
-  calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), sampled); });
   calls.call("prefilter_specular(LatLongView", [&] { return prefilter_specular(wide.view(), reference); });
   calls.call("prefilter_specular(CubemapView", [&] { return prefilter_specular(cube.view(), spectral); });
   call_kernels(calls, wide, cube);

@@ -74,8 +74,6 @@ void reflections() {
   const CubemapImage cube = cubemap(32, 12);
   print("prefilter/spectral",
         prefilter_specular(cube.view(), {.size = 32, .method = PrefilterMethod::spectral}).cubemap);
-  print("prefilter/sampled",
-        prefilter_specular(cube.view(), {.size = 32, .method = PrefilterMethod::sampled, .samples = 64}).cubemap);
   // Light so faint that factors of it are denormal numbers: there is no flag on every processor that flushes them.
   for (const int decades : {20, 27, 34, 40}) {
     float scale = 1.0F;

@@ -189,7 +189,7 @@ glm::dvec3 brute_force(const LatLongImage& image, const glm::dvec3& normal, int 
 TEST_CASE("A uniform sky gives pi times its radiance, at every size", "[sh][irradiance]") {
   const std::vector<glm::dvec3> normals = some_normals(12);
   const std::vector<glm::dvec3> expected(normals.size(), kPi * glm::dvec3(0.5, 1.0, 2.0));
-  const double bound = 1e-5 * glm::length(expected[0]);
+  const double bound = 1e-8 * glm::length(expected[0]);
   for (const int size : {1, 2, 3, 7, 64}) {
     CAPTURE(size);
     const TestCubemap cubemap = make_cubemap(Content::uniform, size, 3, 0);
@@ -200,15 +200,6 @@ TEST_CASE("A uniform sky gives pi times its radiance, at every size", "[sh][irra
     const TestLatLong image = make_lat_long(Content::uniform, width, height, 0);
     CHECK(worst_length(direct_irradiance(image.view(), normals), expected) < bound);
   }
-}
-
-TEST_CASE("Maps of a usual size give a uniform sky to 1e-6", "[sh][irradiance]") {
-  const std::vector<glm::dvec3> normals = some_normals(8);
-  const std::vector<glm::dvec3> expected(normals.size(), kPi * glm::dvec3(0.5, 1.0, 2.0));
-  const double bound = 1e-6 * glm::length(expected[0]);
-  const TestLatLong image = make_lat_long(Content::uniform, 512, 256, 0);
-  CHECK(worst_length(direct_irradiance(image.view(), normals), expected) < bound);
-  CHECK(worst_length(direct_irradiance(make_cubemap(Content::uniform, 256, 3, 0).view(), normals), expected) < bound);
 }
 
 TEST_CASE("Noise on few texels agrees with a dense integral", "[sh][irradiance]") {

@@ -35,8 +35,7 @@ class LampRoom {
       : width_(width),
         height_(height),
         grid_(height > 0 ? image::TexelGrid::lat_long(width, height) : image::TexelGrid::cubemap(width)),
-        texels_(height > 0 ? reflections::lobe_texels_of_lat_long(width, height)
-                           : reflections::lobe_texels_of_cubemap(width)),
+        texels_(height > 0 ? projection::texels_of_lat_long(width, height) : projection::texels_of_cubemap(width)),
         lamps_(std::move(lamps)),
         pixels_(static_cast<std::size_t>(3 * grid_.texels()), 1.0F) {
     for (const Lamp& lamp : lamps_) std::fill_n(pixels_.begin() + 3 * lamp.texel, 3, lamp.light);
@@ -50,8 +49,9 @@ class LampRoom {
   [[nodiscard]] double truth(const glm::dvec3& normal, double alpha) const {
     double sum = 1.0;
     for (const Lamp& lamp : lamps_) {
-      const double share = texels_->integral(static_cast<int>(lamp.texel / grid_.columns()),
-                                             static_cast<int>(lamp.texel % grid_.columns()), normal, alpha);
+      const double share = texels_->integral(
+          {static_cast<int>(lamp.texel / grid_.columns()), static_cast<int>(lamp.texel % grid_.columns())}, normal,
+          reflections::GgxFunction(alpha));
       sum += (static_cast<double>(lamp.light) - 1.0) * share / reflections::lobe_integral(alpha);
     }
     return sum;
@@ -102,7 +102,7 @@ class LampRoom {
   int width_;
   int height_;
   image::TexelGrid grid_;
-  std::unique_ptr<reflections::LobeTexels> texels_;
+  std::unique_ptr<projection::TexelIntegrals> texels_;
   std::vector<Lamp> lamps_;
   std::vector<float> pixels_;
 };

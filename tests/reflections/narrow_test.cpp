@@ -285,13 +285,4 @@ TEST_CASE("A narrow mip keeps its bits where others of its chain are left out", 
   }
 }
 
-TEST_CASE("What is not known of a mip's error is not called zero", "[specular][prefilter][narrow]") {
-  const TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
-  const PrefilteredSpecular sampled = prefilter_specular(
-      source.view(), {.size = 8, .roughness = {0.0, 0.02, 0.5}, .method = PrefilterMethod::sampled, .samples = 16});
-  CHECK(sampled.mips[0].error_estimate == 0.0);
-  CHECK_FALSE(sampled.mips[1].error_estimate.has_value());
-  CHECK_FALSE(sampled.mips[2].error_estimate.has_value());
-}
-
 }  // namespace welkin::test

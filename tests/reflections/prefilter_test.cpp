@@ -29,8 +29,6 @@ namespace welkin::test {
 
 namespace {
 
-const PrefilterOptions kSmall{.size = 32, .samples = 32};
-
 template <class View>
 void check_same_bits(const View& view, PrefilterOptions options) {
   const InstructionSet before = active_instruction_set();
@@ -59,20 +57,17 @@ TEST_CASE("The prefilter gives the same bits on any threads and instruction set"
   check_same_bits(source.view(), {.size = 64});
   check_same_bits(make_lat_long(Content::one_texel_sun, 16, 8, 3).view(), {.size = 16});  // a sun wider than lobes
   check_same_bits(make_lat_long(Content::random, 67, 35, 3).view(), {.size = 19});
-  check_same_bits(make_cubemap(Content::high_range, 33, 3, 3).view(), kSmall);
-  for (const PrefilterMethod method : {PrefilterMethod::sampled, PrefilterMethod::reference}) {
-    PrefilterOptions options{.size = 4, .method = method, .samples = 32};
-    check_same_bits(make_lat_long(Content::high_range, 32, 16, 3).view(), options);
-  }
+  check_same_bits(make_cubemap(Content::high_range, 33, 3, 3).view(), {.size = 32});
+  check_same_bits(make_lat_long(Content::high_range, 32, 16, 3).view(),
+                  {.size = 4, .method = PrefilterMethod::reference});
 }
 
 TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap]") {
   const TestLatLong large = make_lat_long(Content::one_texel_sun, 256, 128, 3);
   const TestLatLong small = make_lat_long(Content::one_texel_sun, 64, 32, 3);
-  for (const PrefilterMethod method :
-       {PrefilterMethod::automatic, PrefilterMethod::sampled, PrefilterMethod::reference}) {
+  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
     const TestLatLong& source = method == PrefilterMethod::reference ? small : large;
-    PrefilterOptions options{.size = 4, .roughness = {0.3, 0.7}, .method = method, .samples = 32};
+    PrefilterOptions options{.size = 4, .roughness = {0.3, 0.7}, .method = method};
     (void)prefilter_specular(source.view(), options);
     forget_allocations_in_tiles();
     (void)prefilter_specular(source.view(), options);
@@ -83,8 +78,7 @@ TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap]") {
 
 TEST_CASE("The prefilter can be cancelled at any time", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
-  for (const PrefilterMethod method :
-       {PrefilterMethod::automatic, PrefilterMethod::sampled, PrefilterMethod::reference}) {
+  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
     for (const double when : {0.0, 0.02, 0.3, 0.6, 0.9}) {
       CAPTURE(name(method), when);
       std::stop_source stop;
@@ -92,7 +86,7 @@ TEST_CASE("The prefilter can be cancelled at any time", "[specular][prefilter]")
                         if (share >= when) stop.request_stop();
                       }};
       if (when == 0.0) stop.request_stop();
-      PrefilterOptions options{.size = 4, .method = method, .samples = 16};
+      PrefilterOptions options{.size = 4, .method = method};
       CHECK(thrown_by([&] { (void)prefilter_specular(source.view(), options, control); }).code == ErrorCode::cancelled);
     }
   }
@@ -100,7 +94,7 @@ TEST_CASE("The prefilter can be cancelled at any time", "[specular][prefilter]")
 
 TEST_CASE("Progress rises to 1", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::random, 256, 128, 3);
-  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::sampled}) {
+  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
     double last = 0.0;
     bool fell = false;
     std::atomic<int> inside{0};
@@ -111,7 +105,7 @@ TEST_CASE("Progress rises to 1", "[specular][prefilter]") {
                             last = share;
                             inside.fetch_sub(1);
                           }};
-    PrefilterOptions options{.size = 32, .method = method, .samples = 16};
+    PrefilterOptions options{.size = method == PrefilterMethod::reference ? 4 : 32, .method = method};
     (void)prefilter_specular(source.view(), options, control);
     CHECK(last == 1.0);
     CHECK_FALSE(fell);
@@ -154,7 +148,6 @@ TEST_CASE("What the prefilter cannot do is refused with a word", "[specular][pre
   CHECK(refused({.size = 16, .rms_error = 0.0}).says("rms_error"));
   CHECK(refused({.size = 16, .rms_error = 1e-9}).code == ErrorCode::limit_exceeded);
   CHECK(refused({.size = 16, .maximum_error = 2.0}).says("maximum_error"));
-  CHECK(refused({.size = 16, .samples = 0}).says("samples"));
   CHECK(refused({.size = 16, .method = static_cast<PrefilterMethod>(9)}).says("method"));
   const ThrownError narrow = refused({.size = 16, .roughness = {0.01}, .method = PrefilterMethod::spectral});
   CHECK(narrow.code == ErrorCode::limit_exceeded);
@@ -213,10 +206,10 @@ TEST_CASE("A uniform cubemap keeps its value in every mip, whatever the sizes", 
 TEST_CASE("Every method keeps a uniform environment", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::uniform, 32, 16, 0);
   for (const PrefilterMethod method :
-       {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::sampled, PrefilterMethod::reference}) {
+       {PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}) {
     CAPTURE(name(method));
     const PrefilteredSpecular result =
-        prefilter_specular(source.view(), {.size = 4, .roughness = {0.2, 0.5, 1.0}, .method = method, .samples = 64});
+        prefilter_specular(source.view(), {.size = 4, .roughness = {0.2, 0.5, 1.0}, .method = method});
     for (int level = 0; level < 3; ++level) {
       const auto values = level_values(result.cubemap, level);
       for (std::size_t k = 0; k < values.size(); ++k)

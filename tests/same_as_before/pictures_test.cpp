@@ -33,12 +33,6 @@ PrefilterOptions scheduled(RoughnessSchedule schedule, int size, int mips) {
   return prefilter(PrefilterMethod::automatic, size, roughness_of_mips(schedule, mips, size));
 }
 
-PrefilterOptions sampled(int size, int samples) {
-  PrefilterOptions options = prefilter(PrefilterMethod::sampled, size, {0.0, 0.1, 0.4, 1.0});
-  options.samples = samples;
-  return options;
-}
-
 PrefilterOptions bounded(double rms, double maximum) {
   PrefilterOptions options = prefilter(PrefilterMethod::automatic, 16, {0.0, 0.2, 0.5});
   options.rms_error = rms;
@@ -155,8 +149,6 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
            [&] {
              return prefilter_specular(texel.view(), prefilter(spectral, 16, {0.25, 0.6, 1.0}));
            }},
-          {"sampled_64", [&] { return prefilter_specular(sunny.view(), sampled(16, 64)); }},
-          {"sampled_300", [&] { return prefilter_specular(half.view(), sampled(13, 300)); }},
           {"narrow",
            [&] {
              return prefilter_specular(texel.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
@@ -208,7 +200,6 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
            [&] {
              return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
            }},
-          {"sampled_100", [&] { return prefilter_specular(sunny.view(), sampled(16, 100)); }},
           {"narrow",
            [&] {
              return prefilter_specular(sunny.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));

@@ -149,9 +149,9 @@ inline void add_bits(BitHash& hash, const Projection& projection) {
   add_bits(hash, projection.radiance);
   add_bits(hash, projection.diagnostics);
 }
-/// The method and times are left out.
+/// The method and times are left out. The 0 stands where a number stood once, so that recorded hashes stay the same.
 inline void add_bits(BitHash& hash, const MipRecord& mip) {
-  for (const int number : {mip.size, mip.bands, mip.bright_texels, mip.samples}) add_bits(hash, number);
+  for (const int number : {mip.size, mip.bands, mip.bright_texels, 0}) add_bits(hash, number);
   add_bits(hash, mip.roughness);
   add_bits(hash, mip.error_estimate.value_or(0.0));
   add_bits(hash, mip.mean);

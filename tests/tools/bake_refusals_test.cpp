@@ -95,7 +95,6 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake]") 
                              "--no-brdf --brdf 8",
                              "--bands 17",
                              "--method magic",
-                             "--samples 0",
                              "--formats ktx3",
                              "--formats ''",
                              "--ktx2-format bc7",

@@ -22,7 +22,6 @@ namespace {
 
 constexpr Named<PrefilterMethod> kMethods[] = {{"automatic", PrefilterMethod::automatic},
                                                {"spectral", PrefilterMethod::spectral},
-                                               {"sampled", PrefilterMethod::sampled},
                                                {"reference", PrefilterMethod::reference}};
 constexpr Named<RoughnessSchedule> kSchedules[] = {{"linear", RoughnessSchedule::linear},
                                                    {"filament", RoughnessSchedule::filament},
@@ -92,7 +91,7 @@ std::optional<KernelChainOptions> kernel_options(Options& options, const Prefilt
   if (!given) return std::nullopt;
   std::vector<NamedKernel> kernels;
   options.read("kernels", kernels);
-  for (const char* const name : {"mips", "roughness", "maximum_error", "samples"}) {
+  for (const char* const name : {"mips", "roughness", "maximum_error"}) {
     if (!options.has(name)) continue;
     throw Error(ErrorCode::invalid_argument, options.called(name) + " is for GGX's lobes, and not for kernels");
   }
@@ -174,10 +173,9 @@ void bind_chains(py::module_& module) {
       .def_readonly("roughness", &MipRecord::roughness, "Perceptual, 0 to 1; GGX's alpha is its square.")
       .def_property_readonly(
           "method", [](const MipRecord& self) { return name(self.method); },
-          "\"copy\", \"spectral\", \"sampled\", \"reference\", \"stored\", \"narrow\"")
+          "\"copy\", \"spectral\", \"reference\", \"stored\", \"narrow\"")
       .def_readonly("bands", &MipRecord::bands, "Harmonic bands that were used.")
       .def_readonly("bright_texels", &MipRecord::bright_texels, "Texels whose lobes were added beside the rest.")
-      .def_readonly("samples", &MipRecord::samples, "Taps a texel of the sampled method.")
       .def_readonly("error_estimate", &MipRecord::error_estimate, "Predicted rms error over the mip's rms, or None.")
       .def_property_readonly(
           "mean", [](const MipRecord& self) { return array_of(self.mean); },
@@ -223,7 +221,6 @@ PrefilterOptions prefilter_options(Options& options, bool policy) {
   options.read("method", how.method, kMethods);
   options.read("rms_error", how.rms_error);
   options.read("maximum_error", how.maximum_error);
-  options.read("samples", how.samples);
   if (policy) options.read("policy", how.pixels);
   return how;
 }
@@ -263,12 +260,12 @@ void bind_reflections(py::module_& module) {
   module.def(
       "prefilter", &prefilter, py::arg("pixels"),
       "prefilter(pixels, *, size=256, mips=None, roughness=None, method='automatic', rms_error=1e-3,\n"
-      "          maximum_error=1e-2, samples=1024, kernels=None, policy=None, layout=None, encoding=None, read=None,\n"
+      "          maximum_error=1e-2, kernels=None, policy=None, layout=None, encoding=None, read=None,\n"
       "          progress=None, threads=None)\n--\n\n"
       "Reflections by GGX lobes, a mip for each roughness, as `Reflections`. `roughness`: a list, or a schedule:\n"
       "\"linear\", \"filament\" (the default), \"babylon\", \"unity\", \"unreal\". `method`: \"automatic\", "
       "\"spectral\",\n"
-      "\"sampled\", \"reference\" (slow). The bounds are relative: rms over a mip, and at any texel. `kernels`: a list "
+      "\"reference\" (slow). The bounds are relative: rms over a mip, and at any texel. `kernels`: a list "
       "of\n"
       "`ZonalKernel`, one for each mip, in place of GGX's lobes.");
   module.def(

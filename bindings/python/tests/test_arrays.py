@@ -201,7 +201,7 @@ def test_rows_that_lie_in_one_another_are_refused():
 def test_faces_outlive_the_list_that_they_stand_in():
     """A callback may change the list while its arrays are read."""
     faces = [np.full((64, 64, 3), 1.0, np.float32) for _ in range(6)]
-    chain = welkin.prefilter(faces, size=16, method="reference", samples=16, progress=lambda share: faces.clear())
+    chain = welkin.prefilter(faces, size=16, method="reference", progress=lambda share: faces.clear())
     assert np.allclose(chain[0], 1.0, rtol=1e-3)
 
 

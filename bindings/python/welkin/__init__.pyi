@@ -31,7 +31,7 @@ _TexelFormat: TypeAlias = Literal[
 ]
 _Quadrature: TypeAlias = Literal["exact", "midpoint"]
 _SkyQuadrature: TypeAlias = Literal["uniform", "gauss", "gauss-split"]
-_Method: TypeAlias = Literal["automatic", "spectral", "sampled", "reference"]
+_Method: TypeAlias = Literal["automatic", "spectral", "reference"]
 _Schedule: TypeAlias = Literal["linear", "filament", "babylon", "unity", "unreal"]
 _Window: TypeAlias = Literal["none", "hanning", "lanczos", "min-laplacian"]
 _Engine: TypeAlias = Literal["babylon", "three", "filament", "gltf", "unity", "unreal", "godot", "welkin"]
@@ -64,7 +64,6 @@ class _Specular(TypedDict, total=False):
     method: _Method
     rms_error: float
     maximum_error: float
-    samples: int
 
 class _IrradianceCubemap(TypedDict, total=False):
     size: int
@@ -371,13 +370,11 @@ class MipRecord:
     @property
     def roughness(self) -> float: ...
     @property
-    def method(self) -> Literal["copy", "spectral", "sampled", "reference", "stored", "narrow"]: ...
+    def method(self) -> Literal["copy", "spectral", "reference", "stored", "narrow"]: ...
     @property
     def bands(self) -> int: ...
     @property
     def bright_texels(self) -> int: ...
-    @property
-    def samples(self) -> int: ...
     @property
     def error_estimate(self) -> float | None: ...
     @property
@@ -434,7 +431,6 @@ def prefilter(
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
-    samples: int = 1024,
     kernels: Sequence[ZonalKernel] | None = None,
     policy: PixelPolicy | None = None,
     layout: _Layout = None,
@@ -585,7 +581,6 @@ def bake_many(
     method: _Method = "automatic",
     rms_error: float = 1e-3,
     maximum_error: float = 1e-2,
-    samples: int = 1024,
     policy: PixelPolicy | None = None,
     bands: int = 3,
     type: Literal["float16", "float32"] = "float16",

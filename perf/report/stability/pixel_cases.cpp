@@ -224,10 +224,9 @@ double error_without_sun(double roughness) {
   return worst_error(blurred(map, roughness));
 }
 
-double prefilter_uniform_ulps(float value, PrefilterMethod method) {
+double prefilter_uniform_ulps(float value) {
   PrefilterOptions options{.size = 8};
   options.roughness = {0.0, 0.3, 1.0};
-  options.method = method;
   const PrefilteredSpecular result = prefilter_specular(uniform_lat_long(32, 16, value).view(), options);
   double worst = 0.0;
   for (int level = 0; level < 3; ++level) {
@@ -267,9 +266,7 @@ void add_uniform_images(StabilityCases& cases) {
     add("to-cubemap", "a cubemap resampled from a uniform lat-long", 0.0,
         [value = value] { return worst_ulps(to_cubemap(uniform_lat_long(37, 19, value).view(), 11).pixels, value); });
     add("prefilter-automatic", "a prefiltered uniform lat-long", kUniformUlps,
-        [value = value] { return prefilter_uniform_ulps(value, PrefilterMethod::automatic); });
-    add("prefilter-sampled", "a uniform lat-long prefiltered by samples", kUniformUlps,
-        [value = value] { return prefilter_uniform_ulps(value, PrefilterMethod::sampled); });
+        [value = value] { return prefilter_uniform_ulps(value); });
   }
 }
 

@@ -1,0 +1,125 @@
+#include "projection/kernel_integrals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "jobs/tiles.h"
+#include "math/elementary.h"
+
+namespace welkin::projection {
+namespace {
+
+constexpr std::size_t kBatch = 512;  ///< axes at a time: bounds the memory, 12 MiB of slots
+constexpr std::size_t kMostTiles = 1024;
+
+/// One worker's room.
+struct Scratch {
+  explicit Scratch(std::size_t columns)
+      : texels(columns), values(columns), cut(columns), red(columns), green(columns), blue(columns) {}
+  TexelRow texels;
+  std::vector<double> values;  ///< the kernel's integral over each texel
+  std::vector<int> cut;        ///< columns of texels that the value at their centroid is not good enough for
+  std::vector<double> red, green, blue;
+};
+
+/// Lists the texels of a row, whose `room.values` are x, that are near the axis or at a break. Returns their number.
+std::size_t list_cut(const KernelFunction& kernel, Scratch& room) {
+  const double radius = room.texels.radius;
+  const double far = kernel.far(radius);
+  const double horizon = kernel.hemisphere ? radius : -1.0;
+  const double* const x = room.values.data();
+  int* const cut = room.cut.data();
+  const std::size_t columns = room.values.size();
+  std::size_t count = 0;
+  if (kernel.breaks.empty()) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      if (x[i] < far || std::abs(x[i] - 1.0) <= horizon) cut[count++] = static_cast<int>(i);
+    }
+    return count;
+  }
+  for (std::size_t i = 0; i < columns; ++i) {
+    const bool near = x[i] < far || std::abs(x[i] - 1.0) <= horizon;
+    const auto reached = [&](double at) { return std::abs(x[i] - at) <= radius; };
+    if (near || std::any_of(kernel.breaks.begin(), kernel.breaks.end(), reached)) cut[count++] = static_cast<int>(i);
+  }
+  return count;
+}
+
+/// Fills `room.values` with the integrals over a row's texels. False if all are zero.
+bool fill_integrals(const TexelIntegrals& integrals, int row, const glm::dvec3& axis, const KernelFunction& kernel,
+                    Scratch& room) {
+  const TexelRow& texels = room.texels;
+  double* const values = room.values.data();
+  const std::size_t count = room.values.size();
+  for (std::size_t i = 0; i < count; ++i)
+    values[i] = 1.0 - (axis.x * texels.x[i] + axis.y * texels.y[i] + axis.z * texels.z[i]);
+  const std::size_t cut = list_cut(kernel, room);
+  kernel.evaluate(room.values);
+  const double* const weights = kernel.cosine ? texels.moment.data() : texels.solid_angle.data();
+  int seen = cut > 0 ? 1 : 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    values[i] *= weights[i];
+    seen |= values[i] != 0.0 ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < cut; ++k) {
+    const int column = room.cut[k];
+    values[column] = integrals.integral({row, column}, axis, kernel);
+  }
+  return seen != 0;
+}
+
+void integrate_batch(const SanitizedSource& source, const TexelIntegrals& integrals, const KernelFunction& kernel,
+                     std::span<const glm::dvec3> axes, const Control& control, std::vector<glm::dvec3>& result) {
+  const auto rows = static_cast<std::size_t>(source.rows());
+  const auto columns = static_cast<std::size_t>(source.columns());
+  const std::size_t rows_per_tile = (rows + kMostTiles - 1) / kMostTiles;
+  const std::size_t tiles = (rows + rows_per_tile - 1) / rows_per_tile;
+  const jobs::Placement placement = jobs::placement_for(static_cast<std::int64_t>(rows * columns * axes.size()));
+  const std::size_t workers = jobs::worker_count(placement);
+  std::vector<Scratch> scratch(workers, Scratch(columns));
+  std::vector<glm::dvec3> slots(tiles * axes.size(), glm::dvec3(0.0));
+
+  jobs::run_tiles(tiles, placement, workers, control, [&](std::size_t tile, std::size_t worker) {
+    Scratch& room = scratch[worker];
+    glm::dvec3* const slot = slots.data() + tile * axes.size();
+    for (std::size_t row = tile * rows_per_tile; row < std::min(rows, (tile + 1) * rows_per_tile); ++row) {
+      const float* const rgb = source.row(static_cast<int>(row));
+      for (std::size_t i = 0; i < columns; ++i) {
+        room.red[i] = static_cast<double>(rgb[3 * i]);
+        room.green[i] = static_cast<double>(rgb[3 * i + 1]);
+        room.blue[i] = static_cast<double>(rgb[3 * i + 2]);
+      }
+      integrals.fill(static_cast<int>(row), room.texels);
+      for (std::size_t n = 0; n < axes.size(); ++n) {
+        if (!fill_integrals(integrals, static_cast<int>(row), axes[n], kernel, room)) continue;
+        slot[n] += glm::dvec3(math::dot(room.values, room.red), math::dot(room.values, room.green),
+                              math::dot(room.values, room.blue));
+      }
+    }
+  });
+
+  const std::size_t first = result.size();
+  result.resize(first + axes.size(), glm::dvec3(0.0));
+  for (std::size_t k = 0; k < slots.size(); ++k) result[first + k % axes.size()] += slots[k];
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> integrate_kernel(const SanitizedSource& source, const KernelFunction& kernel,
+                                         std::span<const glm::dvec3> axes, const Control& control) {
+  const auto integrals =
+      source.cubemap() ? texels_of_cubemap(source.columns()) : texels_of_lat_long(source.columns(), source.rows());
+  const auto share = [&](std::size_t count) { return static_cast<double>(count) / static_cast<double>(axes.size()); };
+  std::vector<glm::dvec3> result;
+  while (result.size() < axes.size()) {
+    const std::size_t first = result.size();
+    const std::size_t count = std::min(kBatch, axes.size() - first);
+    const Control part = jobs::part_of(control, share(first), share(first + count));
+    integrate_batch(source, *integrals, kernel, axes.subspan(first, count), part, result);
+  }
+  return result;
+}
+
+}  // namespace welkin::projection

@@ -1,0 +1,482 @@
+// How much of a kernel falls on each texel.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "image/geometry.h"
+#include "math/elementary.h"
+#include "math/quadrature.h"
+#include "projection/kernel_integrals.h"
+
+namespace welkin::projection {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kWidestCut = 0.3;  ///< radius in radians of the largest part that is cut along the horizon
+constexpr int kMostDepth = 24;
+constexpr int kMostPoints = 8;  ///< along an edge, where a part cannot be divided further
+
+/// A part of a texel in units of texels, halves of its edges.
+struct Part {
+  double column, row;  ///< centre
+  double across, down;
+};
+
+/// `row`: the first one, within its face.
+Part part_of(const TexelRectangle& texels, int row) noexcept {
+  const double across = 0.5 * texels.columns;
+  const double down = 0.5 * texels.rows;
+  return {texels.column + across, row + down, across, down};
+}
+
+/// 1 - cosine without cancellation: both are of unit length.
+double distance_of(const glm::dvec3& a, const glm::dvec3& b) noexcept {
+  const glm::dvec3 chord = a - b;
+  return 0.5 * glm::dot(chord, chord);
+}
+
+/// Whether points within `radius` of one at x may lie at `at`. The cosine changes by sin(theta) a radian there.
+bool reaches(double x, double at, double radius) noexcept {
+  return std::abs(x - at) <= std::min(radius, (std::sqrt(2.0 * at) + 0.5 * radius) * radius);
+}
+
+// A part that the horizon cuts. The kernel has a kink there, so the rule is applied to what lies above: along one
+// coordinate from the edge to the crossing, and along the other between the places at which the crossing meets an edge.
+
+/// An interval of a coordinate; empty if `high` is not above `low`.
+struct Range {
+  double low, high;
+};
+
+/// Ends of the intervals of the outer coordinate, ascending.
+struct Breaks {
+  explicit Breaks(const Range& whole) : whole_(whole) { add(whole.low); }
+
+  void add_inside(double place) noexcept {
+    if (place > whole_.low && place < whole_.high && count < kMost - 1) add(place);
+  }
+  void close() noexcept {
+    add(whole_.high);
+    std::sort(at.begin(), at.begin() + count);
+  }
+
+  static constexpr int kMost = 32;
+  std::array<double, kMost> at{};
+  int count = 0;
+
+ private:
+  void add(double place) noexcept { at[static_cast<std::size_t>(count++)] = place; }
+  Range whole_;
+};
+
+/// Horizon: `breaks(part)` of its outer coordinate; `line(part, outer)`: what points of that outer coordinate share,
+/// among it `above`, the range of the inner one; `value(line, offset, kernel)`: the kernel times steradians an area
+/// unit, at `offset` from the middle of that range.
+template <class Horizon>
+double integrate_above(const Horizon& horizon, const Part& part, const KernelFunction& kernel, int order) noexcept {
+  const math::GaussRule rule = math::gauss_legendre(order);
+  const Breaks breaks = horizon.breaks(part);
+  double sum = 0.0;
+  for (std::size_t k = 1; k < static_cast<std::size_t>(breaks.count); ++k) {
+    const double half = 0.5 * (breaks.at[k] - breaks.at[k - 1]);
+    const double middle = 0.5 * (breaks.at[k] + breaks.at[k - 1]);
+    for (int i = 0; i < rule.order; ++i) {
+      const auto line = horizon.line(part, middle + half * rule.nodes[i]);
+      const double high = 0.5 * (line.above.high - line.above.low);
+      if (!(high > 0.0)) continue;
+      double along = 0.0;
+      for (int j = 0; j < rule.order; ++j) along += rule.weights[j] * horizon.value(line, high * rule.nodes[j], kernel);
+      sum += rule.weights[i] * half * high * along;
+    }
+  }
+  return sum;
+}
+
+/// Points along an edge for what the horizon leaves of a part. A cosine has no poles near by.
+int points_above(double radius, int order, const KernelFunction& kernel) noexcept {
+  if (kernel.cosine) return order;
+  return radius > 0.05 ? 10 : std::max(3, order);
+}
+
+/// Mapping: `horizon(axis)`; `direction(column, row)`, unit; `density(column, row)`, steradians an area unit there;
+/// `radius(part)`; `too_wide(part)`: the mapping itself is not smooth enough over the part.
+template <class Mapping>
+double integrate(const Mapping& mapping, const Part& part, const glm::dvec3& axis, const KernelFunction& kernel,
+                 int depth) noexcept {
+  const glm::dvec3 centre = mapping.direction(part.column, part.row);
+  const double radius = mapping.radius(part);
+  const double x = distance_of(centre, axis);
+  const bool unseen =
+      (x > kernel.last && !reaches(x, kernel.last, radius)) || (x < kernel.first && !reaches(x, kernel.first, radius));
+  if (unseen) return 0.0;
+  const bool cut = kernel.hemisphere && std::abs(x - 1.0) <= radius;
+  const int order = kernel.order(x, radius);
+  if (depth < kMostDepth && (order == 0 || (cut && radius > kWidestCut) || mapping.too_wide(part))) {
+    double sum = 0.0;
+    for (const double down : {-0.5, 0.5}) {
+      for (const double across : {-0.5, 0.5}) {
+        const Part quarter{part.column + across * part.across, part.row + down * part.down, 0.5 * part.across,
+                           0.5 * part.down};
+        sum += integrate(mapping, quarter, axis, kernel, depth + 1);
+      }
+    }
+    return sum;
+  }
+  if (cut) return integrate_above(mapping.horizon(axis), part, kernel, points_above(radius, order, kernel));
+  const math::GaussRule rule = math::gauss_legendre(order == 0 ? kMostPoints : order);
+  double sum = 0.0;
+  for (int j = 0; j < rule.order; ++j) {
+    for (int i = 0; i < rule.order; ++i) {
+      const double column = part.column + part.across * rule.nodes[i];
+      const double row = part.row + part.down * rule.nodes[j];
+      sum += rule.weights[i] * rule.weights[j] * mapping.density(column, row) *
+             kernel.at(distance_of(mapping.direction(column, row), axis));
+    }
+  }
+  return sum * part.across * part.down;
+}
+
+/// The horizon in longitude and latitude. With h(longitude) = n.x sin + n.z cos = r cos(longitude - that of n), the
+/// cosine is n.y sin(latitude) + h cos(latitude): at each longitude the horizon is crossed once, where tan(latitude) =
+/// -h / n.y.
+class LatLongHorizon {
+ public:
+  LatLongHorizon(int width, int height, const glm::dvec3& axis)
+      : width_(width),
+        height_(height),
+        axis_(axis),
+        radius_(std::sqrt(axis.x * axis.x + axis.z * axis.z)),
+        turns_(math::turns_of(axis.x, axis.z)) {}
+
+  struct Line {
+    Range above;
+    double along;             ///< h
+    math::SineCosine middle;  ///< of the latitude in the middle
+  };
+
+  /// Where the crossing meets the part's upper and lower edge. For axes near the equator it rises steeply: there its
+  /// arc tangent is cut where it bends, so that no interval is wider than its distance from the arc tangent's poles.
+  [[nodiscard]] Breaks breaks(const Part& part) const noexcept {
+    Breaks breaks({part.column - part.across, part.column + part.across});
+    const double lowest = tangent_at(part.row + part.down);
+    const double highest = tangent_at(part.row - part.down);
+    add_crossing(lowest, breaks);
+    add_crossing(highest, breaks);
+    for (const double tangent : {-256.0, -64.0, -16.0, -4.0, -1.0, 1.0, 4.0, 16.0, 64.0, 256.0}) {
+      if (tangent > lowest && tangent < highest) add_crossing(tangent, breaks);
+    }
+    breaks.close();
+    return breaks;
+  }
+
+  [[nodiscard]] Line line(const Part& part, double column) const noexcept {
+    const math::SineCosine longitude = math::sine_cosine_of_turns(0.5 - column / width_);
+    const double h = axis_.x * longitude.sine + axis_.z * longitude.cosine;
+    const bool up = axis_.y >= 0.0;
+    const double latitude = up ? math::turns_of(-h, axis_.y) : math::turns_of(h, -axis_.y);
+    const double row = (0.25 - latitude) * 2.0 * height_;
+    const Range whole{part.row - part.down, part.row + part.down};
+    const Range above = up ? Range{whole.low, std::min(whole.high, row)} : Range{std::max(whole.low, row), whole.high};
+    return {above, h, latitude_at(0.5 * (above.low + above.high))};
+  }
+
+  [[nodiscard]] double value(const Line& line, double offset, const KernelFunction& kernel) const noexcept {
+    const double angle = -kPi / height_ * offset;
+    math::SineCosine latitude{};
+    if (std::abs(angle) < 0.02) {  // the series are exact to 1e-15
+      const double square = angle * angle;
+      const double cosine = 1.0 - square * (0.5 - square * (1.0 / 24 - square / 720));
+      const double sine = angle * (1.0 - square * (1.0 / 6 - square / 120));
+      latitude = {line.middle.sine * cosine + line.middle.cosine * sine,
+                  line.middle.cosine * cosine - line.middle.sine * sine};
+    } else {
+      latitude = latitude_at(0.5 * (line.above.low + line.above.high) + offset);
+    }
+    const double steradians = 2.0 * kPi / width_ * (kPi / height_) * latitude.cosine;
+    return steradians * kernel.at(1.0 - (axis_.y * latitude.sine + line.along * latitude.cosine));
+  }
+
+ private:
+  [[nodiscard]] math::SineCosine latitude_at(double row) const noexcept {
+    return math::sine_cosine_of_turns(0.25 - row / (2.0 * height_));
+  }
+  /// Of the latitude of a row's edge; beyond 1e12 at the poles.
+  [[nodiscard]] double tangent_at(double row) const noexcept {
+    const math::SineCosine latitude = latitude_at(row);
+    return latitude.sine / std::max(latitude.cosine, 1e-13);
+  }
+  void add_crossing(double tangent, Breaks& breaks) const noexcept {
+    const double cosine = -axis_.y * tangent / radius_;
+    if (!(std::abs(cosine) < 1.0)) return;
+    const double aside = math::turns_of(std::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine);
+    for (const double longitude : {turns_ - aside, turns_ + aside}) {
+      const double turns = 0.5 - longitude;
+      breaks.add_inside((turns - std::floor(turns)) * width_);
+    }
+  }
+
+  int width_;
+  int height_;
+  glm::dvec3 axis_;
+  double radius_;  ///< r
+  double turns_;   ///< the axis' longitude
+};
+
+/// Longitude u and latitude v: d = (sin u cos v, sin v, cos u cos v), dw = cos v du dv.
+class LatLongTexels final : public TexelIntegrals {
+ public:
+  LatLongTexels(int width, int height) : width_(width), height_(height) {
+    const double node = math::gauss_legendre(2).nodes[1];
+    for (int i = 0; i < width; ++i) {
+      longitudes_.push_back(math::sine_cosine_of_turns(0.5 - (i + 0.5) / width));
+      for (const double side : {-0.5, 0.5})
+        two_longitudes_.push_back(math::sine_cosine_of_turns(0.5 - (i + 0.5 + side * node) / width));
+    }
+    for (int j = 0; j < height; ++j) {
+      for (const double side : {-0.5, 0.5})
+        two_latitudes_.push_back(math::sine_cosine_of_turns(0.25 - (j + 0.5 + side * node) / (2.0 * height)));
+    }
+  }
+
+  [[nodiscard]] int rows() const noexcept override { return height_; }
+  [[nodiscard]] int columns() const noexcept override { return width_; }
+
+  /// Over a texel with centre (u, v) and half-widths (a, b): Int sin u du = 2 sin a sin u,
+  /// Int cos^2 v dv = b + sin b cos b cos 2v, Int sin v cos v dv = sin b cos b sin 2v.
+  void fill(int row, TexelRow& texels) const override {
+    const math::SineCosine twice = math::sine_cosine_of_turns(0.5 - (row + 0.5) / height_);  // 2v
+    const math::SineCosine half_row = math::sine_cosine_of_turns(0.25 / height_);            // b
+    const double skew = half_row.sine * half_row.cosine;
+    const double level =
+        2.0 * math::sine_cosine_of_turns(0.5 / width_).sine * (kPi / (2.0 * height_) + skew * twice.cosine);
+    const double up = 2.0 * kPi / width_ * skew * twice.sine;
+    const double moment = std::sqrt(level * level + up * up);
+    const double steradians = image::lat_long_texel_solid_angle(width_, height_, row);
+    // A texel that is the whole sphere has no centroid.
+    const bool whole = moment < 1e-9 * steradians;
+    const math::SineCosine latitude =
+        whole ? math::SineCosine{0.0, 1.0} : math::SineCosine{up / moment, level / moment};
+    for (std::size_t i = 0; i < longitudes_.size(); ++i) {
+      texels.x[i] = longitudes_[i].sine * latitude.cosine;
+      texels.y[i] = latitude.sine;
+      texels.z[i] = longitudes_[i].cosine * latitude.cosine;
+    }
+    std::fill(texels.solid_angle.begin(), texels.solid_angle.end(), steradians);
+    std::fill(texels.moment.begin(), texels.moment.end(), moment);
+    const math::SineCosine middle = math::sine_cosine_of_turns(0.25 - (row + 0.5) / (2.0 * height_));
+    const double aside = std::abs(latitude.sine * middle.cosine - latitude.cosine * middle.sine);
+    texels.radius = whole ? kPi : radius({0.5, row + 0.5, 0.5, 0.5}) + aside;
+  }
+
+  [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& axis,
+                                const KernelFunction& kernel) const noexcept override {
+    const Part part = part_of(texels, texels.row);
+    if (texels.rows == 1 && texels.columns == 1 && !too_wide(part)) {
+      const double size = radius(part);
+      const double x = distance_of(centre_at(texels.row, texels.column), axis);
+      const int order = kernel.order(x, size);
+      const bool cut = kernel.hemisphere && std::abs(x - 1.0) <= size;
+      if (cut && order > 0 && size <= kWidestCut)
+        return integrate_above(horizon(axis), part, kernel, points_above(size, order, kernel));
+      if (!cut && order > 0 && order <= 2) return by_four(texels.row, texels.column, axis, kernel);
+    }
+    return integrate(*this, part, axis, kernel, 0);
+  }
+
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const noexcept {
+    return image::lat_long_direction(width_, height_, column, row);
+  }
+  [[nodiscard]] double density(double /*column*/, double row) const noexcept {
+    const double cosine = math::sine_cosine_of_turns(0.5 * row / height_).sine;
+    return 2.0 * kPi / width_ * (kPi / height_) * cosine;
+  }
+  /// No cosine of a latitude in the part is above that at its centre by more than half its height.
+  [[nodiscard]] double radius(const Part& part) const noexcept {
+    const double down = kPi / height_ * part.down;
+    const double cosine = std::min(1.0, math::sine_cosine_of_turns(0.5 * part.row / height_).sine + down);
+    const double across = 2.0 * kPi / width_ * part.across * cosine;
+    return std::sqrt(across * across + down * down);
+  }
+  [[nodiscard]] LatLongHorizon horizon(const glm::dvec3& axis) const noexcept { return {width_, height_, axis}; }
+  [[nodiscard]] bool too_wide(const Part& part) const noexcept {
+    return part.across > 0.125 * width_ || part.down > 0.25 * height_;  // 45 degrees each side
+  }
+
+ private:
+  [[nodiscard]] static glm::dvec3 towards(const math::SineCosine& longitude, const math::SineCosine& latitude) {
+    return {longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine};
+  }
+  [[nodiscard]] glm::dvec3 centre_at(int row, int column) const noexcept {
+    return towards(longitudes_[static_cast<std::size_t>(column)],
+                   math::sine_cosine_of_turns(0.25 - (row + 0.5) / (2.0 * height_)));
+  }
+
+  /// `integrate` by the Gauss rule with two points along each edge, from tables.
+  [[nodiscard]] double by_four(int row, int column, const glm::dvec3& axis,
+                               const KernelFunction& kernel) const noexcept {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < 2; ++j) {
+      const math::SineCosine& latitude = two_latitudes_[2 * static_cast<std::size_t>(row) + j];
+      for (std::size_t i = 0; i < 2; ++i) {
+        const math::SineCosine& longitude = two_longitudes_[2 * static_cast<std::size_t>(column) + i];
+        sum += latitude.cosine * kernel.at(distance_of(towards(longitude, latitude), axis));
+      }
+    }
+    return sum * (kPi / width_) * (kPi / (2.0 * height_));
+  }
+
+  int width_;
+  int height_;
+  std::vector<math::SineCosine> longitudes_;
+  std::vector<math::SineCosine> two_longitudes_;  ///< of the two points of each column
+  std::vector<math::SineCosine> two_latitudes_;
+};
+
+/// The horizon on a cubemap's face: the cosine is (a u + b v + c) / r, and the horizon a straight line.
+class FaceHorizon {
+ public:
+  FaceHorizon(int size, int face, const glm::dvec3& axis) : per_texel_(2.0 / size) {
+    const image::Frame& frame = image::face_frame(face);
+    // In texels u = 2 column / size - 1.
+    const double along_u = glm::dot(frame.u, axis);
+    const double along_v = glm::dot(frame.v, axis);
+    by_rows_ = std::abs(along_u) > std::abs(along_v);
+    outer_ = per_texel_ * (by_rows_ ? along_v : along_u);
+    inner_ = per_texel_ * (by_rows_ ? along_u : along_v);
+    constant_ = glm::dot(frame.normal, axis) - along_u - along_v;
+  }
+
+  struct Line {
+    Range above;
+    double outer;
+  };
+
+  [[nodiscard]] Breaks breaks(const Part& part) const noexcept {
+    Breaks breaks(by_rows_ ? rows_of(part) : columns_of(part));
+    const Range inner = by_rows_ ? columns_of(part) : rows_of(part);
+    if (outer_ != 0.0) {
+      breaks.add_inside(-(constant_ + inner_ * inner.low) / outer_);
+      breaks.add_inside(-(constant_ + inner_ * inner.high) / outer_);
+    }
+    breaks.close();
+    return breaks;
+  }
+
+  [[nodiscard]] Line line(const Part& part, double outer) const noexcept {
+    const Range whole = by_rows_ ? columns_of(part) : rows_of(part);
+    const double crossing = -(constant_ + outer_ * outer) / inner_;
+    return {inner_ > 0.0 ? Range{std::max(whole.low, crossing), whole.high}
+                         : Range{whole.low, std::min(whole.high, crossing)},
+            outer};
+  }
+
+  [[nodiscard]] double value(const Line& line, double offset, const KernelFunction& kernel) const noexcept {
+    const double inner = 0.5 * (line.above.low + line.above.high) + offset;
+    const double u = per_texel_ * inner - 1.0;
+    const double v = per_texel_ * line.outer - 1.0;
+    const double square = 1.0 / (1.0 + u * u + v * v);
+    const double inverse = std::sqrt(square);
+    const double cosine = (constant_ + outer_ * line.outer + inner_ * inner) * inverse;
+    return per_texel_ * per_texel_ * square * inverse * kernel.at(1.0 - cosine);
+  }
+
+ private:
+  [[nodiscard]] static Range columns_of(const Part& part) noexcept {
+    return {part.column - part.across, part.column + part.across};
+  }
+  [[nodiscard]] static Range rows_of(const Part& part) noexcept { return {part.row - part.down, part.row + part.down}; }
+
+  double per_texel_;
+  bool
+      by_rows_;  ///< whether the outer coordinate is the row: the inner one is that along which the cosine changes more
+  double outer_;  ///< what the cosine times r changes by a texel
+  double inner_;
+  double constant_;  ///< the cosine times r at column 0, row 0
+};
+
+/// With d = (u, v, 1) / r in the face's frame, dw = du dv / r^3.
+class CubemapTexels final : public TexelIntegrals {
+ public:
+  explicit CubemapTexels(int size) : size_(size) {}
+
+  [[nodiscard]] int rows() const noexcept override { return 6 * size_; }
+  [[nodiscard]] int columns() const noexcept override { return size_; }
+
+  /// By a Gauss rule that is exact to rounding.
+  void fill(int row, TexelRow& texels) const override {
+    const image::Frame& frame = image::face_frame(row / size_);
+    const math::GaussRule rule = math::texel_rule(size_);
+    const double half = 1.0 / size_;
+    const double v0 = (2.0 * (row % size_) + 1.0) * half - 1.0;
+    for (int column = 0; column < size_; ++column) {
+      const double u0 = (2.0 * column + 1.0) * half - 1.0;
+      glm::dvec3 local(0.0);
+      double solid_angle = 0.0;
+      for (int j = 0; j < rule.order; ++j) {
+        for (int i = 0; i < rule.order; ++i) {
+          const double u = u0 + half * rule.nodes[i];
+          const double v = v0 + half * rule.nodes[j];
+          const double q = 1.0 / (1.0 + u * u + v * v);
+          const double weight = rule.weights[i] * rule.weights[j] * half * half * q;
+          local += weight * q * glm::dvec3(u, v, 1.0);
+          solid_angle += weight * std::sqrt(q);
+        }
+      }
+      const glm::dvec3 moment = local.x * frame.u + local.y * frame.v + local.z * frame.normal;
+      const auto i = static_cast<std::size_t>(column);
+      texels.solid_angle[i] = solid_angle;
+      texels.moment[i] = glm::length(moment);
+      texels.x[i] = moment.x / texels.moment[i];
+      texels.y[i] = moment.y / texels.moment[i];
+      texels.z[i] = moment.z / texels.moment[i];
+    }
+    // Half a diagonal on a plane at distance 1 or more.
+    texels.radius = std::numbers::sqrt2 / size_;
+  }
+
+  [[nodiscard]] double integral(const TexelRectangle& texels, const glm::dvec3& axis,
+                                const KernelFunction& kernel) const noexcept override {
+    const Face face{size_, texels.row / size_};
+    return integrate(face, part_of(texels, texels.row % size_), axis, kernel, 0);
+  }
+
+ private:
+  struct Face {
+    int size;
+    int face;
+
+    [[nodiscard]] glm::dvec3 direction(double column, double row) const noexcept {
+      return image::face_direction(size, face, column, row);
+    }
+    [[nodiscard]] double density(double column, double row) const noexcept {
+      const double u = 2.0 * column / size - 1.0;
+      const double v = 2.0 * row / size - 1.0;
+      const double q = 1.0 / (1.0 + u * u + v * v);
+      return 4.0 / (static_cast<double>(size) * size) * q * std::sqrt(q);
+    }
+    [[nodiscard]] double radius(const Part& part) const noexcept {
+      return 2.0 / size * std::sqrt(part.across * part.across + part.down * part.down);
+    }
+    [[nodiscard]] FaceHorizon horizon(const glm::dvec3& axis) const noexcept { return {size, face, axis}; }
+    [[nodiscard]] bool too_wide(const Part& part) const noexcept { return part.across > 0.13 * size; }
+  };
+
+  int size_;
+};
+
+}  // namespace
+
+TexelRow::TexelRow(std::size_t columns) : x(columns), y(columns), z(columns), solid_angle(columns), moment(columns) {}
+
+std::unique_ptr<TexelIntegrals> texels_of_lat_long(int width, int height) {
+  return std::make_unique<LatLongTexels>(width, height);
+}
+
+std::unique_ptr<TexelIntegrals> texels_of_cubemap(int size) { return std::make_unique<CubemapTexels>(size); }
+
+}  // namespace welkin::projection
