@@ -284,12 +284,12 @@ std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& s
   return found;
 }
 
-std::vector<float> pixels_without(const std::vector<BrightTexel>& texels, const projection::SanitizedSource& source) {
+platform::AlignedBuffer<float> pixels_without(const std::vector<BrightTexel>& texels,
+                                              const projection::SanitizedSource& source) {
   const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
-  std::vector<float> pixels;
-  pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
+  platform::AlignedBuffer<float> pixels(row_values * static_cast<std::size_t>(source.rows()));
   for (int row = 0; row < source.rows(); ++row)
-    pixels.insert(pixels.end(), source.row(row), source.row(row) + row_values);
+    std::copy_n(source.row(row), row_values, pixels.data() + row_values * static_cast<std::size_t>(row));
   for (const BrightTexel& texel : texels) {
     float* const rgb = pixels.data() + row_values * static_cast<std::size_t>(texel.row) +
                        std::size_t{3} * static_cast<std::size_t>(texel.column);

@@ -214,19 +214,19 @@ template <class View>
 void Prefilter<View>::sum_mips(const std::vector<BrightTexel>& bright, const Control& control) {
   const Stopwatch watch;
   const auto table = LobeTable::get({source_.columns(), plan_.summed_mips(source_.columns())}, {control.stop});
-  const CubemapImage rest{source_.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source_)};
+  const auto rest = bright.empty() ? platform::AlignedBuffer<float>() : pixels_without(bright, source_);
   platform::AlignedBuffer<float> room(table->room_floats());
-  memory_.take(room.bytes() + rest.pixels.size() * sizeof(float));
+  memory_.take(room.bytes() + rest.bytes());
   std::vector<Faces> faces;
   for (std::size_t level = 0; level < plan_.mips.size(); ++level) {
     if (!plan_.is_summed(source_.columns(), plan_.mips[level])) continue;
     faces.push_back(image::faces_of(result_.cubemap, static_cast<int>(level)));
   }
-  const CubemapView& view = bright.empty() ? source_.cube() : rest.view();
+  const CubemapView view = bright.empty() ? source_.cube() : image::packed_cubemap(rest.data(), source_.columns());
   table->fill(view, room.data(), faces, !source_.has_negatives(), jobs::part_of(control, 0.0, 0.8));
   BlockLight light(source_.columns());
   light.read(view);
-  memory_.give_back(room.bytes() + rest.pixels.size() * sizeof(float));
+  memory_.give_back(room.bytes() + rest.bytes());
   note("sums", std::to_string(faces.size()) + " mips from their texels", watch.milliseconds());
   jobs::TaskGraph graph;
   std::size_t summed = 0;
@@ -320,8 +320,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   Rings rings;
   FarParts far;
   if (source_.cubemap()) {
-    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
-    rings.view = rings.owned.view();
+    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
   } else {
     const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
