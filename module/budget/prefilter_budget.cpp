@@ -113,9 +113,9 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
     const bool all_found =
         std::all_of(needs.begin(), needs.end(), [](const MipNeed& need) { return need.source_size > 0; });
     if (size > kMostReducedSize || all_found) break;
-    const LatLongImage rings =
-        budget::sharpened_rings(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
-    const Spectrum spectrum = transforms::analyse(rings.view(), bands, {control.stop, {}});
+    const reflections::Rings rings =
+        reflections::sharp_rings_of_cubemap(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
+    const Spectrum spectrum = transforms::analyse(rings.view, bands, {control.stop, {}});
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
       const MipPlan& mip = plan.mips[k];
@@ -226,10 +226,6 @@ std::vector<double> sum_squares(int bands, const Value& value) {
 
 }  // namespace
 
-LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control) {
-  return reflections::sharp_rings_of_cubemap(cube, rows, control);
-}
-
 std::vector<double> band_energies(const Spectrum& spectrum) {
   return sum_squares(spectrum.bands(), [&](int m, int k) { return static_cast<double>(spectrum.order(m)[k]); });
 }
@@ -247,8 +243,8 @@ namespace {
 /// to twice as many, and at most the difference to half as many.
 std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spectrum& spectrum, const Control& quiet) {
   const bool finer = 2 * rows <= kMostRings;
-  const LatLongImage other = sharpened_rings(cube, finer ? 2 * rows : rows / 2, quiet);
-  std::vector<double> lost = difference_energies(transforms::analyse(other.view(), spectrum.bands(), quiet), spectrum);
+  const reflections::Rings other = reflections::sharp_rings_of_cubemap(cube, finer ? 2 * rows : rows / 2, quiet);
+  std::vector<double> lost = difference_energies(transforms::analyse(other.view, spectrum.bands(), quiet), spectrum);
   if (finer) {
     for (double& energy : lost) energy *= 4.0;
   }
@@ -265,24 +261,19 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
       reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
   energies.bright = bright;
   energies.shape = reflections::PictureShape::of(source);
-  const auto on_rings = [&](std::vector<float> pixels) {
-    if (!source.cubemap()) return LatLongImage{source.columns(), source.rows(), std::move(pixels)};
-    const CubemapImage cube{source.columns(), std::move(pixels)};
-    return sharpened_rings(cube.view(), plan.rows_for_cubemap(source.columns()), quiet);
-  };
-  const LatLongImage image = on_rings(reflections::pixels_without({}, source));
-  energies.spectrum = transforms::analyse(image.view(), bands, quiet);
+  const int rows = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
+  energies.spectrum = transforms::analyse(reflections::rings_of(source, {}, rows, quiet).view, bands, quiet);
   energies.whole = band_energies(energies.spectrum);
-  if (source.cubemap()) energies.rings = ring_energies(source.cube(), image.height, energies.spectrum, quiet);
+  if (source.cubemap()) energies.rings = ring_energies(source.cube(), rows, energies.spectrum, quiet);
   energies.rest = energies.whole;
   energies.rings_of_rest = energies.rings;
   if (!bright.empty()) {
-    const std::vector<float> pixels = reflections::pixels_without(bright, source);
-    const Spectrum rest = transforms::analyse(on_rings(pixels).view(), bands, quiet);
+    const Spectrum rest = transforms::analyse(reflections::rings_of(source, bright, rows, quiet).view, bands, quiet);
     energies.rest = band_energies(rest);
     if (source.cubemap()) {
-      const CubemapImage cube{source.columns(), pixels};
-      energies.rings_of_rest = ring_energies(cube.view(), image.height, rest, quiet);
+      const platform::AlignedBuffer<float> pixels = reflections::pixels_without(bright, source);
+      const CubemapView cube = image::packed_cubemap(pixels.data(), source.columns());
+      energies.rings_of_rest = ring_energies(cube, rows, rest, quiet);
     }
   }
   return energies;

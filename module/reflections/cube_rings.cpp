@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "image/area_resampling.h"
 #include "image/pixels.h"
@@ -64,14 +65,14 @@ float RingSharpener::flow_before(int column, double steepness) const {
   return steepness < edge.reach ? edge.flow : 1.0F;
 }
 
-void RingSharpener::sharpen(LatLongImage& rings) const {
-  const int width = rings.width;
+void RingSharpener::sharpen(float* rings) const {
+  const auto width = static_cast<int>(columns_.size());
   const auto values = std::size_t{3} * static_cast<std::size_t>(width);
   std::vector<float> flows(static_cast<std::size_t>(width));
   std::vector<float> above(values);
   std::vector<float> here(values);
   for (int row = 0; row < rows_; ++row) {
-    float* const out = rings.pixels.data() + values * static_cast<std::size_t>(row);
+    float* const out = rings + values * static_cast<std::size_t>(row);
     const float* const below = row + 1 == rows_ ? out : out + values;
     // Along the column differences flow by the edge's sine over the row's mean: no light is lost.
     const double sine = mean_sine(row);
@@ -100,13 +101,13 @@ void RingSharpener::sharpen(LatLongImage& rings) const {
 
 namespace {
 
-/// Each texel `parts` x `parts` times.
-CubemapImage cut(const CubemapView& source, int parts) {
+/// Each texel `parts` x `parts` times, packed.
+platform::AlignedBuffer<float> cut(const CubemapView& source, int parts) {
   const auto row_values = std::ptrdiff_t{3} * source.size;
   const auto cut_values = row_values * parts;
-  CubemapImage result{source.size * parts, {}};
-  result.pixels.resize(static_cast<std::size_t>(6 * cut_values) * static_cast<std::size_t>(result.size));
-  float* to = result.pixels.data();
+  platform::AlignedBuffer<float> result(static_cast<std::size_t>(6 * cut_values) *
+                                        static_cast<std::size_t>(source.size * parts));
+  float* to = result.data();
   for (int row = 0; row < 6 * source.size; ++row) {
     const auto* const from = static_cast<const float*>(image::row_of(source, row / source.size, row % source.size));
     float* const first = to;
@@ -120,44 +121,53 @@ CubemapImage cut(const CubemapView& source, int parts) {
 
 }  // namespace
 
-LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
-  LatLongImage rings{2 * rows, rows, {}};
-  rings.pixels.resize(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
+namespace {
+
+/// 2 rows x rows texels that are not filled yet.
+Rings room_for(int rows) {
+  Rings rings{
+      {},
+      platform::AlignedBuffer<float>(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows))};
+  rings.view = {rings.owned.data(), 2 * rows, rows, 0, PixelFormat::rgb32f};
+  return rings;
+}
+
+}  // namespace
+
+Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+  Rings rings = room_for(rows);
   const int parts = std::max(1, rows / (2 * source.size));
   if (parts == 1) {
-    image::fill_lat_long_by_area(source, 2 * rows, rows, rings.pixels.data(), control);
+    image::fill_lat_long_by_area(source, 2 * rows, rows, rings.owned.data(), control);
   } else {
-    image::fill_lat_long_by_area(cut(source, parts).view(), 2 * rows, rows, rings.pixels.data(), control);
+    const platform::AlignedBuffer<float> texels = cut(source, parts);
+    image::fill_lat_long_by_area(image::packed_cubemap(texels.data(), source.size * parts), 2 * rows, rows,
+                                 rings.owned.data(), control);
   }
   return rings;
 }
 
-LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
+Rings sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control) {
   const RingTableKey key{source.size, rows};
   if (RingTable::serves(key)) {
-    LatLongImage rings{2 * rows, rows, {}};
-    rings.pixels.resize(std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
-    RingTable::get(key, {control.stop})->fill(source, rings.pixels.data(), control);
+    Rings rings = room_for(rows);
+    RingTable::get(key, {control.stop})->fill(source, rings.owned.data(), control);
     return rings;
   }
-  LatLongImage rings = rings_of_cubemap(source, rows, control);
-  RingSharpener(rows, source.size).sharpen(rings);
+  Rings rings = rings_of_cubemap(source, rows, control);
+  RingSharpener(rows, source.size).sharpen(rings.owned.data());
   return rings;
 }
 
 Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
                const Control& control) {
-  Rings rings;
-  rings.view = source.lat_long();
-  if (source.cubemap()) {
-    const CubemapImage rest{source.columns(), bright.empty() ? std::vector<float>() : pixels_without(bright, source)};
-    rings.owned = sharp_rings_of_cubemap(bright.empty() ? source.cube() : rest.view(), rows, control);
-    rings.view = rings.owned.view();
-  } else if (!bright.empty()) {
-    rings.owned = {source.columns(), source.rows(), pixels_without(bright, source)};
-    rings.view = rings.owned.view();
-  }
-  return rings;
+  if (!source.cubemap() && bright.empty()) return {source.lat_long(), {}};
+  if (bright.empty()) return sharp_rings_of_cubemap(source.cube(), rows, control);
+  platform::AlignedBuffer<float> rest = pixels_without(bright, source);
+  if (source.cubemap())
+    return sharp_rings_of_cubemap(image::packed_cubemap(rest.data(), source.columns()), rows, control);
+  const LatLongView view{rest.data(), source.columns(), source.rows(), 0, PixelFormat::rgb32f};
+  return {view, std::move(rest)};
 }
 
 std::size_t cube_rings_bytes(int face_size, int rows) {

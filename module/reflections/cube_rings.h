@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "math/elementary.h"
+#include "platform/memory.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/bright_texels.h"
 #include "welkin/core.h"
@@ -24,7 +25,8 @@ class RingSharpener {
   /// `rows`: a multiple of 2 `face_size`; the lat-long is twice as wide.
   RingSharpener(int rows, int face_size);
 
-  void sharpen(LatLongImage& rings) const;
+  /// `rings`: packed RGB floats.
+  void sharpen(float* rings) const;
 
  private:
   /// An edge of the lat-long's columns: the share of 1/12 that flows through it near the equator.
@@ -45,21 +47,21 @@ class RingSharpener {
   std::vector<ColumnEdge> columns_;  ///< the edge before each column
 };
 
-/// A packed RGB float cubemap as a lat-long of 2 rows x rows texels, each the mean of the cube's texels over its area.
-/// Where rows is a multiple of the faces' 2 size, a cube's texel is cut into as many parts first: edges between texels
-/// are followed in steps of a part, not of a texel. The same bits on any number of threads. Throws `Error` (cancelled).
-[[nodiscard]] LatLongImage rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
-
-/// What a transform takes for a cubemap: by a `RingTable`, or, where there is none, `rings_of_cubemap` sharpened.
-[[nodiscard]] LatLongImage sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
-
 /// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
 struct Rings {
   LatLongView view{};
-  LatLongImage owned;  ///< holds the pixels where the caller's own would not do
+  platform::AlignedBuffer<float> owned{};  ///< holds the pixels where the caller's own would not do
 
-  [[nodiscard]] std::size_t bytes() const { return owned.pixels.size() * sizeof(float); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return owned.bytes(); }
 };
+
+/// A packed RGB float cubemap as a lat-long of 2 rows x rows texels, each the mean of the cube's texels over its area.
+/// Where rows is a multiple of the faces' 2 size, a cube's texel is cut into as many parts first: edges between texels
+/// are followed in steps of a part, not of a texel. The same bits on any number of threads. Throws `Error` (cancelled).
+[[nodiscard]] Rings rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
+
+/// What a transform takes for a cubemap: by a `RingTable`, or, where there is none, `rings_of_cubemap` sharpened.
+[[nodiscard]] Rings sharp_rings_of_cubemap(const CubemapView& source, int rows, const Control& control);
 
 /// `source` without `bright`: itself if it is a lat-long with none, else a copy; a cubemap on `rows` rings.
 [[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,

@@ -109,11 +109,10 @@ class Prefilter {
  public:
   Prefilter(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan, CubemapChain room,
             memory_resource* memory)
-      : view_(projection::view_of(source, view)), source_(source), plan_(plan) {
+      : view_(view), source_(source), plan_(plan) {
     const auto levels = static_cast<int>(plan_.mips.size());
     result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
     result_.mips.resize(plan_.mips.size());
-    memory_.take(source.bytes());
   }
 
   PrefilteredSpecular run(const Control& control) {
@@ -271,8 +270,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   Rings rings;
   FarParts far;
   if (source_.cubemap()) {
-    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
-    rings.view = rings.owned.view();
+    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
   } else {
     const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
@@ -378,20 +376,32 @@ void Prefilter<View>::finish() {
   result_.peak_bytes = memory_.peak();
 }
 
+/// View: the source's.
 template <class View>
-PrefilteredSpecular run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels, CubemapChain room,
+PrefilteredSpecular run(const projection::SanitizedSource& source, const View& view, const PrefilterPlan& plan,
+                        CubemapChain room, const Control& control) {
+  const float scale = safe_scale(source);
+  if (scale == 1.0F) return Prefilter<View>(source, view, plan, std::move(room), control.memory).run(control);
+  const auto pixels = scaled(source, view, scale);
+  const projection::SanitizedSource scaled_source(pixels.view(), {}, {control.stop, {}});
+  PrefilteredSpecular result =
+      Prefilter<View>(scaled_source, pixels.view(), plan, std::move(room), control.memory).run(control);
+  undo_scale(result, scale);
+  return result;
+}
+
+PrefilteredSpecular run(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
                         const Control& control) {
+  return source.cubemap() ? run(source, source.cube(), plan, std::move(room), control)
+                          : run(source, source.lat_long(), plan, std::move(room), control);
+}
+
+template <class View>
+PrefilteredSpecular sanitize_and_run(const View& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
+                                     CubemapChain room, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
-  const Control rest = jobs::part_of(control, 0.05, 1.0);
-  PrefilteredSpecular result;
-  if (const float scale = safe_scale(source); scale != 1.0F) {
-    const auto scaled_pixels = scaled(source, view, scale);
-    const projection::SanitizedSource scaled_source(scaled_pixels.view(), {}, {control.stop, {}});
-    result = Prefilter<View>(scaled_source, view, plan, std::move(room), rest.memory).run(rest);
-    undo_scale(result, scale);
-  } else {
-    result = Prefilter<View>(source, view, plan, std::move(room), rest.memory).run(rest);
-  }
+  PrefilteredSpecular result = run(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
+  result.peak_bytes += source.bytes();
   describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;
 }
@@ -414,12 +424,21 @@ void make_tables(const PrefilterPlan& plan, int face_size, const Control& contro
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return run(source, plan, pixels, std::move(room), control);
+  return sanitize_and_run(source, plan, pixels, std::move(room), control);
 }
 
 PrefilteredSpecular prefilter(const CubemapView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
                               CubemapChain room, const Control& control) {
-  return run(source, plan, pixels, std::move(room), control);
+  return sanitize_and_run(source, plan, pixels, std::move(room), control);
+}
+
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, CubemapChain room,
+                              const Control& control) {
+  PrefilteredSpecular result = run(source, plan, std::move(room), control);
+  ProjectionDiagnostics clean;
+  clean.texels = source.diagnostics().texels;
+  describe_pixels(clean, {}, result);
+  return result;
 }
 
 }  // namespace welkin::reflections

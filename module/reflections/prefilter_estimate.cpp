@@ -158,15 +158,14 @@ double blurred_rms(std::span<const double> energies, std::span<const double> zon
 double rms_of_level(const CubemapChain& chain, int level, int samples) {
   const int size = chain.level_size(level);
   const int step = (size + samples - 1) / samples;
-  std::vector<double> angles(static_cast<std::size_t>(size));
+  const auto angles = image::FaceSolidAngles::get(size);
   double squares = 0.0;
   double whole = 0.0;
   for (int row = step / 2; row < size; row += step) {
-    image::cubemap_row_solid_angles(row, angles);
     for (int face = 0; face < 6; ++face) {
       const float* const values = chain.face(level, face) + std::ptrdiff_t{3} * size * row;
       for (int column = step / 2; column < size; column += step) {
-        const double steradians = angles[static_cast<std::size_t>(column)];
+        const double steradians = angles->at(row, column);
         for (int c = 0; c < 3; ++c) {
           const auto value = static_cast<double>(values[3 * column + c]);
           squares += steradians * value * value;

@@ -153,7 +153,8 @@ TEST_CASE("A disc is taken out with its edge, whatever the number of its texels"
   const auto found = reflections::find_bright_texels(source, 0.03, reflections::kMostBright, {});
   CHECK(count > 700);
   CHECK(found.size() == count);
-  for (const float value : reflections::pixels_without(found, source)) REQUIRE(value <= 0.11F);
+  const platform::AlignedBuffer<float> rest = reflections::pixels_without(found, source);
+  CHECK(*std::max_element(rest.data(), rest.data() + rest.size()) <= 0.11F);
 }
 
 }  // namespace welkin::test
