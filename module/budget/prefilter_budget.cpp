@@ -57,7 +57,7 @@ double transform_nanoseconds(double bands, double rings) {
 }
 
 double predicted(const PrefilterPlan& plan, const SanitizedSource& source) {
-  const int rings = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
+  const int rings = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
   double sum = transform_nanoseconds(plan.bands, rings);
   for (const MipPlan& mip : plan.mips) {
     const double texels = 6.0 * mip.size * mip.size;
@@ -143,8 +143,7 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
     const bool all_found =
         std::all_of(needs.begin(), needs.end(), [](const MipNeed& need) { return need.source_size > 0; });
     if (size > kMostReducedSize || all_found) break;
-    const LatLongImage rings =
-        budget::sharpened_rings(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
+    const LatLongImage rings = budget::sharpened_rings(chain.view(level), plan.rows_for_cubemap(), {control.stop, {}});
     const Spectrum spectrum = transforms::analyse(rings.view(), bands, {control.stop, {}});
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
@@ -258,7 +257,7 @@ std::vector<double> sum_squares(int bands, const Value& value) {
 }  // namespace
 
 LatLongImage sharpened_rings(const CubemapView& cube, int rows, const Control& control) {
-  return reflections::sharp_rings_of_cubemap(cube, rows, control);
+  return reflections::rings_of_cubemap(cube, rows, control);
 }
 
 std::vector<double> band_energies(const Spectrum& spectrum) {
@@ -273,12 +272,12 @@ std::vector<double> difference_energies(const Spectrum& a, const Spectrum& b) {
 
 namespace {
 
-/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. Edges between texels
-/// are followed in steps of a ring: the loss falls with their number at least, so it is at most twice the difference
-/// to twice as many, and at most the difference to half as many.
+/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. The loss falls with
+/// their number at least, so it is at most twice the difference to twice as many, and at most the difference to half as
+/// many.
 std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spectrum& spectrum, const Control& quiet) {
   const bool finer = 2 * rows <= kMostRings;
-  const LatLongImage other = sharpened_rings(cube, finer ? 2 * rows : rows / 2, quiet);
+  const LatLongImage other = sharpened_rings(cube, finer ? 2 * rows : rows / 8 * 4, quiet);
   std::vector<double> lost = difference_energies(transforms::analyse(other.view(), spectrum.bands(), quiet), spectrum);
   if (finer) {
     for (double& energy : lost) energy *= 4.0;
@@ -299,7 +298,7 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
   const auto on_rings = [&](std::vector<float> pixels) {
     if (!source.cubemap()) return LatLongImage{source.columns(), source.rows(), std::move(pixels)};
     const CubemapImage cube{source.columns(), std::move(pixels)};
-    return sharpened_rings(cube.view(), plan.rows_for_cubemap(source.columns()), quiet);
+    return sharpened_rings(cube.view(), plan.rows_for_cubemap(), quiet);
   };
   const LatLongImage image = on_rings(reflections::pixels_without({}, source));
   energies.spectrum = transforms::analyse(image.view(), bands, quiet);

@@ -61,7 +61,7 @@ namespace {
 
 /// Of a cubemap's rings.
 int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
-  return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
+  return source.cubemap() ? plan.rows_for_cubemap() : 0;
 }
 
 constexpr double kReferenceError = 2e-5;  ///< see `fill_lobe_integrals`
@@ -320,7 +320,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   Rings rings;
   FarParts far;
   if (source_.cubemap()) {
-    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
+    rings.owned = rings_of_cubemap(source_.cube(), rows_for_far_part(split), {control.stop, {}});
     rings.view = rings.owned.view();
   } else {
     const double sharpest = sharpest_far_lobe(split);
@@ -486,8 +486,7 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (const std::vector<LobeMip> mips = plan.summed_mips(face_size); !mips.empty())
     LobeTable::get({face_size, mips}, {control.stop});
-  const RingTableKey rings{face_size, plan.rows_for_cubemap(face_size)};
-  if (plan.needs_rings(face_size) && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
+  if (plan.needs_rings(face_size)) RingTable::get({face_size, plan.rows_for_cubemap()}, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,
