@@ -9,48 +9,9 @@
 namespace welkin::reflections::WELKIN_ISA {
 namespace {
 
-using simd::DoubleLanes, simd::kDoubleWidth, simd::kNarrowWidth, simd::NarrowLanes;
+using simd::kNarrowWidth, simd::NarrowLanes;
 
 constexpr int kRegisters = kShareLanes / kNarrowWidth;
-
-/// atan(sqrt(t)) / (2 pi sqrt(t)) up to the square of the tangent of an eighth of pi, within 5e-15: interpolation at
-/// Chebyshev's nodes. The highest power first.
-constexpr double kArcTangent[] = {0.004880075948839692,  -0.009349564141544482, 0.012038007578273162,
-                                  -0.014448709669002562, 0.017682726992394336,  -0.022736382464140968,
-                                  0.03183098798954111,   -0.053051647693271975, 0.15915494309189107};
-constexpr double kTangent = 0.41421356237309503;  ///< of pi / 8
-constexpr double kTiny = 1e-300;                  ///< so that 0 / 0 is 0
-
-DoubleLanes turns_of(DoubleLanes y, DoubleLanes x) {
-  const DoubleLanes low = xsimd::min(x, y);
-  const DoubleLanes high = xsimd::max(x, y);
-  const DoubleLanes one(1.0);
-  const DoubleLanes ratio = low / xsimd::max(high, DoubleLanes(kTiny));
-  const auto wide = ratio > DoubleLanes(kTangent);
-  const DoubleLanes tangent = xsimd::select(wide, (ratio - one) / (ratio + one), ratio);
-  const DoubleLanes square = tangent * tangent;
-  DoubleLanes sum(kArcTangent[0]);
-  for (int k = 1; k < 9; ++k) sum = sum * square + DoubleLanes(kArcTangent[k]);
-  const DoubleLanes octant = tangent * sum + xsimd::select(wide, DoubleLanes(0.125), DoubleLanes(0.0));
-  return xsimd::select(y > x, DoubleLanes(0.25) - octant, octant);
-}
-
-void find_turns(const double* y, const double* x, double scale, int count, double* turns) {
-  int i = 0;
-  for (; i + kDoubleWidth <= count; i += kDoubleWidth) {
-    const DoubleLanes found = turns_of(DoubleLanes::load_unaligned(y + i), DoubleLanes::load_unaligned(x + i));
-    (found * DoubleLanes(scale)).store_unaligned(turns + i);
-  }
-  if (i == count) return;
-  alignas(64) double last[3][kDoubleWidth] = {};
-  for (int k = 0; k < count - i; ++k) {
-    last[0][k] = y[i + k];
-    last[1][k] = x[i + k];
-  }
-  const DoubleLanes found = turns_of(DoubleLanes::load_aligned(last[0]), DoubleLanes::load_aligned(last[1]));
-  (found * DoubleLanes(scale)).store_aligned(last[2]);
-  for (int k = 0; k < count - i; ++k) turns[i + k] = last[2][k];
-}
 
 /// `kPoints` at once, so that the processor need not wait for each sum.
 template <int kPoints>
@@ -185,7 +146,6 @@ void weigh_texel(const WeighedTexel& texel, const RingBand& band, float* block) 
 }  // namespace
 
 const RingWeightKernels ring_weight_kernels_table = {
-    .find_turns = find_turns,
     .evaluate_shares = evaluate_shares,
     .share_columns = share_columns,
     .weigh_texel = weigh_texel,

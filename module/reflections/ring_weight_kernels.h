@@ -17,10 +17,6 @@ inline constexpr int kSharePowers = 13;
 /// Gauss points in a part of a texel's edge.
 inline constexpr int kPartPoints = 2;
 
-/// turns[i] = `scale` times atan2(y[i], x[i]) / (2 pi), y and x at least 0. Absolute error below 1e-12 `scale`; exact
-/// on axes and diagonals.
-using FindTurns = void (*)(const double* y, const double* x, double scale, int count, double* turns);
-
 /// values[i][k] = the polynomial of cell cells[i] and neighbour k at places[i]. `coefficients`:
 /// [cell][power][neighbour], the highest power first.
 using EvaluateShares = void (*)(const float* coefficients, const int* cells, const float* places, int count,
@@ -114,7 +110,6 @@ struct RingBand {
 using WeighTexel = void (*)(const WeighedTexel& texel, const RingBand& band, float* block);
 
 struct RingWeightKernels {
-  FindTurns find_turns;
   EvaluateShares evaluate_shares;
   ShareColumns share_columns;
   WeighTexel weigh_texel;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "image/image_kernels.h"
 #include "reflections/cube_images.h"
 
 namespace welkin::reflections {
@@ -64,7 +65,7 @@ class RingWeights::EdgeLine {
   }
 
  private:
-  /// places = the turns of ends_ over distances_, in columns.
+  /// places = the angles of ends_ over distances_, in columns.
   void find_longitudes(int count, bool mirrored);
 
   const RingWeights& weights_;
@@ -80,7 +81,7 @@ class RingWeights::EdgeLine {
 };
 
 void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
-  weights_.kernels_.find_turns(ends_.data(), distances_.data(), weights_.columns_, count, places_.data());
+  weights_.find_angles(ends_.data(), distances_.data(), count, places_.data());
   if (!mirrored) return;
   const double quarter = 0.25 * weights_.columns_;
   for (int i = 0; i < count; ++i) places_[static_cast<std::size_t>(i)] = quarter - places_[static_cast<std::size_t>(i)];
@@ -159,8 +160,7 @@ void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end,
   const auto from = std::size_t{kPartPoints} * line.first_part(first);
   const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
   std::fill_n(distances_.begin(), count, height);
-  weights_.kernels_.find_turns(line.horizontals_.data() + from, distances_.data(), weights_.columns_, count,
-                               places_.data());
+  weights_.find_angles(line.horizontals_.data() + from, distances_.data(), count, places_.data());
   split(places_.data(), count, weights_.rows_ / 2, rings_.data() + from, rest_.data());
   weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_.data() + from, rest_.data(), count,
                                     along_.data() + kShareLanes * from);
@@ -243,14 +243,19 @@ RingWeights::RingWeights(int face_size, int rows, const RingWeightKernels& kerne
   find_images();
 }
 
+/// Angles of the points (x, y) from the x axis, in columns; a ring is as high as a column is wide.
+void RingWeights::find_angles(const double* y, const double* x, int count, double* angles) const {
+  image::image_kernels().places_of_angles(y, x, count, 0.25 * columns_, 0.0, angles);
+}
+
 void RingWeights::find_corners() {
   const auto edge = static_cast<std::size_t>(texels_ + 1);
   std::vector<double> y(edge);
   std::vector<double> x(edge);
-  std::vector<double> turns(edge);
+  std::vector<double> angles(edge);
   const auto find = [&](int* to) {
-    kernels_.find_turns(y.data(), x.data(), columns_, texels_ + 1, turns.data());
-    std::transform(turns.begin(), turns.end(), to, [](double place) { return static_cast<int>(place); });
+    find_angles(y.data(), x.data(), texels_ + 1, angles.data());
+    std::transform(angles.begin(), angles.end(), to, [](double place) { return static_cast<int>(place); });
   };
   side_columns_.resize(edge);
   for (std::vector<int>* list : {&side_rings_, &top_rings_, &top_columns_}) list->resize(edge * edge);

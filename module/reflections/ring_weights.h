@@ -73,6 +73,7 @@ class RingWeights {
   [[nodiscard]] std::size_t corner(int row, int column) const noexcept {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(texels_ + 1) + static_cast<std::size_t>(column);
   }
+  void find_angles(const double* y, const double* x, int count, double* angles) const;
   void find_corners();
   void find_images();
   [[nodiscard]] RingWindow side_window(int row, int column) const noexcept;

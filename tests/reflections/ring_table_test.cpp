@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "math/elementary.h"
 #include "reflections/ring_kernels.h"
 #include "reflections/ring_weights.h"
 #include "support/catch.h"
@@ -140,24 +139,6 @@ TEST_CASE("Weights of rings are the same on all instruction sets", "[prefilter][
       if (first.empty()) first = found;
       CHECK(found == first);
     }
-  }
-}
-
-TEST_CASE("Angles of edges are those of the arc tangent", "[prefilter][rings][kernels]") {
-  std::vector<double> y{0.0, 0.0, 1.0, 2.0, 0.5, 1.0};
-  std::vector<double> x{1.0, 0.0, 0.0, 2.0, 1.5, 1e-9};
-  for (int k = 0; k < 101; ++k) {
-    y.push_back(0.01 * k);
-    x.push_back(1.0 + 0.003 * k * k);
-  }
-  for (const InstructionSet set : available_instruction_sets()) {
-    std::vector<double> turns(y.size());
-    reflections::ring_weight_kernels(set).find_turns(y.data(), x.data(), 1000.0, static_cast<int>(y.size()),
-                                                     turns.data());
-    CHECK(turns[0] == 0.0);
-    CHECK(turns[2] == 250.0);
-    CHECK(turns[3] == 125.0);
-    for (std::size_t k = 0; k < y.size(); ++k) CHECK(std::abs(turns[k] - 1000.0 * math::turns_of(y[k], x[k])) < 1e-11);
   }
 }
 
