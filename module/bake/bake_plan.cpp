@@ -120,10 +120,10 @@ reflections::PictureShape picture_of(const SourceShape& source) {
 /// weights beside the poles.
 std::uint64_t narrow_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const reflections::NarrowSplit split = split_of(source);
-  const int rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : source.rows;
+  const int rings = source.cubemap ? reflections::rows_for_far_part(split) : source.rows;
   std::uint64_t bytes = columns_bytes(split.bands, rings) + squared(split.bands) * transforms::kHarmonicFloats * 4;
   if (source.cubemap) {
-    bytes += (24 + 9 + kTexelBytes) * 2 * squared(rings);
+    bytes += kTexelBytes * 2 * squared(rings) + reflections::cube_rings_bytes(source.columns, rings);
   } else {
     const double sharpest = reflections::sharpest_far_lobe(split);
     const reflections::BrightSearch search = reflections::search_for_bright_texels(
@@ -145,7 +145,7 @@ std::uint64_t narrow_bytes(const SourceShape& source, const reflections::Prefilt
 
 /// Of the transform that spectral mips share, and of the lights beside it.
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
-  const int rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
   std::uint64_t bytes = kTexelBytes * ring_texels + columns_bytes(plan.bands, rings) +
                         squared(plan.bands) * transforms::kHarmonicFloats * sizeof(float);
@@ -203,7 +203,7 @@ double transforming(double rings, double columns, int bands, const CostModel& co
 }
 
 double prefiltering(const SourceShape& source, const reflections::PrefilterPlan& plan, const CostModel& costs) {
-  const double rings = source.cubemap ? plan.rows_for_cubemap(source.columns) : source.rows;
+  const double rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const double columns = source.cubemap ? 2.0 * rings : source.columns;
   double cost = 0.0;
   if (plan.bands > 0) {
@@ -220,7 +220,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
   const auto far_parts = static_cast<double>(reflections::far_alphas(split, plan.narrow_alphas).size());
   if (plan.uses(MipMethod::narrow)) {
     const transforms::GridSize grid = reflections::grid_of_far_part(source.cubemap, split);
-    const double far_rings = source.cubemap ? reflections::rows_for_far_part(source.columns, split) : rings;
+    const double far_rings = source.cubemap ? reflections::rows_for_far_part(split) : rings;
     const double far_columns = source.cubemap ? 2.0 * far_rings : columns;
     cost += source.cubemap ? costs.ring_texel * far_rings * far_columns
                            : costs.bright_texel * static_cast<double>(source.texels());

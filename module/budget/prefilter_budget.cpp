@@ -55,7 +55,7 @@ double transform_nanoseconds(double bands, double rings) {
 }
 
 double predicted(const PrefilterPlan& plan, const SanitizedSource& source) {
-  const int rings = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
+  const int rings = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
   double sum = transform_nanoseconds(plan.bands, rings);
   for (const MipPlan& mip : plan.mips) {
     const double texels = 6.0 * mip.size * mip.size;
@@ -114,7 +114,7 @@ void find_source_sizes(const CubemapChain& chain, const PrefilterPlan& plan,
         std::all_of(needs.begin(), needs.end(), [](const MipNeed& need) { return need.source_size > 0; });
     if (size > kMostReducedSize || all_found) break;
     const reflections::Rings rings =
-        reflections::sharp_rings_of_cubemap(chain.view(level), plan.rows_for_cubemap(size), {control.stop, {}});
+        reflections::rings_of_cubemap(chain.view(level), plan.rows_for_cubemap(), {control.stop, {}});
     const Spectrum spectrum = transforms::analyse(rings.view, bands, {control.stop, {}});
     const std::vector<double> lost = budget::difference_energies(spectrum, energies.spectrum);
     for (std::size_t k = 0; k < needs.size(); ++k) {
@@ -238,12 +238,12 @@ std::vector<double> difference_energies(const Spectrum& a, const Spectrum& b) {
 
 namespace {
 
-/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. Edges between texels
-/// are followed in steps of a ring: the loss falls with their number at least, so it is at most twice the difference
-/// to twice as many, and at most the difference to half as many.
+/// What is lost on `rows` rings, from twice as many, or from half where those would be too many. The loss falls with
+/// their number at least, so it is at most twice the difference to twice as many, and at most the difference to half as
+/// many.
 std::vector<double> ring_energies(const CubemapView& cube, int rows, const Spectrum& spectrum, const Control& quiet) {
   const bool finer = 2 * rows <= kMostRings;
-  const reflections::Rings other = reflections::sharp_rings_of_cubemap(cube, finer ? 2 * rows : rows / 2, quiet);
+  const reflections::Rings other = reflections::rings_of_cubemap(cube, finer ? 2 * rows : rows / 8 * 4, quiet);
   std::vector<double> lost = difference_energies(transforms::analyse(other.view, spectrum.bands(), quiet), spectrum);
   if (finer) {
     for (double& energy : lost) energy *= 4.0;
@@ -261,7 +261,7 @@ EnvironmentEnergies analyse_energies(const projection::SanitizedSource& source, 
       reflections::find_bright_texels(source, plan.least_alpha, reflections::kMostBright, quiet);
   energies.bright = bright;
   energies.shape = reflections::PictureShape::of(source);
-  const int rows = source.cubemap() ? plan.rows_for_cubemap(source.columns()) : source.rows();
+  const int rows = source.cubemap() ? plan.rows_for_cubemap() : source.rows();
   energies.spectrum = transforms::analyse(reflections::rings_of(source, {}, rows, quiet).view, bands, quiet);
   energies.whole = band_energies(energies.spectrum);
   if (source.cubemap()) energies.rings = ring_energies(source.cube(), rows, energies.spectrum, quiet);

@@ -59,7 +59,7 @@ namespace {
 
 /// Of a cubemap's rings.
 int rows_of(const PrefilterPlan& plan, const projection::SanitizedSource& source) {
-  return source.cubemap() ? plan.rows_for_cubemap(source.columns()) : 0;
+  return source.cubemap() ? plan.rows_for_cubemap() : 0;
 }
 
 constexpr double kReferenceError = 2e-5;  ///< see `KernelFunction::far`
@@ -270,7 +270,7 @@ void Prefilter<View>::run_narrow(const Control& control) {
   Rings rings;
   FarParts far;
   if (source_.cubemap()) {
-    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(source_.columns(), split), {control.stop, {}});
+    rings = rings_of_cubemap(source_.cube(), rows_for_far_part(split), {control.stop, {}});
   } else {
     const double sharpest = sharpest_far_lobe(split);
     const std::vector<BrightTexel> texels = find_bright_texels(source_, sharpest, kMostBrightFar, {control.stop, {}});
@@ -418,8 +418,7 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 }
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
-  const RingTableKey rings{face_size, plan.rows_for_cubemap(face_size)};
-  if (plan.bands > 0 && RingTable::serves(rings)) RingTable::get(rings, {control.stop});
+  if (plan.bands > 0) RingTable::get({face_size, plan.rows_for_cubemap()}, {control.stop});
 }
 
 PrefilteredSpecular prefilter(const LatLongView& source, const PrefilterPlan& plan, const PixelPolicy& pixels,

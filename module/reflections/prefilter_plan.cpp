@@ -12,7 +12,6 @@
 #include "platform/standard_library.h"
 #include "platform/text.h"
 #include "projection/sanitizer.h"
-#include "reflections/ring_table.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "welkin/core.h"
@@ -92,13 +91,9 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
   return platform::ranges::find(mips, method, &MipPlan::method) != mips.end();
 }
 
-int PrefilterPlan::rows_for_cubemap(int face_size) const noexcept {
+int PrefilterPlan::rows_for_cubemap() const noexcept {
   const double wanted = std::max(kLeastRings, kRingsOfAlpha / least_alpha);
-  const int rows = 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
-  if (RingTable::serves({face_size, rows})) return rows;
-  const double fine = std::clamp(std::numbers::pi / (0.2 * least_alpha), 512.0, 2048.0);
-  const int least = face_size <= 512 ? 2 : 1;  // a ring's texel blurs too
-  return 2 * face_size * std::max(least, static_cast<int>(std::ceil(fine / (2.0 * face_size))));
+  return 2 * transforms::fast_even_length(static_cast<int>(std::ceil(0.5 * wanted)));
 }
 
 double PrefilterPlan::loss_at_peak() const noexcept {

@@ -44,10 +44,9 @@ struct PrefilterPlan {
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
-  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics. By a `RingTable`: at
-  /// least 256, no higher than a third of the narrowest lobe's alpha. Where there is none: a multiple of 2 face_size
-  /// (of 4 face_size up to 512), at least 512, no higher than 0.2 of that alpha, if some 2048 rows do.
-  [[nodiscard]] int rows_for_cubemap(int face_size) const noexcept;
+  /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: at least 256, no higher
+  /// than a third of the narrowest lobe's alpha.
+  [[nodiscard]] int rows_for_cubemap() const noexcept;
   /// The largest of the spectral mips' losses at a peak.
   [[nodiscard]] double loss_at_peak() const noexcept;
 };
