@@ -154,7 +154,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   bytes += transforms::ReducedRows::most_bytes(source.cubemap ? 2 * rings : source.columns, rings, plan.bands,
                                                jobs::worker_count(jobs::Placement::arena));
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
-      source.cubemap, source.columns, source.rows, plan.least_alpha, reflections::kMostBright);
+      source.cubemap, source.columns, source.rows, plan.light_alpha, reflections::kMostBright);
   if (search.texels == 0) return bytes;
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
@@ -171,7 +171,7 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.method == MipMethod::copy || sampled) bytes += kTexelBytes * 6 * squared(mip.size);
     if (mip.bands.bands() == 0) continue;
-    bytes += grid_bytes(mip.bands.bands(), transforms::grid_for_bands(mip.bands.bands()));
+    bytes += grid_bytes(mip.bands.bands(), mip.grid());
   }
   // The chain that is sampled, with a border, from level 0 down.
   if (sampled) bytes += 4 * sizeof(float) * 12 * squared(plan.size + 4);
@@ -246,7 +246,7 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
     } else if (mip.method == MipMethod::reference) {
       cost += texels * (costs.reference_pair * static_cast<double>(source.texels()) + costs.reference_direction);
     } else {
-      const transforms::GridSize grid = transforms::grid_for_bands(mip.bands.bands());
+      const transforms::GridSize grid = mip.grid();
       cost += transforming(grid.rings, grid.columns, mip.bands.bands(), costs) + costs.face_texel * texels;
     }
   }

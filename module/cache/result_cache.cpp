@@ -205,7 +205,7 @@ PrefilteredSpecular ResultCache::prefilter_view(const View& view, const Prefilte
       // Only the whole chain is a result.
       Control making = jobs::part_of(control, kHashing, 1.0);
       making.memory = nullptr;
-      chain.add(reflections::prefilter(projection::view_of(source, view), *missing, {}, {}, making));
+      chain.add(reflections::prefilter(source, *missing, {}, making));
     }
   }
   PrefilteredSpecular specular = chain.take();

@@ -20,7 +20,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kHorizon = 0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/reflections.md
-constexpr double kKernelHorizon = 0.1 / 16.0;  ///< the same through a kernel, where a part is looked at in 16 places
+constexpr double kTableHorizon = 0.1 / 16.0;  ///< the same by a table, where a part is looked at in 16 places
 constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 
@@ -38,8 +38,7 @@ double smooth_error(double radians, double alpha, int points) {
 
 }  // namespace
 
-double BrightLights::error(double alpha) const {
-  if (nodes_.empty()) return 0.0;
+double BrightLights::ggx_error(double alpha) const {
   const double square = alpha * alpha;
   const double integral = lobe_integral(alpha);
   const double width = 0.5 * (1.0 + square);  // alpha^2 + (1 - c) (1 - alpha^2) / 2 at c = 0
@@ -54,10 +53,11 @@ double BrightLights::error(double alpha) const {
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
-double BrightLights::error(const ZonalShape& kernel) const {
+double BrightLights::error(const Lobe& lobe) const {
   if (nodes_.empty()) return 0.0;
-  const double horizon = kKernelHorizon * kernel.peak() / kernel.scale() * norm(cut_);
-  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(kernel.square() / (4.0 * kPi));
+  if (lobe.alpha() > 0.0) return ggx_error(lobe.alpha());
+  const double horizon = kTableHorizon * lobe.peak() / lobe.scale() * norm(cut_);
+  const double merged = (kLost + kMerged) * norm(power_) * std::sqrt(lobe.square() / (4.0 * kPi));
   return std::sqrt(horizon * horizon + merged * merged);
 }
 
@@ -67,9 +67,9 @@ struct BrightLights::Block {
   double radius = 0.0;
   double far = kFar;
   double width_squared = 0.0;  ///< of the lobe: it has its poles at such distances, squared and negative
-  double most_merged = 0.0;    ///< through a kernel, whatever the distance: the radius over which it is all but a
-                               ///< polynomial
-  bool by_kernel = false;
+  /// By a table, whatever the distance: the radius over which the lobe is all but a polynomial.
+  double most_merged = 0.0;
+  bool by_table = false;
   double nearest = 0.0;  ///< distance of a light, less and more of which nothing is seen
   double farthest = 2.0;
   bool horizon = true;  ///< whether nothing comes from below it
@@ -84,7 +84,7 @@ struct BrightLights::Block {
     return between < -margin ? Sight::below : (between > margin ? Sight::above : Sight::cut);
   }
   [[nodiscard]] bool unseen(const Node& node) const noexcept {
-    if (!by_kernel) return false;
+    if (!by_table) return false;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -93,7 +93,7 @@ struct BrightLights::Block {
     return distance + margin < nearest || distance - margin > farthest;
   }
   [[nodiscard]] bool far_enough(const Node& node) const noexcept {
-    if (by_kernel) return node.merged <= most_merged;
+    if (by_table) return node.merged <= most_merged;
     const double x = centre[0] - node.centre[0];
     const double y = centre[1] - node.centre[1];
     const double z = centre[2] - node.centre[2];
@@ -210,14 +210,13 @@ BrightLights::Block BrightLights::block_of(const Area& area, const LightsLobe& l
   }
   block.radius += 1e-6;
   block.far = far_;
-  block.width_squared = 4.0 * lobe.alpha * lobe.alpha / std::max(1e-6, 1.0 - lobe.alpha * lobe.alpha);
-  block.by_kernel = lobe.kernel != nullptr;
-  if (block.by_kernel) {
-    block.most_merged = kOfScale * lobe.kernel->scale();
-    block.horizon = lobe.kernel->hemisphere();
-    block.nearest = 2.0 * lobe.kernel->nearest();
-    block.farthest = 2.0 * lobe.kernel->farthest();
-  }
+  const double alpha = lobe.lobe.alpha();
+  block.width_squared = 4.0 * alpha * alpha / std::max(1e-6, 1.0 - alpha * alpha);
+  block.by_table = alpha == 0.0;
+  block.most_merged = kOfScale * lobe.lobe.scale();
+  block.horizon = lobe.lobe.hemisphere();
+  block.nearest = 2.0 * lobe.lobe.nearest();
+  block.farthest = 2.0 * lobe.lobe.farthest();
   return block;
 }
 
@@ -247,8 +246,9 @@ void BrightLights::choose(const Block& block, bool to_parts, Room& room) const {
 /// Adds the lights of `room`'s runs to an area's texels, packed RGB, and forgets them.
 void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.runs.empty() && room.parts.empty()) return;
-  if (lobe.kernel != nullptr) {
-    add_runs_by_kernel(area, *lobe.kernel, rgb, room);
+  const double alpha = lobe.lobe.alpha();
+  if (alpha == 0.0) {
+    add_runs_by_table(area, lobe.lobe, rgb, room);
     return;
   }
   const int across = area.end_column - area.column;
@@ -260,7 +260,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
     room.v[static_cast<std::size_t>(k)] = static_cast<float>(place_on_face(area.row + texel / across, area.size));
   }
   const image::Frame& frame = image::face_frame(area.face);
-  const double square = lobe.alpha * lobe.alpha;
+  const double square = alpha * alpha;
   LobeBlock of{{},
                {},
                {},
@@ -283,7 +283,7 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
                         room.sums.data());
   room.runs.clear();
   room.parts.clear();
-  const double scale = square / kPi / lobe_integral(lobe.alpha);
+  const double scale = square / kPi / lobe_integral(alpha);
   for (int k = 0; k < texels; ++k) {
     float* const texel = rgb + 3 * (std::ptrdiff_t{area.row + k / across} * area.size + area.column + k % across);
     for (int c = 0; c < 3; ++c) {
@@ -296,7 +296,8 @@ void BrightLights::add_runs(const Area& area, const LightsLobe& lobe, float* rgb
 /// Adds the rectangles that are `room`'s parts, texel by texel in double, and clears the parts.
 void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* rgb, Room& room) const {
   if (room.parts.empty()) return;
-  const double whole = lobe_integral(lobe.alpha);
+  const double alpha = lobe.lobe.alpha();
+  const double whole = lobe_integral(alpha);
   for (int row = area.row; row < area.end_row; ++row) {
     for (int column = area.column; column < area.end_column; ++column) {
       const glm::dvec3 normal = image::face_direction(area.size, area.face, column + 0.5, row + 0.5);
@@ -304,7 +305,7 @@ void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* 
       for (const LobeRun& run : room.parts) {
         for (int k = run.first; k < run.first + run.count; ++k) {
           const Rectangle& part = rectangles_[static_cast<std::size_t>(k)];
-          const double share = texels_->integral(part.texels, normal, lobe.alpha) / whole;
+          const double share = texels_->integral(part.texels, normal, alpha) / whole;
           for (std::size_t c = 0; c < 3; ++c) sum[c] += share * static_cast<double>(part.excess[c]);
         }
       }
@@ -315,10 +316,10 @@ void BrightLights::add_exactly(const Area& area, const LightsLobe& lobe, float* 
   room.parts.clear();
 }
 
-/// Texel by texel in double, as a kernel is a table. A part that the horizon cuts is looked at in 4 x 4 places.
-void BrightLights::add_runs_by_kernel(const Area& area, const ZonalShape& kernel, float* rgb, Room& room) const {
+/// Texel by texel in double, from the lobe's table. A part that the horizon cuts is looked at in 4 x 4 places.
+void BrightLights::add_runs_by_table(const Area& area, const Lobe& lobe, float* rgb, Room& room) const {
   constexpr int kPlaces = 4;
-  const KernelTable& table = kernel.table();
+  const KernelTable& table = lobe.table();
   const auto towards = [&table](const glm::dvec3& normal, double x, double y, double z) {
     x -= normal.x;
     y -= normal.y;

@@ -30,7 +30,7 @@ struct Part {
 /// Pixels on the sphere, and the kernel about one direction.
 class Texels {
  public:
-  Texels(const projection::SanitizedSource& source, const ZonalShape& kernel)
+  Texels(const projection::SanitizedSource& source, const Lobe& kernel)
       : source_(source), kernel_(kernel), rule_(math::gauss_legendre(kOrder)) {
     const int rows = source.rows();
     const double edge = source.cubemap() ? 2.0 / source.columns() : kPi * std::max(1.0 / rows, 2.0 / source.columns());
@@ -93,13 +93,12 @@ class Texels {
   }
 
   const projection::SanitizedSource& source_;
-  const ZonalShape& kernel_;
+  const Lobe& kernel_;
   math::GaussRule rule_;
   double radius_ = 0.0;
 };
 
-glm::dvec3 integrate_towards(const projection::SanitizedSource& source, const ZonalShape& kernel,
-                             const glm::dvec3& axis) {
+glm::dvec3 integrate_towards(const projection::SanitizedSource& source, const Lobe& kernel, const glm::dvec3& axis) {
   const Texels texels(source, kernel);
   glm::dvec3 sum(0.0);
   double whole = 0.0;
@@ -116,7 +115,7 @@ glm::dvec3 integrate_towards(const projection::SanitizedSource& source, const Zo
 
 }  // namespace
 
-std::vector<glm::dvec3> integrate_kernel(const projection::SanitizedSource& source, const ZonalShape& kernel,
+std::vector<glm::dvec3> integrate_kernel(const projection::SanitizedSource& source, const Lobe& kernel,
                                          std::span<const glm::dvec3> directions, const Control& control) {
   std::vector<glm::dvec3> result(directions.size());
   constexpr auto placement = jobs::Placement::arena;

@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "projection/sanitized_pixels.h"
-#include "reflections/zonal_shape.h"
+#include "reflections/lobe.h"
 #include "welkin/core.h"
 
 namespace welkin::reflections {
 
 /// Int L k / Int k at unit directions, over all texels as areas. Relative error below 1e-5 for continuous kernels.
-[[nodiscard]] std::vector<glm::dvec3> integrate_kernel(const projection::SanitizedSource& source,
-                                                       const ZonalShape& kernel, std::span<const glm::dvec3> directions,
-                                                       const Control& control);
+[[nodiscard]] std::vector<glm::dvec3> integrate_kernel(const projection::SanitizedSource& source, const Lobe& kernel,
+                                                       std::span<const glm::dvec3> directions, const Control& control);
 
 }  // namespace welkin::reflections

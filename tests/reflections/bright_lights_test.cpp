@@ -76,11 +76,12 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
     const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
     const reflections::BrightLights lights(texels, shape, 0.012, kReach);
     for (const double alpha : {0.012, 0.05, 0.4, 1.0}) {
+      const reflections::Lobe lobe(alpha);
       constexpr int size = 64;
       std::vector<float> pixels(std::size_t{18} * size * size, 0.0F);
       std::array<float*, 6> faces{};
       for (std::size_t face = 0; face < 6; ++face) faces[face] = pixels.data() + 3 * face * size * size;
-      lights.add({alpha}, size, faces, {});
+      lights.add({lobe}, size, faces, {});
       const std::vector<glm::dvec3> all = centres(size);
       const auto largest = static_cast<double>(*std::ranges::max_element(pixels));
       double squares = 0.0;
@@ -98,7 +99,7 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
       }
       CAPTURE(shape.cubemap, alpha);
       CHECK(std::sqrt(squares / whole) < 5e-4);
-      CHECK(std::sqrt(squares / whole) < 4.0 * lights.error(alpha) / std::sqrt(whole / (6.0 * size * size / 29.0)));
+      CHECK(std::sqrt(squares / whole) < 4.0 * lights.error(lobe) / std::sqrt(whole / (6.0 * size * size / 29.0)));
       CHECK(worst < 1e-2);
     }
   }
